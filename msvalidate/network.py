@@ -1,0 +1,358 @@
+"""Floor 1: a spring network: energy, force and tangent; from a list or a problem on a lattice.
+
+A spring between points i and j with d = x_j - x_i pulls along its *current* direction:
+energy ½k(|d| - L0)², force on i k(|d| - L0)·d/|d|, the opposite on j.
+
+This is the plain NumPy form; `msvalidate.kernels` holds the compiled one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from msvalidate.lattice import Lattice, boundary_weights
+from msvalidate.problem import (
+    Array,
+    BodyForce,
+    Index,
+    Isotropic,
+    Mask,
+    PointForce,
+    Problem,
+    ProblemError,
+    Traction,
+    finite,
+    positive,
+    prescribed,
+    vectors_at,
+)
+from msvalidate.stiffness import square_constants
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """Points joined by springs, with masses, supports and loads. Arrays are made read-only.
+
+    `spring_network` fills in what is usual; `lattice_network` builds one from a problem.
+
+    Parameters
+    ----------
+    points
+        (n, d) reference positions (m): displacements count from here.
+    springs
+        (m, 2) pairs of different points.
+    stiffness
+        (m,) (N/m, thickness included), >= 0.
+    rest_length
+        (m,) (m), > 0.
+    mass
+        (n,) (kg), > 0.
+    held
+        (n, d) components whose displacement is prescribed.
+    displacement
+        (n, d) prescribed displacement (m), 0 where nothing is held.
+    force
+        (n, d) external force (N).
+
+    Raises
+    ------
+    ProblemError
+        Naming the array and its first bad entry.
+    """
+
+    points: Array
+    springs: Index
+    stiffness: Array
+    rest_length: Array
+    mass: Array
+    held: Mask
+    displacement: Array
+    force: Array
+
+    def __post_init__(self) -> None:
+        n, d = self.points.shape
+        m = len(self.springs)
+        for name, shape in (
+            ("points", (n, d)),
+            ("stiffness", (m,)),
+            ("rest_length", (m,)),
+            ("mass", (n,)),
+            ("displacement", (n, d)),
+            ("force", (n, d)),
+        ):
+            value = finite(name, getattr(self, name))
+            if value.shape != shape:
+                raise ProblemError(f"{name}: shape {value.shape}; this network needs {shape}")
+            object.__setattr__(self, name, value)
+        if self.held.dtype != bool or self.held.shape != (n, d):
+            raise ProblemError(f"held: {self.held.dtype} {self.held.shape}; give booleans {(n, d)}")
+        _refuse("stiffness", self.stiffness, self.stiffness < 0, "N/m; it must be 0 or more")
+        _refuse("rest_length", self.rest_length, self.rest_length <= 0, "m; it must be above 0")
+        _refuse("mass", self.mass, self.mass <= 0, "kg; it must be above 0")
+        for name in ("springs", "held"):
+            value = np.array(getattr(self, name))
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return int(self.points.shape[1])
+
+    @property
+    def start(self) -> Array:
+        """Positions (n, d) in m with the prescribed displacements imposed and all else unmoved."""
+        return self.points + self.displacement
+
+    def scaled(self, factor: Array | float) -> Network:
+        """The same network with every spring's stiffness times `factor`, a number or (m,)."""
+        return replace(self, stiffness=self.stiffness * factor)
+
+
+def spring_network(
+    points: ArrayLike,
+    springs: ArrayLike,
+    stiffness: ArrayLike,
+    *,
+    rest_length: ArrayLike | None = None,
+    mass: ArrayLike = 1.0,
+    held: ArrayLike | None = None,
+    displacement: ArrayLike | None = None,
+    force: ArrayLike | None = None,
+) -> Network:
+    """Network from any list of points and springs.
+
+    Parameters
+    ----------
+    points, springs, stiffness, rest_length, mass, held, displacement, force
+        As in `Network`. One number serves for all springs or points. Rest lengths default to the
+        distances in `points`, an unstressed network; supports and loads default to none.
+
+    Raises
+    ------
+    ProblemError
+        If an array does not fit, a spring joins a point to itself, names a point that is not
+        there or has no length, or a value is out of range.
+    """
+    x = finite("points", points)
+    if x.ndim != 2 or x.shape[1] not in {2, 3} or not len(x):
+        raise ProblemError(f"points: shape {x.shape}; give (n, 2) or (n, 3)")
+    pairs = _pairs(springs, len(x))
+    distance = np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)
+    scale = np.abs(x).max()
+    _refuse("spring length", distance, distance <= 1e-14 * scale, "m; its two points coincide")
+    zero = np.zeros(x.shape)
+    mask = zero.astype(bool) if held is None else np.asarray(held)
+    moved = zero if displacement is None else finite("displacement", displacement)
+    return Network(
+        points=x,
+        springs=pairs,
+        stiffness=_filled("stiffness", stiffness, len(pairs)),
+        rest_length=distance if rest_length is None else finite("rest_length", rest_length),
+        mass=_filled("mass", mass, len(x)),
+        held=mask,
+        displacement=np.where(mask, moved, 0.0) if moved.shape == mask.shape else moved,
+        force=zero if force is None else finite("force", force),
+    )
+
+
+def lattice_network(
+    problem: Problem,
+    lattice: Lattice,
+    constants: tuple[float, ...] | None = None,
+    *,
+    weights: str = "shared",
+    mass: str = "shared",
+) -> Network:
+    """Network that stands for a problem on a lattice.
+
+    Parameters
+    ----------
+    problem, lattice
+        The lattice must fill the problem's box.
+    constants
+        Spring constants (N/m) per kind of spring; by default those of the problem's isotropic
+        material, if the lattice can be it.
+    weights
+        Boundary rule, one of `msvalidate.lattice.WEIGHTS`.
+    mass
+        "shared": density × thickness × the point's share of its cells; "equal": the same total,
+        evenly over the points.
+
+    Raises
+    ------
+    ProblemError
+        If the lattice cannot be the material, or a support or load does not meet its points.
+    """
+    if lattice.box != problem.domain:
+        raise ProblemError(f"lattice fills {lattice.box.size}, the problem {problem.domain.size}")
+    if constants is None:
+        if not isinstance(problem.material, Isotropic):
+            raise ProblemError("spring constants: the material is a tensor; give the constants")
+        constants = square_constants(problem.material)
+    k = finite("spring constants", constants)
+    if k.shape != lattice.sharing.shape:
+        raise ProblemError(f"spring constants: {constants}; the lattice has {len(lattice.sharing)}")
+    held, displacement = prescribed(problem, lattice.points)
+    return spring_network(
+        lattice.points,
+        lattice.springs,
+        k[lattice.kind] * boundary_weights(lattice, weights),
+        mass=_nodal_mass(problem, lattice, mass),
+        held=held,
+        displacement=displacement,
+        force=_nodal_force(problem, lattice),
+    )
+
+
+def energy(network: Network, position: Array) -> float:
+    """Energy (J) stored in the springs at `position` (n, d) in m."""
+    _, length = _stretched(network, position)
+    return float(0.5 * network.stiffness @ (length - network.rest_length) ** 2)
+
+
+def spring_force(network: Network, position: Array) -> Array:
+    """Force (n, d) in N of the springs on the points at `position` (n, d) in m."""
+    vector, length = _stretched(network, position)
+    tension = network.stiffness * (length - network.rest_length)
+    pull = (tension / length)[:, None] * vector
+    force = np.zeros(position.shape)
+    for axis in range(network.dim):
+        for end, sign in ((0, 1.0), (1, -1.0)):
+            weights = sign * pull[:, axis]
+            force[:, axis] += np.bincount(network.springs[:, end], weights, len(position))
+    return force
+
+
+def tangent(network: Network, position: Array) -> csr_array:
+    """Tangent stiffness (n·d, n·d) in N/m at `position`, row n·d of point-major components.
+
+    A spring's block is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness.
+    """
+    vector, length = _stretched(network, position)
+    n = vector / length[:, None]
+    along = n[:, :, None] * n[:, None, :]
+    across = np.eye(network.dim) - along
+    k = network.stiffness[:, None, None]
+    block = k * along + k * (1 - network.rest_length / length)[:, None, None] * across
+    return _scatter(network, block)
+
+
+def force_scale(network: Network, position: Array) -> float:
+    """Largest sum of force magnitudes (N) that meet at a point, the measure of a residual."""
+    _, length = _stretched(network, position)
+    tension = np.abs(network.stiffness * (length - network.rest_length))
+    met = np.linalg.norm(network.force, axis=1)
+    for end in (0, 1):
+        met = met + np.bincount(network.springs[:, end], tension, len(position))
+    return float(met.max())
+
+
+def force_roundoff(network: Network) -> float:
+    """Force (N) below which a residual is rounding: an eps of every length, times its spring."""
+    reach = network.stiffness * (np.abs(network.points).max() + network.rest_length)
+    met = np.bincount(network.springs.ravel(), np.repeat(reach, 2), len(network.points))
+    return float(np.finfo(float).eps * met.max(initial=0.0))
+
+
+def _stretched(network: Network, position: Array) -> tuple[Array, Array]:
+    vector = position[network.springs[:, 1]] - position[network.springs[:, 0]]
+    return vector, np.linalg.norm(vector, axis=1)
+
+
+def _scatter(network: Network, block: Array) -> csr_array:
+    """Assemble spring blocks (m, d, d): plus on the two diagonals, minus off them."""
+    d, size = network.dim, network.points.size
+    dof = network.springs[:, :, None] * d + np.arange(d)
+    rows, columns, values = [], [], []
+    for a, b in ((0, 0), (1, 1), (0, 1), (1, 0)):
+        rows.append(np.broadcast_to(dof[:, a, :, None], block.shape).ravel())
+        columns.append(np.broadcast_to(dof[:, b, None, :], block.shape).ravel())
+        values.append((block if a == b else -block).ravel())
+    entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+    return csr_array(entries, shape=(size, size))
+
+
+def _nodal_mass(problem: Problem, lattice: Lattice, rule: str) -> Array:
+    total = problem.material.density * problem.material.thickness
+    if rule == "shared":
+        return total * lattice.point_volume
+    if rule == "equal":
+        return np.full(len(lattice.points), total * lattice.box.volume / len(lattice.points))
+    raise ProblemError(f"mass: {rule!r}; choose shared or equal")
+
+
+def _nodal_force(problem: Problem, lattice: Lattice) -> Array:
+    """Loads as forces (n, d) in N on the lattice points; the thickness enters here."""
+    force = np.zeros(lattice.points.shape)
+    thickness = problem.material.thickness
+    for load in problem.loads:
+        if isinstance(load, PointForce):
+            at = load.region.select(lattice.points, lattice.box.tolerance)
+            if not at.any():
+                raise ProblemError(
+                    f"point force at {load.region}: no lattice point there; "
+                    "choose cells that put one there"
+                )
+            force[at] += load.force
+        elif isinstance(load, Traction):
+            force += thickness * _traction_force(load, lattice)
+        elif isinstance(load, BodyForce):
+            volume = thickness * lattice.point_volume[:, None]
+            force += volume * vectors_at("body force", load.force, lattice.points)
+    return force
+
+
+def _traction_force(load: Traction, lattice: Lattice) -> Array:
+    """Consistent forces per thickness of a traction that varies linearly along each facet."""
+    box, points = lattice.box, lattice.points
+    inside = load.region.select(points, box.tolerance)
+    facets = lattice.facets[inside[lattice.facets].all(axis=1)]
+    corners = points[facets]
+    edges = corners[:, [2**axis for axis in range(box.dim - 1)]] - corners[:, [0]]
+    area = np.linalg.norm(edges, axis=2).prod(axis=1)
+    bounds = np.array(box.bounds(load.region))
+    spans = np.delete(bounds[:, 1] - bounds[:, 0], load.region.normal_axes)
+    if abs(area.sum() - spans.prod()) > 1e-9 * spans.prod():
+        raise ProblemError(
+            f"traction on {load.region}: covers no whole number of cell edges; "
+            "choose cells whose edges end where the loaded part ends"
+        )
+    line = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
+    shape = line if box.dim == 2 else np.kron(line, line)
+    name = f"traction on {load.region}"
+    traction = vectors_at(name, load.traction, corners.reshape(-1, box.dim)).reshape(corners.shape)
+    shares = area[:, None, None] * np.einsum("ab,fbc->fac", shape, traction)
+    force = np.zeros(points.shape)
+    np.add.at(force, facets, shares)
+    return force
+
+
+def _pairs(springs: ArrayLike, n: int) -> Index:
+    pairs = np.asarray(springs)
+    if pairs.size == 0 or pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
+        raise ProblemError(f"springs: {pairs.dtype} {pairs.shape}; give whole numbers (m, 2)")
+    bad = np.flatnonzero((pairs < 0).any(axis=1) | (pairs >= n).any(axis=1))
+    if len(bad):
+        raise ProblemError(
+            f"springs: {pairs[bad[0]]} at index {bad[0]}; points run from 0 to {n - 1}"
+        )
+    own = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
+    if len(own):
+        raise ProblemError(f"springs: {pairs[own[0]]} at index {own[0]} joins a point to itself")
+    return np.array(pairs, dtype=np.intp)
+
+
+def _filled(name: str, value: ArrayLike, count: int) -> Array:
+    array = finite(name, value)
+    return array if array.ndim else np.full(count, positive(name, float(array)))
+
+
+def _refuse(name: str, values: Array, bad: Mask, remedy: str) -> None:
+    at = np.flatnonzero(bad)
+    if len(at):
+        raise ProblemError(f"{name}: {values[at[0]]:g} at index {at[0]} {remedy}")

@@ -1,0 +1,62 @@
+"""Floor 0: what is asked, as data: domain, material, supports and loads, for d = 2 and 3 alike.
+
+Both solvers receive the same `Problem`. Nothing here predicts a deformation; the one computation,
+`free_motions`, decides whether the question has an answer at all.
+
+SI units throughout. In the plane, tractions (Pa) and body forces (N/m³) act over the thickness of
+the material; point forces are in N.
+"""
+
+from msvalidate.problem.domain import SIDES, Box, Region
+from msvalidate.problem.material import Anisotropic, Isotropic, Material
+from msvalidate.problem.motions import free_motions, refuse_free_motions, rigid_motions
+from msvalidate.problem.statement import (
+    BodyForce,
+    Load,
+    PointForce,
+    Problem,
+    Support,
+    Traction,
+    prescribed,
+    vectors_at,
+)
+from msvalidate.problem.values import (
+    AXES,
+    Array,
+    Field,
+    Index,
+    Mask,
+    ProblemError,
+    SolverError,
+    finite,
+    positive,
+)
+
+__all__ = [
+    "AXES",
+    "SIDES",
+    "Anisotropic",
+    "Array",
+    "BodyForce",
+    "Box",
+    "Field",
+    "Index",
+    "Isotropic",
+    "Load",
+    "Mask",
+    "Material",
+    "PointForce",
+    "Problem",
+    "ProblemError",
+    "Region",
+    "SolverError",
+    "Support",
+    "Traction",
+    "finite",
+    "free_motions",
+    "positive",
+    "prescribed",
+    "refuse_free_motions",
+    "rigid_motions",
+    "vectors_at",
+]

@@ -1,0 +1,102 @@
+"""Of what: linear elastic materials."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from msvalidate.problem.values import Array, ProblemError, finite, positive
+
+State = Literal["plane_stress", "plane_strain", "solid"]
+
+
+@dataclass(frozen=True)
+class Isotropic:
+    """Isotropic linear elastic material.
+
+    Parameters
+    ----------
+    E, nu
+        Young's modulus (Pa) and Poisson's ratio of the three-dimensional material.
+    state
+        "plane_stress" or "plane_strain" for d = 2, "solid" for d = 3.
+    density
+        Mass density (kg/m³); only the motion depends on it. Default: that of water and soft tissue.
+    thickness
+        Out-of-plane thickness (m) of a plane body; must stay 1 for a solid.
+    """
+
+    E: float
+    nu: float
+    state: State = "plane_stress"
+    density: float = 1000.0
+    thickness: float = 1.0
+
+    def __post_init__(self) -> None:
+        positive("Young's modulus E", self.E, "Pa")
+        positive("density", self.density, "kg/m³")
+        positive("thickness", self.thickness, "m")
+        nu = finite("Poisson's ratio nu", self.nu)
+        if nu.ndim or not -1 < nu <= 0.5:
+            raise ProblemError(
+                f"Poisson's ratio nu: {self.nu}; a stable material has -1 < nu <= 1/2"
+            )
+        if self.state not in {"plane_stress", "plane_strain", "solid"}:
+            raise ProblemError(
+                f"material state: {self.state!r}; choose plane_stress, plane_strain or solid"
+            )
+        if self.state == "solid" and self.thickness != 1:
+            raise ProblemError(f"thickness: {self.thickness} m; a solid has none, leave it at 1")
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return 3 if self.state == "solid" else 2
+
+
+@dataclass(frozen=True, eq=False)
+class Anisotropic:
+    """Linear elastic material given by its stiffness tensor.
+
+    Parameters
+    ----------
+    C
+        (3, 3) in Voigt order xx, yy, xy, or (6, 6) in order xx, yy, zz, yz, xz, xy, with
+        engineering shear strains (Pa). Plane tensors are the in-plane ones as they stand:
+        plane stress or plane strain is already in them. Symmetric, positive definite.
+    density
+        Mass density (kg/m³).
+    thickness
+        Out-of-plane thickness (m) of a plane body; must stay 1 for a solid.
+    """
+
+    C: Array
+    density: float = 1000.0
+    thickness: float = 1.0
+
+    def __post_init__(self) -> None:
+        C = finite("stiffness tensor C", self.C)
+        if C.shape not in {(3, 3), (6, 6)}:
+            raise ProblemError(f"stiffness tensor C: shape {C.shape}; give (3, 3) or (6, 6)")
+        if np.abs(C - C.T).max() > 1e-12 * np.abs(C).max():
+            raise ProblemError("stiffness tensor C: not symmetric; no elastic energy belongs to it")
+        lowest = np.linalg.eigvalsh(C)[0]
+        if lowest <= 1e-12 * np.abs(C).max():
+            raise ProblemError(
+                f"stiffness tensor C: lowest eigenvalue {lowest:g} Pa; some strain costs no energy"
+            )
+        object.__setattr__(self, "C", C)
+        positive("density", self.density, "kg/m³")
+        positive("thickness", self.thickness, "m")
+        if C.shape == (6, 6) and self.thickness != 1:
+            raise ProblemError(f"thickness: {self.thickness} m; a solid has none, leave it at 1")
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return 2 if self.C.shape == (3, 3) else 3
+
+
+Material = Isotropic | Anisotropic

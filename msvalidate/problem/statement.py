@@ -1,0 +1,212 @@
+"""Problem: a body, what it is made of, how it is held and what acts on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+
+from msvalidate.problem.domain import Box, Region
+from msvalidate.problem.material import Material
+from msvalidate.problem.motions import place_name, refuse_free_motions
+from msvalidate.problem.values import AXES, Array, Field, Mask, ProblemError, finite
+
+
+@dataclass(frozen=True)
+class Support:
+    """Displacement components prescribed on a region.
+
+    Parameters
+    ----------
+    region
+        Where.
+    displacement
+        One entry per axis: a value (m), a field of points (n, d) -> (n,) (m), or None where the
+        body is free to move.
+    """
+
+    region: Region
+    displacement: tuple[float | Field | None, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.displacement) != self.region.dim:
+            raise ProblemError(
+                f"support on {self.region}: {len(self.displacement)} components for "
+                f"{self.region.dim} axes; give a value, a field or None for each"
+            )
+        if all(value is None for value in self.displacement):
+            raise ProblemError(f"support on {self.region}: holds no component; leave it out")
+        for value in self.displacement:
+            if value is not None and not callable(value):
+                finite(f"support on {self.region}", value)
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """Force (N) of d components at one place (m)."""
+
+    at: tuple[float, ...]
+    force: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        place, force = finite("place of a point force", self.at), finite("point force", self.force)
+        if place.shape != force.shape or place.shape not in {(2,), (3,)}:
+            raise ProblemError(f"point force {self.force} at {self.at}: give 2 or 3 numbers each")
+
+    @property
+    def region(self) -> Region:
+        """The point as a region."""
+        return Region(self.at)
+
+
+@dataclass(frozen=True)
+class Traction:
+    """Force per area (Pa) on a face (d = 3) or an edge (d = 2) of the body, or on a part of it.
+
+    Parameters
+    ----------
+    region
+        A region with exactly one flat axis.
+    traction
+        d components (Pa), or a field of points (n, d) -> (n, d).
+    """
+
+    region: Region
+    traction: tuple[float, ...] | Field
+
+    def __post_init__(self) -> None:
+        if len(self.region.normal_axes) != 1:
+            raise ProblemError(
+                f"traction on {self.region}: {len(self.region.normal_axes)} flat axes; a traction "
+                "acts on a side of the body, where exactly one coordinate is fixed"
+            )
+        _check_vector(f"traction on {self.region}", self.traction, self.region.dim)
+
+
+@dataclass(frozen=True)
+class BodyForce:
+    """Force per volume (N/m³): d components, or a field of points (n, d) -> (n, d)."""
+
+    force: tuple[float, ...] | Field
+
+
+Load = PointForce | Traction | BodyForce
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A body, what it is made of, how it is held and what acts on it.
+
+    Raises
+    ------
+    ProblemError
+        If the parts do not fit together, or the supports leave the body a rigid motion; the
+        message names each free motion.
+    """
+
+    domain: Box
+    material: Material
+    supports: tuple[Support, ...]
+    loads: tuple[Load, ...] = ()
+    name: str = field(default="problem")
+
+    def __post_init__(self) -> None:
+        d = self.domain.dim
+        if self.material.dim != d:
+            raise ProblemError(f"{self.name}: a {self.material.dim}D material in a {d}D domain")
+        for load in self.loads:
+            if isinstance(load, BodyForce):
+                _check_vector("body force", load.force, d)
+                continue
+            bounds = self.domain.bounds(load.region)
+            if isinstance(load, Traction):
+                axis = load.region.normal_axes[0]
+                if all(
+                    abs(bounds[axis][0] - end) > self.domain.tolerance
+                    for end in (0.0, self.domain.size[axis])
+                ):
+                    raise ProblemError(
+                        f"traction on {load.region}: inside the body; a traction acts on a side"
+                    )
+        corners, held = self._held_corners()
+        refuse_free_motions(self.name, corners, held)
+
+    def _held_corners(self) -> tuple[Array, Mask]:
+        """Corners of the supported regions and the components held there.
+
+        A rigid motion is affine, so it vanishes on a region when it vanishes on its corners.
+        """
+        corners, held = [], []
+        for support in self.supports:
+            for corner in product(*self.domain.bounds(support.region)):
+                corners.append(corner)
+                held.append([value is not None for value in support.displacement])
+        d = self.domain.dim
+        return np.array(corners).reshape(-1, d), np.array(held, dtype=bool).reshape(-1, d)
+
+
+def prescribed(problem: Problem, points: Array) -> tuple[Mask, Array]:
+    """Components held (n, d) and the displacement (n, d) in m prescribed there, 0 elsewhere.
+
+    Raises
+    ------
+    ProblemError
+        If a support meets none of the points, or two supports contradict each other.
+    """
+    held = np.zeros(points.shape, dtype=bool)
+    value = np.zeros(points.shape)
+    for support in problem.supports:
+        chosen = support.region.select(points, problem.domain.tolerance)
+        if not chosen.any():
+            raise ProblemError(
+                f"support on {support.region}: no point of the discretised body lies there; "
+                "choose cells that put one there"
+            )
+        for axis, entry in enumerate(support.displacement):
+            if entry is None:
+                continue
+            wanted = _values(f"support on {support.region}", entry, points[chosen])
+            clash = held[chosen, axis] & (
+                np.abs(value[chosen, axis] - wanted) > problem.domain.tolerance
+            )
+            if clash.any():
+                first, place = value[chosen, axis][clash][0], points[chosen][clash][0]
+                raise ProblemError(
+                    f"supports contradict each other: {AXES[axis]} displacement {first:g} and "
+                    f"{wanted[clash][0]:g} m at {place_name(place)}; prescribe it once"
+                )
+            held[chosen, axis], value[chosen, axis] = True, wanted
+    return held, value
+
+
+def _check_vector(name: str, value: Sequence[float] | Field, dim: int) -> None:
+    if not callable(value) and finite(name, value).shape != (dim,):
+        raise ProblemError(f"{name}: {value!r}; give {dim} components")
+
+
+def _values(name: str, entry: float | Field, points: Array) -> Array:
+    """One displacement component at the points: a field evaluated, a number repeated."""
+    if not callable(entry):
+        return np.full(len(points), float(entry))
+    values = finite(name, entry(points))
+    if values.shape != (len(points),):
+        raise ProblemError(f"{name}: the field returned shape {values.shape}, not {(len(points),)}")
+    return values
+
+
+def vectors_at(name: str, entry: Sequence[float] | Field, points: Array) -> Array:
+    """Vector quantity (n, d) at points (n, d): a field evaluated, a constant repeated.
+
+    Raises
+    ------
+    ProblemError
+        If a field returns another shape, or a value that is not finite.
+    """
+    if not callable(entry):
+        return np.tile(np.asarray(entry, dtype=float), (len(points), 1))
+    values = finite(name, entry(points))
+    if values.shape != points.shape:
+        raise ProblemError(f"{name}: the field returned shape {values.shape}, not {points.shape}")
+    return values

@@ -1,0 +1,89 @@
+"""Floor 2: natural frequencies of a network, from its assembled tangent and its masses."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import eigvalsh
+from scipy.sparse import csr_array, diags_array
+from scipy.sparse.linalg import ArpackError, eigsh
+
+from msvalidate.network import Network, tangent
+from msvalidate.problem import Array, ProblemError, SolverError
+
+DENSE = 600
+"""Degrees of freedom up to which a dense solver is the faster one."""
+
+
+def natural_frequencies(
+    network: Network, count: int = 10, position: Array | None = None
+) -> tuple[Array, float]:
+    """The lowest `count` and the highest natural frequency (rad/s), undamped, supports held.
+
+    K φ = ω² M φ on the free components, with the full tangent (geometric stiffness included).
+
+    Parameters
+    ----------
+    network
+        At least one free component; every mode must have stiffness.
+    count
+        Number of lowest frequencies, at most the number of free components.
+    position
+        (n, d) where to linearise (m); by default the reference points.
+
+    Raises
+    ------
+    SolverError
+        If a mode has negative stiffness (the position is unstable) or the iteration fails.
+    """
+    matrix = _dynamical_matrix(network, network.points if position is None else position)
+    size = matrix.shape[0]
+    if not 1 <= count <= size:
+        raise ProblemError(f"count: {count} frequencies; this network has {size} free components")
+    if size <= max(DENSE, 4 * count):
+        squares = eigvalsh(matrix.toarray())
+        lowest, highest = squares[:count], squares[-1]
+    else:
+        highest = _largest(matrix)
+        lowest = _smallest(matrix, count, highest)
+    if lowest[0] < -1e-10 * highest:
+        raise SolverError(
+            f"natural frequencies: omega² = {lowest[0]:g} 1/s²; the network is unstable there"
+        )
+    return np.sqrt(np.maximum(lowest, 0.0)), float(np.sqrt(highest))
+
+
+def extreme_frequencies(network: Network, position: Array | None = None) -> tuple[float, float]:
+    """Lowest and highest natural frequency (rad/s); see `natural_frequencies`."""
+    lowest, highest = natural_frequencies(network, 1, position)
+    return float(lowest[0]), highest
+
+
+def _dynamical_matrix(network: Network, position: Array) -> csr_array:
+    """M^(-1/2) K M^(-1/2) on the free components."""
+    free = np.flatnonzero(~network.held.ravel())
+    if not len(free):
+        raise ProblemError("natural frequencies: every component is held; nothing can move")
+    scale = diags_array(1 / np.sqrt(np.repeat(network.mass, network.dim)[free]))
+    return csr_array(scale @ tangent(network, position)[free][:, free] @ scale)
+
+
+def _largest(matrix: csr_array) -> float:
+    # A fixed start makes the last digits the same from run to run.
+    start = np.random.default_rng(0).normal(size=matrix.shape[0])
+    try:
+        return float(eigsh(matrix, k=1, which="LA", v0=start, return_eigenvectors=False)[0])
+    except ArpackError as error:
+        raise SolverError(f"highest natural frequency: the iteration failed ({error})") from error
+
+
+def _smallest(matrix: csr_array, count: int, highest: float) -> Array:
+    # The shift keeps the factor regular when a mode has no stiffness, and costs no accuracy there.
+    start = np.random.default_rng(0).normal(size=matrix.shape[0])
+    shift = -1e-9 * highest
+    try:
+        values = eigsh(
+            matrix.tocsc(), k=count, sigma=shift, which="LM", v0=start, return_eigenvectors=False
+        )
+    except (ArpackError, RuntimeError) as error:
+        raise SolverError(f"lowest natural frequencies: the iteration failed ({error})") from error
+    return np.sort(values)

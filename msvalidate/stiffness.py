@@ -1,0 +1,144 @@
+"""Floor 1: spring constants to elastic constants and back.
+
+Voigt order xx, yy, xy with engineering shear strain. Spring constants (N/m) include the thickness,
+so a plane tensor is in N/m: Pa times the thickness. In the plane ``nu`` means the in-plane ratio
+C12/C11 and ``E`` the in-plane modulus C11 - C12²/C11: plane stress has nu2 = nu and E2 = E·t, plane
+strain nu2 = nu/(1 - nu) and E2 = E·t/(1 - nu²).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from msvalidate.lattice import Lattice, boundary_weights
+from msvalidate.problem import Array, Isotropic, ProblemError, finite
+
+CAUCHY_PLANE = 1 / 3
+"""The only in-plane ratio of an isotropic network of central springs: they force C12 = C66
+(Cauchy's relation), and isotropy C11 = C12 + 2·C66."""
+
+
+@dataclass(frozen=True)
+class PlaneModuli:
+    """Elastic constants of a plane tensor along its axes.
+
+    ``E`` (N/m) and ``nu`` in uniaxial stress along x; ``zener`` = 2·C66/(C11 - C12) is 1 for an
+    isotropic tensor.
+    """
+
+    E: float
+    nu: float
+    zener: float
+
+
+def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
+    """Homogenised tensor (3, 3) of springs under affine motion, each spring listed once.
+
+    C = (1/V) Σ k L² v vᵀ with v = (nx², ny², nx·ny) and n the spring's direction: the energy of a
+    uniform strain. Exact where every point is a centre of symmetry, an upper bound elsewhere (Born
+    and Huang, *Dynamical Theory of Crystal Lattices*, 1954, for central forces).
+
+    Parameters
+    ----------
+    vectors, stiffness
+        (m, 2) in m and (m,) in N/m.
+    volume
+        Area (m²) that the springs stand for.
+    """
+    length = np.linalg.norm(vectors, axis=1)
+    x, y = (vectors / length[:, None]).T
+    v = np.stack([x**2, y**2, x * y])
+    return np.asarray((v * (stiffness * length**2)) @ v.T / volume)
+
+
+def network_tensor(lattice: Lattice, constants: tuple[float, ...], weights: str) -> Array:
+    """Tensor (3, 3) in N/m of the *interior* of the lattice, as built under a weight rule."""
+    k = np.asarray(constants, dtype=float)
+    if weights == "per_cell":  # inside, every cell that a spring borders brings one of its own
+        k = k * lattice.sharing
+    # With shared boundary springs the whole lattice is made of interior cells, none of them cut.
+    per_spring = k[lattice.kind] * boundary_weights(lattice, "shared")
+    return spring_tensor(lattice.vectors, per_spring, lattice.box.volume)
+
+
+def square_tensor(k1: float, k2: float) -> Array:
+    """Tensor (3, 3) in N/m of the square lattice: C11 = k1 + k2, C12 = C66 = k2, any spacing."""
+    return np.array([[k1 + k2, k2, 0.0], [k2, k1 + k2, 0.0], [0.0, 0.0, k2]])
+
+
+def square_constants(material: Isotropic, *, isotropic: bool = True) -> tuple[float, float]:
+    """Spring constants (k1, k2) in N/m of the square lattice that stands for a plane material.
+
+    Parameters
+    ----------
+    material
+        Plane stress or plane strain.
+    isotropic
+        True asks for the material in every direction, which one in-plane ratio allows. False asks
+        for its modulus and ratio along the lattice axes only.
+
+    Raises
+    ------
+    ProblemError
+        With the reason, if the lattice cannot be that material.
+    """
+    E, nu = in_plane(material)
+    if isotropic and abs(nu - CAUCHY_PLANE) > 1e-9:
+        raise ProblemError(
+            f"square lattice: in-plane ratio {nu:.6g} ({material.state}, nu = {material.nu:g}); "
+            "central springs are isotropic at 1/3 only (C12 = C66): take nu = 1/3 in plane stress "
+            "or 1/4 in plane strain, or match along the axes alone (isotropic=False)"
+        )
+    if not 0 <= nu < 1:
+        raise ProblemError(
+            f"square lattice: in-plane ratio {nu:.6g}; k2/(k1 + k2) with k1 > 0 and k2 >= 0 stays "
+            "in 0 <= nu < 1 (at 1 the axial springs vanish and the lattice is a mechanism)"
+        )
+    C11 = E / (1 - nu**2)
+    return C11 * (1 - nu), C11 * nu
+
+
+def in_plane(material: Isotropic) -> tuple[float, float]:
+    """In-plane modulus (N/m, thickness included) and ratio of an isotropic material.
+
+    Raises
+    ------
+    ProblemError
+        If the material is a solid.
+    """
+    E, nu, t = material.E, material.nu, material.thickness
+    if material.state == "plane_stress":
+        return E * t, nu
+    if material.state == "plane_strain":
+        return E * t / (1 - nu**2), nu / (1 - nu)
+    raise ProblemError("in-plane constants: the material is a solid; take plane stress or strain")
+
+
+def plane_moduli(tensor: Array) -> PlaneModuli:
+    """E (N/m), nu along the axes and Zener ratio of a tensor with C11 = C22, C16 = C26 = 0."""
+    C11, C12, C66 = tensor[0, 0], tensor[0, 1], tensor[2, 2]
+    return PlaneModuli(
+        E=float(C11 - C12**2 / C11), nu=float(C12 / C11), zener=float(2 * C66 / (C11 - C12))
+    )
+
+
+def rotated(tensor: Array, angle: float) -> Array:
+    """Tensor (3, 3) of the material turned counter-clockwise by `angle` (rad)."""
+    finite("angle", angle)
+    c, s = np.cos(angle), np.sin(angle)
+    # Stress of the turned body from its own stress: the Bond matrix for Voigt stress vectors.
+    bond = np.array(
+        [[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]]
+    )
+    return np.asarray(bond @ tensor @ bond.T)
+
+
+def directional_ratio(tensor: Array, angle: float) -> float:
+    """Poisson's ratio when the body is pulled along the direction at `angle` (rad) to x.
+
+    nu = -S12/S11 of the compliance in axes along and across the pull.
+    """
+    compliance = np.linalg.inv(rotated(tensor, -angle))
+    return float(-compliance[0, 1] / compliance[0, 0])

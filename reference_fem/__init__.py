@@ -1,0 +1,20 @@
+"""Finite element reference on scikit-fem; shares the statement of the problem, no numerical code.
+
+Two entry points: `solve_problem` for a `Problem` on a box, and `solve` for a mesh given as arrays.
+"""
+
+from reference_fem.body import Solution, box_discretisation, solve_problem
+from reference_fem.discretisation import Discretisation, discretise
+from reference_fem.elasticity import solve
+from reference_fem.refinement import Estimate, refine
+
+__all__ = [
+    "Discretisation",
+    "Estimate",
+    "Solution",
+    "box_discretisation",
+    "discretise",
+    "refine",
+    "solve",
+    "solve_problem",
+]
