@@ -13,7 +13,7 @@ SAFETY = 1.25
 """Factor on Richardson's estimate where three meshes show a plausible order (Roache 1994,
 doi:10.1115/1.2910291)."""
 CAUTION = 3.0
-"""Factor on the largest change seen where they do not."""
+"""Factor on the last change where they do not."""
 ROUNDING = 1e-11
 """Changes below this, relative to the values, are rounding: no order can be read off them."""
 LOWEST_ORDER = 0.5
@@ -101,7 +101,7 @@ def richardson(
         richardson = SAFETY * last / (2**order - 1)
     monotone = (medium - coarse) * (fine - medium) > 0
     plausible = ~exact & monotone & (order >= LOWEST_ORDER) & (order <= highest_order)
-    uncertainty = np.where(plausible, richardson, CAUTION * np.maximum(first, last))
+    uncertainty = np.where(plausible, richardson, CAUTION * last)
     words = np.where(exact, "exact", np.where(plausible, "asymptotic", "not asymptotic"))
     return Estimate(
         value=fine,

@@ -1,0 +1,153 @@
+"""Floor 3: what a study hands over, and how it is judged. Knows numbers and tables, no solver."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate.problem import SolverError
+
+T = TypeVar("T")
+Tables = Mapping[str, pd.DataFrame]
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A number that a study found, and the one that it should be."""
+
+    value: float
+    reference: float = 0.0
+
+    @property
+    def error(self) -> float:
+        """Distance from the reference."""
+        return abs(self.value - self.reference)
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far an observed quantity may be from its reference, in which unit, and why so far."""
+
+    quantity: str
+    limit: float
+    unit: str
+    because: str
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What a study found.
+
+    Parameters
+    ----------
+    tables
+        Name -> table; a table has rows, and no number in it is missing.
+    figures
+        Name -> function that draws the figure from the tables.
+    observed, tolerances
+        Every observed quantity has a tolerance and the reverse.
+    columns
+        Column -> what it means and its unit, for every column of every table.
+    findings
+        Sentences that say what was found; numbers in them come from the tables.
+
+    Raises
+    ------
+    SolverError
+        If a table is empty or holds a number that is not finite: that is a failure, not a result.
+    """
+
+    tables: Tables
+    observed: Mapping[str, Observed]
+    tolerances: tuple[Tolerance, ...]
+    figures: Mapping[str, Callable[[Tables], Figure]] = field(default_factory=dict)
+    columns: Mapping[str, str] = field(default_factory=dict)
+    findings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name, table in self.tables.items():
+            if table.empty:
+                raise SolverError(f"table {name}: no rows; nothing was compared")
+            for column in table.select_dtypes("number"):
+                bad = np.flatnonzero(~np.isfinite(table[column].to_numpy(dtype=float)))
+                if len(bad):
+                    raise SolverError(
+                        f"table {name}: {column} is {table[column].iloc[bad[0]]} in row {bad[0]}"
+                    )
+            unexplained = [column for column in table if column not in self.columns]
+            if unexplained:
+                raise ValueError(f"table {name}: columns without a meaning: {unexplained}")
+        quantities = [tolerance.quantity for tolerance in self.tolerances]
+        unjudged = set(quantities) ^ set(self.observed)
+        if unjudged or len(set(quantities)) < len(quantities):
+            raise ValueError(
+                f"observed without a tolerance, the reverse, or twice: {sorted(unjudged)}"
+            )
+
+
+def merged(*parts: Evidence) -> Evidence:
+    """One study's evidence from that of its questions.
+
+    Raises
+    ------
+    ValueError
+        If two parts use one name for a table, figure or quantity.
+    """
+    tables: dict[str, pd.DataFrame] = {}
+    figures: dict[str, Callable[[Tables], Figure]] = {}
+    observed: dict[str, Observed] = {}
+    columns: dict[str, str] = {}
+    for part in parts:
+        _join(tables, part.tables)
+        _join(figures, part.figures)
+        _join(observed, part.observed)
+        columns |= part.columns
+    return Evidence(
+        tables=tables,
+        observed=observed,
+        tolerances=tuple(t for part in parts for t in part.tolerances),
+        figures=figures,
+        columns=columns,
+        findings=tuple(f for part in parts for f in part.findings),
+    )
+
+
+def judge(evidence: Evidence) -> pd.DataFrame:
+    """One row per tolerance: quantity, unit, observed, reference, error, limit, verdict, because.
+
+    A value that is not finite fails.
+    """
+    rows = []
+    for tolerance in evidence.tolerances:
+        seen = evidence.observed[tolerance.quantity]
+        held = np.isfinite(seen.error) and seen.error <= tolerance.limit
+        rows.append(
+            {
+                "quantity": tolerance.quantity,
+                "unit": tolerance.unit,
+                "observed": seen.value,
+                "reference": seen.reference,
+                "error": seen.error,
+                "limit": tolerance.limit,
+                "verdict": "pass" if held else "fail",
+                "because": tolerance.because,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def held(verdict: pd.DataFrame) -> bool:
+    """Whether a judgement has rows, and every one of them passed."""
+    return bool(len(verdict)) and bool((verdict["verdict"] == "pass").all())
+
+
+def _join(whole: dict[str, T], piece: Mapping[str, T]) -> None:
+    twice = set(whole) & set(piece)
+    if twice:
+        raise ValueError(f"two questions of one study both name {sorted(twice)}")
+    whole |= piece

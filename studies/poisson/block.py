@@ -1,0 +1,139 @@
+"""The block under end load: its loadings, the definitions of its Poisson's ratio, the candidate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+
+import reference_fem
+from msvalidate import lattice, network
+from msvalidate.equilibrium import equilibrium
+from msvalidate.network import Network
+from msvalidate.problem import (
+    Anisotropic,
+    Array,
+    Box,
+    Mask,
+    Problem,
+    Region,
+    Support,
+    Traction,
+)
+from msvalidate.stiffness import network_tensor
+
+Geometry = Literal["linear", "nonlinear"]
+Candidate = Callable[[Problem, Network, Geometry], Array]
+"""Predicts the displacement (n, d) in m at a network's points, from the problem or the network."""
+
+SIDE = 1.0
+BOX = Box((SIDE, SIDE))
+LOADINGS = ("slide", "traction", "clamped")
+DEFINITIONS = ("edges", "middle")
+K1 = 1.0
+RATIOS = (0.25, 0.5, 1.0, 2.0)
+"""k2/k1."""
+STRAIN = 1e-3
+"""Nominal axial strain; a linear answer does not depend on it."""
+GRADING = 3.0
+"""Mesh lines crowd to the corners, where a clamped end has singular stress: on 64 x 64 elements the
+ratio then moves by 1e-5 when the mesh is doubled, against 3e-4 on even lines."""
+
+
+def springs(problem: Problem, spring_network: Network, geometry: Geometry = "linear") -> Array:
+    """The candidate: static equilibrium of the spring network."""
+    return equilibrium(spring_network, geometry).displacement
+
+
+def finite_elements(
+    problem: Problem, spring_network: Network, geometry: Geometry = "linear"
+) -> Array:
+    """The reference in the candidate's place: an identity control of the linear questions."""
+    mesh = reference_fem.box_discretisation(problem.domain, 32, "Q2", GRADING)
+    return reference_fem.solve_problem(problem, mesh).at(spring_network.points)
+
+
+def loaded_block(loading: str, tensor: Array, strain: float = STRAIN) -> Problem:
+    """Unit square pulled along x.
+
+    Parameters
+    ----------
+    loading
+        "slide": end displacement prescribed, ends free to slide along y. "traction": uniform
+        traction on both ends, statically determinate supports. "clamped": both components
+        prescribed on both ends.
+    tensor
+        (3, 3) in N/m: the material, at thickness 1 m.
+    strain
+        Nominal axial strain.
+    """
+    left, right = BOX.side("left"), BOX.side("right")
+    corner = Region((0.0, 0.0))
+    pull = strain * SIDE
+    loads: tuple[Traction, ...] = ()
+    if loading == "slide":
+        supports: tuple[Support, ...] = (
+            Support(left, (0.0, None)),
+            Support(right, (pull, None)),
+            Support(corner, (None, 0.0)),
+        )
+    elif loading == "clamped":
+        supports = (Support(left, (0.0, 0.0)), Support(right, (pull, 0.0)))
+    else:
+        stress = strain * (tensor[0, 0] - tensor[0, 1] ** 2 / tensor[0, 0])
+        supports = (Support(corner, (0.0, 0.0)), Support(Region((0.0, SIDE)), (0.0, None)))
+        loads = (Traction(left, (-stress, 0.0)), Traction(right, (stress, 0.0)))
+    return Problem(BOX, Anisotropic(tensor), supports, loads, name=f"block, {loading}")
+
+
+def spring_block(
+    loading: str, k2: float, cells: int, weights: str, strain: float = STRAIN
+) -> tuple[Problem, Network]:
+    """The block as a problem, its material the tensor of the lattice's interior, and as springs."""
+    grid = lattice.square(BOX, cells)
+    constants = (K1, k2)
+    problem = loaded_block(loading, network_tensor(grid, constants, weights), strain)
+    return problem, network.lattice_network(problem, grid, constants, weights=weights)
+
+
+def edge_points(points: Array) -> Array:
+    """Those of the points on the block's edges: all that `ratio` and `axial_strain` look at."""
+    return points[(_at(points, 0.0) | _at(points, SIDE)).any(axis=1)]
+
+
+def end_traction(problem: Problem) -> float:
+    """Traction (Pa) along x on the right end of a block under traction."""
+    load = problem.loads[-1]
+    if not isinstance(load, Traction) or callable(load.traction):
+        raise TypeError("the block is not under uniform traction")
+    return load.traction[0]
+
+
+def axial_strain(points: Array, displacement: Array) -> float:
+    """Difference of the plain mean displacement of the two ends, over the length."""
+    x = points[:, 0]
+    right, left = displacement[_at(x, SIDE), 0], displacement[_at(x, 0.0), 0]
+    return float((right.mean() - left.mean()) / SIDE)
+
+
+def ratio(points: Array, displacement: Array, definition: str) -> float:
+    """Poisson's ratio of the block: minus lateral over axial strain.
+
+    ``edges``: lateral strain between the plain means of all nodes of the top and bottom edge,
+    corners included. ``middle``: at half length; where no column of points stands there, the mean
+    of the two nearest.
+    """
+    x, y = points.T
+    columns = np.unique(np.round(x, 12))
+    if definition == "middle":
+        distance = np.abs(columns - SIDE / 2)
+        columns = columns[distance < distance.min() + 1e-9]
+    chosen = (np.abs(x[:, None] - columns) < 1e-9).any(axis=1)
+    top, bottom = chosen & _at(y, SIDE), chosen & _at(y, 0.0)
+    lateral = (displacement[top, 1].mean() - displacement[bottom, 1].mean()) / SIDE
+    return float(-lateral / axial_strain(points, displacement))
+
+
+def _at(values: Array, place: float) -> Mask:
+    return np.asarray(np.abs(values - place) < 1e-9)

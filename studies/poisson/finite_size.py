@@ -1,0 +1,342 @@
+"""Finite size: what ratio does a block of N x N cells show, and whose formula is it?
+
+Question   Lateral over axial strain of a pulled block of square-8 cells, for every size, constants,
+           boundary weight, loading and definition of the lateral strain.
+Candidate  Static equilibrium of the spring network (linear geometry).
+Reference  Finite elements on a body with the tensor of the lattice's interior, loaded in the same
+           way and sampled at the network's points, refined until its own error is below 1e-4.
+Expected   Springs shared between cells make every cell alike, so uniform strain is exact at every
+           size: `shared` gives k2/(k1 + k2), `per_cell` the report's k2/(2 k1 + k2). With `equal`
+           springs the boundary is too stiff, an effect of the edge, hence of first order in 1/N.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import product
+from math import pi, sin
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from scipy.optimize import brentq
+from scipy.sparse import csr_matrix
+
+import reference_fem
+from msvalidate import figures, lattice
+from msvalidate.compare import observed_order, worst
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.problem import Array, Problem
+from msvalidate.stiffness import square_tensor
+from msvalidate.sweep import Setting
+from studies.poisson import block
+from studies.poisson.block import BOX, DEFINITIONS, K1, LOADINGS, Candidate
+
+CELLS = (1, 2, 5, 10, 20, 40)
+"""5 cells are the report's 6 x 6 particles."""
+RATIOS, QUICK_RATIOS = (0.25, 0.5, 1.0, 2.0), (0.5,)
+"""k2/k1."""
+REFERENCE_ERROR = 1e-4
+"""Asked of the reference's own estimate; its true error is a tenth of that where checked."""
+COARSEST_MESH = {"slide": 2, "traction": 2, "clamped": 16}
+"""Cells per side to start from; uniform strain is exact on any mesh."""
+# k1 = 1, k2 = 1/2, equal springs, ratio over the edges, found by an independent program.
+EQUAL_SPRINGS = {
+    "slide": {1: 0.2000, 2: 0.2444, 5: 0.2908, 10: 0.3110, 20: 0.3220, 40: 0.3277},
+    "traction": {2: 0.2632, 5: 0.2997, 10: 0.3147},
+}
+IDENTITY, ONE = 1e-9, "1"
+TOLERANCES = (
+    Tolerance(
+        "shared springs: k2/(k1+k2)",
+        IDENTITY,
+        ONE,
+        "exact at every size; left is the rounding of a linear solve, 1e-16 times a condition "
+        "number of up to 1e5",
+    ),
+    Tolerance("per-cell springs: k2/(2k1+k2)", IDENTITY, ONE, "exact, as for shared springs"),
+    Tolerance(
+        "uniform strain: springs against FEM",
+        IDENTITY,
+        ONE,
+        "with consistent weights both sides are exact",
+    ),
+    Tolerance(
+        "modulus of shared springs against FEM, relative",
+        IDENTITY,
+        ONE,
+        "the same uniform strain, measured by the traction that it takes",
+    ),
+    Tolerance(
+        "one cell of equal springs: k2/(2k1+k2)",
+        IDENTITY,
+        ONE,
+        "the report derived its formula for one isolated cell",
+    ),
+    Tolerance(
+        "equal springs: an independent program",
+        5e-5,
+        ONE,
+        "half a unit of the last of the four digits that it gave",
+    ),
+    Tolerance(
+        "equal springs: order in 1/N towards the bulk",
+        0.1,
+        ONE,
+        "an edge effect is of order 1; one pair of sizes scatters by 0.1",
+    ),
+    Tolerance(
+        "clamped, shared springs: order in 1/N towards FEM",
+        0.1,
+        ONE,
+        "twice the exponent of the corner singularity (Williams 1952); one pair scatters by 0.1",
+    ),
+    Tolerance(
+        "clamped, shared springs: difference to FEM times N^order",
+        0.05,
+        ONE,
+        "0.035 where the order has set in, with room for a pair of sizes; a fault of 1 % of k2 "
+        "makes 0.5 of it",
+    ),
+    Tolerance("uncertainty of the reference", REFERENCE_ERROR, ONE, "what the question asks of it"),
+)
+COLUMNS = {
+    "lattice": "which lattice",
+    "weights": "rule for springs on the boundary: shared, equal or per_cell",
+    "k1": "stiffness of axial springs (N/m)",
+    "k2": "stiffness of diagonal springs (N/m)",
+    "cells": "cells per side, N",
+    "loading": "slide, traction or clamped ends",
+    "definition": "lateral strain over the edges (mean of all edge nodes) or at the middle",
+    "nu_springs": "Poisson's ratio of the candidate's block (1)",
+    "nu_cell_formula": "the report's k2/(2 k1 + k2) (1)",
+    "nu_bulk_formula": "k2/(k1 + k2) (1)",
+    "nu_fem": "Poisson's ratio of the elastic body (1)",
+    "E_springs": "traction over axial strain of the candidate's block, traction loading (N/m)",
+    "E_tensor": "C11 - C12²/C11 of the lattice's interior (N/m)",
+    "E_fem": "traction over axial strain of the elastic body (N/m)",
+    "C12_over_C11": "the reference body's in-plane ratio (1)",
+    "mesh": "finite elements per side on the finest mesh",
+    "uncertainty": "largest estimated error of the reference's ratios (1)",
+    "trust": "whether orders over three meshes are plausible: exact, asymptotic, not asymptotic",
+    **{f"N={n}": f"nu_springs at N = {n}; - where there is none (1)" for n in CELLS},
+}
+
+
+def run(candidate: Candidate = block.springs, setting: Setting | None = None) -> Evidence:
+    """Compare the candidate with formulas and finite elements on every block."""
+    setting = setting or Setting()
+    ratios = QUICK_RATIOS if setting.quick else RATIOS
+    cases = list(product(ratios, lattice.WEIGHTS, CELLS))
+    bodies = tuple(sorted({body_of(k2, weights) for k2, weights, _ in cases}))
+    found = setting.sweep(partial(reference, bodies), LOADINGS, "finite elements")
+    fem = {key: value for values, _ in found for key, value in values.items()}
+    measured = setting.sweep(partial(measure, candidate), cases, "spring blocks")
+    rows, moduli = [], []
+    for (k2, weights, cells), (ratios_seen, modulus) in zip(cases, measured, strict=True):
+        body = body_of(k2, weights)
+        head = {"lattice": "square", "weights": weights, "k1": K1, "k2": k2, "cells": cells}
+        for (loading, definition), nu in ratios_seen.items():
+            row = {"loading": loading, "definition": definition, "nu_springs": nu}
+            row |= {"nu_cell_formula": k2 / (2 * K1 + k2), "nu_bulk_formula": k2 / (K1 + k2)}
+            rows.append(head | row | {"nu_fem": fem[loading, body, cells, definition]})
+        C11 = square_tensor(2 * K1 if weights == "per_cell" else K1, k2)[0, 0]
+        row = {"E_springs": modulus, "E_tensor": C11 * (1 - body**2)}
+        moduli.append(head | row | {"E_fem": C11 * fem["modulus", body]})
+    finite_size, modulus_table = pd.DataFrame(rows), pd.DataFrame(moduli)
+    reference_table = pd.DataFrame([row for _, quality in found for row in quality])
+    tables = {
+        "summary": summarised(finite_size),
+        "finite_size": finite_size,
+        "modulus": modulus_table,
+        "reference": reference_table,
+    }
+    return Evidence(
+        tables=tables,
+        observed=observe(finite_size, modulus_table, reference_table),
+        tolerances=TOLERANCES,
+        figures={"finite_size": draw},
+        columns=COLUMNS,
+        findings=findings(finite_size),
+    )
+
+
+def body_of(k2: float, weights: str) -> float:
+    """C12/C11 of the lattice's interior as built: up to a factor, the whole tensor."""
+    axial = 2 * K1 if weights == "per_cell" else K1
+    return round(k2 / (axial + k2), 12)
+
+
+def measure(
+    candidate: Candidate, case: tuple[float, str, int]
+) -> tuple[dict[tuple[str, str], float], float]:
+    """Ratios of one block by (loading, definition), and its modulus (N/m) under traction."""
+    k2, weights, cells = case
+    ratios, modulus = {}, 0.0
+    for loading in LOADINGS:
+        if loading == "clamped" and cells == 1:
+            continue  # every point is held: nothing to measure
+        problem, network = block.spring_block(loading, k2, cells, weights)
+        move = candidate(problem, network, "linear")
+        for definition in DEFINITIONS:
+            ratios[loading, definition] = block.ratio(network.points, move, definition)
+        if loading == "traction":
+            modulus = block.end_traction(problem) / block.axial_strain(network.points, move)
+    return ratios, modulus
+
+
+def reference(
+    bodies: tuple[float, ...], loading: str
+) -> tuple[dict[tuple[object, ...], float], list[dict[str, object]]]:
+    """Ratios of the elastic bodies at every size's points, and how good they are."""
+    sizes = [n for n in CELLS if not (loading == "clamped" and n == 1)]
+    grids = [block.edge_points(lattice.square(BOX, n).points) for n in sizes]
+    ends = np.cumsum([len(grid) for grid in grids])[:-1]
+    meshes: dict[int, tuple[reference_fem.Discretisation, csr_matrix]] = {}
+    values: dict[tuple[object, ...], float] = {}
+    quality: list[dict[str, object]] = []
+    keys = [(n, definition) for n in sizes for definition in DEFINITIONS]
+    for body in bodies:
+        problem = block.loaded_block(loading, square_tensor(1 - body, body))
+
+        def sampled(cells: int, problem: Problem = problem) -> Array:
+            if cells not in meshes:
+                mesh = reference_fem.box_discretisation(BOX, cells, "Q2", block.GRADING)
+                meshes[cells] = mesh, mesh.interpolation(np.concatenate(grids))
+            mesh, interpolation = meshes[cells]
+            move = interpolation @ reference_fem.solve_problem(problem, mesh).displacement
+            parts = list(zip(grids, np.split(move, ends), strict=True))
+            ratios = [block.ratio(x, u, definition) for x, u in parts for definition in DEFINITIONS]
+            return np.array([*ratios, block.axial_strain(*parts[0])])
+
+        estimate = reference_fem.refine(sampled, COARSEST_MESH[loading], REFERENCE_ERROR)
+        *ratios, strain = estimate.value
+        values |= {(loading, body, *key): float(nu) for key, nu in zip(keys, ratios, strict=True)}
+        if loading == "traction":
+            values["modulus", body] = block.end_traction(problem) / strain
+        quality.append(
+            {
+                "loading": loading,
+                "C12_over_C11": body,
+                "mesh": estimate.cells,
+                "uncertainty": float(estimate.uncertainty.max()),
+                "trust": ", ".join(sorted(set(estimate.status[:-1]))),
+            }
+        )
+    return values, quality
+
+
+def observe(
+    table: pd.DataFrame, modulus: pd.DataFrame, quality: pd.DataFrame
+) -> dict[str, Observed]:
+    """The judged quantities, each the worst of its rows."""
+    uniform = table[table["loading"] != "clamped"]
+    shared, per_cell = (uniform[uniform["weights"] == w] for w in ("shared", "per_cell"))
+    consistent = uniform[uniform["weights"] != "equal"]
+    equal = table[(table["weights"] == "equal") & (table["k2"] == K1 / 2)]
+    edges = equal[equal["definition"] == "edges"].set_index(["loading", "cells"])["nu_springs"]
+    known = [(at, nu) for at, sizes in EQUAL_SPRINGS.items() for nu in sizes.items()]
+    one_cell = uniform[(uniform["weights"] == "equal") & (uniform["cells"] == 1)]
+    stiff = modulus[modulus["weights"] == "shared"]
+    clamped = table[
+        (table["loading"] == "clamped")
+        & (table["definition"] == "middle")
+        & (table["weights"] == "shared")
+        & (table["k2"] == K1 / 2)
+    ].set_index("cells")
+    last = list(CELLS[-2:])
+    spacing = 1 / np.array(last)
+    away = (clamped["nu_springs"] - clamped["nu_fem"]).loc[last].to_numpy()
+    boundary = edges["slide"].loc[last].to_numpy() - 1 / 3
+    order = 2 * corner_exponent(1 / 3)
+    values = (
+        worst(shared["nu_springs"], shared["nu_bulk_formula"]),
+        worst(per_cell["nu_springs"], per_cell["nu_cell_formula"]),
+        worst(consistent["nu_springs"], consistent["nu_fem"]),
+        worst(stiff["E_springs"] / stiff["E_fem"], 1.0),
+        worst(one_cell["nu_springs"], one_cell["nu_cell_formula"]),
+        worst([edges[at, n] for at, (n, _) in known], [nu for _, (_, nu) in known]),
+        Observed(observed_order(spacing, boundary), 1.0),
+        Observed(observed_order(spacing, away), order),
+        worst(away / spacing**order, 0.0),
+        Observed(float(quality["uncertainty"].max())),
+    )
+    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+
+
+def corner_exponent(nu: float) -> float:
+    """Exponent of the displacement at a right-angled corner between a clamped and a free edge.
+
+    sin²(λπ/2) = ((κ + 1)² - 4λ²)/(4κ) with κ = (3 - nu)/(1 + nu) in plane stress (Williams 1952,
+    doi:10.1115/1.4010553).
+    """
+    kappa = (3 - nu) / (1 + nu)
+
+    def characteristic(x: float) -> float:
+        return sin(x * pi / 2) ** 2 - ((kappa + 1) ** 2 - 4 * x**2) / (4 * kappa)
+
+    return float(brentq(characteristic, 0.5, 1.0))
+
+
+def summarised(table: pd.DataFrame) -> pd.DataFrame:
+    """Ratio of the candidate's blocks at k2 = k1/2, one column per size."""
+    chosen = table[table["k2"] == K1 / 2]
+    keys = ["loading", "definition", "weights"]
+    wide = chosen.pivot_table(index=keys, columns="cells", values="nu_springs", sort=False)
+    wide.columns = pd.Index([f"N={n}" for n in wide.columns])
+    shown = wide.map(lambda nu: f"{nu:.4f}" if np.isfinite(nu) else "-")
+    return shown.reset_index()
+
+
+def findings(table: pd.DataFrame) -> tuple[str, ...]:
+    """What the table says of the report's formula."""
+    report = table[
+        (table["k2"] == K1 / 2)
+        & (table["weights"] == "equal")
+        & (table["cells"] == 5)
+        & (table["definition"] == "edges")
+    ].set_index("loading")
+    seen = ", ".join(f"{nu:.4f} ({loading})" for loading, nu in report["nu_springs"].items())
+    cell, bulk = report["nu_cell_formula"].iloc[0], report["nu_bulk_formula"].iloc[0]
+    whose = (
+        "The report's k2/(2k1+k2) holds for one isolated cell, and at every size where shared "
+        "springs count twice (`per_cell`). A lattice of equal springs tends to k2/(k1+k2), with "
+        "an error of first order in 1/N; springs shared by cells have it at every size."
+    )
+    block_of_report = (
+        f"On the report's own block (5 x 5 cells of equal springs, k2 = k1/2) the mean ratio over "
+        f"the edges is {seen}; its formula says {cell:.4f}, the bulk {bulk:.4f}."
+    )
+    return whose, block_of_report
+
+
+def draw(tables: Tables) -> Figure:
+    """Ratio against size at k2 = k1/2: a panel for each loading and definition."""
+    table = tables["finite_size"]
+    table = table[table["k2"] == K1 / 2]
+    figure, axes = figures.new(len(LOADINGS), len(DEFINITIONS), sharex=True, sharey=True)
+    panels = product(DEFINITIONS, LOADINGS)
+    for axis, (definition, loading) in zip(axes, panels, strict=True):
+        panel = table[(table["definition"] == definition) & (table["loading"] == loading)]
+        for weights, colour, marker in zip(
+            lattice.WEIGHTS, figures.COLOURS, figures.MARKERS, strict=False
+        ):
+            rows = panel[panel["weights"] == weights]
+            axis.plot(
+                rows["cells"], rows["nu_springs"], marker, color=colour, label=f"springs, {weights}"
+            )
+            axis.plot(rows["cells"], rows["nu_fem"], "-", color=colour, alpha=0.5)
+        axis.plot([], [], "-", color="grey", label="FEM, the same interior")
+        for column, style in (("nu_bulk_formula", "--"), ("nu_cell_formula", ":")):
+            name = "k2/(k1+k2)" if "bulk" in column else "k2/(2k1+k2)"
+            axis.axhline(panel[column].iloc[0], color="black", ls=style, lw=0.9, label=name)
+        axis.set_title(f"{loading} ends, {definition}", fontsize=9)
+        axis.set_xscale("log")
+        axis.set_xticks(CELLS, [str(n) for n in CELLS])
+        axis.minorticks_off()
+    for axis in axes[-len(LOADINGS) :]:
+        axis.set_xlabel("cells per side N")
+    for axis in axes[:: len(LOADINGS)]:
+        axis.set_ylabel("Poisson's ratio (1)")
+    figures.shared_legend(figure, axes)
+    return figure
