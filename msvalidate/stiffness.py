@@ -138,7 +138,9 @@ def rotated(tensor: Array, angle: float) -> Array:
 def directional_ratio(tensor: Array, angle: float) -> float:
     """Poisson's ratio when the body is pulled along the direction at `angle` (rad) to x.
 
-    nu = -S12/S11 of the compliance in axes along and across the pull.
+    Stress n⊗n gives strain S:(n⊗n); nu is minus its part across, m⊗m, over its part along, n⊗n.
     """
-    compliance = np.linalg.inv(rotated(tensor, -angle))
-    return float(-compliance[0, 1] / compliance[0, 0])
+    c, s = np.cos(angle), np.sin(angle)
+    along, across = np.array([c * c, s * s, c * s]), np.array([s * s, c * c, -c * s])
+    strain = np.linalg.solve(tensor, along)
+    return float(-(across @ strain) / (along @ strain))

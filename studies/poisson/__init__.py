@@ -1,0 +1,47 @@
+"""Poisson's ratio of a lattice: which formula is right, and for what?
+
+The report's lattice, square cells with eight neighbours, is claimed to have Poisson's ratio
+k2/(2 k1 + k2) and to be incompressible at k2 = 2 k1. One question a file:
+
+- `finite_size`: the ratio of N x N cells, by constants, boundary weights, loading and definition;
+- `direction`: the ratio against the direction of the pull;
+- `incompressible`: what the word asks for in the plane, and what k2 = 2 k1 gives;
+- `algorithm1`: whether the report's loop comes to the same rest as a static solution;
+- `controls`: the smallest fault that this study notices.
+
+Candidate: displacements predicted for a problem and its network, by default the network's static
+equilibrium. Reference: scikit-fem finite elements and closed forms.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from msvalidate.evidence import Evidence, merged
+from msvalidate.sweep import Setting
+from studies.poisson import algorithm1, block, controls, direction, finite_size, incompressible
+from studies.poisson.block import Candidate
+
+FAULTS = {
+    "every spring 1 % stiffer": {
+        "candidate": partial(controls.spoilt, controls.every_spring, 0.01)
+    },
+    "diagonals 1 % stiffer": {"candidate": partial(controls.spoilt, controls.diagonals, 0.01)},
+    "one spring missing": {"candidate": partial(controls.spoilt, controls.one_spring, 1.0)},
+    "wrong boundary weights": {
+        "candidate": partial(controls.spoilt, controls.boundary_weight, 1.0)
+    },
+}
+"""Negative controls: arguments of `run` under which a tolerance must fail."""
+
+
+def run(candidate: Candidate = block.springs, setting: Setting | None = None) -> Evidence:
+    """All questions, for one candidate."""
+    setting = setting or Setting()
+    return merged(
+        finite_size.run(candidate, setting),
+        direction.run(setting=setting),
+        incompressible.run(candidate, setting),
+        algorithm1.run(candidate=candidate, setting=setting),
+        controls.run(),
+    )

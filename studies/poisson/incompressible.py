@@ -1,0 +1,202 @@
+"""Incompressible: what ratio does it ask for in the plane, and what does k2 = 2 k1 give?
+
+Question   The in-plane ratio of an incompressible body, the constants that would give it, what the
+           report's k2 = 2 k1 gives instead, and how the ratio drifts with finite strain.
+Candidate  Static equilibrium of a block of consistently weighted springs, linear and nonlinear.
+Reference  Closed forms: the homogenised tensor; the exact stretch of one cell at finite strain.
+Expected   1/2 in plane stress, 1 in plane strain. k2 = 2 k1 gives 2/3 along the axes. To first
+           order the ratio drifts by nu (1 + nu)(3 nu - 1)/4 per strain: not at all at nu = 1/3.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from scipy.optimize import brentq
+
+from msvalidate import figures
+from msvalidate.compare import worst
+from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.stiffness import directional_ratio, plane_moduli, square_tensor
+from msvalidate.sweep import Setting
+from studies.poisson import block
+from studies.poisson.block import K1, RATIOS, Candidate
+
+CELLS = 5
+STRAINS = (0.001, 0.01, 0.05)
+NONE = "none"
+"""The declared word where no constants exist."""
+TOLERANCES = (
+    Tolerance(
+        "finite strain: springs against the exact stretch of a cell",
+        1e-8,
+        "1",
+        "Newton's relative residual of 1e-11, over the smallest strain of 1e-3",
+    ),
+    Tolerance(
+        "drift per strain at the smallest strain",
+        2e-3,
+        "1",
+        "the next term of the series: the strain of 1e-3 times a factor of order 1",
+    ),
+    Tolerance(
+        "k2 = 2 k1, springs: 2/3 along the axes",
+        1e-9,
+        "1",
+        "k2/(k1+k2), exact with shared springs",
+    ),
+    Tolerance(
+        "k2 = k1, springs: 1/2 along the axes",
+        1e-9,
+        "1",
+        "k2/(k1+k2), exact with shared springs",
+    ),
+)
+COLUMNS = {
+    "reading": "what is meant by incompressible",
+    "nu_wanted": "in-plane ratio that the reading asks for (1)",
+    "k2_over_k1": "k2/k1 that gives it along the axes, or none (1)",
+    "nu_axis": "ratio along the axial springs with these constants (1)",
+    "nu_diagonal": "ratio along the diagonals (1)",
+    "zener": "Zener ratio 2 C66/(C11 - C12), 1 if isotropic (1)",
+    "nu_springs": "ratio of the candidate's block, along the axial springs (1)",
+    "k2": "stiffness of diagonal springs, with k1 = 1 (N/m)",
+    "strain": "axial strain (1)",
+    "nu_linear": "ratio for vanishing strain, k2/(k1 + k2) (1)",
+    "nu_exact": "ratio of one exactly stretched cell (1)",
+    "drift_per_strain": "(nu_springs - nu_linear)/strain (1)",
+    "drift_predicted": "nu (1 + nu)(3 nu - 1)/4: its limit for small strain (1)",
+}
+
+
+def run(candidate: Candidate = block.springs, setting: Setting | None = None) -> Evidence:
+    """Say what incompressible asks for, and measure what the lattice gives."""
+    setting = setting or Setting()
+    cases = list(product(RATIOS, STRAINS))
+    found = setting.sweep(partial(stretched, candidate), cases, "finite strain")
+    drift = pd.DataFrame(
+        drift_row(k2, strain, nu) for (k2, strain), nu in zip(cases, found, strict=True)
+    )
+    readings = pd.DataFrame(
+        [
+            reading(candidate, "plane stress, nu = 1/2", 0.5, 1.0),
+            reading(candidate, "plane strain, nu = 1/2", 1.0, None),
+            reading(candidate, "the report, k2 = 2 k1", 0.5, 2.0),
+        ]
+    )
+    smallest = drift[drift["strain"] == STRAINS[0]]
+    values = (
+        worst(drift["nu_springs"], drift["nu_exact"]),
+        worst(smallest["drift_per_strain"], smallest["drift_predicted"]),
+        worst(readings["nu_springs"][2], 2 / 3),
+        worst(readings["nu_springs"][0], 1 / 2),
+    )
+    return Evidence(
+        tables={"incompressible": readings, "drift": drift},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"drift": draw},
+        columns=COLUMNS,
+        findings=findings(readings),
+    )
+
+
+def stretched(candidate: Candidate, case: tuple[float, float]) -> float:
+    """Ratio of a block of shared springs, ends sliding, at a finite strain."""
+    k2, strain = case
+    problem, network = block.spring_block("slide", k2, CELLS, "shared", strain)
+    return block.ratio(network.points, candidate(problem, network, "nonlinear"), "edges")
+
+
+def drift_row(k2: float, strain: float, nu: float) -> dict[str, float]:
+    """One row: measured and predicted."""
+    linear = k2 / (K1 + k2)
+    return {
+        "k2": k2,
+        "strain": strain,
+        "nu_springs": nu,
+        "nu_exact": exact_ratio(k2, strain),
+        "nu_linear": linear,
+        "drift_per_strain": (nu - linear) / strain,
+        "drift_predicted": linear * (1 + linear) * (3 * linear - 1) / 4,
+    }
+
+
+def exact_ratio(k2: float, strain: float) -> float:
+    """Ratio of a cell stretched by 1 + strain along x and free along y.
+
+    A cell has one spring's worth of k1 along x and along y and two diagonals:
+    W = k1(a - 1)²/2 + k1(b - 1)²/2 + k2(√(a² + b²) - √2)²; the free stretch b makes ∂W/∂b = 0.
+    """
+    a = 1 + strain
+
+    def force(b: float) -> float:
+        diagonal = np.hypot(a, b)
+        return float(K1 * (b - 1) + 2 * k2 * (1 - np.sqrt(2) / diagonal) * b)
+
+    return float((1 - brentq(force, 0.5, 1.0, xtol=1e-15, rtol=1e-15)) / strain)
+
+
+def reading(
+    candidate: Candidate, name: str, wanted: float, k2: float | None
+) -> dict[str, float | str]:
+    """One row: the ratio a reading of "incompressible" wants, and what constants give."""
+    if k2 is None:  # nu = k2/(k1 + k2) = 1 leaves k1 = 0, a lattice that shears for nothing
+        given: dict[str, float | str] = dict.fromkeys(
+            ("k2_over_k1", "nu_axis", "nu_diagonal", "zener", "nu_springs"), NONE
+        )
+    else:
+        tensor = square_tensor(K1, k2)
+        problem, network = block.spring_block("slide", k2, CELLS, "shared")
+        moduli = plane_moduli(tensor)
+        given = {
+            "k2_over_k1": k2,
+            "nu_axis": moduli.nu,
+            "nu_diagonal": directional_ratio(tensor, np.pi / 4),
+            "zener": moduli.zener,
+            "nu_springs": block.ratio(
+                network.points, candidate(problem, network, "linear"), "edges"
+            ),
+        }
+    return {"reading": name, "nu_wanted": wanted} | given
+
+
+def findings(readings: pd.DataFrame) -> tuple[str, ...]:
+    """What k2 = 2 k1 is."""
+    report = readings.iloc[2]
+    return (
+        f"k2 = 2k1 is not incompressible in any sense: its ratio is {report['nu_springs']:.4f} "
+        f"along the axes and {report['nu_diagonal']:.4f} along the diagonals (Zener ratio "
+        f"{report['zener']:.3g}). An incompressible sheet in plane stress has 1/2, which k2 = k1 "
+        f"gives along the axes; plane strain asks for 1, where the axial springs would vanish.",
+    )
+
+
+def draw(tables: Tables) -> Figure:
+    """Ratio against strain: exact curves, the candidate's points, the first-order prediction."""
+    figure, (axis,) = figures.new(size=(4.6, 3.2))
+    strains = np.linspace(1e-4, 1.1 * STRAINS[-1], 40)
+    for (k2, rows), colour, marker in zip(
+        tables["drift"].groupby("k2"), figures.COLOURS, figures.MARKERS, strict=False
+    ):
+        curve = [exact_ratio(float(k2), e) for e in strains]  # type: ignore[arg-type]
+        straight = rows["nu_linear"].iloc[0] + rows["drift_predicted"].iloc[0] * strains
+        axis.plot(100 * strains, curve, color=colour, label=f"one cell, k2/k1 = {k2:g}")
+        axis.plot(100 * strains, straight, ":", color=colour, label="first order")
+        axis.plot(
+            100 * rows["strain"],
+            rows["nu_springs"],
+            marker,
+            color=colour,
+            mfc="white",
+            label="springs",
+        )
+    axis.set_xlabel("axial strain (%)")
+    axis.set_ylabel("Poisson's ratio (1)")
+    axis.set_ylim(0, 0.75)
+    figures.shared_legend(figure, [axis])
+    return figure
