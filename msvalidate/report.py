@@ -59,6 +59,8 @@ def write_study(result: Result, out: Path, *, plots: bool = True) -> None:
         if plots:
             with mpl.rc_context(STYLE):
                 figure = draw(result.evidence.tables)
+                figure.draw_without_rendering()
+                figure.set_layout_engine("none")  # laid out once, not again for each format
                 pages |= {f"{name}.{kind}": _rendered(figure, kind) for kind in FORMATS}
         else:
             stale += [folder / f"{name}.{kind}" for kind in FORMATS]

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
+from msvalidate import figures, lattice
 from msvalidate.compare import observed_order, worst
 from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.network import Network
@@ -32,6 +32,8 @@ WEIGHTS = "equal"
 CONSTANTS = (0.5, 2.0)
 """k2/k1: isotropic, and the report's "incompressible"."""
 STRAINS = (1e-4, 1e-3, 1e-2)
+MAGNIFIED = 20
+"""Factor on the displacements in the picture of the block."""
 TOLERANCES = (
     Tolerance(
         "rest position against Newton, relative to the largest displacement",
@@ -66,6 +68,10 @@ COLUMNS = {
     "step": "time step number",
     "residual_N": "largest out-of-balance force on a free component (N)",
     "kinetic_energy_J": "kinetic energy (J)",
+    "x": "position at rest along the pull (m)",
+    "y": "position at rest across the pull (m)",
+    "ux": "displacement along the pull (m)",
+    "uy": "displacement across the pull (m)",
 }
 
 
@@ -79,8 +85,9 @@ def run(
     cases = list(product(CONSTANTS, STRAINS))
     found = setting.sweep(partial(relaxed, relaxation, candidate), cases, "Algorithm 1")
     table = pd.DataFrame([row for row, _ in found])
-    history = pd.DataFrame(found[-1][1], columns=["step", "residual_N", "kinetic_energy_J"])
-    history["step"] = history["step"].astype(int)
+    last = found[-1][1]
+    history = pd.DataFrame(last.history, columns=["step", "residual_N", "kinetic_energy_J"])
+    places = np.hstack([last.equilibrium.position, last.equilibrium.displacement])
     drift = np.abs(table["nu_algorithm1"] - table["nu_linear"])
     report = table["k2"] == CONSTANTS[-1]
     values = (
@@ -89,10 +96,14 @@ def run(
         worst(drift / table["strain"], 0.0),
     )
     return Evidence(
-        tables={"algorithm1": table, "rest": history},
+        tables={
+            "algorithm1": table,
+            "rest": history.astype({"step": int}),
+            "block": pd.DataFrame(places, columns=["x", "y", "ux", "uy"]),
+        },
         observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
         tolerances=TOLERANCES,
-        figures={"rest": draw},
+        figures={"rest": draw, "block": draw_block},
         columns=COLUMNS,
     )
 
@@ -101,8 +112,8 @@ def relaxed(
     relaxation: Callable[[Network], Relaxation],
     candidate: Candidate,
     case: tuple[float, float],
-) -> tuple[dict[str, object], list[list[float]]]:
-    """One row, and the run's history."""
+) -> tuple[dict[str, object], Relaxation]:
+    """One row, and the run that it tells of."""
     k2, strain = case
     problem, network = block.spring_block("slide", k2, CELLS, WEIGHTS, strain)
     rest = relaxation(network)
@@ -120,7 +131,7 @@ def relaxed(
         "nu_newton": block.ratio(network.points, newton, "edges"),
         "nu_linear": block.ratio(network.points, linear, "edges"),
     }
-    return row, rest.history.tolist()
+    return row, rest
 
 
 def draw(tables: Tables) -> Figure:
@@ -133,5 +144,27 @@ def draw(tables: Tables) -> Figure:
     energy.semilogy(moving["step"], moving["kinetic_energy_J"], color=figures.COLOURS[1])
     energy.set_ylabel("kinetic energy (J)")
     for axis in (force, energy):
+        figures.plain_powers(axis)
         axis.set_xlabel("time step")
+    return figure
+
+
+def draw_block(tables: Tables) -> Figure:
+    """The block at rest under the largest strain and k2 = 2 k1, over its first shape."""
+    block_table = tables["block"]
+    moved = block_table[["x", "y"]].to_numpy()
+    first = moved - block_table[["ux", "uy"]].to_numpy()
+    shown = first + MAGNIFIED * (moved - first)
+    figure, (axis,) = figures.new(size=(3.8, 3.4))
+    corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]) * block.SIDE
+    axis.plot(*corners.T, "--", color="grey", lw=1, label="before")
+    springs = lattice.square(block.BOX, CELLS).springs
+    lines = shown[springs].transpose(2, 1, 0)
+    axis.plot(*lines, color=figures.COLOURS[4], lw=0.8)
+    axis.plot(*shown.T, "o", color=figures.COLOURS[0], ms=3.5, label="at rest")
+    axis.set_aspect("equal")
+    axis.grid(visible=False)
+    axis.set_xlabel(f"x (m), displacements x {MAGNIFIED}")
+    axis.set_ylabel(f"y (m), displacements x {MAGNIFIED}")
+    figures.shared_legend(figure, [axis])
     return figure

@@ -70,7 +70,8 @@ def run(
     """Compare the tensor's ratio with finite elements in every direction."""
     setting = setting or Setting()
     cases = list(product(RATIOS, QUICK_ANGLES if setting.quick else ANGLES))
-    ratios = setting.sweep(partial(both, tensor), cases, "directions")
+    mesh = reference_fem.box_discretisation(BOX, MESH, "Q1")
+    ratios = setting.sweep(partial(both, tensor, mesh), cases, "directions")
     table = pd.DataFrame(
         {
             "lattice": "square",
@@ -107,14 +108,17 @@ def run(
     )
 
 
-def both(tensor: Callable[[float], Array], case: tuple[float, float]) -> tuple[float, float]:
+def both(
+    tensor: Callable[[float], Array],
+    mesh: reference_fem.Discretisation,
+    case: tuple[float, float],
+) -> tuple[float, float]:
     """Ratio in one direction from the tensor and from finite elements."""
     k2, degrees = case
     angle = np.deg2rad(degrees)
     C = tensor(k2)
     # Pulling the body at an angle is pulling the body, turned back by it, along x.
     problem = block.loaded_block("traction", rotated(C, -angle))
-    mesh = reference_fem.box_discretisation(BOX, MESH, "Q1")
     move = reference_fem.solve_problem(problem, mesh).displacement
     return directional_ratio(C, angle), block.ratio(mesh.points, move, "edges")
 
@@ -126,11 +130,13 @@ def draw(tables: Tables) -> Figure:
         tables["direction"].groupby("k2"), figures.COLOURS, figures.MARKERS, strict=False
     ):
         angle = rows["angle_deg"]
-        axis.plot(angle, rows["nu_tensor"], color=colour, label=f"tensor, k2/k1 = {k2:g}")
-        axis.plot(angle, rows["nu_fem"], marker, color=colour, mfc="white", label="FEM")
+        axis.plot(angle, rows["nu_tensor"], color=colour, label=f"k2/k1 = {k2:g}")
+        axis.plot(angle, rows["nu_fem"], marker, color=colour, mfc="white", label="_")
+    axis.plot([], [], "-", color="grey", label="homogenised tensor")
+    axis.plot([], [], "o", color="grey", mfc="white", label="FEM, turned tensor")
     axis.set_xlabel("direction of the pull to the axial springs (degrees)")
     axis.set_ylabel("Poisson's ratio (1)")
     axis.set_xticks(range(0, 91, 15))
     axis.set_ylim(0, 0.72)
-    figures.shared_legend(figure, [axis])
+    figures.shared_legend(figure, [axis], columns=3)
     return figure

@@ -141,14 +141,11 @@ def exact_ratio(k2: float, strain: float) -> float:
     return float((1 - brentq(force, 0.5, 1.0, xtol=1e-15, rtol=1e-15)) / strain)
 
 
-def reading(
-    candidate: Candidate, name: str, wanted: float, k2: float | None
-) -> dict[str, float | str]:
+def reading(candidate: Candidate, name: str, wanted: float, k2: float | None) -> dict[str, object]:
     """One row: the ratio a reading of "incompressible" wants, and what constants give."""
     if k2 is None:  # nu = k2/(k1 + k2) = 1 leaves k1 = 0, a lattice that shears for nothing
-        given: dict[str, float | str] = dict.fromkeys(
-            ("k2_over_k1", "nu_axis", "nu_diagonal", "zener", "nu_springs"), NONE
-        )
+        columns = ("k2_over_k1", "nu_axis", "nu_diagonal", "zener", "nu_springs")
+        given: dict[str, object] = dict.fromkeys(columns, NONE)
     else:
         tensor = square_tensor(K1, k2)
         problem, network = block.spring_block("slide", k2, CELLS, "shared")
@@ -168,35 +165,32 @@ def reading(
 def findings(readings: pd.DataFrame) -> tuple[str, ...]:
     """What k2 = 2 k1 is."""
     report = readings.iloc[2]
-    return (
+    finding = (
         f"k2 = 2k1 is not incompressible in any sense: its ratio is {report['nu_springs']:.4f} "
         f"along the axes and {report['nu_diagonal']:.4f} along the diagonals (Zener ratio "
         f"{report['zener']:.3g}). An incompressible sheet in plane stress has 1/2, which k2 = k1 "
-        f"gives along the axes; plane strain asks for 1, where the axial springs would vanish.",
+        f"gives along the axes; plane strain asks for 1, where the axial springs would vanish."
     )
+    return (finding,)
 
 
 def draw(tables: Tables) -> Figure:
-    """Ratio against strain: exact curves, the candidate's points, the first-order prediction."""
-    figure, (axis,) = figures.new(size=(4.6, 3.2))
+    """Drift of the ratio against strain: exact curves, first order, the candidate's points."""
+    figure, (axis,) = figures.new(size=(4.6, 3.4))
     strains = np.linspace(1e-4, 1.1 * STRAINS[-1], 40)
-    for (k2, rows), colour, marker in zip(
+    for (_, rows), colour, marker in zip(
         tables["drift"].groupby("k2"), figures.COLOURS, figures.MARKERS, strict=False
     ):
-        curve = [exact_ratio(float(k2), e) for e in strains]  # type: ignore[arg-type]
-        straight = rows["nu_linear"].iloc[0] + rows["drift_predicted"].iloc[0] * strains
-        axis.plot(100 * strains, curve, color=colour, label=f"one cell, k2/k1 = {k2:g}")
-        axis.plot(100 * strains, straight, ":", color=colour, label="first order")
-        axis.plot(
-            100 * rows["strain"],
-            rows["nu_springs"],
-            marker,
-            color=colour,
-            mfc="white",
-            label="springs",
-        )
+        k2, linear, slope = rows[["k2", "nu_linear", "drift_predicted"]].iloc[0]
+        curve = np.array([exact_ratio(k2, strain) for strain in strains]) - linear
+        drift = rows["nu_springs"] - rows["nu_linear"]
+        label = f"k2/k1 = {k2:g}, ratio {linear:.3f}"
+        axis.plot(100 * strains, curve, color=colour, label=label)
+        axis.plot(100 * strains, slope * strains, ":", color=colour)
+        axis.plot(100 * rows["strain"], drift, marker, color=colour, mfc="white")
+    for style, label in (("-", "one cell, exact"), (":", "first order"), ("o", "springs")):
+        axis.plot([], [], style, color="grey", mfc="white", label=label)
     axis.set_xlabel("axial strain (%)")
-    axis.set_ylabel("Poisson's ratio (1)")
-    axis.set_ylim(0, 0.75)
-    figures.shared_legend(figure, [axis])
+    axis.set_ylabel("drift of the ratio (1)")
+    figures.shared_legend(figure, [axis], columns=2)
     return figure
