@@ -12,14 +12,14 @@ import traceback
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from msvalidate import __version__, catalogue
 
 if TYPE_CHECKING:
     from msvalidate.report import Result
 
-HELD, MISSED, USAGE, FAILED = 0, 1, 2, 3
+HELD, MISSED, USAGE, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 PROGRAM = "python -m msvalidate.study"
 EPILOG = f"""\
 examples:
@@ -30,6 +30,7 @@ examples:
 exit codes:
   0  every tolerance held        2  wrong usage or bad input
   1  a tolerance was missed      3  a solver failed or a study crashed
+                                130 interrupted
 """
 
 
@@ -41,6 +42,9 @@ def main(arguments: Sequence[str]) -> int:
         for name in catalogue.names():
             print(f"{name:<{width}}  {catalogue.question(name)}")
         return HELD
+    for alone in ("list", "all"):
+        if alone in args.names and len(args.names) > 1:
+            return _error(f"{alone!r} stands alone; leave the other names out", USAGE)
     known = catalogue.names()
     names = known if args.names == ["all"] else list(dict.fromkeys(args.names))
     for name in names:
@@ -58,12 +62,14 @@ def _run(names: list[str], args: argparse.Namespace, arguments: Sequence[str]) -
     started = datetime.now(UTC)
     try:
         report.refuse_unwritable(args.out)
+        for name in names:
+            catalogue.load(name)
         results, unfinished, codes = _studied(names, args)
         origin = provenance(_command(arguments), args.seed, started)
         for result in results:
             report.write_study(result, args.out, plots=args.plots)
         report.write_report(results, unfinished, origin, args.out, plots=args.plots)
-    except ProblemError as error:
+    except (ProblemError, ImportError) as error:
         return _error(str(error), USAGE)
     except OSError as error:
         return _error(f"--out {args.out}: {error.strerror}: {error.filename}", USAGE)
@@ -153,7 +159,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--quick", action="store_true", help="the small form: fewer sizes")
     parser.add_argument(
         "--out",
-        type=Path,
+        type=_folder,
         default=Path("reports/latest"),
         metavar="DIR",
         help="folder for tables, figures and report.md (default: %(default)s)",
@@ -173,8 +179,15 @@ def _parser() -> argparse.ArgumentParser:
     volume.add_argument(
         "-v", "--verbose", action="store_true", help="print whole tables, and tracebacks of crashes"
     )
+    parser.error = _usage_error  # type: ignore[method-assign]  # one line, without the usage
     parser.add_argument("--version", action="version", version=f"msvalidate {__version__}")
     return parser
+
+
+def _folder(text: str) -> Path:
+    if not text.strip() or "\0" in text:
+        raise argparse.ArgumentTypeError(f"{text!r} is no name; name a folder")
+    return Path(text)
 
 
 def _seed(text: str) -> int:
@@ -198,10 +211,17 @@ def _command(arguments: Sequence[str]) -> list[str]:
     return [*PROGRAM.split(), *shown]
 
 
+def _usage_error(message: str) -> NoReturn:
+    sys.exit(_error(f"{message}; see --help", USAGE))
+
+
 def _error(message: str, code: int) -> int:
     print(f"{PROGRAM}: error: {message}", file=sys.stderr)
     return code
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except KeyboardInterrupt:
+        sys.exit(_error("interrupted; files already written are whole", INTERRUPTED))

@@ -147,7 +147,7 @@ def _integrated(
     name: str, vector: tuple[float, ...] | Field, basis: skfem.AbstractBasis, body: Discretisation
 ) -> Array:
     """∫ φ_i f, as (n, d) by node, of a vector or a field of points."""
-    x = np.asarray(basis.global_coordinates().value)
+    x = np.asarray(basis.global_coordinates())
     values = vectors_at(name, vector, x.reshape(body.dim, -1).T).T.reshape(x.shape)
     force = np.zeros(body.points.shape)
     for axis in range(body.dim):

@@ -1,0 +1,52 @@
+# make poisson   set up if needed, run the main study; results in reports/latest
+# make test      set up if needed, run the tests
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+RUN := $(BIN)/python -m msvalidate.study
+
+.PHONY: help poisson quick test lint types format clean
+
+help:
+	@sed -n 's/^# //p' Makefile
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "make: $(PYTHON) is older than Python 3.11; try: make $(MAKECMDGOALS) PYTHON=python3.12" >&2; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+
+# What is needed to run studies, and what is needed to work on them. Either is made again when
+# pyproject.toml changes.
+$(VENV)/runs: pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable .
+	@touch $@
+
+$(VENV)/develops: pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+	@touch $@ $(VENV)/runs
+
+# make quick     every study in its small form
+poisson: $(VENV)/runs
+	$(RUN) poisson
+
+quick: $(VENV)/runs
+	$(RUN) all --quick
+
+test: $(VENV)/develops
+	$(BIN)/python -m pytest $(ARGS)
+
+# make lint      style, make types: types, make format: rewrite to style
+lint: $(VENV)/develops
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(VENV)/develops
+	$(BIN)/mypy
+
+format: $(VENV)/develops
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+# make clean     remove the environment and what was built
+clean:
+	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis reports/latest

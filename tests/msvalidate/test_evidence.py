@@ -1,0 +1,78 @@
+"""Evidence refuses what cannot be judged; a judgement fails what is not a number."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from msvalidate.compare import observed_order, worst
+from msvalidate.evidence import Evidence, Observed, Tolerance, held, judge, merged
+from msvalidate.problem import SolverError
+
+LIMIT = Tolerance("gap", 0.1, "m", "because")
+TABLE = pd.DataFrame({"x": [1.0, 2.0]})
+COLUMNS = {"x": "place (m)"}
+
+
+def evidence(value=0.0, table=TABLE, tolerances=(LIMIT,), columns=COLUMNS):
+    return Evidence({"table": table}, {"gap": Observed(value)}, tolerances, columns=columns)
+
+
+@pytest.mark.parametrize(
+    ("value", "verdict"),
+    [(0.1, "pass"), (-0.1, "pass"), (0.11, "fail"), (np.nan, "fail"), (np.inf, "fail")],
+)
+def test_judgement(value, verdict):
+    row = judge(evidence(value)).iloc[0]
+    assert row["verdict"] == verdict
+    assert held(judge(evidence(value))) == (verdict == "pass")
+
+
+def test_judgement_of_nothing_is_not_held():
+    assert not held(judge(Evidence({}, {}, ())))
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        (TABLE.head(0), "no rows; nothing was compared"),
+        (TABLE.assign(x=[1.0, np.nan]), "x is nan in row 1"),
+        (TABLE.assign(x=[np.inf, 1.0]), "x is inf in row 0"),
+    ],
+)
+def test_tables_without_numbers_are_failures(table, message):
+    with pytest.raises(SolverError, match=message):
+        evidence(table=table)
+
+
+@pytest.mark.parametrize(
+    "tolerances", [(), (LIMIT, LIMIT), (LIMIT, Tolerance("other", 1.0, "m", "because"))]
+)
+def test_every_observation_has_one_tolerance(tolerances):
+    with pytest.raises(ValueError, match="observed without a tolerance, the reverse, or twice"):
+        evidence(tolerances=tolerances)
+
+
+def test_every_column_has_a_meaning():
+    with pytest.raises(ValueError, match=r"columns without a meaning: \['x'\]"):
+        evidence(columns={})
+
+
+def test_merged_parts_keep_their_names_apart():
+    with pytest.raises(ValueError, match="both name"):
+        merged(evidence(), evidence())
+
+
+def test_worst_is_the_farthest_and_stops_at_nan():
+    assert worst([1.0, 5.0, 2.0], [1.0, 2.0, 9.0]) == Observed(2.0, 9.0)
+    assert np.isnan(worst([1.0, np.nan, 99.0], 0.0).value)
+    with pytest.raises(ValueError, match="no values"):
+        worst([], [])
+
+
+def test_observed_order():
+    h = np.array([1.0, 0.5, 0.25])
+    # The slope of an exact power law carries only the rounding of the fit.
+    assert observed_order(h, 3 * h**1.7) == pytest.approx(1.7, abs=1e-12)
+    assert np.isnan(observed_order(h, [1e-16, 1e-16, 2e-16])), "an order fitted to rounding"
+    assert np.isnan(observed_order(h[:1], [1.0]))
+    assert np.isnan(observed_order(h, [1.0, np.nan, 0.1]))
