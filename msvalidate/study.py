@@ -23,14 +23,13 @@ HELD, MISSED, USAGE, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 PROGRAM = "python -m msvalidate.study"
 EPILOG = f"""\
 examples:
-  {PROGRAM} list                    what can be studied
-  {PROGRAM} poisson                 one study, results in reports/latest
-  {PROGRAM} all --quick --out /tmp/r  every study in its small form
+  {PROGRAM} list                   what can be studied
+  {PROGRAM} poisson                one study, results in reports/latest
+  {PROGRAM} all --quick --out new  every study in its small form, results in new
 
 exit codes:
-  0  every tolerance held        2  wrong usage or bad input
-  1  a tolerance was missed      3  a solver failed or a study crashed
-                                130 interrupted
+  0  every tolerance held       2  wrong usage or bad input
+  1  a tolerance was missed     3  a solver failed or a study crashed   130  interrupted
 """
 
 
