@@ -125,7 +125,9 @@ def _section(result: Result, *, plots: bool) -> list[str]:
     lines += ["", "### Tolerances", "", _markdown(result.verdict)]
     if plots and evidence.figures:
         lines += ["", "### Figures", ""]
-        lines += [f"![{name}]({result.name}/{name}.png)\n" for name in evidence.figures]
+        for name, draw in evidence.figures.items():
+            caption = (draw.__doc__ or name).partition("\n")[0]
+            lines += [f"![{caption}]({result.name}/{name}.png)", "", f"*{caption}*", ""]
     lines += ["", "### Tables"]
     for name, table in evidence.tables.items():
         lines += ["", f"**{name}** ([CSV]({result.name}/{name}.csv), {len(table)} rows)", ""]

@@ -14,6 +14,7 @@ from msvalidate.problem import ProblemError
 
 
 def drawn(tables):
+    """A straight line."""
     figure, (axis,) = figures.new()
     axis.plot(tables["line"]["x"], tables["line"]["x"], label="x")
     figures.shared_legend(figure, [axis])
@@ -78,7 +79,7 @@ def test_report_page(result, tmp_path):
         "How long?",
         "- A finding.",
         "half a gap",
-        "![line](lines/line.png)",
+        "![A straight line.](lines/line.png)",
         "[CSV](lines/line.csv), 50 rows",
         "10 more rows in the CSV",
         "| x | place (m) |",

@@ -1,0 +1,98 @@
+"""What several test files share: random networks, independent results, bodies on a lattice."""
+
+from __future__ import annotations
+
+import json
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+from scipy.spatial import Delaunay
+
+from msvalidate.lattice import square
+from msvalidate.network import lattice_network, spring_network
+from msvalidate.problem import Box, Isotropic, Problem, Support
+
+SPRINGS = Path(__file__).parents[1] / "data" / "springs"
+
+
+@st.composite
+def _network_and_position(draw, *, stressed):
+    """Draw a jittered grid joined by Delaunay edges or random pairs, and a position nearby.
+
+    Points start 1 m apart and move by less than 0.4 m in all, so no spring comes near length zero.
+    """
+    dim = draw(st.sampled_from([2, 3]))
+    sides = draw(st.tuples(*[st.integers(2, 4 if dim == 2 else 3)] * dim))
+    joined = draw(st.sampled_from(["Delaunay", "pairs"]))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+
+    grid = np.stack(np.meshgrid(*map(np.arange, sides), indexing="ij"), axis=-1).reshape(-1, dim)
+    points = grid + rng.uniform(-0.3, 0.3, grid.shape)
+    if joined == "Delaunay":
+        corners = [list(pair) for pair in combinations(range(dim + 1), 2)]
+        springs = np.unique(np.sort(Delaunay(points).simplices[:, corners].reshape(-1, 2)), axis=0)
+    else:
+        pairs = np.array(list(combinations(range(len(points)), 2)))
+        springs = rng.permutation(pairs)[: rng.integers(1, len(pairs) + 1)]
+    distance = np.linalg.norm(points[springs[:, 1]] - points[springs[:, 0]], axis=1)
+    network = spring_network(
+        points,
+        springs,
+        rng.uniform(0.1, 10, len(springs)),
+        rest_length=distance * (rng.uniform(0.7, 1.3, len(springs)) if stressed else 1.0),
+        mass=rng.uniform(0.5, 2, len(points)),
+        force=rng.uniform(-1, 1, points.shape),
+    )
+    return network, points + rng.uniform(-0.1, 0.1, points.shape)
+
+
+@pytest.fixture(scope="session")
+def networks():
+    """Strategy function for (network, position): no supports, random stiffness, masses, loads."""
+    return _network_and_position
+
+
+@pytest.fixture(scope="session")
+def independent():
+    """Read a file of tests/data/springs, by the start of its name: network and its record."""
+
+    def read(name):
+        (path,) = SPRINGS.glob(f"{name}_*.json")
+        record = json.loads(path.read_text(encoding="utf-8"))
+        points = np.array(record["points"])
+        held = np.zeros(points.shape, dtype=bool)
+        held[record["held"]] = True
+        force = np.zeros(points.shape)
+        for point, axis, value in record["forces"]:
+            force[point, axis] += value
+        network = spring_network(
+            points,
+            record["springs"],
+            record["stiffness"],
+            rest_length=record["rest_length"],
+            mass=record["mass"],
+            held=held,
+            force=force,
+        )
+        return network, record
+
+    return read
+
+
+@pytest.fixture(scope="session")
+def lattice_body():
+    """Build the network of a plane stress body, nu = 1/3, on a square lattice, clamped on the left.
+
+    E = 1 Pa and thickness 1 m, so k1 = 3/4 N/m and k2 = 3/8 N/m unless constants are given.
+    """
+
+    def build(size, cells, *, supports=None, loads=(), constants=None, **rules):
+        box = Box(size)
+        supports = supports or (Support(box.side("left"), (0.0, 0.0)),)
+        problem = Problem(box, Isotropic(E=1.0, nu=1 / 3), supports, loads)
+        return lattice_network(problem, square(box, cells), constants, **rules)
+
+    return build

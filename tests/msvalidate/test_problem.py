@@ -1,0 +1,417 @@
+"""The statement of a problem: what it accepts, what it refuses, and which motions it finds free."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from msvalidate.problem import (
+    SIDES,
+    Anisotropic,
+    BodyForce,
+    Box,
+    Isotropic,
+    PointForce,
+    Problem,
+    ProblemError,
+    Region,
+    Support,
+    Traction,
+    finite,
+    free_motions,
+    positive,
+    prescribed,
+    rigid_motions,
+    vectors_at,
+)
+
+NAN = float("nan")
+PLATE = Box((2.0, 1.0))
+BLOCK = Box((2.0, 1.0, 3.0))
+SHEET = Isotropic(E=1e6, nu=0.3)
+CLAMP = Support(PLATE.side("left"), (0.0, 0.0))
+GRID = np.stack(np.meshgrid([0.0, 1.0, 2.0], [0.0, 0.5, 1.0]), axis=-1).reshape(-1, 2)
+
+
+def plate(*, supports=(CLAMP,), loads=()):
+    return Problem(PLATE, SHEET, supports, loads)
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+# Bad input ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        # values
+        (lambda: finite("mass", [1.0, NAN]), "mass: nan at index 1; every value must be finite"),
+        (lambda: finite("force", [[0, 1], [np.inf, 0]]), "force: inf at index (1, 0)"),
+        (lambda: finite("mass", "heavy"), "mass: expected numbers, got 'heavy'"),
+        (lambda: finite("points", [[0, 1], [1]]), "points: expected numbers"),
+        (lambda: positive("dt", [1.0], "s"), "dt: [1.0] s; it must be above zero"),
+        # domain
+        (lambda: Box((1.0,)), "give a tuple of 2 or 3 lengths"),
+        (lambda: Box([1.0, 1.0]), "give a tuple of 2 or 3 lengths"),
+        (lambda: Box((1.0, 0.0)), "box size along y: 0.0 m; it must be above zero"),
+        (lambda: Box((1.0, 1.0, NAN)), "box size along z: nan"),
+        (lambda: PLATE.side("front"), "side 'front': a 2D box has left, right, bottom, top"),
+        (lambda: BLOCK.side("north"), "side 'north': a 3D box has left, right, bottom, top, back"),
+        (lambda: Region((0.0,)), "1 axes; give 2 or 3"),
+        (lambda: Region((NAN, None)), "x: nan; every value must be finite"),
+        (lambda: Region((None, (1.0, 0.0))), "y must be a number, (low, high) or None"),
+        (lambda: Region((None, (1.0, 1.0))), "y must be a number, (low, high) or None"),
+        (lambda: Region(((0.0, 1.0, 2.0), None)), "x must be a number, (low, high) or None"),
+        (lambda: PLATE.bounds(Region((0.0, 0.0, 0.0))), "has 3 axes, the box 2"),
+        (lambda: PLATE.bounds(Region((2.1, None))), "reaches outside the box, 0 <= x <= 2"),
+        (lambda: PLATE.bounds(Region((None, (-0.5, 1.0)))), "reaches outside the box, 0 <= y <= 1"),
+        # material
+        (lambda: Isotropic(E=-1.0, nu=0.3), "Young's modulus E: -1.0 Pa; it must be above zero"),
+        (lambda: Isotropic(E=NAN, nu=0.3), "Young's modulus E: nan"),
+        (lambda: Isotropic(E=1.0, nu=0.51), "nu: 0.51; a stable material has -1 < nu <= 1/2"),
+        (lambda: Isotropic(E=1.0, nu=-1.0), "nu: -1.0; a stable material has -1 < nu <= 1/2"),
+        (lambda: Isotropic(E=1.0, nu=NAN), "Poisson's ratio nu: nan"),
+        (lambda: Isotropic(E=1.0, nu=[0.3]), "nu: [0.3]; a stable material"),
+        (lambda: Isotropic(E=1.0, nu=0.3, state="membrane"), "material state: 'membrane'; choose"),
+        (lambda: Isotropic(E=1.0, nu=0.3, density=0.0), "density: 0.0 kg/m³"),
+        (lambda: Isotropic(E=1.0, nu=0.3, thickness=-1.0), "thickness: -1.0 m"),
+        (lambda: Isotropic(E=1.0, nu=0.3, state="solid", thickness=2.0), "a solid has none"),
+        (lambda: Anisotropic(np.eye(4)), "shape (4, 4); give (3, 3) or (6, 6)"),
+        (lambda: Anisotropic(np.triu(np.ones((3, 3)))), "not symmetric"),
+        (lambda: Anisotropic(np.diag([1.0, 1.0, 0.0])), "some strain costs no energy"),
+        (lambda: Anisotropic(np.diag([1.0, -1.0, 1.0])), "lowest eigenvalue -1 Pa"),
+        (lambda: Anisotropic(np.diag([1.0, NAN, 1.0])), "stiffness tensor C: nan at index (1, 1)"),
+        (lambda: Anisotropic(np.eye(6), thickness=2.0), "a solid has none"),
+        # supports
+        (lambda: Support(Region((0.0, None)), (0.0,)), "1 components for 2 axes"),
+        (lambda: Support(Region((0.0, None)), (0.0, 0.0, 0.0)), "3 components for 2 axes"),
+        (lambda: Support(Region((0.0, None)), (None, None)), "holds no component; leave it out"),
+        (lambda: Support(Region((0.0, None)), (0.0, NAN)), "support on (x = 0): nan"),
+        (
+            lambda: plate(supports=(CLAMP, Support(Region((3.0, None)), (0.0, None)))),
+            "region (x = 3) reaches outside the box, 0 <= x <= 2",
+        ),
+        (
+            lambda: plate(supports=(CLAMP, Support(Region((0.0, 0.0, 0.0)), (0.0, 0.0, 0.0)))),
+            "has 3 axes, the box 2",
+        ),
+        # loads
+        (lambda: PointForce((0.0, 0.0), (1.0, 0.0, 0.0)), "give 2 or 3 numbers each"),
+        (lambda: PointForce((0.0,), (1.0,)), "give 2 or 3 numbers each"),
+        (lambda: PointForce((0.0, NAN), (1.0, 0.0)), "place of a point force: nan at index 1"),
+        (lambda: PointForce((0.0, 0.0), (NAN, 0.0)), "point force: nan at index 0"),
+        (lambda: plate(loads=(PointForce((2.5, 0.0), (1.0, 0.0)),)), "reaches outside the box"),
+        (
+            lambda: plate(loads=(PointForce((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),)),
+            "has 3 axes, the box 2",
+        ),
+        (lambda: Traction(Region((None, (0.0, 1.0))), (1.0, 0.0)), "0 flat axes"),
+        (lambda: Traction(Region((2.0, 1.0)), (1.0, 0.0)), "2 flat axes"),
+        (lambda: Traction(BLOCK.side("left"), (1.0, 0.0)), "give 3 components"),
+        (lambda: Traction(PLATE.side("left"), (1.0, NAN)), "traction on (x = 0): nan at index 1"),
+        (
+            lambda: plate(loads=(Traction(Region((1.0, None)), (1.0, 0.0)),)),
+            "traction on (x = 1): inside the body; a traction acts on a side",
+        ),
+        (
+            lambda: plate(loads=(Traction(Region((2.0, (0.5, 1.5))), (1.0, 0.0)),)),
+            "reaches outside the box, 0 <= y <= 1",
+        ),
+        (
+            lambda: plate(loads=(BodyForce((0.0, -9.81, 0.0)),)),
+            "body force: (0.0, -9.81, 0.0); give 2 components",
+        ),
+        (lambda: plate(loads=(BodyForce((0.0, NAN)),)), "body force: nan at index 1"),
+        # the whole
+        (
+            lambda: Problem(BLOCK, SHEET, (Support(BLOCK.side("left"), (0.0, 0.0, 0.0)),)),
+            "problem: a 2D material in a 3D domain",
+        ),
+    ],
+)
+def test_bad_input_is_refused_by_name(make, message):
+    with refused(message):
+        make()
+
+
+def test_a_point_force_needs_as_many_components_as_the_body_has_axes():
+    # Place and force are checked against each other, the place against the box.
+    plate(loads=(PointForce((2.0, 1.0), (1.0, 0.0)),))
+
+
+@pytest.mark.xfail(reason="an interval given as a list passes the check: TypeError at its use")
+def test_an_interval_that_is_no_tuple_is_refused():
+    # As `Box` refuses a list of lengths.
+    with refused("x must be a number, (low, high) or None"):
+        Region(([0.0, 1.0], None))
+
+
+@pytest.mark.xfail(reason="the message formats what it refuses: ValueError, IndexError, TypeError")
+@pytest.mark.parametrize("entry", ["left", (0.0,), (None, 1.0)])
+def test_a_coordinate_that_is_no_number_is_refused_by_name(entry):
+    with refused("x"):
+        Region((entry, None))
+
+
+@pytest.mark.xfail(reason="a component is checked to be finite, not to be one number")
+def test_a_support_component_is_one_number():
+    with refused("support"):
+        Support(Region((0.0, None)), ([1.0, 2.0], 0.0))
+
+
+@pytest.mark.xfail(reason="one support without its comma: TypeError about an iterable")
+def test_supports_that_are_no_tuple_are_refused_by_name():
+    with refused("supports"):
+        plate(supports=CLAMP)
+
+
+# Domain ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("box", [PLATE, BLOCK])
+def test_each_side_is_the_points_at_one_end_of_its_axis(box):
+    corners = np.stack(np.meshgrid(*[[0.0, s] for s in box.size]), axis=-1).reshape(-1, box.dim)
+    for name, (axis, end) in SIDES.items():
+        if axis >= box.dim:
+            continue
+        side = box.side(name)
+        assert side.normal_axes == (axis,)
+        expected = corners[:, axis] == end * box.size[axis]
+        np.testing.assert_array_equal(side.select(corners, box.tolerance), expected)
+
+
+def test_volume_is_the_product_of_the_lengths():
+    assert PLATE.volume == 2.0
+    assert BLOCK.volume == 6.0
+
+
+@pytest.mark.parametrize(
+    ("region", "chosen"),
+    [
+        (Region((None, None)), range(9)),
+        (Region((1.0, None)), [1, 4, 7]),
+        (Region((2.0, 1.0)), [8]),
+        (Region(((0.5, 2.0), 0.0)), [1, 2]),
+        (Region(((0.0, 1.0), (0.5, 1.0))), [3, 4, 6, 7]),
+        (Region((0.3, None)), []),
+    ],
+)
+def test_a_region_selects_its_points_ends_included(region, chosen):
+    assert list(np.flatnonzero(region.select(GRID, PLATE.tolerance))) == list(chosen)
+
+
+def test_a_region_forgives_rounding_and_no_more():
+    region = Region((1.0, None))
+    near = np.array([[1.0 + 1e-12, 0.0], [1.0 - 1e-12, 0.0], [1.0 + 1e-6, 0.0]])
+    assert list(region.select(near, PLATE.tolerance)) == [True, True, False]
+
+
+def test_bounds_fill_what_a_region_leaves_open():
+    assert PLATE.bounds(Region((2.0, None))) == [(2.0, 2.0), (0.0, 1.0)]
+    assert BLOCK.bounds(Region(((0.5, 1.0), 1.0, None))) == [(0.5, 1.0), (1.0, 1.0), (0.0, 3.0)]
+
+
+# Material -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("nu", [-0.99, 0.0, 0.5])
+def test_every_stable_ratio_is_a_material(nu):
+    assert Isotropic(E=1.0, nu=nu).nu == nu
+
+
+def test_a_tensor_is_copied_and_frozen():
+    C = np.diag([2.0, 2.0, 1.0])
+    material = Anisotropic(C)
+    C[0, 0] = 7.0
+    assert material.C[0, 0] == 2.0
+    with pytest.raises(ValueError, match="read-only"):
+        material.C[0, 0] = 7.0
+
+
+def test_dimension_follows_the_state_or_the_tensor():
+    assert Isotropic(E=1.0, nu=0.3).dim == Isotropic(E=1.0, nu=0.3, state="plane_strain").dim == 2
+    assert Isotropic(E=1.0, nu=0.3, state="solid").dim == 3
+    assert (Anisotropic(np.eye(3)).dim, Anisotropic(np.eye(6)).dim) == (2, 3)
+
+
+# Free motions ---------------------------------------------------------------------------------
+
+X, Y, Z = "translation along x", "translation along y", "translation along z"
+
+
+def about(axis, place):
+    return f"rotation about the axis along {axis} through {place}"
+
+
+@pytest.mark.parametrize(
+    ("points", "held", "names"),
+    [
+        # In the plane.
+        ([], [], [X, Y, "rotation about (0, 0)"]),
+        ([[3, 2]], [[1, 1]], ["rotation about (3, 2)"]),
+        ([[3, 2]], [[1, 0]], [Y, "rotation about (3, 2)"]),
+        ([[0, 0], [0, 1]], [[1, 0], [1, 0]], [Y]),
+        ([[0, 0], [4, 0]], [[0, 1], [0, 1]], [X]),
+        # Held along x at one place and along y at another: it turns where the normals meet.
+        ([[0, 0], [1, 1]], [[1, 0], [0, 1]], ["rotation about (1, 0)"]),
+        ([[0, 0], [1, 0]], [[1, 1], [0, 1]], []),
+        # Two places one above the other cannot stop a turn that moves both along x.
+        ([[0, 0], [0, 1]], [[1, 1], [0, 1]], ["rotation about (0, 0)"]),
+        # In space.
+        ([[1, 2, 3]], [[1, 1, 1]], [about(a, "(1, 2, 3)") for a in "xyz"]),
+        ([[0, 2, 3], [1, 2, 3]], [[1, 1, 1]] * 2, [about("x", "(0.5, 2, 3)")]),
+        ([[0, 0, 0], [1, 1, 0]], [[1, 1, 1]] * 2, [about("(1, 1, 0)", "(0.5, 0.5, 0)")]),
+        ([[0, 0, 0], [2, 0, 0], [0, 2, 0]], [[0, 0, 1]] * 3, [X, Y, None]),
+        ([[0, 0, 0], [0, 0, 1]], [[1, 1, 0]] * 2, [Z, about("z", "(0, 0, 0.5)")]),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 1, 1], [0, 1, 1], [0, 0, 1]], []),
+    ],
+)
+def test_free_motions_are_named(points, held, names):
+    d = 2 if not points else len(points[0])
+    places = np.array(points, dtype=float).reshape(-1, d)
+    found = free_motions(places, np.array(held, dtype=bool).reshape(-1, d))
+    assert len(found) == len(names)
+    for name, expected in zip(found, names, strict=True):
+        # None: a turn about the z axis through any point at all is free; the place is a choice.
+        assert name == expected or (expected is None and "along z through" in name)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), size=st.sampled_from([1e-6, 1.0, 1e4]))
+def test_as_many_motions_are_named_as_constraints_leave(d, seed, size):
+    rng = np.random.default_rng(seed)
+    points = rng.integers(0, 3, (rng.integers(1, 5), d)).astype(float)
+    held = rng.random(points.shape) < 0.5
+    # Constraint rows by hand: component a of t + W x, W skew with one entry per pair of axes.
+    planes = [(a, b) for a in range(d) for b in range(a)]
+    rows = []
+    for point, axis in zip(*np.nonzero(held), strict=True):
+        turn = [(a == axis) * points[point, b] - (b == axis) * points[point, a] for a, b in planes]
+        rows.append([*np.eye(d)[axis], *turn])
+    rank = np.linalg.matrix_rank(np.array(rows)) if rows else 0
+    assert len(free_motions(size * points, held)) == d + len(planes) - rank
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_rigid_motions_change_no_distance(d):
+    points = np.random.default_rng(0).normal(size=(6, d))
+    motions = rigid_motions(points)
+    assert motions.shape == (6, d, d * (d + 1) // 2)
+    assert np.linalg.matrix_rank(motions.reshape(6 * d, -1)) == d * (d + 1) // 2
+    for motion in np.moveaxis(motions, 2, 0):
+        apart, moved = points[:, None] - points, motion[:, None] - motion
+        # To first order a distance changes by d·(u_j - u_i): sums of two products, so roundoff.
+        np.testing.assert_allclose((apart * moved).sum(axis=2), 0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("supports", "names"),
+    [
+        ((), [X, Y, "rotation about"]),
+        ((Support(PLATE.side("left"), (0.0, None)),), [Y]),
+        ((Support(Region((0.0, 0.0)), (0.0, 0.0)),), ["rotation about (0, 0)"]),
+        # Only the displacement's direction counts, not its value or whether it is a field.
+        ((Support(PLATE.side("bottom"), (None, lambda p: 0.1 * p[:, 0])),), [X]),
+    ],
+)
+def test_a_body_left_free_is_refused_with_each_motion(supports, names):
+    with refused("problem: the supports leave the body free: ") as caught:
+        plate(supports=supports)
+    assert str(caught.value).endswith("Hold one more component against each")
+    for name in names:
+        assert name in str(caught.value)
+    assert str(caught.value).count(";") == len(names) - 1
+
+
+def test_a_roller_on_an_edge_stops_rotation_and_one_at_a_point_does_not():
+    corner = Support(Region((0.0, 0.0)), (0.0, 0.0))
+    plate(supports=(corner, Support(PLATE.side("left"), (0.0, None))))
+    # The corner's own roller adds nothing to the corner.
+    with refused("rotation about (0, 0)"):
+        plate(supports=(corner, Support(Region((0.0, 0.0)), (0.0, None))))
+
+
+# Supports and fields at points ----------------------------------------------------------------
+
+
+def test_supports_hold_their_components_and_no_others():
+    supports = (
+        CLAMP,
+        Support(PLATE.side("right"), (0.25, None)),
+        Support(Region((1.0, 1.0)), (None, lambda p: p[:, 0] - 3.0)),
+    )
+    held, value = prescribed(plate(supports=supports), GRID)
+    left, right, top_middle = GRID[:, 0] == 0, GRID[:, 0] == 2, (GRID == [1.0, 1.0]).all(axis=1)
+    np.testing.assert_array_equal(held, np.stack([left | right, left | top_middle], axis=1))
+    np.testing.assert_array_equal(value, np.stack([0.25 * right, -2.0 * top_middle], axis=1))
+
+
+def test_supports_that_agree_where_they_meet_are_one_support():
+    supports = (CLAMP, Support(PLATE.side("bottom"), (None, lambda p: 1e-3 * p[:, 0])))
+    held, value = prescribed(plate(supports=supports), GRID)
+    assert held[0].all()
+    assert value[2, 1] == 2e-3
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_supports_that_contradict_each_other_are_refused_at_the_place(order):
+    supports = (CLAMP, Support(PLATE.side("top"), (None, 0.5)))[::order]
+    values = "0 and 0.5" if order == 1 else "0.5 and 0"
+    with refused(f"y displacement {values} m at (0, 1); prescribe it once"):
+        prescribed(plate(supports=supports), GRID)
+
+
+@pytest.mark.xfail(reason="displacements are compared by the tolerance for places, 1e-9 of the box")
+def test_small_displacements_contradict_each_other_too():
+    # Linear equilibrium has no scale: at a strain of 1e-10 this support matters as much as at 1.
+    supports = (CLAMP, Support(PLATE.side("bottom"), (None, 1e-9)))
+    with refused("supports contradict each other"):
+        prescribed(plate(supports=supports), GRID)
+
+
+def test_a_support_between_the_points_is_refused():
+    supports = (CLAMP, Support(Region((0.3, None)), (0.0, None)))
+    with refused("support on (x = 0.3): no point of the discretised body lies there"):
+        prescribed(plate(supports=supports), GRID)
+
+
+@pytest.mark.parametrize(
+    ("field", "message"),
+    [
+        (lambda p: p, "support on (x = 0): the field returned shape (3, 2), not (3,)"),
+        (lambda p: 1e-3 * p[0], "support on (x = 0): the field returned shape (2,), not (3,)"),
+        (lambda p: 0.0 * p[0, 0], "support on (x = 0): the field returned shape (), not (3,)"),
+        (lambda p: np.where(p[:, 1] > 0.7, NAN, 0.0), "support on (x = 0): nan at index 2"),
+    ],
+)
+def test_a_displacement_field_returns_a_finite_number_a_point(field, message):
+    problem = plate(supports=(Support(PLATE.side("left"), (field, 0.0)),))
+    with refused(message):
+        prescribed(problem, GRID)
+
+
+@pytest.mark.parametrize(
+    ("field", "message"),
+    [
+        (lambda p: p[:, 0], "body force: the field returned shape (9,), not (9, 2)"),
+        (lambda p: p.T, "body force: the field returned shape (2, 9), not (9, 2)"),
+        (lambda p: p / np.where(p > 1.5, 0.0, 1.0), "body force: inf at index (2, 0)"),
+    ],
+)
+def test_a_vector_field_returns_a_finite_vector_a_point(field, message):
+    with np.errstate(divide="ignore"), refused(message):
+        vectors_at("body force", field, GRID)
+
+
+def test_a_vector_is_the_same_at_every_point():
+    np.testing.assert_array_equal(
+        vectors_at("body force", (1.0, -2.0), GRID), np.tile([1.0, -2.0], (9, 1))
+    )

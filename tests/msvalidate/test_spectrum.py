@@ -1,0 +1,132 @@
+"""Natural frequencies: independent values, closed forms, both solvers."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from msvalidate import spectrum
+from msvalidate.equilibrium import equilibrium
+from msvalidate.network import spring_network
+from msvalidate.problem import ProblemError, SolverError
+from msvalidate.spectrum import extreme_frequencies, natural_frequencies
+
+
+@pytest.fixture(params=["dense", "sparse"], autouse=True)
+def solver(request, monkeypatch):
+    """Every test runs through both solvers."""
+    monkeypatch.setattr(spectrum, "DENSE", 10**9 if request.param == "dense" else 0)
+    return request.param
+
+
+def chain(count, stiffness=3.0, mass=0.5):
+    """Points along x between two fixed ends, 1 m apart, that move along x only."""
+    points = np.stack([np.arange(count + 2.0), np.zeros(count + 2)], axis=1)
+    springs = np.stack([np.arange(count + 1), np.arange(1, count + 2)], axis=1)
+    held = np.zeros(points.shape, dtype=bool)
+    held[[0, -1], 0], held[:, 1] = True, True
+    return spring_network(points, springs, stiffness, mass=mass, held=held)
+
+
+def test_modes_of_a_tetrahedral_network_against_independent_values(independent):
+    network, record = independent("s4")
+    lowest, highest = natural_frequencies(network, 10)
+    np.testing.assert_allclose(lowest, record["modes"]["omega_lowest"], rtol=1e-10)
+    assert highest == pytest.approx(record["modes"]["omega_highest"], rel=1e-10)
+
+
+def test_modes_of_a_prestressed_network_at_equilibrium_against_independent_values(independent):
+    network, record = independent("s3")
+    position = equilibrium(network, "nonlinear").position
+    expected = record["modes_at_equilibrium"]
+    lowest, highest = natural_frequencies(network, 10, position)
+    np.testing.assert_allclose(lowest, expected["omega_lowest"], rtol=1e-10)
+    assert highest == pytest.approx(expected["omega_highest"], rel=1e-10)
+
+
+def test_a_chain_has_its_closed_form():
+    # 2√(k/m) sin(jπ/2(n + 1)), j = 1 … n.
+    omega = 2 * np.sqrt(3.0 / 0.5) * np.sin(np.arange(1, 41) * np.pi / 82)
+    lowest, highest = natural_frequencies(chain(40), 7)
+    # ω² is exact to 1e-16 of the largest, 700 times the smallest.
+    np.testing.assert_allclose(lowest, omega[:7], rtol=1e-11)
+    assert highest == pytest.approx(omega[-1], rel=1e-12)
+    assert extreme_frequencies(chain(40)) == pytest.approx((omega[0], omega[-1]), rel=1e-11)
+
+
+def test_every_mode_can_be_asked_for():
+    omega = 2 * np.sin(np.arange(1, 6) * np.pi / 12)
+    lowest, highest = natural_frequencies(chain(5, 1.0, 1.0), 5)
+    np.testing.assert_allclose(lowest, omega, rtol=1e-12)
+    assert highest == pytest.approx(omega[-1], rel=1e-12)
+
+
+def test_frequencies_go_with_the_root_of_stiffness_over_mass(lattice_body):
+    network = lattice_body((2.0, 1.0), (8, 4))
+    lowest, highest = natural_frequencies(network, 5)
+    scaled = replace(network, stiffness=9 * network.stiffness, mass=4 * network.mass)
+    again, top = natural_frequencies(scaled, 5)
+    np.testing.assert_allclose(again, 1.5 * lowest, rtol=1e-10)
+    assert top == pytest.approx(1.5 * highest, rel=1e-12)
+
+
+def test_a_lattice_stays_below_the_frequency_of_the_periodic_one(lattice_body):
+    # ω²m = 4(k1 + k2) without end, 4(3/4 + 3/8) here; clamped blocks come near it from below.
+    network = lattice_body((1.0, 1.0), 12, mass="equal")
+    _, highest = natural_frequencies(network, 1)
+    assert 0.95 < highest**2 * network.mass[0] / 4.5 < 1.0
+
+
+def test_equal_modes_are_all_found(lattice_body):
+    # Clamped all round, a square block vibrates alike along x and y: the first mode is double.
+    network = lattice_body((1.0, 1.0), 12)
+    edge = ((network.points == 0) | (network.points == 1)).any(axis=1)
+    clamped = replace(network, held=np.repeat(edge[:, None], 2, axis=1))
+    lowest, _ = natural_frequencies(clamped, 2)
+    assert lowest[1] == pytest.approx(lowest[0], rel=1e-10)
+
+
+def test_a_free_body_has_its_rigid_motions_at_zero(lattice_body):
+    network = lattice_body((2.0, 1.0), (8, 4))
+    free = replace(network, held=np.zeros(network.points.shape, dtype=bool))
+    lowest, highest = natural_frequencies(free, 4)
+    assert lowest[2] < 1e-6 * highest  # the root of rounding, 1e-8 and some
+    assert lowest[3] > 1e-2 * highest
+
+
+def test_an_unstable_position_is_refused():
+    # A chain free across, its springs too long for their places: it buckles sideways.
+    straight = chain(40)
+    held = straight.held.copy()
+    held[1:-1, 1] = False
+    crowded = replace(straight, held=held, rest_length=1.02 * straight.rest_length)
+    with pytest.raises(SolverError, match=r"omega² = -.*the network is unstable there"):
+        natural_frequencies(crowded, 3)
+
+
+def test_one_strongly_unstable_point_is_refused(lattice_body, solver, request):
+    if solver == "sparse":
+        reason = "the modes nearest to zero are not the lowest once one is far below it"
+        request.applymarker(pytest.mark.xfail(reason=reason))
+    network = lattice_body((8.0, 4.0), (16, 8))
+    around = (network.springs == len(network.points) // 2).any(axis=1)
+    swollen = replace(network, rest_length=np.where(around, 3.0, 1.0) * network.rest_length)
+    with pytest.raises(SolverError, match="the network is unstable there"):
+        natural_frequencies(swollen, 3)
+
+
+@pytest.mark.parametrize("count", [0, -1, 6])
+def test_a_count_outside_the_free_components_is_refused(count):
+    message = f"count: {count} frequencies; this network has 5 free components"
+    with pytest.raises(ProblemError, match=re.escape(message)):
+        natural_frequencies(chain(5), count)
+
+
+def test_a_network_held_everywhere_has_no_frequencies():
+    network = chain(5)
+    fixed = replace(network, held=np.ones(network.points.shape, dtype=bool))
+    with pytest.raises(ProblemError, match="every component is held; nothing can move"):
+        natural_frequencies(fixed, 1)

@@ -1,0 +1,412 @@
+"""The solver on meshes given as arrays: independent values, patch test, materials, bad input."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import reference_fem
+from msvalidate.problem import Anisotropic, Isotropic, ProblemError, SolverError
+from reference_fem.elasticity import elastic_tensor, full_tensor, stiffness
+
+# A library's warning on the way to an answer, such as MatrixRankWarning, is a failure here.
+pytestmark = pytest.mark.filterwarnings("error")
+
+CASES = sorted((Path(__file__).parents[1] / "data" / "fem").glob("*.json"))
+ELEMENTS = ("Q1", "Q2", "P1", "P2")
+ROUNDING = 1e-12
+"""Relative: a direct solve of a few hundred unknowns leaves 1e-14."""
+# C16 and C26 couple stretch and shear: a swapped index cannot hide behind a zero.
+SKEW = np.array([[3.0, 0.9, 0.5], [0.9, 2.0, -0.3], [0.5, -0.3, 1.1]])
+MATERIALS = {
+    "plane stress": Isotropic(1e6, 0.25, "plane_stress", thickness=1e-3),
+    "plane strain": Isotropic(1e6, 0.25, "plane_strain", thickness=1e-3),
+    "anisotropic": Anisotropic(1e6 * SKEW, thickness=1e-3),
+}
+
+
+# --- independent values ---------------------------------------------------------------------------
+
+
+def solve_file(path):
+    case = json.loads(path.read_text(encoding="utf-8"))
+    law = case["material"]
+    assert law["model"] == "linear"
+    material = Isotropic(law["E"], law["nu"], law["state"], thickness=case["thickness"])
+    found = reference_fem.solve(
+        case["nodes"],
+        case["cells"],
+        case["element"],
+        material,
+        case["fixed"],
+        case["nodal_forces"],
+    )
+    return found, np.array(case["displacements"])
+
+
+def test_there_are_independent_values_for_every_element():
+    assert {path.stem.split("_plane")[0][-2:] for path in CASES} == set(ELEMENTS)
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
+def test_independent_values(path):
+    found, expected = solve_file(path)
+    # Both sides solve one linear system exactly; left is rounding times its condition, 1e-12.
+    assert np.abs(found - expected).max() <= 1e-9 * np.abs(expected).max()
+
+
+# --- patch test -----------------------------------------------------------------------------------
+
+# MacNeal and Harder 1985, doi:10.1016/0168-874X(85)90003-4: the mesh of their membrane patch test.
+OUTLINE = [(0, 0), (0.24, 0), (0.24, 0.12), (0, 0.12)]
+INNER = [(0.04, 0.02), (0.18, 0.03), (0.16, 0.08), (0.08, 0.08)]
+QUADRILATERALS = [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7)]
+
+
+def with_middles(corners, cells, element):
+    """Points and cells in VTK order: edge midpoints after the corners, the mean of them last."""
+    corners, cells = np.array(corners, dtype=float), np.array(cells)
+    if element[0] == "P":
+        cells = np.vstack([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
+    if element[1] == "1":
+        return corners, cells
+    edges = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=2), axis=2)
+    ends, which = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True)
+    middles = [corners, corners[ends].mean(axis=1)]
+    columns = [cells, len(corners) + which.reshape(cells.shape)]
+    if element == "Q2":
+        middles.append(corners[cells].mean(axis=1))
+        columns.append(len(corners) + len(ends) + np.arange(len(cells))[:, None])
+    return np.vstack(middles), np.hstack(columns)
+
+
+def patch(element):
+    return with_middles(OUTLINE + INNER, QUADRILATERALS, element)
+
+
+def affine(points):
+    x, y = points.T
+    return 1e-3 * np.column_stack([x + y / 2, y + x / 2])
+
+
+def boundary(points):
+    x, y = points.T
+    return np.isclose(x % 0.24, 0) | np.isclose(y % 0.12, 0)
+
+
+def held_on_boundary(points, displacement):
+    nodes = np.flatnonzero(boundary(points))
+    return [(node, axis, displacement[node, axis]) for node in nodes for axis in (0, 1)]
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.parametrize("name", MATERIALS)
+def test_patch(name, element):
+    points, cells = patch(element)
+    assert not boundary(points).all()  # else nothing is solved
+    fixed = held_on_boundary(points, affine(points))
+    found = reference_fem.solve(points, cells, element, MATERIALS[name], fixed, [])
+    assert np.abs(found - affine(points)).max() <= ROUNDING * np.abs(affine(points)).max()
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_patch_needs_the_force_that_macneal_and_harder_state(element):
+    # Their stress under this displacement, plane stress, E = 1e6, nu = 1/4: 1333, 1333 and 400.
+    points, cells = patch(element)
+    body = reference_fem.discretise(points, cells, element)
+    K = stiffness(body, MATERIALS["plane stress"])
+    force = (K @ affine(points).T.ravel()).reshape(2, -1).T
+    right, top = np.isclose(points[:, 0], 0.24), np.isclose(points[:, 1], 0.12)
+    assert force[right].sum(axis=0) == pytest.approx([4000 / 3 * 0.12e-3, 400 * 0.12e-3], rel=1e-12)
+    assert force[top].sum(axis=0) == pytest.approx([400 * 0.24e-3, 4000 / 3 * 0.24e-3], rel=1e-12)
+    assert np.abs(force[~boundary(points)]).max() <= 1e-12 * np.abs(force).max()
+
+
+# --- stiffness ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.parametrize("name", MATERIALS)
+def test_stiffness_is_symmetric_and_only_rigid_motions_are_free(name, element):
+    points, cells = patch(element)
+    K = stiffness(reference_fem.discretise(points, cells, element), MATERIALS[name]).toarray()
+    assert np.abs(K - K.T).max() <= ROUNDING * np.abs(K).max()
+    energies = np.linalg.eigvalsh(K)
+    # Rigid motions are three; reduced integration would show as a fourth (an hourglass).
+    assert np.abs(energies[:3]).max() <= ROUNDING * energies[-1]
+    assert energies[3] > 1e-6 * energies[-1]
+    x, y = points.T
+    one, zero = np.ones(len(x)), np.zeros(len(x))
+    rigid = np.array([[*one, *zero], [*zero, *one], [*-y, *x]])
+    assert np.abs(K @ rigid.T).max() <= ROUNDING * np.abs(K).max()
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    angle=st.floats(-np.pi, np.pi), shift=st.tuples(*[st.floats(-5, 5)] * 2), seed=st.integers(0)
+)
+def test_answer_turns_with_the_body(angle, shift, seed):
+    points, cells = patch("Q2")
+    force = np.random.default_rng(seed).normal(size=points.shape)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+    def answer(points, force):
+        left = np.flatnonzero(patch("Q2")[0][:, 0] == 0)
+        fixed = [(node, axis, 0.0) for node in left for axis in (0, 1)]
+        rows = [(node, axis, force[node, axis]) for node in range(len(force)) for axis in (0, 1)]
+        material = MATERIALS["plane strain"]
+        return reference_fem.solve(points, cells, "Q2", material, fixed, rows)
+
+    still, turned = answer(points, force), answer(points @ turn.T + shift, force @ turn.T)
+    # Coordinates of size 5 round to 1e-15, of a body of 0.1 m whose condition is 1e3.
+    assert np.abs(turned - still @ turn.T).max() <= 1e-9 * np.abs(still).max()
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_answer_does_not_depend_on_numbering(element):
+    points, cells = patch(element)
+    rng = np.random.default_rng(7)
+    new = rng.permutation(len(points))  # old number -> new number
+    moved = np.empty_like(points)
+    moved[new] = points
+    left = np.flatnonzero(points[:, 0] == 0)
+    fixed = [(node, axis, 0.0) for node in left for axis in (0, 1)]
+    material = MATERIALS["anisotropic"]
+    still = reference_fem.solve(points, cells, element, material, fixed, [(1, 1, 1.0)])
+    again = reference_fem.solve(
+        moved,
+        rng.permutation(new[cells]),
+        element,
+        material,
+        [(new[node], axis, value) for node, axis, value in fixed],
+        [(new[1], 1, 0.25), (new[1], 1, 0.75)],  # rows for one component add up
+    )
+    assert np.abs(again[new] - still).max() <= 1e-10 * np.abs(still).max()
+
+
+# --- materials ------------------------------------------------------------------------------------
+
+
+def bar(material, element="Q1"):
+    """A unit square pulled along x by 1 N in all, free to contract; strains (xx, yy)."""
+    points, cells = with_middles([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2, 3)], element)
+    x, y = points.T
+    fixed = [(node, 0, 0.0) for node in np.flatnonzero(x == 0)] + [(0, 1, 0.0)]
+    # Consistent shares of a uniform traction: 1/2 for each end, or Simpson's 1/6, 4/6, 1/6.
+    shares = {0.0: 1 / 2, 1.0: 1 / 2} if element[1] == "1" else {0.0: 1 / 6, 0.5: 4 / 6, 1.0: 1 / 6}
+    forces = [(node, 0, shares[y[node]]) for node in np.flatnonzero(x == 1)]
+    move = reference_fem.solve(points, cells, element, material, fixed, forces)
+    assert np.ptp(move[x == 1, 0]) <= ROUNDING * move[:, 0].max()
+    return move[x == 1, 0].mean(), move[y == 1, 1].mean() - move[y == 0, 1].mean()
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.parametrize("nu", [-0.5, 0.0, 0.3, 0.49])
+def test_bar_strains_in_plane_stress_and_plane_strain(nu, element):
+    E, t = 7.0, 0.2
+    assert bar(Isotropic(E, nu, "plane_stress", thickness=t), element) == pytest.approx(
+        (1 / (E * t), -nu / (E * t)), rel=1e-11, abs=1e-13
+    )
+    # The body that may not thicken is that of modulus E/(1 - nu²) and ratio nu/(1 - nu).
+    E1, nu1 = E / (1 - nu**2), nu / (1 - nu)
+    assert bar(Isotropic(E, nu, "plane_strain", thickness=t), element) == pytest.approx(
+        (1 / (E1 * t), -nu1 / (E1 * t)), rel=1e-11, abs=1e-13
+    )
+
+
+def test_plane_stress_takes_an_incompressible_material():
+    assert bar(Isotropic(1.0, 0.5, "plane_stress")) == pytest.approx((1.0, -0.5), rel=1e-12)
+
+
+def compliance(E, nu):
+    """Hooke's law as engineers write it: strains (6,) from stresses (6,)."""
+    S = np.diag([1.0, 1, 1, *[2 * (1 + nu)] * 3])
+    S[:3, :3] -= nu * (1 - np.eye(3))
+    return S / E
+
+
+@pytest.mark.parametrize("nu", [-0.9, 0.0, 0.3, 0.4999])
+def test_tensor_inverts_the_compliance(nu):
+    # By another route than the code: no Lamé constants; 1/(1 - 2 nu) amplifies rounding to 1e-12.
+    E, plane = 210.0, np.ix_([0, 1, 5], [0, 1, 5])
+    stress = np.linalg.inv(compliance(E, nu)[plane])  # out-of-plane stresses zero
+    strain = np.linalg.inv(compliance(E, nu))[plane]  # out-of-plane strains zero
+    assert elastic_tensor(Isotropic(E, nu, "plane_stress")) == pytest.approx(stress, rel=1e-11)
+    assert elastic_tensor(Isotropic(E, nu, "plane_strain")) == pytest.approx(
+        strain, rel=1e-11, abs=1e-11
+    )
+
+
+def test_full_tensor_doubles_no_shear():
+    rng = np.random.default_rng(3)
+    gradient = rng.normal(size=(2, 2))
+    (xx, xy), (yx, yy) = gradient
+    stress = np.einsum("abcd,cd", full_tensor(SKEW), gradient)
+    voigt = SKEW @ [xx, yy, xy + yx]
+    assert stress == pytest.approx(np.array([[voigt[0], voigt[2]], [voigt[2], voigt[1]]]))
+
+
+@pytest.mark.parametrize("state", ["plane_stress", "plane_strain"])
+def test_isotropic_and_its_tensor_are_one_material(state):
+    points, cells = patch("Q2")
+    left = np.flatnonzero(points[:, 0] == 0)
+    fixed = [(node, axis, 0.0) for node in left for axis in (0, 1)]
+    plane = np.ix_([0, 1, 5], [0, 1, 5])
+    S = compliance(2.0, 0.3)
+    C = np.linalg.inv(S[plane]) if state == "plane_stress" else np.linalg.inv(S)[plane]
+    isotropic, tensor = (
+        reference_fem.solve(points, cells, "Q2", material, fixed, [(2, 0, 0.3), (2, 1, -1.0)])
+        for material in (Isotropic(2.0, 0.3, state), Anisotropic((C + C.T) / 2))
+    )
+    assert np.abs(isotropic - tensor).max() <= 1e-11 * np.abs(tensor).max()
+
+
+@pytest.mark.parametrize("material", [Isotropic, Anisotropic])
+def test_thickness_and_modulus_divide_the_displacement(material):
+    points, cells = patch("Q1")
+    left = np.flatnonzero(points[:, 0] == 0)
+    fixed = [(node, axis, 0.0) for node in left for axis in (0, 1)]
+
+    def answer(modulus, thickness):
+        law = (
+            Isotropic(modulus, 0.3, thickness=thickness)
+            if material is Isotropic
+            else Anisotropic(modulus * SKEW, thickness=thickness)
+        )
+        return reference_fem.solve(points, cells, "Q1", law, fixed, [(2, 1, 1.0)])
+
+    thick, stiff, base = answer(1.0, 8.0), answer(8.0, 1.0), answer(1.0, 1.0)
+    assert base.any()
+    # Eight is a power of two: only the exponent changes, unless something else enters.
+    np.testing.assert_array_equal(8 * thick, base)
+    np.testing.assert_array_equal(8 * stiff, base)
+
+
+def test_prescribed_values_are_returned_as_given():
+    points, cells = patch("Q1")
+    fixed = [(node, axis, 0.1 * node - axis) for node in range(len(points)) for axis in (0, 1)]
+    found = reference_fem.solve(points, cells, "Q1", Isotropic(1.0, 0.3), fixed, [(1, 0, 9.0)])
+    expected = 0.1 * np.arange(len(points))[:, None] - [0, 1]
+    np.testing.assert_array_equal(found, expected)
+
+
+# --- bad input ------------------------------------------------------------------------------------
+
+POINTS = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (2, 1)]
+CELLS = [(0, 1, 2, 3), (1, 4, 5, 2)]
+CLAMP = [(0, 0, 0.0), (0, 1, 0.0), (3, 0, 0.0), (3, 1, 0.0)]
+GOOD = {
+    "points": POINTS,
+    "cells": CELLS,
+    "element": "Q1",
+    "material": Isotropic(1.0, 0.3),
+    "fixed": CLAMP,
+    "nodal_forces": [(4, 1, -1.0)],
+}
+SOLID = np.eye(6)
+
+
+def replaced(rows, at, value):
+    return [value if index == at else row for index, row in enumerate(rows)]
+
+
+BAD = {
+    # what is wrong: (what differs from GOOD, what the message must say)
+    "no supports": (
+        {"fixed": []},
+        ["translation along x", "translation along y", "rotation about"],
+    ),
+    "one support point": ({"fixed": CLAMP[:2]}, [r"rotation about \(0, 0\)"]),
+    "held along x only": (
+        {"fixed": [(node, 0, 0.0) for node in range(6)]},
+        ["free: translation along y. Hold one more"],
+    ),
+    "NaN in points": ({"points": replaced(POINTS, 4, (np.nan, 0))}, [r"points: nan", r"\(4, 0\)"]),
+    "infinity in points": ({"points": replaced(POINTS, 4, (0, np.inf))}, ["points: inf"]),
+    "words for points": ({"points": [("a", "b")]}, ["points: expected numbers"]),
+    "points in space": ({"points": [(*p, 0) for p in POINTS]}, [r"points: shape \(6, 3\)"]),
+    "NaN in forces": ({"nodal_forces": [(4, 1, np.nan)]}, ["nodal_forces row", "nan"]),
+    "NaN in supports": ({"fixed": [*CLAMP, (1, 1, np.nan)]}, ["fixed row", "nan"]),
+    "force on no node": ({"nodal_forces": [(6, 0, 1.0)]}, ["nodal_forces", "nodes run to 5"]),
+    "unknown element": ({"element": "Q3"}, ["'Q3'; choose Q1, Q2, P1, P2"]),
+    "lower case": ({"element": "q1"}, ["choose Q1"]),
+    "cells of another element": ({"element": "P1"}, [r"cells: .*\(2, 4\); P1 needs .*\(c, 3\)"]),
+    "no cells": ({"cells": np.zeros((0, 4), dtype=int)}, [r"cells: .*\(0, 4\)"]),
+    "cells of fractions": ({"cells": np.array(CELLS, dtype=float)}, ["cells: float64"]),
+    "clockwise": (
+        {"cells": replaced(CELLS, 1, (2, 5, 4, 1))},
+        ["cell 1 is inverted", "counter-clockwise"],
+    ),
+    "crossed quadrilateral": ({"cells": replaced(CELLS, 0, (0, 1, 3, 2))}, ["cell 0 is inverted"]),
+    "flat cell": ({"points": replaced(POINTS, 4, (1, 0.5))}, ["cell 1 is .*flat or not convex"]),
+    "not convex": ({"points": replaced(POINTS, 5, (1.2, 0.1))}, ["cell 1 is .*not convex"]),
+    "one corner twice": ({"cells": replaced(CELLS, 0, (0, 1, 1, 3))}, ["cell 0 is .*flat"]),
+    "cell index too high": ({"cells": replaced(CELLS, 1, (1, 4, 6, 2))}, ["there are 0 to 5"]),
+    "cell index negative": ({"cells": replaced(CELLS, 1, (1, 4, -1, 2))}, ["cells: points -1"]),
+    "orphan": ({"points": [*POINTS, (3, 3)]}, ["point 6 belongs to no cell"]),
+    "unmerged points": (
+        {"points": [*POINTS, (1, 0), (1, 1)], "cells": [(0, 1, 2, 3), (6, 4, 5, 7)]},
+        ["coincides with another; remove or merge it"],
+    ),
+    "fixed component": ({"fixed": [*CLAMP, (1, 2, 0.0)]}, ["components to 1"]),
+    "fixed component below zero": ({"fixed": [*CLAMP, (1, -1, 0.0)]}, ["components to 1"]),
+    "fixed node": ({"fixed": [*CLAMP, (6, 0, 0.0)]}, ["nodes run to 5"]),
+    "fixed node below zero": ({"fixed": [*CLAMP, (-1, 0, 0.0)]}, ["nodes run to 5"]),
+    "fixed fraction of a node": ({"fixed": [*CLAMP, (1.5, 0, 0.0)]}, [r"row \(1.5, 0, 0.0\)"]),
+    "fixed row too short": ({"fixed": [*CLAMP, (1, 0)]}, [r"give \(node, component, value\)"]),
+    "contradiction": ({"fixed": [*CLAMP, (3, 1, 1e-3)]}, ["node 3 component 1 .*two different"]),
+    "incompressible": ({"material": Isotropic(1.0, 0.5, "plane_strain")}, ["nu = 1/2", "nu < 1/2"]),
+    "solid": ({"material": Isotropic(1.0, 0.3, "solid")}, ["material: 3D, the body 2D"]),
+    "solid tensor": ({"material": Anisotropic(SOLID)}, ["material: 3D, the body 2D"]),
+}
+
+
+def test_good_input_is_good():
+    assert np.isfinite(reference_fem.solve(**GOOD)).all()
+
+
+@pytest.mark.parametrize(("change", "fragments"), BAD.values(), ids=BAD)
+def test_bad_input_is_named(change, fragments):
+    with pytest.raises(ProblemError) as caught:
+        reference_fem.solve(**(GOOD | change))
+    for fragment in fragments:
+        assert caught.match(fragment)
+
+
+@pytest.mark.parametrize("element", ["Q2", "P2"])
+@pytest.mark.parametrize("node", [8, -1])  # the first mid-side node; the last, in Q2 a centre
+def test_displaced_middle_node_is_refused(element, node):
+    points, cells = patch(element)
+    points[node] += 1e-4  # a thousandth of an edge: enough to spoil order 3
+    fixed = held_on_boundary(patch(element)[0], affine(points))
+    with pytest.raises(ProblemError, match="mid-side nodes belong halfway along straight edges"):
+        reference_fem.solve(points, cells, element, MATERIALS["plane stress"], fixed, [])
+
+
+def test_consistent_repetition_is_no_contradiction():
+    once = reference_fem.solve(**GOOD)
+    twice = reference_fem.solve(**(GOOD | {"fixed": [*CLAMP, *CLAMP]}))
+    np.testing.assert_array_equal(once, twice)
+
+
+@pytest.mark.parametrize("E", [1e-200, 1e200])
+def test_unit_of_the_modulus_does_not_matter(E):
+    found = reference_fem.solve(**(GOOD | {"material": Isotropic(E, 0.3)}))
+    # 1e200 is no power of two: every product rounds anew.
+    assert found * E == pytest.approx(reference_fem.solve(**GOOD), rel=1e-11)
+
+
+def test_what_cannot_be_solved_is_a_solver_error():
+    with pytest.raises(SolverError, match="the stiffness is singular"):
+        reference_fem.solve(**(GOOD | {"material": Isotropic(1e-320, 0.3)}))
+
+
+def test_answer_beyond_the_largest_number_is_a_solver_error():
+    # Infinity or NaN must not come back as a displacement.
+    with pytest.raises(SolverError, match="residual"):
+        reference_fem.solve(**(GOOD | {"nodal_forces": [(4, 1, -1e308)]}))

@@ -1,0 +1,315 @@
+"""Refinement: is the true error below the uncertainty, on sequences whose limit is known?"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import reference_fem
+from msvalidate.problem import (
+    BodyForce,
+    Box,
+    Isotropic,
+    Problem,
+    ProblemError,
+    Region,
+    SolverError,
+    Support,
+    Traction,
+)
+from reference_fem.refinement import CAUTION, SAFETY, refine, richardson
+
+# A division by a change of zero must not warn.
+pytestmark = pytest.mark.filterwarnings("error")
+
+HIGHEST = 4.5
+"""Twice the degree of a quadratic element, with room for scatter: the default of `refine`."""
+
+
+def three(sequence, cells=8):
+    """Estimate from cells, 2 cells and 4 cells per side."""
+    values = [np.atleast_1d(np.asarray(sequence(n), dtype=float)) for n in (cells, 2 * cells)]
+    return richardson(*values, np.atleast_1d(sequence(4 * cells)), 4 * cells, HIGHEST)
+
+
+def power(limit, factor, order):
+    return lambda n: limit + factor * float(n) ** -order
+
+
+# --- three meshes ---------------------------------------------------------------------------------
+
+
+@settings(deadline=None)  # a busy machine is no failure
+@given(
+    limit=st.floats(-10, 10),
+    factor=st.sampled_from([-3.0, -0.1, 0.1, 3.0]),
+    order=st.floats(0.55, 4.4),
+)
+def test_order_of_a_pure_power_is_recovered(limit, factor, order):
+    estimate = three(power(limit, factor, order))
+    assert estimate.status == ("asymptotic",)
+    # Changes of 1e-7 and more on values of 10 are known to 2e-8 of themselves.
+    assert estimate.order == pytest.approx([order], abs=1e-6)
+    error = abs(estimate.value - limit)
+    assert estimate.uncertainty == pytest.approx(SAFETY * error, rel=1e-5)
+    assert estimate.cells == 32
+
+
+@settings(deadline=None)
+@given(
+    limit=st.floats(-10, 10),
+    factor=st.sampled_from([-1.0, 1.0]),
+    order=st.floats(0.6, 4.0),
+    bend=st.floats(-1.0, 0.5),
+)
+def test_true_error_is_below_the_uncertainty(limit, factor, order, bend):
+    # A second term, one order higher, up to an eighth of the first on the coarsest mesh: as much as
+    # the safety factor of 1.25 can cover where it makes the order look better than it is.
+    estimate = three(lambda n: limit + factor * (n**-order + bend * n ** -(order + 1)), cells=4)
+    assert (np.abs(estimate.value - limit) <= estimate.uncertainty).all()
+
+
+@pytest.mark.parametrize("order", [0.7, 1.0, 2.0, 4.0])
+@pytest.mark.parametrize("cells", [4, 5])
+def test_oscillation_is_not_asymptotic_and_is_covered(order, cells):
+    # Signs alternate from mesh to mesh, so that no order can be read off them.
+    estimate = three(lambda n: 1 + (-1) ** round(np.log2(n / cells)) * n**-order, cells)
+    assert estimate.status == ("not asymptotic",)
+    assert np.isnan(estimate.order).all()
+    assert estimate.uncertainty > np.abs(estimate.value - 1)
+
+
+@pytest.mark.parametrize("order", [4.6, 6.0, 10.0])
+def test_order_too_good_to_be_true_is_not_believed(order):
+    estimate = three(power(1.0, 1.0, order), cells=2)
+    assert estimate.status == ("not asymptotic",)
+    last = 4.0**-order * (1 - 2.0**-order)
+    assert estimate.uncertainty == pytest.approx([CAUTION * last], rel=1e-6)
+    assert estimate.uncertainty > 10 * np.abs(estimate.value - 1)
+
+
+def test_highest_order_is_the_callers():
+    values = [np.array([1 + n**-3.0]) for n in (4, 8, 16)]
+    assert richardson(*values, 16, 3.1).status == ("asymptotic",)
+    assert richardson(*values, 16, 2.9).status == ("not asymptotic",)
+
+
+@pytest.mark.parametrize("growth", [0.2, 1.0])
+def test_divergence_is_not_asymptotic(growth):
+    estimate = three(lambda n: float(n) ** growth)
+    assert estimate.status == ("not asymptotic",)
+    assert np.isnan(estimate.order).all()
+
+
+@pytest.mark.parametrize("limit", [1.0, -1e6, 1e-6])
+def test_rounding_is_called_exact(limit):
+    estimate = three(lambda n: limit * (1 + 1e-14 * np.sin(37 * n)))
+    assert estimate.status == ("exact",)
+    assert np.isnan(estimate.order).all()
+    assert (estimate.uncertainty >= np.abs(estimate.value - limit) / 2).all()
+    assert (estimate.uncertainty <= 1e-13 * abs(limit)).all()
+
+
+def test_constant_is_exact_zero_included():
+    for value in (0.0, 3.5):
+        estimate = three(lambda n, value=value: value)  # noqa: ARG005  no mesh changes it
+        assert estimate.status == ("exact",)
+        np.testing.assert_array_equal(estimate.uncertainty, 0)
+
+
+def test_small_change_above_rounding_is_not_exact():
+    estimate = three(lambda n: 1 + 1e-9 * n**-1.0)
+    assert estimate.status == ("asymptotic",)
+
+
+def test_two_meshes_that_agree_after_a_change_are_not_exact():
+    # By chance, or because a cell fell on a symmetric place: nothing is known of the order.
+    assert three(lambda n: 1.0 if n == 8 else 2.0).status == ("not asymptotic",)
+
+
+def test_each_value_has_its_own_judgement():
+    estimate = three(lambda n: np.array([1 + n**-2.0, 1.0, 1 + (-0.5) ** round(np.log2(n))]))
+    assert estimate.status == ("asymptotic", "exact", "not asymptotic")
+    assert estimate.order[0] == pytest.approx(2, abs=1e-9)
+    assert np.isnan(estimate.order[1:]).all()
+
+
+@settings(deadline=None)
+@given(scale=st.integers(-60, 60), shift=st.integers(0, 3))
+def test_unit_of_the_quantity_does_not_matter(scale, shift):
+    def sequence(n):
+        return np.array([0.5 + n**-1.7, shift + 0.3 * n**-2.2, (-1) ** n + 2.0])
+
+    unit, scaled = three(sequence), three(lambda n: 2.0**scale * sequence(n))
+    assert scaled.status == unit.status
+    np.testing.assert_array_equal(scaled.uncertainty, 2.0**scale * unit.uncertainty)
+
+
+# --- refinement -----------------------------------------------------------------------------------
+
+
+class Counted:
+    """A sequence that remembers for which meshes it was asked."""
+
+    def __init__(self, sequence):
+        self.sequence, self.asked = sequence, []
+
+    def __call__(self, cells):
+        self.asked.append(cells)
+        return np.atleast_1d(self.sequence(cells))
+
+
+@pytest.mark.parametrize("order", [0.75, 1.0, 2.0, 3.0])
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-3])
+def test_refines_until_the_tolerance_is_met_and_no_further(order, tolerance):
+    quantity = Counted(power(2.0, -1.0, order))
+    estimate = refine(quantity, 2, tolerance, finest=2**16)
+    assert abs(estimate.value[0] - 2) <= estimate.uncertainty[0] <= tolerance
+    # The uncertainty is the error times SAFETY: the first mesh where that is below the tolerance.
+    first = 2 * 2 ** np.ceil(np.log2(SAFETY / tolerance) / order - 1)
+    assert estimate.cells == quantity.asked[-1] == max(8, first)
+    assert quantity.asked == [2 * 2**k for k in range(len(quantity.asked))]
+
+
+def test_every_value_must_meet_the_tolerance():
+    estimate = refine(lambda n: np.array([n**-4.0, n**-1.0]), 2, 0.01)
+    assert (estimate.uncertainty <= 0.01).all()
+    assert estimate.cells == 128
+
+
+def test_three_meshes_are_solved_even_if_two_agree():
+    quantity = Counted(lambda _: 1.0)
+    assert refine(quantity, 3, 1.0).status == ("exact",)
+    assert quantity.asked == [3, 6, 12]
+
+
+@pytest.mark.parametrize(
+    "sequence",
+    [power(1.0, 1.0, 0.6), lambda n: (-1.0) ** round(np.log2(n)), float],
+    ids=["too slow", "oscillates", "diverges"],
+)
+def test_not_converged_by_the_finest_is_a_solver_error(sequence):
+    quantity = Counted(sequence)
+    with pytest.raises(SolverError, match=r"not converged: uncertainty .* at 64 cells, wanted"):
+        refine(quantity, 4, 1e-3, finest=100)
+    assert quantity.asked == [4, 8, 16, 32, 64]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        ({"tolerance": 0.0}, "tolerance: 0.0; it must be above zero"),
+        ({"tolerance": -1.0}, "tolerance"),
+        ({"tolerance": float("nan")}, "tolerance: nan"),
+        ({"coarsest": 0}, "from 0 cells"),
+        ({"finest": 7}, "from 2 cells to 7; leave room for three"),
+    ],
+)
+def test_bad_arguments_are_named(arguments, fragment):
+    with pytest.raises(ProblemError, match=fragment):
+        refine(
+            **({"quantity": lambda n: np.ones(1) / n, "coarsest": 2, "tolerance": 1} | arguments)
+        )
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("mesh", [2, 8, 16])
+def test_value_that_is_not_finite_is_never_a_result(value, mesh):
+    with pytest.raises(ValueError, match=r"refined quantity: .*every value must be finite"):
+        refine(lambda n: np.array([value if n == mesh else n**-1.0]), 2, 1e-2)
+
+
+# --- real bodies ----------------------------------------------------------------------------------
+
+BOX = Box((1.0, 1.0))
+
+
+WAVE, AMPLITUDE = np.array([2.1, -1.3]), np.array([1.0, 0.6])
+
+
+def smooth(x):
+    """Displacement: a plane wave, one that no grid is aligned with."""
+    return np.sin(x @ WAVE + 0.4)[:, None] * AMPLITUDE
+
+
+def smooth_body():
+    """The problem whose answer is `smooth`, by Navier's equation in plane stress."""
+    E, nu = 1.0, 0.3
+    lam, mu = E * nu / (1 - nu**2), E / (2 * (1 + nu))
+    force = mu * WAVE @ WAVE * AMPLITUDE + (lam + mu) * WAVE * (WAVE @ AMPLITUDE)
+    fields = (lambda x: smooth(x)[:, 0], lambda x: smooth(x)[:, 1])
+    supports = tuple(Support(BOX.side(side), fields) for side in ("left", "right", "bottom", "top"))
+    load = BodyForce(lambda x: np.sin(x @ WAVE + 0.4)[:, None] * force)
+    return Problem(BOX, Isotropic(E, nu), supports, (load,))
+
+
+@pytest.mark.parametrize("element", ["Q1", "Q2", "P1", "P2"])
+def test_error_of_a_smooth_body_is_covered(element):
+    # At nodes of the coarsest mesh, which every finer one keeps: each error is a smooth function of
+    # the spacing there.
+    line = np.array([0.25, 0.5, 0.75])
+    places = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+    exact = smooth(places).ravel()
+
+    def sampled(cells):
+        body = reference_fem.box_discretisation(BOX, cells, element)
+        return reference_fem.solve_problem(smooth_body(), body).at(places).ravel()
+
+    estimate = refine(sampled, 16, {1: 1e-3, 2: 1e-7}[int(element[1])])
+    assert estimate.status == ("asymptotic",) * len(exact)
+    # Nodes converge by twice the degree; the two that happen to lie near a zero of the error's
+    # first term come within 0.2 on these meshes, all others within 0.03.
+    assert estimate.order == pytest.approx(np.full(len(exact), 2.0 * int(element[1])), abs=0.2)
+    assert (np.abs(estimate.value - exact) <= estimate.uncertainty).all()
+    assert (np.abs(estimate.value - exact) >= 0.5 * estimate.uncertainty).all()  # and not by luck
+
+
+BEAM = Box((4.0, 1.0))
+TIP = -267.1394
+"""Deflection (m) of the middle of a cantilever's end: two gradings, 64 cells, agree to 3e-6."""
+
+
+@pytest.mark.parametrize("grading", [1.0, 2.0, 3.0])
+def test_error_of_a_body_with_singular_corners_is_covered(grading):
+    problem = Problem(
+        BEAM,
+        Isotropic(1.0, 1 / 3),
+        (Support(BEAM.side("left"), (0.0, 0.0)),),
+        (Traction(BEAM.side("right"), (0.0, -1.0)),),
+    )
+
+    def tip(cells):
+        body = reference_fem.box_discretisation(BEAM, (4 * cells, cells), "Q2", grading)
+        return reference_fem.solve_problem(problem, body).at(np.array([[4.0, 0.5]]))[0, 1:]
+
+    estimate = refine(tip, 2, 0.05)
+    assert estimate.status == ("asymptotic",)
+    assert np.abs(estimate.value - TIP) <= estimate.uncertainty
+    if grading == 1.0:
+        # Twice the exponent at a corner clamped on one side (Williams 1952).
+        assert 1.3 < estimate.order[0] < 1.6
+
+
+@pytest.mark.parametrize("element", ["Q1", "Q2", "P1", "P2"])
+@pytest.mark.parametrize("grading", [1.0, 2.0])
+def test_largest_error_of_a_clamped_body_is_covered(element, grading):
+    # What `refine` promises of all values together; one value's own order may come out too high.
+    problem = Problem(
+        BOX,
+        Isotropic(1.0, 0.3),
+        (Support(BOX.side("left"), (0.0, 0.0)), Support(Region((1.0, None)), (1e-3, 0.0))),
+    )
+    line = np.linspace(0.03, 0.97, 12)
+    places = np.array([[x, y] for x in line for y in (0.0, 0.1, 0.21, 0.37, 0.5)])
+
+    def sampled(cells, element=element, grading=grading):
+        body = reference_fem.box_discretisation(BOX, cells, element, grading)
+        return reference_fem.solve_problem(problem, body).at(places).ravel()
+
+    estimate = refine(sampled, 4, 1e-4)
+    limit = sampled(64, "Q2", 3.0)  # its own error is 1e-9, of errors of 1e-6
+    error = np.abs(estimate.value - limit)
+    assert error.max() > 1e-8
+    assert error.max() <= estimate.uncertainty.max()
