@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.linalg import splu
 
-from msvalidate.network import Network, force_roundoff, force_scale, spring_force, tangent
-from msvalidate.problem import AXES, Array, Index, ProblemError, SolverError, refuse_free_motions
+from msvalidate.linear import Factor, factorised, softest_mode
+from msvalidate.network import (
+    Network,
+    force_roundoff,
+    force_scale,
+    mode_energy,
+    spring_force,
+    tangent,
+)
+from msvalidate.problem import Array, ProblemError, SolverError, place_name, refuse_free_motions
 
 TOLERANCE = 1e-11
 """Newton stops at this residual, relative to the forces that meet at a point (and not below their
 rounding). Convergence is quadratic, so what is reached is usually rounding."""
 ITERATIONS = 25
 """Newton steps a load increment may take: far more than quadratic convergence needs."""
+NO_STIFFNESS = 1e-24
+"""Energy of a motion, relative to what its components would cost one by one, that is rounding."""
 SMALLEST_INCREMENT = 2.0**-12
-SINGULAR = 1e-13
-"""Ratio of pivots below which the tangent is called singular: a condition number of 1e13 leaves
-three digits."""
+LARGEST_TURN = 0.5
+"""Change of a spring in one Newton step, relative to its length, beyond which the load increment is
+halved: longer steps land on folded and inside-out equilibria."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,15 +68,15 @@ def equilibrium(
         Supports must hold every rigid motion.
     geometry
         "linear": one solve with the tangent at the reference points, valid to first order in the
-        displacement. "nonlinear": Newton's method, in load increments where one step is too many;
-        the result is stable (no negative pivot of the tangent).
+        displacement. "nonlinear": Newton's method, in load increments where one step is too many.
+        Either way the tangent must be positive: the network is stable where it is linearised.
 
     Raises
     ------
     ProblemError
         If supports leave a rigid motion free; the message names it.
     SolverError
-        If the network is a mechanism, or no stable equilibrium is found at full load.
+        If the network is a mechanism or unstable, or no equilibrium is found at full load.
     """
     refuse_free_motions("network", network.points, network.held)
     if geometry == "linear":
@@ -80,6 +89,7 @@ def equilibrium(
 def at_rest(network: Network, position: Array, iterations: int) -> Equilibrium:
     """The equilibrium at `position` (n, d) in m, with the residual and reactions found there."""
     balance = spring_force(network, position) + network.force
+    position.setflags(write=False)
     return Equilibrium(
         displacement=position - network.points,
         position=position,
@@ -89,15 +99,34 @@ def at_rest(network: Network, position: Array, iterations: int) -> Equilibrium:
     )
 
 
+def is_stable(network: Network, position: Array) -> bool:
+    """Whether every free motion from `position` (n, d) in m meets stiffness: no negative mode."""
+    free = np.flatnonzero(~network.held.ravel())
+    if not len(free):
+        return True
+    try:
+        return factorised(tangent(network, position)[free][:, free]).negative == 0
+    except RuntimeError:
+        return False
+
+
 def _linear(network: Network) -> Equilibrium:
     K = tangent(network, network.points)
     load = spring_force(network, network.points) + network.force
-    move, _ = _solve(network, K, load, network.displacement)
+    move, stable = _solve(network, network.points, K, load, network.displacement)
+    if not stable:
+        raise SolverError(
+            "linear equilibrium: the network is unstable at its reference points (its tangent "
+            "stiffness has a negative mode); relieve its prestress or hold it better"
+        )
     balance = load - (K @ move.ravel()).reshape(move.shape)
     residual = _largest(balance[~network.held])
     scale = abs(K).max() * np.abs(move).max(initial=0.0) + np.abs(load).max(initial=0.0)
     if not residual <= 1e-9 * scale:
-        raise SolverError(f"linear equilibrium: residual {residual:g} N; the tangent is singular")
+        raise SolverError(
+            f"linear equilibrium: residual {residual:.3g} N against forces of {scale:.3g} N; "
+            "the stiffnesses are too far apart for one solve"
+        )
     return Equilibrium(
         displacement=move,
         position=network.points + move,
@@ -120,77 +149,89 @@ def _nonlinear(network: Network) -> Equilibrium:
         increment /= 2
         if increment < SMALLEST_INCREMENT:
             raise SolverError(
-                f"nonlinear equilibrium: no stable equilibrium beyond {reached:.4g} of the load "
-                f"(after {iterations} linear solves); reduce the load or stiffen the network"
+                "nonlinear equilibrium: no stable equilibrium found beyond "
+                f"{reached:.4g} of the load (after {iterations} linear solves); reduce the load or "
+                "stiffen the network"
             )
     return at_rest(network, position, iterations)
 
 
 def _newton(network: Network, position: Array, fraction: float) -> tuple[Array | None, int]:
-    """Equilibrium at a fraction of the load, None if there is none near; and the solves made."""
+    """Stable equilibrium at a fraction of the load, None if there is none near; solves made."""
     x = position
     floor = 4 * force_roundoff(network)
-    limit = 10 * (np.abs(network.points).max() + np.abs(network.displacement).max())
-    for iteration in range(1, ITERATIONS + 1):
-        balance = spring_force(network, x) + fraction * network.force
+    for iteration in range(ITERATIONS):
         ahead = network.points + fraction * network.displacement - x
         try:
-            move, stable = _solve(network, tangent(network, x), balance, ahead)
+            balance = spring_force(network, x) + fraction * network.force
+            small = TOLERANCE * force_scale(network, x) + floor
+            move, stable = _solve(network, x, tangent(network, x), balance, ahead)
         except SolverError:
-            if iteration == 1:  # singular where we stand: smaller steps cannot help
+            if iteration == 0:  # singular where we stand: smaller steps cannot help
                 raise
             return None, iteration
+        # Judged with the tangent of the same place: the one before would miss a bifurcation.
+        arrived = _largest(ahead[network.held]) <= _rounding(x)
+        if arrived and (np.abs(balance) <= small)[~network.held].all():
+            return (x if stable else None), iteration + 1
+        if _turn(network, x, move) > LARGEST_TURN:
+            return None, iteration + 1
         x = x + move
-        if not np.isfinite(x).all() or np.abs(x).max() > limit:
-            return None, iteration
-        balance = spring_force(network, x) + fraction * network.force
-        if _largest(balance[~network.held]) <= TOLERANCE * force_scale(network, x) + floor:
-            return (x if stable else None), iteration
     return None, ITERATIONS
 
 
-def _solve(network: Network, K: csr_array, load: Array, held: Array) -> tuple[Array, bool]:
+def _turn(network: Network, x: Array, move: Array) -> float:
+    """Largest change of a spring's vector in a move, relative to its length; infinite for NaN."""
+    i, j = network.springs.T
+    length = np.linalg.norm(x[j] - x[i], axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        change = np.linalg.norm(move[j] - move[i], axis=1) / length
+    return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
+
+
+def _solve(
+    network: Network, x: Array, K: csr_array, load: Array, held: Array
+) -> tuple[Array, bool]:
     """Move (n, d) that balances `load`, held components moving by `held`; is K positive."""
     free = np.flatnonzero(~network.held.ravel())
     move = np.where(network.held, held, 0.0).ravel()
     if not len(free):
         return move.reshape(load.shape), True
     rows = K[free]
-    factor = _factorised(network, rows[:, free], free)
+    factor = _regular(network, x, rows[:, free])
     move[free] = factor.solve(load.ravel()[free] - rows @ move)
-    return move.reshape(load.shape), bool((factor.U.diagonal() > 0).all())
+    return move.reshape(load.shape), factor.negative == 0
 
 
-def _factorised(network: Network, K: csr_array, free: Index) -> Any:
-    """Sparse factor that pivots on the diagonal, so the signs of its pivots are K's inertia."""
-    stiffness = np.abs(K.diagonal())
-    loose = np.flatnonzero(stiffness <= SINGULAR * stiffness.max())
-    if len(loose):
-        _refuse_mechanism(network, int(free[loose[0]]))
+def _regular(network: Network, x: Array, K: csr_array) -> Factor:
+    """Factor of the free part of the tangent at `x`, refused if some motion meets no stiffness.
+
+    The motion that the tangent resists least is judged by the springs that it stretches: energies
+    of a few parts in 1e16 squared belong to a mechanism, while the softest mode of a cantilever
+    20,000 cells long and one high still has 1e-18.
+    """
+    stiffness = K.diagonal()
     try:
-        factor = splu(
-            K.tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError as error:
-        raise SolverError(
-            "equilibrium: the network is a mechanism, its tangent stiffness is singular; "
-            "add springs or supports"
-        ) from error
-    pivots = np.abs(factor.U.diagonal())
-    if pivots.min() <= SINGULAR * pivots.max():
-        _refuse_mechanism(network, int(free[np.argsort(factor.perm_c)[pivots.argmin()]]))
-    return factor
-
-
-def _refuse_mechanism(network: Network, component: int) -> None:
-    point, axis = divmod(component, network.dim)
+        factor = factorised(K) if stiffness.all() else None
+    except RuntimeError:
+        factor = None
+    mode = np.zeros(network.points.size)
+    mode[~network.held.ravel()] = softest_mode(K, factor)
+    apart = float(mode[~network.held.ravel()] ** 2 @ np.abs(stiffness))
+    motion = mode.reshape(network.points.shape)
+    if factor is not None and abs(mode_energy(network, x, motion)) > NO_STIFFNESS * apart:
+        return factor
+    point = int(np.linalg.norm(motion, axis=1).argmax())
+    way = np.round(motion[point] / np.linalg.norm(motion[point]), 3)
     raise SolverError(
-        f"equilibrium: the network is a mechanism: nothing resists point {point} moving along "
-        f"{AXES[axis]}; add springs or supports"
+        f"equilibrium: the network is a mechanism: nothing resists point {point} at "
+        f"{place_name(network.points[point])} moving along {place_name(way)}; "
+        "add springs or supports"
     )
+
+
+def _rounding(x: Array) -> float:
+    return float(4 * np.finfo(float).eps * np.abs(x).max())
 
 
 def _largest(values: Array) -> float:

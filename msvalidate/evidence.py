@@ -38,6 +38,12 @@ class Tolerance:
     unit: str
     because: str
 
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.limit) and self.limit >= 0 and self.unit and self.because):
+            raise ValueError(
+                f"tolerance {self.quantity}: needs a finite limit, a unit and a reason"
+            )
+
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
@@ -73,8 +79,8 @@ class Evidence:
         for name, table in self.tables.items():
             if table.empty:
                 raise SolverError(f"table {name}: no rows; nothing was compared")
-            for column in table.select_dtypes("number"):
-                bad = np.flatnonzero(~np.isfinite(table[column].to_numpy(dtype=float)))
+            for column in table:
+                bad = np.flatnonzero([_missing(value) for value in table[column]])
                 if len(bad):
                     raise SolverError(
                         f"table {name}: {column} is {table[column].iloc[bad[0]]} in row {bad[0]}"
@@ -106,7 +112,9 @@ def merged(*parts: Evidence) -> Evidence:
         _join(tables, part.tables)
         _join(figures, part.figures)
         _join(observed, part.observed)
-        columns |= part.columns
+        for column, meaning in part.columns.items():
+            if columns.setdefault(column, meaning) != meaning:
+                raise ValueError(f"column {column} means two things: {meaning!r} is one of them")
     return Evidence(
         tables=tables,
         observed=observed,
@@ -144,6 +152,11 @@ def judge(evidence: Evidence) -> pd.DataFrame:
 def held(verdict: pd.DataFrame) -> bool:
     """Whether a judgement has rows, and every one of them passed."""
     return bool(len(verdict)) and bool((verdict["verdict"] == "pass").all())
+
+
+def _missing(value: object) -> bool:
+    """Not a finite number where one is expected. A declared word is a value."""
+    return value is None or (isinstance(value, float | np.floating) and not np.isfinite(value))
 
 
 def _join(whole: dict[str, T], piece: Mapping[str, T]) -> None:

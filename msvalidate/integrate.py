@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate import kernels
 from msvalidate.network import Network, spring_force
-from msvalidate.problem import Array, ProblemError, finite, positive
+from msvalidate.problem import Array, ProblemError, finite, positive, whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +55,10 @@ def euler_cromer(
         If an argument is out of range.
     """
     positive("time step dt", dt, "s")
-    if steps < 0:
-        raise ProblemError(f"steps: {steps}; give 0 or more")
+    whole("steps", steps, 0)
     for name, value in (("position", state.position), ("velocity", state.velocity)):
-        if finite(name, value).shape != network.points.shape:
-            raise ProblemError(f"{name}: shape {value.shape}; give {network.points.shape}")
+        if (shape := finite(name, value).shape) != network.points.shape:
+            raise ProblemError(f"{name}: shape {shape}; give {network.points.shape}")
     x = np.array(state.position, dtype=float)
     v = np.where(network.held, 0.0, state.velocity)
     rate = damping_rate(network, damping)
@@ -98,5 +97,8 @@ def stability_limit(omega_max: float, damping: float = 0.0) -> float:
     x'' = -ω²x - damping·x' reaches -1. Larger ω and larger damping both lower it, so the highest
     frequency (rad/s) and the largest rate (1/s) bound a whole network.
     """
+    positive("highest frequency", omega_max, "rad/s")
+    if not finite("damping", damping) >= 0:
+        raise ProblemError(f"damping: {damping} 1/s; a negative rate feeds the motion")
     zeta = damping / (2 * omega_max)
-    return float(2 / omega_max * (np.sqrt(1 + zeta**2) - zeta))
+    return float(2 / (omega_max * (np.sqrt(1 + zeta**2) + zeta)))  # the same, without cancellation

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from msvalidate.problem import Array, Box, Index, ProblemError
+from msvalidate.problem import Array, Box, Index, ProblemError, whole
 
 WEIGHTS = ("shared", "equal", "per_cell")
 """Rules for the weight of a spring on the boundary: see `boundary_weights`."""
@@ -146,9 +146,9 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
 
 def _counts(cells: int | tuple[int, int]) -> tuple[int, int]:
     pair = cells if isinstance(cells, tuple) else (cells, cells)
-    if len(pair) != 2 or not all(isinstance(n, int | np.integer) and n >= 1 for n in pair):
+    if len(pair) != 2:
         raise ProblemError(f"cells: {cells!r}; give one or two whole numbers, 1 or more")
-    return int(pair[0]), int(pair[1])
+    return whole("cells", pair[0], 1), whole("cells", pair[1], 1)
 
 
 def _pairs(start: Index, end: Index) -> Index:

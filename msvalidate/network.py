@@ -24,9 +24,9 @@ from msvalidate.problem import (
     PointForce,
     Problem,
     ProblemError,
+    SolverError,
     Traction,
     finite,
-    positive,
     prescribed,
     vectors_at,
 )
@@ -74,8 +74,12 @@ class Network:
     force: Array
 
     def __post_init__(self) -> None:
-        n, d = self.points.shape
-        m = len(self.springs)
+        points = finite("points", self.points)
+        if points.ndim != 2 or points.shape[1] not in {2, 3} or not len(points):
+            raise ProblemError(f"points: shape {points.shape}; give (n, 2) or (n, 3)")
+        n, d = points.shape
+        springs = _pairs(self.springs, n)
+        m = len(springs)
         for name, shape in (
             ("points", (n, d)),
             ("stiffness", (m,)),
@@ -91,12 +95,19 @@ class Network:
         if self.held.dtype != bool or self.held.shape != (n, d):
             raise ProblemError(f"held: {self.held.dtype} {self.held.shape}; give booleans {(n, d)}")
         _refuse("stiffness", self.stiffness, self.stiffness < 0, "N/m; it must be 0 or more")
+        held, moved = self.held, self.displacement
+        _refuse(
+            "displacement", moved[~held], moved[~held] != 0, "m of what is not held; hold it too"
+        )
         _refuse("rest_length", self.rest_length, self.rest_length <= 0, "m; it must be above 0")
         _refuse("mass", self.mass, self.mass <= 0, "kg; it must be above 0")
-        for name in ("springs", "held"):
-            value = np.array(getattr(self, name))
-            value.setflags(write=False)
-            object.__setattr__(self, name, value)
+        distance = np.linalg.norm(points[springs[:, 1]] - points[springs[:, 0]], axis=1)
+        together = distance <= 1e-14 * np.abs(points).max()
+        _refuse("spring length", distance, together, "m; its two points coincide")
+        object.__setattr__(self, "springs", springs)
+        object.__setattr__(self, "held", np.array(held))
+        for array in (self.springs, self.held):
+            array.setflags(write=False)
 
     @property
     def dim(self) -> int:
@@ -139,23 +150,22 @@ def spring_network(
         there or has no length, or a value is out of range.
     """
     x = finite("points", points)
-    if x.ndim != 2 or x.shape[1] not in {2, 3} or not len(x):
+    if x.ndim != 2:
         raise ProblemError(f"points: shape {x.shape}; give (n, 2) or (n, 3)")
     pairs = _pairs(springs, len(x))
     distance = np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)
-    scale = np.abs(x).max()
-    _refuse("spring length", distance, distance <= 1e-14 * scale, "m; its two points coincide")
     zero = np.zeros(x.shape)
-    mask = zero.astype(bool) if held is None else np.asarray(held)
-    moved = zero if displacement is None else finite("displacement", displacement)
     return Network(
         points=x,
         springs=pairs,
         stiffness=_filled("stiffness", stiffness, len(pairs)),
-        rest_length=distance if rest_length is None else finite("rest_length", rest_length),
+        # What has no length is refused for that, not for the rest length it would be given.
+        rest_length=np.where(distance > 0, distance, 1.0)
+        if rest_length is None
+        else _filled("rest_length", rest_length, len(pairs)),
         mass=_filled("mass", mass, len(x)),
-        held=mask,
-        displacement=np.where(mask, moved, 0.0) if moved.shape == mask.shape else moved,
+        held=zero.astype(bool) if held is None else np.asarray(held),
+        displacement=zero if displacement is None else finite("displacement", displacement),
         force=zero if force is None else finite("force", force),
     )
 
@@ -196,7 +206,9 @@ def lattice_network(
         constants = square_constants(problem.material)
     k = finite("spring constants", constants)
     if k.shape != lattice.sharing.shape:
-        raise ProblemError(f"spring constants: {constants}; the lattice has {len(lattice.sharing)}")
+        raise ProblemError(
+            f"spring constants: {constants}; give {len(lattice.sharing)}, one a kind"
+        )
     held, displacement = prescribed(problem, lattice.points)
     return spring_network(
         lattice.points,
@@ -242,26 +254,55 @@ def tangent(network: Network, position: Array) -> csr_array:
     return _scatter(network, block)
 
 
+def mode_energy(network: Network, position: Array, motion: Array) -> float:
+    """Twice the energy (J) of a small motion (n, d) in m from `position`: motionᵀ K motion.
+
+    Summed spring by spring, each term positive, it is exact where K's own rounding would hide it.
+    Springs within 1e-12 of their rest length count as unstressed.
+    """
+    vector, length = _stretched(network, position)
+    i, j = network.springs.T
+    change = motion[j] - motion[i]
+    along = (change * vector).sum(axis=1) / length
+    slack = 1 - network.rest_length / length
+    slack[np.abs(slack) < 1e-12] = 0.0
+    across = (change**2).sum(axis=1) - along**2
+    return float(network.stiffness @ (along**2 + slack * across))
+
+
 def force_scale(network: Network, position: Array) -> float:
-    """Largest sum of force magnitudes (N) that meet at a point, the measure of a residual."""
+    """Largest sum of force magnitudes (N) that meet at a free point: the measure of a residual.
+
+    Springs between points that are held take no part in any balance and do not count.
+    """
     _, length = _stretched(network, position)
     tension = np.abs(network.stiffness * (length - network.rest_length))
     met = np.linalg.norm(network.force, axis=1)
     for end in (0, 1):
         met = met + np.bincount(network.springs[:, end], tension, len(position))
-    return float(met.max())
+    return float(met[~network.held.all(axis=1)].max(initial=0.0))
 
 
-def force_roundoff(network: Network) -> float:
-    """Force (N) below which a residual is rounding: an eps of every length, times its spring."""
+def force_roundoff(network: Network) -> Array:
+    """Force (n, 1) in N below which the residual at a point is rounding.
+
+    An eps of the coordinates and lengths, times the springs that meet there.
+    """
     reach = network.stiffness * (np.abs(network.points).max() + network.rest_length)
     met = np.bincount(network.springs.ravel(), np.repeat(reach, 2), len(network.points))
-    return float(np.finfo(float).eps * met.max(initial=0.0))
+    return np.asarray(np.finfo(float).eps * met)[:, None]
 
 
 def _stretched(network: Network, position: Array) -> tuple[Array, Array]:
     vector = position[network.springs[:, 1]] - position[network.springs[:, 0]]
-    return vector, np.linalg.norm(vector, axis=1)
+    length = np.linalg.norm(vector, axis=1)
+    if not length.all():
+        spring = int(np.flatnonzero(length == 0)[0])
+        raise SolverError(
+            f"spring {spring} has no length: points {network.springs[spring].tolist()} have been "
+            "pushed into one place, where no direction is left; reduce the load"
+        )
+    return vector, length
 
 
 def _scatter(network: Network, block: Array) -> csr_array:
@@ -333,14 +374,17 @@ def _traction_force(load: Traction, lattice: Lattice) -> Array:
 
 
 def _pairs(springs: ArrayLike, n: int) -> Index:
-    pairs = np.asarray(springs)
+    try:
+        pairs = np.asarray(springs)
+    except ValueError as error:
+        raise ProblemError(
+            "springs: rows of different length; give whole numbers (m, 2)"
+        ) from error
     if pairs.size == 0 or pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
         raise ProblemError(f"springs: {pairs.dtype} {pairs.shape}; give whole numbers (m, 2)")
     bad = np.flatnonzero((pairs < 0).any(axis=1) | (pairs >= n).any(axis=1))
     if len(bad):
-        raise ProblemError(
-            f"springs: {pairs[bad[0]]} at index {bad[0]}; points run from 0 to {n - 1}"
-        )
+        raise ProblemError(f"springs: {pairs[bad[0]]} at index {bad[0]}; there are {n} points")
     own = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
     if len(own):
         raise ProblemError(f"springs: {pairs[own[0]]} at index {own[0]} joins a point to itself")
@@ -349,7 +393,7 @@ def _pairs(springs: ArrayLike, n: int) -> Index:
 
 def _filled(name: str, value: ArrayLike, count: int) -> Array:
     array = finite(name, value)
-    return array if array.ndim else np.full(count, positive(name, float(array)))
+    return array if array.ndim else np.full(count, float(array))
 
 
 def _refuse(name: str, values: Array, bad: Mask, remedy: str) -> None:

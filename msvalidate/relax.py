@@ -17,18 +17,30 @@ from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from msvalidate import kernels
-from msvalidate.equilibrium import Equilibrium, at_rest
+from msvalidate.equilibrium import Equilibrium, at_rest, is_stable
 from msvalidate.integrate import damping_rate, stability_limit
 from msvalidate.network import Network, energy, force_roundoff, force_scale
-from msvalidate.problem import Array, ProblemError, SolverError, positive, refuse_free_motions
+from msvalidate.problem import (
+    Array,
+    ProblemError,
+    SolverError,
+    positive,
+    refuse_free_motions,
+    whole,
+)
 from msvalidate.spectrum import extreme_frequencies
 
 SAFETY = 0.9
 """Part of the stability limit used: the tangent stiffens a little as the network deforms."""
 LOOK_EVERY = 20
-"""Steps between two looks at residual and energy: they then cost a twentieth of the run."""
+"""Steps between two looks at residual and energy: for all but the smallest networks the looks then
+cost less than the steps."""
 PATIENCE = 20
 """Multiple of the predicted number of steps after which a run is given up."""
+MOST_STEPS = 10**9
+"""Predicted steps, patience included, that nobody would wait for."""
+LOOSEST = 0.01
+"""Largest tolerance: above it a start under full load would soon count as rest."""
 DIVERGED = 1e3
 """Displacement, in sizes of the body, that no equilibrium of interest has."""
 
@@ -95,12 +107,19 @@ def algorithm1(
         If the run diverges, or is not at rest within `max_steps`.
     """
     refuse_free_motions("network", network.points, network.held)
-    positive("tolerance", tolerance)
+    if positive("tolerance", tolerance) > LOOSEST:
+        raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
+    if dt is not None:
+        positive("time step dt", dt, "s")
+    if damping is not None:
+        damping_rate(network, damping)
+    if max_steps is not None:
+        whole("max_steps", max_steps, 1)
     if network.held.all():
         still = at_rest(network, network.start, 0)
         return Relaxation(still, 0.0, 0.0, math.inf, np.zeros((0, 3)))
     lowest, highest = extreme_frequencies(network)
-    if damping is None and lowest <= 1e-7 * highest:
+    if lowest <= 1e-7 * highest:
         raise SolverError(
             f"Algorithm 1: lowest frequency {lowest:g} rad/s: the network is a mechanism and never "
             "comes to rest; add springs or supports"
@@ -108,25 +127,38 @@ def algorithm1(
     rate = damping_rate(network, 2 * lowest if damping is None else damping)
     strongest = float(rate.max())
     limit = stability_limit(highest, strongest)
-    step = SAFETY * limit if dt is None else positive("time step dt", dt, "s")
-    allowed = _predicted_steps(lowest, rate, step, tolerance) if max_steps is None else max_steps
-    if allowed < 1:
-        raise ProblemError(f"max_steps: {max_steps}; give 1 or more")
-    run = _Run(network, rate, step, limit, tolerance)
-    return run.until_rest(allowed)
+    step = SAFETY * limit if dt is None else dt
+    allowed = max_steps or _predicted_steps(lowest, rate, step, tolerance)
+    found = _Run(network, rate, step, limit, tolerance).until_rest(allowed)
+    if not is_stable(network, found.equilibrium.position):
+        raise SolverError(
+            f"Algorithm 1 came to rest after {found.steps} steps where the network is unstable "
+            "(its tangent stiffness has a negative mode); disturb the symmetry or reduce the load"
+        )
+    return found
 
 
 def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) -> int:
     """`PATIENCE` times the steps in which the slowest mode decays to `tolerance`."""
     slow = float(rate.min()) / 2
     strong = float(rate.max()) / 2
-    decay = slow if strong <= lowest else min(slow, strong - math.sqrt(strong**2 - lowest**2))
+    # The slower root of an overdamped mode, strong - √(strong² - lowest²), without cancellation.
+    decay = slow
+    if strong > lowest:
+        decay = min(slow, lowest**2 / (strong + math.sqrt(strong**2 - lowest**2)))
     if decay <= 0:
         raise ProblemError(
-            f"damping: {2 * slow:g} 1/s with no max_steps: the motion never ends; give a positive "
-            "rate, leave it out, or set max_steps"
+            f"damping: {2 * slow:g} 1/s with no max_steps: the motion never ends, or none can say "
+            "when; give a positive rate, leave it out, or set max_steps"
         )
-    return PATIENCE * max(LOOK_EVERY, math.ceil(math.log(1 / min(tolerance, 0.5)) / (decay * dt)))
+    steps = PATIENCE * max(LOOK_EVERY, math.ceil(math.log(1 / min(tolerance, 0.5)) / (decay * dt)))
+    if steps > MOST_STEPS:
+        raise ProblemError(
+            f"damping: {rate.max():.4g} 1/s: the slowest motion would take "
+            f"{steps / PATIENCE:.2g} steps to die out; leave damping to its default, or set "
+            "max_steps"
+        )
+    return steps
 
 
 class _Run:
@@ -163,7 +195,8 @@ class _Run:
                 )
                 done += steps
                 looks.append(self.look(done))
-                self.show(bar, looks)
+                if not bar.disable:
+                    self.show(bar, looks)
         return Relaxation(
             equilibrium=at_rest(self.network, self.position, done),
             dt=self.dt,
@@ -174,11 +207,12 @@ class _Run:
 
     def look(self, step: int) -> tuple[int, float, float]:
         """Step, residual force (N) and kinetic energy (J); raises if the run has diverged."""
-        kernels.force_and_energy(self.network, self.position, self.force)
-        balance = np.where(self.network.held, 0.0, self.force + self.network.force)
-        residual = float(np.abs(balance).max())
-        kinetic = float(0.5 * self.network.mass @ (self.velocity**2).sum(axis=1))
-        moved = np.abs(self.position - self.network.points).max()
+        with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused below
+            kernels.force_and_energy(self.network, self.position, self.force)
+            balance = np.where(self.network.held, 0.0, self.force + self.network.force)
+            residual = float(np.abs(balance).max())
+            kinetic = float(0.5 * self.network.mass @ (self.velocity**2).sum(axis=1))
+            moved = np.abs(self.position - self.network.points).max()
         if not (math.isfinite(residual) and math.isfinite(kinetic) and moved < self.reach):
             raise SolverError(
                 f"Algorithm 1 diverged by step {step}: time step {self.dt:.4g} s, stability limit "
@@ -192,28 +226,32 @@ class _Run:
         return step, residual, kinetic
 
     def resting(self, look: tuple[int, float, float]) -> bool:
-        _, residual, kinetic = look
         scale = force_scale(self.network, self.position)
+        balance = np.where(self.network.held, 0.0, self.force + self.network.force)
+        balanced = np.abs(balance) <= np.maximum(self.tolerance * scale, self.floor)
         stored = energy(self.network, self.position)
-        return residual <= max(self.tolerance * scale, self.floor) and kinetic <= max(
-            self.tolerance**2 * stored, self.floor**2 / self.softest
-        )
+        still = max(self.tolerance**2 * stored, float(self.floor.max()) ** 2 / self.softest)
+        return bool(balanced.all()) and look[2] <= still
 
     def unfinished(self, done: int, look: tuple[int, float, float]) -> str:
         _, residual, kinetic = look
         return (
             f"Algorithm 1 is not at rest after {done} steps of {self.dt:.4g} s (stability limit "
             f"{self.limit:.4g} s, damping {self.rate.max():.4g} 1/s): residual {residual:.3g} N, "
-            f"kinetic energy {kinetic:.3g} J; raise max_steps, leave damping to its default, or "
-            "loosen tolerance"
+            f"kinetic energy {kinetic:.3g} J; "
+            + (
+                "take a smaller dt or leave it out"
+                if self.dt > self.limit
+                else "raise max_steps, leave damping to its default, or loosen tolerance"
+            )
         )
 
     def show(self, bar: Any, looks: list[tuple[int, float, float]]) -> None:
-        largest = max(look[1] for look in looks)
-        if bar.disable or not largest:
+        largest = looks[0][1]
+        if not largest:
             return
         scale = force_scale(self.network, self.position)
-        target = max(self.tolerance * scale, self.floor)
+        target = max(self.tolerance * scale, float(self.floor.max()))
         way = math.log(largest / max(looks[-1][1], target)) / math.log(max(largest / target, 2))
         bar.n = max(bar.n, min(way, 1.0))
         bar.set_postfix(step=looks[-1][0], residual=f"{looks[-1][1]:.2g} N", refresh=False)

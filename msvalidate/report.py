@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,8 +35,23 @@ class Result:
     verdict: pd.DataFrame
 
 
-def refuse_unwritable(out: Path) -> None:
-    """Raise `ProblemError`, before any work is done, if results could not be written to `out`."""
+def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
+    """Raise `ProblemError`, before any work is done, if results could not be written to `out`.
+
+    Parameters
+    ----------
+    out
+        The folder for results.
+    names
+        Studies whose folders will lie in it.
+    """
+    for name in names:
+        if (out / name).exists() and not (out / name).is_dir():
+            raise ProblemError(f"--out {out}: {out / name} is a file; name another folder")
+    if (out / "report.md").is_dir():
+        raise ProblemError(f"--out {out}: {out / 'report.md'} is a folder; name another one")
+    if out.is_symlink() and not out.exists():
+        raise ProblemError(f"--out {out}: a link to nowhere; name another folder")
     for folder in (out, *out.parents):
         if folder.is_dir():
             if os.access(folder, os.W_OK | os.X_OK):
@@ -141,7 +156,10 @@ def _section(result: Result, *, plots: bool) -> list[str]:
 
 
 def _markdown(table: pd.DataFrame) -> str:
-    return str(table.to_markdown(index=False, floatfmt=".6g"))
+    # As text: the writer would read numbers out of words such as 0.2000, and drop their digits.
+    shown = table.map(lambda value: _number(value) if isinstance(value, float) else str(value))
+    align = ["right" if kind.kind in "if" else "left" for kind in table.dtypes]
+    return str(shown.to_markdown(index=False, disable_numparse=True, colalign=align))
 
 
 def _number(value: float) -> str:
@@ -164,6 +182,9 @@ def _write(path: Path, content: bytes) -> None:
             os.fsync(file.fileno())
         Path(name).chmod(0o644)
         Path(name).replace(path)
+    except OSError as error:  # named after the file that was wanted, not the one beside it
+        Path(name).unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror, str(path)) from error
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.linalg import eigvalsh
-from scipy.sparse import csr_array, diags_array
-from scipy.sparse.linalg import ArpackError, eigsh
+from scipy.sparse import csr_array, diags_array, eye_array
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
+from msvalidate.linear import factorised
 from msvalidate.network import Network, tangent
-from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem import Array, ProblemError, SolverError, finite
 
 DENSE = 600
 """Degrees of freedom up to which a dense solver is the faster one."""
@@ -35,9 +36,10 @@ def natural_frequencies(
     SolverError
         If a mode has negative stiffness (the position is unstable) or the iteration fails.
     """
-    matrix = _dynamical_matrix(network, network.points if position is None else position)
+    place = network.points if position is None else finite("position", position)
+    matrix = _dynamical_matrix(network, place)
     size = matrix.shape[0]
-    if not 1 <= count <= size:
+    if not (isinstance(count, int | np.integer) and 1 <= count <= size):
         raise ProblemError(f"count: {count} frequencies; this network has {size} free components")
     if size <= max(DENSE, 4 * count):
         squares = eigvalsh(matrix.toarray())
@@ -81,8 +83,14 @@ def _smallest(matrix: csr_array, count: int, highest: float) -> Array:
     start = np.random.default_rng(0).normal(size=matrix.shape[0])
     shift = -1e-9 * highest
     try:
+        factor = factorised(csr_array(matrix - shift * eye_array(matrix.shape[0])))
+        if factor.negative:
+            # Modes near zero are not the lowest then; the smallest one tells how unstable it is.
+            softest = eigsh(matrix, k=1, which="SA", v0=start, return_eigenvectors=False)
+            return np.asarray(softest)
+        inverse = LinearOperator(matrix.shape, factor.solve)
         values = eigsh(
-            matrix.tocsc(), k=count, sigma=shift, which="LM", v0=start, return_eigenvectors=False
+            matrix, count, sigma=shift, OPinv=inverse, v0=start, return_eigenvectors=False
         )
     except (ArpackError, RuntimeError) as error:
         raise SolverError(f"lowest natural frequencies: the iteration failed ({error})") from error

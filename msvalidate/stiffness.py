@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.lattice import Lattice, boundary_weights
+from msvalidate.lattice import WEIGHTS, Lattice, boundary_weights
 from msvalidate.problem import Array, Isotropic, ProblemError, finite
 
 CAUCHY_PLANE = 1 / 3
@@ -55,7 +55,13 @@ def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
 
 def network_tensor(lattice: Lattice, constants: tuple[float, ...], weights: str) -> Array:
     """Tensor (3, 3) in N/m of the *interior* of the lattice, as built under a weight rule."""
-    k = np.asarray(constants, dtype=float)
+    k = finite("spring constants", constants)
+    if k.shape != lattice.sharing.shape:
+        raise ProblemError(
+            f"spring constants: {constants}; give {len(lattice.sharing)}, one a kind"
+        )
+    if weights not in WEIGHTS:
+        raise ProblemError(f"boundary weights: {weights!r}; choose {', '.join(WEIGHTS)}")
     if weights == "per_cell":  # inside, every cell that a spring borders brings one of its own
         k = k * lattice.sharing
     # With shared boundary springs the whole lattice is made of interior cells, none of them cut.
@@ -91,10 +97,10 @@ def square_constants(material: Isotropic, *, isotropic: bool = True) -> tuple[fl
             "central springs are isotropic at 1/3 only (C12 = C66): take nu = 1/3 in plane stress "
             "or 1/4 in plane strain, or match along the axes alone (isotropic=False)"
         )
-    if not 0 <= nu < 1:
+    if not 0 < nu < 1:
         raise ProblemError(
-            f"square lattice: in-plane ratio {nu:.6g}; k2/(k1 + k2) with k1 > 0 and k2 >= 0 stays "
-            "in 0 <= nu < 1 (at 1 the axial springs vanish and the lattice is a mechanism)"
+            f"square lattice: in-plane ratio {nu:.6g}; k2/(k1 + k2) stays in 0 < nu < 1 (at 0 the "
+            "diagonals vanish, at 1 the axial springs, and the lattice is a mechanism)"
         )
     C11 = E / (1 - nu**2)
     return C11 * (1 - nu), C11 * nu
@@ -108,6 +114,8 @@ def in_plane(material: Isotropic) -> tuple[float, float]:
     ProblemError
         If the material is a solid.
     """
+    if not isinstance(material, Isotropic):
+        raise ProblemError(f"in-plane constants: {material!r}; the material must be isotropic")
     E, nu, t = material.E, material.nu, material.thickness
     if material.state == "plane_stress":
         return E * t, nu
@@ -142,5 +150,7 @@ def directional_ratio(tensor: Array, angle: float) -> float:
     """
     c, s = np.cos(angle), np.sin(angle)
     along, across = np.array([c * c, s * s, c * s]), np.array([s * s, c * c, -c * s])
+    if np.linalg.matrix_rank(tensor) < len(along):
+        raise ProblemError("directional ratio: the tensor is singular; some strain costs no energy")
     strain = np.linalg.solve(tensor, along)
     return float(-(across @ strain) / (along @ strain))

@@ -60,7 +60,7 @@ def _run(names: list[str], args: argparse.Namespace, arguments: Sequence[str]) -
 
     started = datetime.now(UTC)
     try:
-        report.refuse_unwritable(args.out)
+        report.refuse_unwritable(args.out, names)
         for name in names:
             catalogue.load(name)
         results, unfinished, codes = _studied(names, args)
@@ -105,10 +105,12 @@ def _studied(
             unfinished[name] = str(error)
             codes.append(USAGE if isinstance(error, ProblemError) else FAILED)
         except Exception as error:  # noqa: BLE001  a crash is reported as one, and spoils nothing else
-            unfinished[name] = f"crashed: {type(error).__name__}: {error}"
-            codes.append(FAILED)
+            # What a crash says may hold paths of this machine: for the terminal, not the report.
+            unfinished[name] = f"crashed: {type(error).__name__}"
+            codes.append(_error(f"study {name}: crashed: {type(error).__name__}: {error}", FAILED))
             if args.verbose:
                 traceback.print_exc()
+            continue
         if name in unfinished:
             _error(f"study {name}: {unfinished[name]}", FAILED)
     return results, unfinished, codes
@@ -148,6 +150,7 @@ def _parser() -> argparse.ArgumentParser:
         "elements, and judge them by their tolerances.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,  # a report shows the command, and must know where a path is in it
     )
     parser.add_argument(
         "names",
@@ -220,7 +223,15 @@ def _error(message: str, code: int) -> int:
 
 
 if __name__ == "__main__":
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="replace")  # type: ignore[union-attr]
     try:
-        sys.exit(main(sys.argv[1:]))
+        code = main(sys.argv[1:])
+        sys.stdout.flush()
+        sys.exit(code)
+    except OSError as error:  # a closed pipe or a full disk behind stdout; results are in files
+        sys.stdout = None  # nothing more is flushed at exit
+        broken = isinstance(error, BrokenPipeError)
+        sys.exit(HELD if broken else _error(f"stdout: {error.strerror}", USAGE))
     except KeyboardInterrupt:
         sys.exit(_error("interrupted; files already written are whole", INTERRUPTED))

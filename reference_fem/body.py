@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import skfem
+from numpy.typing import ArrayLike
 
 from msvalidate.problem import (
     Array,
@@ -17,8 +18,11 @@ from msvalidate.problem import (
     Problem,
     ProblemError,
     Traction,
+    place_name,
+    positive,
     prescribed,
     vectors_at,
+    whole,
 )
 from reference_fem.discretisation import ELEMENTS, Discretisation, discretise
 from reference_fem.elasticity import solve_on
@@ -31,7 +35,10 @@ class Solution:
     body: Discretisation
     displacement: Array
 
-    def at(self, points: Array) -> Array:
+    def __post_init__(self) -> None:
+        self.displacement.setflags(write=False)
+
+    def at(self, points: ArrayLike) -> Array:
         """Displacement (p, d) in m at points (p, d) of the body."""
         return np.asarray(self.body.interpolation(points) @ self.displacement)
 
@@ -46,9 +53,23 @@ def solve_problem(problem: Problem, body: Discretisation) -> Solution:
     SolverError
         If the solution fails its residual check.
     """
+    _refuse_other_body(problem, body)
     held, displacement = prescribed(problem, body.points)
     force = nodal_forces(problem, body)
     return Solution(body, solve_on(body, problem.material, held, displacement, force))
+
+
+def _refuse_other_body(problem: Problem, body: Discretisation) -> None:
+    box = problem.domain
+    if box.dim != body.dim:
+        raise ProblemError(f"{problem.name}: a {box.dim}D box, meshed in {body.dim}D")
+    low, high = body.points.min(axis=0), body.points.max(axis=0)
+    off = max(np.abs(low).max(), np.abs(high - box.size).max())
+    if off > box.tolerance or abs(body.basis.dx.sum() - box.volume) > 1e-9 * box.volume:
+        raise ProblemError(
+            f"{problem.name}: the mesh spans {place_name(low)} to {place_name(high)} m, the box "
+            f"(0, 0) to {place_name(np.array(box.size))} m; mesh the problem's own domain"
+        )
 
 
 def box_discretisation(
@@ -74,18 +95,25 @@ def box_discretisation(
         If an argument is out of range.
     """
     pair = cells if isinstance(cells, tuple) else (cells, cells)
-    if box.dim != 2 or element not in ELEMENTS or len(pair) != box.dim:
+    if box.dim != 2 or element not in tuple(ELEMENTS) or len(pair) != box.dim:
         raise ProblemError(
             f"mesh: {element} with {cells} cells in a {box.dim}D box; give two counts, a plane box "
             f"and one of {', '.join(ELEMENTS)}"
         )
-    if any(n != int(n) or n < 1 for n in pair) or not grading >= 1:
-        raise ProblemError(f"mesh: {cells} cells, grading {grading}; both must be 1 or more")
+    counts = [whole("mesh cells", n, 1) for n in pair]
+    if positive("mesh grading", grading) < 1:
+        raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
     kind = ELEMENTS[element]
     lines = [
-        length * _subdivided(_graded(int(n), grading), kind.degree)
-        for length, n in zip(box.size, pair, strict=True)
+        length * _subdivided(_graded(n, grading), kind.degree)
+        for length, n in zip(box.size, counts, strict=True)
     ]
+    closest = min(float(np.diff(line).min()) for line in lines)
+    if closest <= 4 * box.tolerance:
+        raise ProblemError(
+            f"mesh grading: {grading} with {cells} cells puts lines {closest:.2g} m apart, nearer "
+            f"than two places are told apart ({box.tolerance:.2g} m); take less grading or cells"
+        )
     y, x = np.meshgrid(lines[1], lines[0], indexing="ij")
     number = np.arange(x.size).reshape(x.shape)
     cut = _triangles if kind.corners == 3 else _quadrilaterals

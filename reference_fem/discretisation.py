@@ -13,6 +13,7 @@ from scipy.sparse import csr_matrix
 from scipy.spatial import KDTree
 
 from msvalidate.problem import Array, Index, ProblemError, finite
+from reference_fem.interpolation import locate
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,8 @@ class Discretisation:
     ----------
     points
         (n, d) positions (m) of all nodes, in the caller's numbering.
+    cells
+        (c, nodes) nodes of each cell in VTK order.
     element
         The element.
     basis
@@ -60,9 +63,14 @@ class Discretisation:
     """
 
     points: Array
+    cells: Index
     element: Element
     basis: Any
     node: Index
+
+    def __post_init__(self) -> None:
+        for array in (self.points, self.cells, self.node):
+            array.setflags(write=False)
 
     @property
     def dim(self) -> int:
@@ -86,7 +94,7 @@ class Discretisation:
         pair = (self.node[matrix.row], self.node[matrix.col])
         return csr_matrix((matrix.data, pair), shape=matrix.shape)
 
-    def interpolation(self, points: Array) -> csr_matrix:
+    def interpolation(self, points: ArrayLike) -> csr_matrix:
         """Matrix (p, n) that takes nodal values to values at points (p, d) of the body.
 
         Raises
@@ -94,11 +102,17 @@ class Discretisation:
         ProblemError
             If a point lies outside the body.
         """
-        try:
-            probe = self.basis.probes(np.ascontiguousarray(points.T)).tocoo()
-        except ValueError as error:
-            raise ProblemError(f"points to sample: {error}; they must lie in the body") from error
-        return csr_matrix((probe.data, (probe.row, self.node[probe.col])), shape=probe.shape)
+        x = finite("points to sample", points)
+        if x.ndim != 2 or x.shape[1] != self.dim:
+            raise ProblemError(f"points to sample: shape {x.shape}; give (p, {self.dim})")
+        mesh = self.basis.mesh  # the library may have turned the corners of a cell
+        cell, local = locate(mesh.p.T[mesh.t.T], x)
+        nodes = self.node[self.basis.element_dofs[:, cell]]
+        values = [self.basis.elem.lbasis(local.T, i)[0] for i in range(len(nodes))]
+        rows = np.broadcast_to(np.arange(len(x)), nodes.shape)
+        entries = np.array([np.broadcast_to(value, len(x)) for value in values])
+        shape = (len(x), len(self.points))
+        return csr_matrix((entries.ravel(), (rows.ravel(), nodes.ravel())), shape=shape)
 
 
 def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisation:
@@ -110,22 +124,52 @@ def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisat
         If the element is unknown, a cell is inverted or names a point that is not there, a point
         belongs to no cell or to two, or an edge is curved.
     """
-    if element not in ELEMENTS:
+    if not isinstance(element, str) or element not in ELEMENTS:
         raise ProblemError(f"element: {element!r}; choose {', '.join(ELEMENTS)}")
     kind = ELEMENTS[element]
-    x, t = finite("points", points), np.asarray(cells)
+    x = finite("points", points)
     if x.ndim != 2 or x.shape[1] != 2:
         raise ProblemError(f"points: shape {x.shape}; {element} needs (n, 2)")
-    if t.ndim != 2 or t.shape[1] != kind.nodes or t.dtype.kind not in "iu" or not len(t):
-        raise ProblemError(f"cells: {t.dtype} {t.shape}; {element} needs numbers (c, {kind.nodes})")
-    if t.min() < 0 or t.max() >= len(x):
-        raise ProblemError(f"cells: points {t.min()} to {t.max()}; there are 0 to {len(x) - 1}")
+    t = _checked_cells(cells, kind, len(x))
     corners = t[:, : kind.corners]
     _refuse_inverted(x[corners])
+    _refuse_overlap(corners)
     vertices, local = np.unique(corners, return_inverse=True)
     mesh = kind.mesh(x[vertices].T.copy(), local.reshape(corners.shape).T.copy())
     basis = skfem.Basis(mesh, kind.function(), intorder=kind.integration_order)
-    return Discretisation(x, kind, basis, _match(x, basis.doflocs.T))
+    node = _match(x, basis.doflocs.T)
+    misnumbered = (np.sort(node[basis.element_dofs].T) != np.sort(t)).any(axis=1)
+    if misnumbered.any():
+        raise ProblemError(
+            f"cells: cell {np.flatnonzero(misnumbered)[0]} names other nodes than those that lie "
+            "on its sides and centre; list corners, mid-sides, centre"
+        )
+    return Discretisation(x, t, kind, basis, node)
+
+
+def _checked_cells(cells: ArrayLike, kind: Element, points: int) -> Index:
+    try:
+        t = np.array(cells)
+    except ValueError as error:
+        raise ProblemError(
+            f"cells: rows of different length; {kind.name} needs {kind.nodes}"
+        ) from error
+    if t.ndim != 2 or t.shape[1] != kind.nodes or t.dtype.kind not in "iu" or not len(t):
+        raise ProblemError(
+            f"cells: {t.dtype} {t.shape}; {kind.name} needs whole numbers (c, {kind.nodes})"
+        )
+    if t.min() < 0 or t.max() >= points:
+        raise ProblemError(f"cells: points {t.min()} to {t.max()}; there are 0 to {points - 1}")
+    return np.asarray(t, dtype=np.intp)
+
+
+def _refuse_overlap(corners: Index) -> None:
+    """Neighbours, both counter-clockwise, run along their common edge in opposite directions."""
+    edges = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+    _, first, count = np.unique(edges, axis=0, return_index=True, return_counts=True)
+    if count.max() > 1:
+        cell = int(first[count.argmax()]) // corners.shape[1]
+        raise ProblemError(f"cells: cell {cell} overlaps another on one of its edges; list it once")
 
 
 def _refuse_inverted(corners: Array) -> None:
@@ -155,6 +199,8 @@ def _match(points: Array, places: Array) -> Index:
     counts = np.bincount(node, minlength=len(points))
     bad = np.flatnonzero(counts != 1)
     if len(bad):
-        why = "belongs to no cell" if not counts[bad[0]] else "coincides with another"
+        near, twin = KDTree(points).query(points[bad[0]], k=2)
+        twins = len(points) > 1 and near[1] <= reach
+        why = f"coincides with point {twin[twin != bad[0]][0]}" if twins else "belongs to no cell"
         raise ProblemError(f"points: point {bad[0]} {why}; remove or merge it")
     return np.asarray(node)

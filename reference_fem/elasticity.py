@@ -11,12 +11,14 @@ from scipy.sparse.linalg import splu
 
 from msvalidate.problem import (
     Array,
+    Index,
     Isotropic,
     Mask,
     Material,
     ProblemError,
     SolverError,
     finite,
+    place_name,
     refuse_free_motions,
 )
 from reference_fem.discretisation import Discretisation, discretise
@@ -24,6 +26,8 @@ from reference_fem.discretisation import Discretisation, discretise
 RESIDUAL = 1e-9
 """Largest accepted residual relative to the terms that cancel in it; a direct solve of a regular
 system leaves 1e-13."""
+NO_STIFFNESS = 1e-14
+"""Strain energy of a mode that is rounding, relative to what its components cost one by one."""
 VOIGT = {2: ((0, 0), (1, 1), (0, 1))}
 
 
@@ -91,7 +95,7 @@ def solve_on(
     free = np.flatnonzero(~known)
     if len(free):
         rows = K[free]
-        u[free] = _direct(rows[:, free], load[free] - rows @ u)
+        u[free] = _direct(body, free, rows[:, free], load[free] - rows @ u)
         residual = np.abs(rows @ u - load[free]).max()
         scale = (abs(rows) @ np.abs(u) + np.abs(load[free])).max()
         if not residual <= RESIDUAL * scale:
@@ -107,6 +111,8 @@ def stiffness(body: Discretisation, material: Material) -> csr_matrix:
 
     K_(ai)(bj) = t Σ_cd C_acbd ∫ ∂c φi ∂d φj.
     """
+    if not isinstance(material, Material):
+        raise ProblemError(f"material: {material!r}; give Isotropic or Anisotropic")
     if material.dim != body.dim:
         raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
     d, G = body.dim, body.gradients
@@ -130,6 +136,8 @@ def elastic_tensor(material: Material) -> Array:
     """
     if not isinstance(material, Isotropic):
         return material.C
+    if material.state == "solid":
+        raise ProblemError("material: a solid; plane elements need plane stress or plane strain")
     E, nu = material.E, material.nu
     mu = E / (2 * (1 + nu))
     if material.state == "plane_stress":
@@ -153,13 +161,28 @@ def full_tensor(C: Array) -> Array:
     return T
 
 
-def _direct(K: csr_matrix, load: Array) -> Array:
+def _direct(body: Discretisation, free: Index, K: csr_matrix, load: Array) -> Array:
+    """Solution of the free part, refused if part of the body can move without strain."""
     # Symmetric ordering with diagonal pivots: several times faster than the general default.
     options = {"SymmetricMode": True}
     try:
         factor = splu(K.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
     except RuntimeError as error:
-        raise SolverError(f"finite elements: {error}; the stiffness is singular") from error
+        raise SolverError(
+            "finite elements: the stiffness is singular: a part of the body can move without "
+            "strain; join the parts or hold each"
+        ) from error
+    # A zero-energy mode hides from the residual, not from two steps of inverse iteration.
+    mode = np.random.default_rng(0).normal(size=len(free))
+    for _ in range(2):
+        mode = factor.solve(mode)
+        mode /= np.abs(mode).max()
+    if abs(mode @ (K @ mode)) <= NO_STIFFNESS * (mode**2 @ K.diagonal()):
+        place = body.points[free[np.abs(mode).argmax()] % len(body.points)]
+        raise SolverError(
+            f"finite elements: the part of the body around {place_name(place)} can move without "
+            "strain; join it to the rest by an edge, or hold it"
+        )
     return np.asarray(factor.solve(load))
 
 
@@ -168,6 +191,8 @@ def _rows(
 ) -> list[tuple[int, int, float]]:
     """Check rows (node, component, value) against a body of shape (n, d)."""
     checked = []
+    if not isinstance(rows, Iterable):
+        raise ProblemError(f"{name}: {rows!r}; give rows (node, component, value)")
     for row in rows:
         values = finite(f"{name} row {row}", row)
         if values.shape != (3,) or (values[:2] != np.floor(values[:2])).any():

@@ -6,14 +6,19 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from msvalidate.problem import Array, ProblemError, SolverError, finite, positive
+from msvalidate.problem import Array, ProblemError, SolverError, positive, whole
 
 SAFETY = 1.25
 """Factor on Richardson's estimate where three meshes show a plausible order (Roache 1994,
 doi:10.1115/1.2910291)."""
+TRUSTED_ORDER = 2.0
+"""Higher observed orders are not relied on: near a singular corner they come and go."""
 CAUTION = 3.0
-"""Factor on the last change where they do not."""
+"""Factor on the last change where the order is implausible."""
+CRAWLING_ORDER = 0.1
+"""Order assumed where changes hardly shrink: what is left is then 14 times the last change."""
 ROUNDING = 1e-11
 """Changes below this, relative to the values, are rounding: no order can be read off them."""
 LOWEST_ORDER = 0.5
@@ -42,9 +47,13 @@ class Estimate:
     status: tuple[str, ...]
     cells: int
 
+    def __post_init__(self) -> None:
+        for array in (self.value, self.uncertainty, self.order):
+            array.setflags(write=False)
+
 
 def refine(
-    quantity: Callable[[int], Array],
+    quantity: Callable[[int], ArrayLike],
     coarsest: int,
     tolerance: float,
     *,
@@ -72,11 +81,13 @@ def refine(
         If the finest mesh still misses the tolerance.
     """
     positive("tolerance", tolerance)
-    if coarsest < 1 or 4 * coarsest > finest:
+    if whole("coarsest", coarsest, 1) * 4 > whole("finest", finest, 1):
         raise ProblemError(f"refinement: from {coarsest} cells to {finest}; leave room for three")
     cells = 4 * coarsest
-    values = [finite("refined quantity", quantity(n)) for n in (coarsest, 2 * coarsest, cells)]
+    values = [_measured(quantity, n) for n in (coarsest, 2 * coarsest, cells)]
     while True:
+        if len({value.shape for value in values}) > 1:
+            raise ProblemError("refined quantity: gives another number of values on another mesh")
         estimate = richardson(values[-3], values[-2], values[-1], cells, highest_order)
         if estimate.uncertainty.max(initial=0.0) <= tolerance:
             return estimate
@@ -86,22 +97,41 @@ def refine(
                 f"cells, wanted {tolerance:.3g}; allow finer meshes or grade them to the corners"
             )
         cells *= 2
-        values.append(finite("refined quantity", quantity(cells)))
+        values.append(_measured(quantity, cells))
+
+
+def _measured(quantity: Callable[[int], ArrayLike], cells: int) -> Array:
+    values = np.atleast_1d(np.asarray(quantity(cells), dtype=float))
+    if values.ndim != 1 or not values.size:
+        raise ProblemError(
+            f"refined quantity: shape {values.shape}; give one value or a row of them"
+        )
+    if not np.isfinite(values).all():
+        raise SolverError(f"refined quantity: not a finite number on the mesh of {cells} cells")
+    return values
 
 
 def richardson(
     coarse: Array, medium: Array, fine: Array, cells: int, highest_order: float
 ) -> Estimate:
-    """Estimate from three meshes, each twice as fine as the last."""
+    """Estimate from three meshes, each twice as fine as the last.
+
+    Where the order is plausible: Richardson's error with that order, at most `TRUSTED_ORDER`, times
+    `SAFETY`, and no less than a third of the change before the last. Where it is not: `CAUTION`
+    times the last change or the one before, if that is larger; where changes hardly shrink, what a
+    crawling order would leave.
+    """
     first, last = np.abs(medium - coarse), np.abs(fine - medium)
-    scale = np.maximum(np.abs(fine).max(initial=0.0), np.finfo(float).tiny)
+    scale = np.maximum(np.abs(fine), np.finfo(float).tiny)
     exact = np.maximum(first, last) <= ROUNDING * scale
     with np.errstate(divide="ignore", invalid="ignore"):
         order = np.log2(first / last)
-        richardson = SAFETY * last / (2**order - 1)
+        remaining = SAFETY * last / (2 ** np.minimum(order, TRUSTED_ORDER) - 1)
     monotone = (medium - coarse) * (fine - medium) > 0
     plausible = ~exact & monotone & (order >= LOWEST_ORDER) & (order <= highest_order)
-    uncertainty = np.where(plausible, richardson, CAUTION * last)
+    slow = monotone & (order < LOWEST_ORDER)
+    doubt = np.where(slow, last / (2**CRAWLING_ORDER - 1), np.maximum(CAUTION * last, first))
+    uncertainty = np.where(plausible, np.maximum(remaining, first / 3), doubt)
     words = np.where(exact, "exact", np.where(plausible, "asymptotic", "not asymptotic"))
     return Estimate(
         value=fine,

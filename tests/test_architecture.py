@@ -245,6 +245,7 @@ FLOORS = {
     "msvalidate.equilibrium": 2,
     "msvalidate.integrate": 2,
     "msvalidate.relax": 2,
+    "msvalidate.linear": 2,
     "msvalidate.spectrum": 2,
     "reference_fem": 2,
     "msvalidate.catalogue": 3,

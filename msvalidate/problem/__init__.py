@@ -9,7 +9,7 @@ the material; point forces are in N.
 
 from msvalidate.problem.domain import SIDES, Box, Region
 from msvalidate.problem.material import Anisotropic, Isotropic, Material
-from msvalidate.problem.motions import free_motions, refuse_free_motions, rigid_motions
+from msvalidate.problem.motions import free_motions, place_name, refuse_free_motions, rigid_motions
 from msvalidate.problem.statement import (
     BodyForce,
     Load,
@@ -30,6 +30,7 @@ from msvalidate.problem.values import (
     SolverError,
     finite,
     positive,
+    whole,
 )
 
 __all__ = [
@@ -54,9 +55,11 @@ __all__ = [
     "Traction",
     "finite",
     "free_motions",
+    "place_name",
     "positive",
     "prescribed",
     "refuse_free_motions",
     "rigid_motions",
     "vectors_at",
+    "whole",
 ]

@@ -37,14 +37,16 @@ class Region:
     extent: tuple[float | tuple[float, float] | None, ...]
 
     def __post_init__(self) -> None:
-        if len(self.extent) not in {2, 3}:
-            raise ProblemError(f"region {self}: {len(self.extent)} axes; give 2 or 3")
+        if not isinstance(self.extent, tuple) or len(self.extent) not in {2, 3}:
+            raise ProblemError(f"region: {self.extent!r}; give a tuple of 2 or 3 entries")
         for axis, entry in zip(AXES, self.extent, strict=False):
             if entry is None:
                 continue
-            values = finite(f"region {self}, {axis}", entry)
-            if values.ndim and (values.shape != (2,) or values[0] >= values[1]):
-                raise ProblemError(f"region {self}: {axis} must be a number, (low, high) or None")
+            name = f"region {self.extent!r}"
+            values = finite(f"{name}, {axis}", entry)
+            interval = isinstance(entry, tuple) and values.shape == (2,) and values[0] < values[1]
+            if values.ndim and not interval:
+                raise ProblemError(f"{name}: {axis} must be a number, (low, high) or None")
 
     def __str__(self) -> str:
         parts = []

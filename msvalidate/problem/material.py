@@ -43,7 +43,7 @@ class Isotropic:
             raise ProblemError(
                 f"Poisson's ratio nu: {self.nu}; a stable material has -1 < nu <= 1/2"
             )
-        if self.state not in {"plane_stress", "plane_strain", "solid"}:
+        if self.state not in ("plane_stress", "plane_strain", "solid"):
             raise ProblemError(
                 f"material state: {self.state!r}; choose plane_stress, plane_strain or solid"
             )

@@ -31,13 +31,17 @@ def free_motions(points: Array, held: Mask) -> list[str]:
         Empty when the body is held. A rigid motion is u(x) = t + w × x.
     """
     d = points.shape[1]
-    centre = points.mean(axis=0) if len(points) else np.zeros(d)
+    middle = points.mean(axis=0) if len(points) else np.zeros(d)
+    somewhere = held.any(axis=1)
+    points, held = points[somewhere], held[somewhere]
+    # Measured by what is held: two supports side by side hold a large body, if only just.
+    centre = points.mean(axis=0) if len(points) else middle
     scale = float(np.abs(points - centre).max()) if len(points) else 1.0
     modes = rigid_motions((points - centre) / (scale or 1.0))
     stiffness = modes[held].T @ modes[held]
     eigenvalues, vectors = np.linalg.eigh(stiffness)
     free = vectors[:, eigenvalues <= 1e-12 * max(float(eigenvalues[-1]), 1.0)]
-    return _named(free, centre, scale or 1.0)
+    return _named(free, centre, scale or 1.0, middle)
 
 
 def rigid_motions(points: Array) -> Array:
@@ -51,7 +55,7 @@ def rigid_motions(points: Array) -> Array:
     return np.concatenate([translations, rotations], axis=2)
 
 
-def _named(free: Array, centre: Array, scale: float) -> list[str]:
+def _named(free: Array, centre: Array, scale: float, middle: Array) -> list[str]:
     """Describe a space of rigid motions, columns (t, w) about `centre` in units of `scale`."""
     d = len(centre)
     names = []
@@ -66,6 +70,7 @@ def _named(free: Array, centre: Array, scale: float) -> list[str]:
             names.append(f"rotation about {place_name(pivot)}")
         else:
             pivot = centre + scale * np.cross(spin, shift) / (spin @ spin)
+            pivot = pivot + spin * (spin @ (middle - pivot)) / (spin @ spin)  # nearest the middle
             names.append(
                 f"rotation about the axis along {_direction(spin)} through {place_name(pivot)}"
             )

@@ -8,10 +8,10 @@ from itertools import product
 
 import numpy as np
 
-from msvalidate.problem.domain import Box, Region
+from msvalidate.problem.domain import PLACEMENT, Box, Region
 from msvalidate.problem.material import Material
 from msvalidate.problem.motions import place_name, refuse_free_motions
-from msvalidate.problem.values import AXES, Array, Field, Mask, ProblemError, finite
+from msvalidate.problem.values import AXES, Array, Field, Index, Mask, ProblemError, finite
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,9 @@ class Support:
     displacement: tuple[float | Field | None, ...]
 
     def __post_init__(self) -> None:
+        _check_region("support", self.region)
+        if not isinstance(self.displacement, tuple):
+            raise ProblemError(f"support on {self.region}: {self.displacement!r}; give a tuple")
         if len(self.displacement) != self.region.dim:
             raise ProblemError(
                 f"support on {self.region}: {len(self.displacement)} components for "
@@ -41,6 +44,11 @@ class Support:
         for value in self.displacement:
             if value is not None and not callable(value):
                 finite(f"support on {self.region}", value)
+                if np.ndim(value):
+                    raise ProblemError(
+                        f"support on {self.region}: component {value!r}; give one number, a field "
+                        "or None"
+                    )
 
 
 @dataclass(frozen=True)
@@ -77,6 +85,7 @@ class Traction:
     traction: tuple[float, ...] | Field
 
     def __post_init__(self) -> None:
+        _check_region("traction", self.region)
         if len(self.region.normal_axes) != 1:
             raise ProblemError(
                 f"traction on {self.region}: {len(self.region.normal_axes)} flat axes; a traction "
@@ -113,6 +122,14 @@ class Problem:
     name: str = field(default="problem")
 
     def __post_init__(self) -> None:
+        for name, parts, kind in (
+            ("supports", self.supports, Support),
+            ("loads", self.loads, Load),
+        ):
+            if not isinstance(parts, tuple) or not all(isinstance(part, kind) for part in parts):
+                raise ProblemError(f"{self.name}: {name} {parts!r}; give a tuple of them")
+        if not isinstance(self.material, Material):
+            raise ProblemError(f"{self.name}: material {self.material!r}; give a material")
         d = self.domain.dim
         if self.material.dim != d:
             raise ProblemError(f"{self.name}: a {self.material.dim}D material in a {d}D domain")
@@ -155,30 +172,51 @@ def prescribed(problem: Problem, points: Array) -> tuple[Mask, Array]:
     ProblemError
         If a support meets none of the points, or two supports contradict each other.
     """
-    held = np.zeros(points.shape, dtype=bool)
-    value = np.zeros(points.shape)
+    wishes: list[tuple[int, Index, Array]] = []
     for support in problem.supports:
-        chosen = support.region.select(points, problem.domain.tolerance)
-        if not chosen.any():
+        chosen = np.flatnonzero(support.region.select(points, problem.domain.tolerance))
+        if not len(chosen):
             raise ProblemError(
                 f"support on {support.region}: no point of the discretised body lies there; "
                 "choose cells that put one there"
             )
+        _refuse_cut_short(problem, support, points[chosen])
         for axis, entry in enumerate(support.displacement):
-            if entry is None:
-                continue
-            wanted = _values(f"support on {support.region}", entry, points[chosen])
-            clash = held[chosen, axis] & (
-                np.abs(value[chosen, axis] - wanted) > problem.domain.tolerance
+            if entry is not None:
+                wanted = _values(f"support on {support.region}", entry, points[chosen])
+                wishes.append((axis, chosen, wanted))
+    held = np.zeros(points.shape, dtype=bool)
+    value = np.zeros(points.shape)
+    # A field that should vanish where it meets another may come out as 1e-17 there.
+    room = PLACEMENT * max((np.abs(wanted).max() for _, _, wanted in wishes), default=0.0)
+    for axis, chosen, wanted in wishes:
+        before = value[chosen, axis]
+        clash = np.flatnonzero(held[chosen, axis] & (np.abs(before - wanted) > room))
+        if len(clash):
+            at = clash[0]
+            raise ProblemError(
+                f"supports contradict each other: {AXES[axis]} displacement {before[at]:g} and "
+                f"{wanted[at]:g} m at {place_name(points[chosen[at]])}; prescribe it once"
             )
-            if clash.any():
-                first, place = value[chosen, axis][clash][0], points[chosen][clash][0]
-                raise ProblemError(
-                    f"supports contradict each other: {AXES[axis]} displacement {first:g} and "
-                    f"{wanted[clash][0]:g} m at {place_name(place)}; prescribe it once"
-                )
-            held[chosen, axis], value[chosen, axis] = True, wanted
+        held[chosen, axis], value[chosen, axis] = True, wanted
     return held, value
+
+
+def _refuse_cut_short(problem: Problem, support: Support, chosen: Array) -> None:
+    """A part of a side whose end falls between points would be held over less than was asked."""
+    for axis, (low, high) in enumerate(problem.domain.bounds(support.region)):
+        reached = chosen[:, axis].min(), chosen[:, axis].max()
+        if max(abs(reached[0] - low), abs(reached[1] - high)) > problem.domain.tolerance:
+            raise ProblemError(
+                f"support on {support.region}: the discretised body has points from "
+                f"{AXES[axis]} = {reached[0]:g} to {reached[1]:g} m there, not at its ends; "
+                "choose cells that put one at each"
+            )
+
+
+def _check_region(name: str, region: object) -> None:
+    if not isinstance(region, Region):
+        raise ProblemError(f"{name}: region {region!r}; give a Region, such as box.side('left')")
 
 
 def _check_vector(name: str, value: Sequence[float] | Field, dim: int) -> None:

@@ -34,9 +34,14 @@ def finite(name: str, values: ArrayLike) -> Array:
         If a value is missing, is not a number or is infinite.
     """
     try:
-        array = np.array(values, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ProblemError(f"{name}: expected numbers, got {values!r}") from error
+        given = np.asarray(values)
+    except ValueError as error:
+        raise ProblemError(
+            f"{name}: expected numbers, got rows of different length, {values!r}"
+        ) from error
+    if given.dtype.kind not in "biuf":  # text would be converted, and then kept as text
+        raise ProblemError(f"{name}: expected numbers, got {values!r}")
+    array = np.array(given, dtype=float)
     bad = np.argwhere(~np.isfinite(array))
     if len(bad):
         where = tuple(int(i) for i in bad[0])
@@ -44,6 +49,13 @@ def finite(name: str, values: ArrayLike) -> Array:
         raise ProblemError(f"{name}: {array[where]}{place}; every value must be finite")
     array.setflags(write=False)
     return array
+
+
+def whole(name: str, value: object, least: int) -> int:
+    """Return `value` as an int; raise `ProblemError` unless it is a whole number >= `least`."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+        raise ProblemError(f"{name}: {value!r}; give a whole number, {least} or more")
+    return int(value)
 
 
 def positive(name: str, value: float, unit: str = "") -> float:

@@ -50,12 +50,10 @@ TOLERANCES = (
     ),
 )
 COLUMNS = {
-    "lattice": "which lattice",
-    "k1": "stiffness of axial springs (N/m)",
-    "k2": "stiffness of diagonal springs (N/m)",
+    **block.COLUMNS,
     "angle_deg": "direction of the pull to the axial springs (degrees)",
     "nu_tensor": "Poisson's ratio from the homogenised tensor (1)",
-    "nu_fem": "Poisson's ratio of the elastic body with the turned tensor (1)",
+    "nu_fem": "Poisson's ratio of the elastic body, by finite elements (1)",
 }
 
 

@@ -59,16 +59,14 @@ TOLERANCES = (
 COLUMNS = {
     "reading": "what is meant by incompressible",
     "nu_wanted": "in-plane ratio that the reading asks for (1)",
-    "k2_over_k1": "k2/k1 that gives it along the axes, or none (1)",
+    "k2_over_k1": "k2/k1 that gives it along the axes, or is said to; or none (1)",
     "nu_axis": "ratio along the axial springs with these constants (1)",
     "nu_diagonal": "ratio along the diagonals (1)",
     "zener": "Zener ratio 2 C66/(C11 - C12), 1 if isotropic (1)",
-    "nu_springs": "ratio of the candidate's block, along the axial springs (1)",
-    "k2": "stiffness of diagonal springs, with k1 = 1 (N/m)",
-    "strain": "axial strain (1)",
-    "nu_linear": "ratio for vanishing strain, k2/(k1 + k2) (1)",
+    **block.COLUMNS,
+    "nu_bulk_formula": "k2/(k1 + k2) (1)",
     "nu_exact": "ratio of one exactly stretched cell (1)",
-    "drift_per_strain": "(nu_springs - nu_linear)/strain (1)",
+    "drift_per_strain": "(nu_springs - nu_bulk_formula)/strain (1)",
     "drift_predicted": "nu (1 + nu)(3 nu - 1)/4: its limit for small strain (1)",
 }
 
@@ -116,11 +114,12 @@ def drift_row(k2: float, strain: float, nu: float) -> dict[str, float]:
     """One row: measured and predicted."""
     linear = k2 / (K1 + k2)
     return {
+        "k1": K1,
         "k2": k2,
         "strain": strain,
         "nu_springs": nu,
         "nu_exact": exact_ratio(k2, strain),
-        "nu_linear": linear,
+        "nu_bulk_formula": linear,
         "drift_per_strain": (nu - linear) / strain,
         "drift_predicted": linear * (1 + linear) * (3 * linear - 1) / 4,
     }
@@ -181,9 +180,9 @@ def draw(tables: Tables) -> Figure:
     for (_, rows), colour, marker in zip(
         tables["drift"].groupby("k2"), figures.COLOURS, figures.MARKERS, strict=False
     ):
-        k2, linear, slope = rows[["k2", "nu_linear", "drift_predicted"]].iloc[0]
+        k2, linear, slope = rows[["k2", "nu_bulk_formula", "drift_predicted"]].iloc[0]
         curve = np.array([exact_ratio(k2, strain) for strain in strains]) - linear
-        drift = rows["nu_springs"] - rows["nu_linear"]
+        drift = rows["nu_springs"] - rows["nu_bulk_formula"]
         label = f"k2/k1 = {k2:g}, ratio {linear:.3f}"
         axis.plot(100 * strains, curve, color=colour, label=label)
         axis.plot(100 * strains, slope * strains, ":", color=colour)

@@ -96,3 +96,24 @@ def lattice_body():
         return lattice_network(problem, square(box, cells), constants, **rules)
 
     return build
+
+
+@pytest.fixture(scope="session")
+def hinged_blocks(lattice_body):
+    """Two blocks of n × n cells that meet at one corner: the second can turn about it."""
+
+    def build(n):
+        block = lattice_body((1.0, 1.0), n)
+        last = len(block.points) - 1  # the upper right corner
+        number = np.concatenate([[last], last + 1 + np.arange(last)])
+        force = np.zeros((2 * last + 1, 2))
+        force[-1] = [0.0, 0.1]
+        return spring_network(
+            np.concatenate([block.points, block.points[1:] + 1.0]),
+            np.concatenate([block.springs, number[block.springs]]),
+            np.tile(block.stiffness, 2),
+            held=np.concatenate([block.held, np.zeros((last, 2), dtype=bool)]),
+            force=force,
+        )
+
+    return build

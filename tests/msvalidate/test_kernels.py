@@ -60,7 +60,6 @@ def test_no_steps_change_nothing_and_steps_add_up(networks, data):
     np.testing.assert_array_equal(v, fast)
 
 
-@pytest.mark.xfail(reason="mobility 0 stops forces only: a velocity on a held component carries on")
 def test_held_components_stay():
     network = spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0, held=np.ones((2, 2), dtype=bool))
     x, v = network.points.copy(), np.ones((2, 2))

@@ -139,10 +139,10 @@ def test_arrays_cannot_be_changed():
     [
         ((1.0, 1.0, 1.0), 2, "square lattice: a 3D box; give a plane one"),
         ((2.0, 1.0), 2, "2 x 2 cells of 1 m x 0.5 m; choose counts in the ratio 2 : 1"),
-        ((1.0, 1.0), 0, "cells: 0; give one or two whole numbers, 1 or more"),
-        ((1.0, 1.0), (2, -1), "cells: (2, -1); give one or two whole numbers, 1 or more"),
-        ((1.0, 1.0), 2.0, "cells: 2.0; give one or two whole numbers"),
-        ((1.0, 1.0), float("nan"), "cells: nan; give one or two whole numbers"),
+        ((1.0, 1.0), 0, "cells: 0; give a whole number, 1 or more"),
+        ((1.0, 1.0), (2, -1), "cells: -1; give a whole number, 1 or more"),
+        ((1.0, 1.0), 2.0, "cells: 2.0; give a whole number"),
+        ((1.0, 1.0), float("nan"), "cells: nan; give a whole number"),
         ((1.0, 1.0), (2, 2, 2), "cells: (2, 2, 2); give one or two whole numbers"),
     ],
 )

@@ -107,10 +107,7 @@ def test_an_unstable_position_is_refused():
         natural_frequencies(crowded, 3)
 
 
-def test_one_strongly_unstable_point_is_refused(lattice_body, solver, request):
-    if solver == "sparse":
-        reason = "the modes nearest to zero are not the lowest once one is far below it"
-        request.applymarker(pytest.mark.xfail(reason=reason))
+def test_one_strongly_unstable_point_is_refused(lattice_body):
     network = lattice_body((8.0, 4.0), (16, 8))
     around = (network.springs == len(network.points) // 2).any(axis=1)
     swollen = replace(network, rest_length=np.where(around, 3.0, 1.0) * network.rest_length)

@@ -449,11 +449,11 @@ def test_grading_crowds_lines_to_both_ends():
         ((BOX, 4, "Q3"), "Q3 .*one of Q1, Q2, P1, P2"),
         ((BOX, (4, 4, 4)), "give two counts"),
         ((Box((1.0, 1.0, 1.0)), 4), "3D box"),
-        ((BOX, 0), "0 cells.*must be 1 or more"),
-        ((BOX, (4, -1)), "must be 1 or more"),
-        ((BOX, 2.5), "2.5 cells"),
-        ((BOX, 4, "Q1", 0.5), "grading 0.5"),
-        ((BOX, 4, "Q1", float("nan")), "grading nan"),
+        ((BOX, 0), "mesh cells: 0; give a whole number, 1 or more"),
+        ((BOX, (4, -1)), "mesh cells: -1; give a whole number"),
+        ((BOX, 2.5), "mesh cells: 2.5; give a whole number"),
+        ((BOX, 4, "Q1", 0.5), "mesh grading: 0.5; it must be 1 or more"),
+        ((BOX, 4, "Q1", float("nan")), "mesh grading: nan"),
     ],
 )
 def test_bad_mesh_is_named(arguments, fragment):
@@ -516,3 +516,24 @@ def test_displacement_at_points_is_that_of_the_nodes():
     body = reference_fem.box_discretisation(BOX, (3, 2), "P2")
     solution = reference_fem.solve_problem(manufactured("anisotropic", loaded=True), body)
     assert solution.at(body.points) == pytest.approx(solution.displacement, abs=1e-13)
+
+
+def test_the_mesh_of_another_body_is_refused():
+    wide = Box((2.0, 1.0))
+    problem = Problem(wide, Isotropic(1.0, 0.3), (Support(wide.side("left"), (0.0, 0.0)),))
+    mesh = reference_fem.box_discretisation(Box((1.0, 1.0)), 4)
+    with pytest.raises(ProblemError, match="mesh the problem's own domain"):
+        reference_fem.solve_problem(problem, mesh)
+
+
+def test_a_support_that_ends_between_nodes_is_refused():
+    box = Box((1.0, 1.0))
+    held = Support(Region((0.0, (0.3, 0.95))), (0.0, 0.0))
+    problem = Problem(box, Isotropic(1.0, 0.3), (held,))
+    with pytest.raises(ProblemError, match="choose cells that put one at each"):
+        reference_fem.solve_problem(problem, reference_fem.box_discretisation(box, 5))
+
+
+def test_a_mesh_too_fine_to_tell_its_nodes_apart_is_refused():
+    with pytest.raises(ProblemError, match="nearer than two places are told apart"):
+        reference_fem.box_discretisation(Box((1.0, 1.0)), 64, "Q1", 8.0)

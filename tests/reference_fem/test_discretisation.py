@@ -8,7 +8,8 @@ import skfem
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.problem import ProblemError
+import reference_fem
+from msvalidate.problem import Box, ProblemError
 from reference_fem.discretisation import ELEMENTS, discretise
 
 # A library's warning on the way to an answer is a failure here.
@@ -250,3 +251,36 @@ def test_orphan_and_coincident_points_are_named():
     seam[0][seam[0] == cells[0, 1]] = len(points)
     with pytest.raises(ProblemError, match="remove or merge it"):
         discretise(np.vstack([points, points[cells[0, 1]]]), seam, "P1")
+
+
+# --- meshes that would be solved wrongly ----------------------------------------------------------
+
+TWO_CELLS = [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]
+
+
+def test_a_cell_listed_twice_is_refused():
+    cells = [[0, 1, 4, 3], [1, 2, 5, 4], [1, 2, 5, 4]]
+    with pytest.raises(ProblemError, match="overlaps another on one of its edges; list it once"):
+        discretise(TWO_CELLS, cells, "Q1")
+
+
+def test_nodes_that_are_not_those_of_the_cell_are_refused():
+    body = reference_fem.box_discretisation(Box((1.0, 1.0)), 2, "Q2")
+    cells = body.cells.copy()
+    cells[1, 4:] = 0
+    with pytest.raises(ProblemError, match="cell 1 names other nodes than those that lie on its"):
+        discretise(body.points, cells, "Q2")
+
+
+def test_a_point_off_the_edge_by_rounding_is_on_it():
+    body = reference_fem.box_discretisation(Box((0.3, 0.3)), 4)
+    weights = body.interpolation(np.array([[0.1 * 3, 0.15]]))  # 0.30000000000000004
+    assert weights.sum() == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("grading", [1.0, 2.25, 3.0])
+def test_interpolation_near_a_graded_corner(grading):
+    body = reference_fem.box_discretisation(Box((1.0, 1.0)), 64, "Q2", grading)
+    places = 1 - 1e-4 * np.random.default_rng(1).random((300, 2))
+    found = body.interpolation(places) @ body.points
+    assert np.abs(found - places).max() < 1e-12, "coordinates are in the element's space"

@@ -351,7 +351,7 @@ BAD = {
     "orphan": ({"points": [*POINTS, (3, 3)]}, ["point 6 belongs to no cell"]),
     "unmerged points": (
         {"points": [*POINTS, (1, 0), (1, 1)], "cells": [(0, 1, 2, 3), (6, 4, 5, 7)]},
-        ["coincides with another; remove or merge it"],
+        ["coincides with point", "remove or merge it"],
     ),
     "fixed component": ({"fixed": [*CLAMP, (1, 2, 0.0)]}, ["components to 1"]),
     "fixed component below zero": ({"fixed": [*CLAMP, (1, -1, 0.0)]}, ["components to 1"]),
@@ -410,3 +410,25 @@ def test_answer_beyond_the_largest_number_is_a_solver_error():
     # Infinity or NaN must not come back as a displacement.
     with pytest.raises(SolverError, match="residual"):
         reference_fem.solve(**(GOOD | {"nodal_forces": [(4, 1, -1e308)]}))
+
+
+# --- bodies that the residual alone would pass ----------------------------------------------------
+
+CLAMP = [(0, 0, 0.0), (0, 1, 0.0), (3, 0, 0.0), (3, 1, 0.0)]
+
+
+def test_a_hinge_is_refused():
+    points = [[0, 0], [1, 0], [1, 1], [0, 1], [2, 1], [2, 2], [1, 2]]
+    with pytest.raises(SolverError, match=r"around \(.*\) can move without strain; join it"):
+        reference_fem.solve(
+            points, [[0, 1, 2, 3], [2, 4, 5, 6]], "Q1", Isotropic(1, 0.3), CLAMP, [(4, 1, -1.0)]
+        )
+
+
+def test_a_loose_part_is_refused_even_under_balanced_loads():
+    points = [[0, 0], [1, 0], [1, 1], [0, 1], [3, 0], [4, 0], [4, 1], [3, 1]]
+    balanced = [(4, 0, -1.0), (7, 0, -1.0), (5, 0, 1.0), (6, 0, 1.0)]
+    with pytest.raises(SolverError, match="without strain"):
+        reference_fem.solve(
+            points, [[0, 1, 2, 3], [4, 5, 6, 7]], "Q1", Isotropic(1, 0.3), CLAMP, balanced
+        )
