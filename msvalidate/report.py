@@ -74,8 +74,7 @@ def write_study(result: Result, out: Path, *, plots: bool = True) -> None:
         if plots:
             with mpl.rc_context(STYLE):
                 figure = draw(result.evidence.tables)
-                figure.draw_without_rendering()
-                figure.set_layout_engine("none")  # laid out once, not again for each format
+                _lay_out(figure)
                 pages |= {f"{name}.{kind}": _rendered(figure, kind) for kind in FORMATS}
         else:
             stale += [folder / f"{name}.{kind}" for kind in FORMATS]
@@ -164,6 +163,14 @@ def _markdown(table: pd.DataFrame) -> str:
 
 def _number(value: float) -> str:
     return f"{value:.6g}"
+
+
+def _lay_out(figure: Figure) -> None:
+    """Lay out once, not again for each format."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
 
 
 def _rendered(figure: Figure, kind: str) -> bytes:

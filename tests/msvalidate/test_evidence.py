@@ -37,6 +37,8 @@ def test_judgement_of_nothing_is_not_held():
         (TABLE.head(0), "no rows; nothing was compared"),
         (TABLE.assign(x=[1.0, np.nan]), "x is nan in row 1"),
         (TABLE.assign(x=[np.inf, 1.0]), "x is inf in row 0"),
+        (TABLE.assign(x=["none", np.nan]), "x is nan in row 1"),
+        (TABLE.assign(x=[None, "none"]), "x is .* in row 0"),
     ],
 )
 def test_tables_without_numbers_are_failures(table, message):
@@ -55,6 +57,20 @@ def test_every_observation_has_one_tolerance(tolerances):
 def test_every_column_has_a_meaning():
     with pytest.raises(ValueError, match=r"columns without a meaning: \['x'\]"):
         evidence(columns={})
+
+
+@pytest.mark.parametrize(
+    "fault", [{"limit": np.inf}, {"limit": -1.0}, {"unit": ""}, {"because": ""}]
+)
+def test_a_tolerance_must_be_one(fault):
+    with pytest.raises(ValueError, match="needs a finite limit, a unit and a reason"):
+        Tolerance(**({"quantity": "gap", "limit": 1.0, "unit": "m", "because": "so"} | fault))
+
+
+def test_a_column_means_one_thing_in_a_study():
+    other = Evidence({"more": TABLE}, {}, (), columns={"x": "time (s)"})
+    with pytest.raises(ValueError, match="column x means two things"):
+        merged(evidence(), other)
 
 
 def test_merged_parts_keep_their_names_apart():

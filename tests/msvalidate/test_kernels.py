@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +18,9 @@ from msvalidate.integrate import State, euler_cromer
 from msvalidate.network import energy, force_scale, spring_force, spring_network
 
 examples = settings(max_examples=25, deadline=None)
+
+
+ROOT = Path(__file__).parents[2]
 
 
 @examples
@@ -65,3 +72,20 @@ def test_held_components_stay():
     x, v = network.points.copy(), np.ones((2, 2))
     kernels.euler_cromer(network, x, v, np.zeros(2), 0.01, 1)
     np.testing.assert_array_equal(x, network.points)
+
+
+def test_the_compiled_code_is_kept_for_the_next_process(tmp_path):
+    """A second process finds what the first one left, and leaves nothing more."""
+    script = (
+        "import numpy as np; from msvalidate import kernels; "
+        "from msvalidate.network import spring_network as s; "
+        "n = s([[0, 0], [1, 0]], [[0, 1]], 1.0); "
+        "kernels.euler_cromer(n, n.points.copy(), np.zeros((2, 2)), np.zeros(2), 0.1, 1)"
+    )
+    kept = []
+    for _ in range(2):
+        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+        subprocess.run([sys.executable, "-c", script], env=environment, check=True, cwd=ROOT)
+        kept.append(sorted(p.name for p in tmp_path.rglob("*.nbc")))
+    assert kept[0] == kept[1]
+    assert kept[0]
