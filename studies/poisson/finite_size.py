@@ -14,33 +14,25 @@ from __future__ import annotations
 
 from functools import partial
 from itertools import product
-from math import pi, sin
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from scipy.optimize import brentq
-from scipy.sparse import csr_matrix
 
-import reference_fem
 from msvalidate import figures, lattice
 from msvalidate.compare import observed_order, worst
 from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.problem import Array, Problem
 from msvalidate.stiffness import square_tensor
 from msvalidate.sweep import Setting
 from studies.poisson import block
-from studies.poisson.block import BOX, DEFINITIONS, K1, LOADINGS, Candidate
+from studies.poisson.block import DEFINITIONS, K1, LOADINGS, Candidate
+from studies.poisson.elastic_block import REFERENCE_ERROR, corner_exponent, reference
 
 CELLS = (1, 2, 5, 10, 20, 40)
 """5 cells are the report's 6 x 6 particles."""
 RATIOS, QUICK_RATIOS = (0.25, 0.5, 1.0, 2.0), (0.5,)
 """k2/k1."""
-REFERENCE_ERROR = 1e-4
-"""Asked of the reference's own estimate; its true error is a tenth of that where checked."""
-COARSEST_MESH = {"slide": 2, "traction": 2, "clamped": 14}
-"""Cells per side to start from; uniform strain is exact on any mesh."""
 # k1 = 1, k2 = 1/2, equal springs, ratio over the edges, found by an independent program.
 EQUAL_SPRINGS = {
     "slide": {1: 0.2000, 2: 0.2444, 5: 0.2908, 10: 0.3110, 20: 0.3220, 40: 0.3277},
@@ -127,7 +119,7 @@ def run(candidate: Candidate = block.springs, setting: Setting | None = None) ->
     ratios = QUICK_RATIOS if setting.quick else RATIOS
     cases = list(product(ratios, lattice.WEIGHTS, CELLS))
     bodies = tuple(sorted({body_of(k2, weights) for k2, weights, _ in cases}))
-    found = setting.sweep(partial(reference, bodies), LOADINGS, "finite elements")
+    found = setting.sweep(partial(reference, bodies, CELLS), LOADINGS, "finite elements")
     fem = {key: value for values, _ in found for key, value in values.items()}
     measured = setting.sweep(partial(measure, candidate), cases, "spring blocks")
     rows, moduli = [], []
@@ -183,47 +175,6 @@ def measure(
     return ratios, modulus
 
 
-def reference(
-    bodies: tuple[float, ...], loading: str
-) -> tuple[dict[tuple[object, ...], float], list[dict[str, object]]]:
-    """Ratios of the elastic bodies at every size's points, and how good they are."""
-    sizes = [n for n in CELLS if not (loading == "clamped" and n == 1)]
-    grids = [block.edge_points(lattice.square(BOX, n).points) for n in sizes]
-    ends = np.cumsum([len(grid) for grid in grids])[:-1]
-    meshes: dict[int, tuple[reference_fem.Discretisation, csr_matrix]] = {}
-    values: dict[tuple[object, ...], float] = {}
-    quality: list[dict[str, object]] = []
-    keys = [(n, definition) for n in sizes for definition in DEFINITIONS]
-    for body in bodies:
-        problem = block.loaded_block(loading, square_tensor(1 - body, body))
-
-        def sampled(cells: int, problem: Problem = problem) -> Array:
-            if cells not in meshes:
-                mesh = reference_fem.box_discretisation(BOX, cells, "Q2", block.GRADING)
-                meshes[cells] = mesh, mesh.interpolation(np.concatenate(grids))
-            mesh, interpolation = meshes[cells]
-            move = interpolation @ reference_fem.solve_problem(problem, mesh).displacement
-            parts = list(zip(grids, np.split(move, ends), strict=True))
-            ratios = [block.ratio(x, u, definition) for x, u in parts for definition in DEFINITIONS]
-            return np.array([*ratios, block.axial_strain(*parts[0])])
-
-        estimate = reference_fem.refine(sampled, COARSEST_MESH[loading], REFERENCE_ERROR)
-        *ratios, strain = estimate.value
-        values |= {(loading, body, *key): float(nu) for key, nu in zip(keys, ratios, strict=True)}
-        if loading == "traction":
-            values["modulus", body] = block.end_traction(problem) / strain
-        quality.append(
-            {
-                "loading": loading,
-                "C12_over_C11": body,
-                "mesh": estimate.cells,
-                "uncertainty": float(estimate.uncertainty.max()),
-                "trust": ", ".join(sorted(set(estimate.status[:-1]))),
-            }
-        )
-    return values, quality
-
-
 def observe(
     table: pd.DataFrame, modulus: pd.DataFrame, quality: pd.DataFrame
 ) -> dict[str, Observed]:
@@ -260,20 +211,6 @@ def observe(
         Observed(float(quality["uncertainty"].max())),
     )
     return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
-
-
-def corner_exponent(nu: float) -> float:
-    """Exponent of the displacement at a right-angled corner between a clamped and a free edge.
-
-    sin²(λπ/2) = ((κ + 1)² - 4λ²)/(4κ) with κ = (3 - nu)/(1 + nu) in plane stress (Williams 1952,
-    doi:10.1115/1.4010553).
-    """
-    kappa = (3 - nu) / (1 + nu)
-
-    def characteristic(x: float) -> float:
-        return sin(x * pi / 2) ** 2 - ((kappa + 1) ** 2 - 4 * x**2) / (4 * kappa)
-
-    return float(brentq(characteristic, 0.5, 1.0))
 
 
 def summarised(table: pd.DataFrame) -> pd.DataFrame:
