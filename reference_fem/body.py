@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import skfem
@@ -73,7 +74,11 @@ def _refuse_other_body(problem: Problem, body: Discretisation) -> None:
 
 
 def box_discretisation(
-    box: Box, cells: int | tuple[int, int], element: str = "Q2", grading: float = 1.0
+    box: Box,
+    cells: int | tuple[int, int],
+    element: str = "Q2",
+    grading: float = 1.0,
+    towards: Literal["both", "high"] = "both",
 ) -> Discretisation:
     """Mesh of a plane box.
 
@@ -88,6 +93,8 @@ def box_discretisation(
     grading
         1 spaces the lines evenly; g > 1 draws them to both ends of each axis as s^g, towards the
         corners, where clamped bodies have singular stress.
+    towards
+        "both" ends of each axis, or the "high" end alone: the quarter of a symmetric body.
 
     Raises
     ------
@@ -101,11 +108,13 @@ def box_discretisation(
             f"and one of {', '.join(ELEMENTS)}"
         )
     counts = [whole("mesh cells", n, 1) for n in pair]
+    if towards not in ("both", "high"):
+        raise ProblemError(f"mesh grading towards {towards!r}; choose both or high")
     if positive("mesh grading", grading) < 1:
         raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
     kind = ELEMENTS[element]
     lines = [
-        length * _subdivided(_graded(n, grading), kind.degree)
+        length * _subdivided(_graded(n, grading, towards), kind.degree)
         for length, n in zip(box.size, counts, strict=True)
     ]
     closest = min(float(np.diff(line).min()) for line in lines)
@@ -175,6 +184,10 @@ def _integrated(
     name: str, vector: tuple[float, ...] | Field, basis: skfem.AbstractBasis, body: Discretisation
 ) -> Array:
     """∫ φ_i f, as (n, d) by node, of a vector or a field of points."""
+    if not callable(vector):  # one integral serves every component of a constant
+        share = np.zeros(len(body.points))
+        share[body.node] = skfem.LinearForm(lambda v, _: v).assemble(basis)
+        return np.outer(share, vector)
     x = np.asarray(basis.global_coordinates())
     values = vectors_at(name, vector, x.reshape(body.dim, -1).T).T.reshape(x.shape)
     force = np.zeros(body.points.shape)
@@ -184,8 +197,10 @@ def _integrated(
     return force
 
 
-def _graded(n: int, grading: float) -> Array:
-    """Coordinates of n + 1 lines on [0, 1], drawn to both ends, symmetric about the middle."""
+def _graded(n: int, grading: float, towards: str) -> Array:
+    """Coordinates of n + 1 lines on [0, 1], drawn to both ends alike or to 1."""
+    if towards == "high":
+        return np.asarray(1 - (1 - np.linspace(0, 1, n + 1)) ** grading)
     s = np.linspace(-1, 1, n + 1)
     return np.asarray(0.5 * (1 + np.sign(s) * (1 - (1 - np.abs(s)) ** grading)))
 

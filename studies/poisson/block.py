@@ -38,6 +38,7 @@ COLUMNS = {
 """What columns of several tables mean."""
 SIDE = 1.0
 BOX = Box((SIDE, SIDE))
+QUARTER = Box((SIDE / 2, SIDE / 2))
 LOADINGS = ("slide", "traction", "clamped")
 DEFINITIONS = ("edges", "middle")
 K1 = 1.0
@@ -94,6 +95,19 @@ def loaded_block(loading: str, tensor: Array, strain: float = STRAIN) -> Problem
         supports = (Support(corner, (0.0, 0.0)), Support(Region((0.0, SIDE)), (0.0, None)))
         loads = (Traction(left, (-stress, 0.0)), Traction(right, (stress, 0.0)))
     return Problem(BOX, Anisotropic(tensor), supports, loads, name=f"block, {loading}")
+
+
+def clamped_quarter(tensor: Array, strain: float = STRAIN) -> Problem:
+    """The quarter of the clamped block beyond its two middle lines, which symmetry holds.
+
+    Displacements count from the block's middle, the quarter's origin.
+    """
+    middle = (
+        Support(QUARTER.side("left"), (0.0, None)),
+        Support(QUARTER.side("bottom"), (None, 0.0)),
+    )
+    end = Support(QUARTER.side("right"), (strain * SIDE / 2, 0.0))
+    return Problem(QUARTER, Anisotropic(tensor), (*middle, end), name="quarter block, clamped")
 
 
 def spring_block(

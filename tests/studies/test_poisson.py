@@ -5,7 +5,9 @@ from functools import partial
 import numpy as np
 import pytest
 
+import reference_fem
 from msvalidate.evidence import judge
+from msvalidate.stiffness import square_tensor
 from msvalidate.sweep import Setting
 from studies import poisson
 from studies.poisson import algorithm1, block, controls, elastic_block, finite_size
@@ -109,3 +111,15 @@ def test_definitions_of_the_ratio():
         assert block.ratio(x, affine, definition) == pytest.approx(0.3, abs=1e-12)
     assert block.ratio(x, bulge, "middle") == pytest.approx(0.2, abs=1e-12)
     assert block.ratio(x, bulge, "edges") == pytest.approx(0.3 - 0.1 * 2 / 6, abs=1e-12)
+
+
+@pytest.mark.parametrize("body", [0.2, 2 / 3])
+def test_the_clamped_quarter_is_the_whole_block(body):
+    """The same mesh, folded: equal to rounding."""
+    points = block.edge_points(block.lattice.square(block.BOX, 5).points)
+    tensor = square_tensor(1 - body, body)
+    quarter = elastic_block.Sampler.of("clamped", points, 12).displacement(tensor)
+    mesh = reference_fem.box_discretisation(block.BOX, 12, "Q2", block.GRADING)
+    whole = reference_fem.solve_problem(block.loaded_block("clamped", tensor), mesh).at(points)
+    middle = [block.STRAIN / 2, 0.0]  # displacement of the block's middle
+    assert np.abs(whole - middle - quarter).max() < 1e-12 * block.STRAIN
