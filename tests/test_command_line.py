@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -247,7 +246,7 @@ def test_a_terminal_without_unicode_still_gets_its_tables(tmp_path):
 
 def test_interrupt_ends_quietly(tmp_path):
     process = subprocess.Popen(
-        [*PROGRAM, "poisson", "--out", "r"],
+        [*PROGRAM, "poisson", "--out", "r", "-v"],
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         stderr=subprocess.PIPE,
@@ -256,7 +255,7 @@ def test_interrupt_ends_quietly(tmp_path):
         # A shell's background job ignores interrupts, and its children with it.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
     )
-    time.sleep(1.0)
+    assert process.stderr.readline().startswith("poisson: "), "the study has begun"
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=30)
     assert process.returncode == 130
