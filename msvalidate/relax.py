@@ -107,14 +107,7 @@ def algorithm1(
         If the run diverges, or is not at rest within `max_steps`.
     """
     refuse_free_motions("network", network.points, network.held)
-    if positive("tolerance", tolerance) > LOOSEST:
-        raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
-    if dt is not None:
-        positive("time step dt", dt, "s")
-    if damping is not None:
-        damping_rate(network, damping)
-    if max_steps is not None:
-        whole("max_steps", max_steps, 1)
+    _refuse_bad_options(network, dt, damping, tolerance, max_steps)
     if network.held.all():
         still = at_rest(network, network.start, 0)
         return Relaxation(still, 0.0, 0.0, math.inf, np.zeros((0, 3)))
@@ -136,6 +129,23 @@ def algorithm1(
             "(its tangent stiffness has a negative mode); disturb the symmetry or reduce the load"
         )
     return found
+
+
+def _refuse_bad_options(
+    network: Network,
+    dt: float | None,
+    damping: ArrayLike | None,
+    tolerance: float,
+    max_steps: int | None,
+) -> None:
+    if positive("tolerance", tolerance) > LOOSEST:
+        raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
+    if dt is not None:
+        positive("time step dt", dt, "s")
+    if damping is not None:
+        damping_rate(network, damping)
+    if max_steps is not None:
+        whole("max_steps", max_steps, 1)
 
 
 def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) -> int:

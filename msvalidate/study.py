@@ -79,11 +79,15 @@ def _run(names: list[str], args: argparse.Namespace, arguments: Sequence[str]) -
         return _error(str(error), USAGE)
     except OSError as error:
         return _error(f"--out {args.out}: {error.strerror}: {error.filename}", USAGE)
-    for result in results:
-        _show(result, args)
+    missed = any(not held(result.verdict) for result in results)
+    try:
+        for result in results:
+            _show(result, args)
+        print(end="", flush=True)
+    except BrokenPipeError:  # the reader left; the verdict stands
+        sys.stdout = None
     if not args.quiet:
         print(f"results in {args.out}", file=sys.stderr)
-    missed = any(not held(result.verdict) for result in results)
     return max([*codes, MISSED if missed else HELD])
 
 
@@ -234,7 +238,7 @@ if __name__ == "__main__":
         stream.reconfigure(errors="replace")  # type: ignore[union-attr]
     try:
         code = main(sys.argv[1:])
-        sys.stdout.flush()
+        print(end="", flush=True)
         sys.exit(code)
     except OSError as error:  # a closed pipe or a full disk behind stdout; results are in files
         sys.stdout = None  # nothing more is flushed at exit

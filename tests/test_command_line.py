@@ -232,6 +232,15 @@ def test_a_reader_that_leaves_is_no_failure(arguments, tmp_path):
     assert "Error" not in errors
 
 
+def test_a_missed_tolerance_is_told_even_to_a_reader_that_left(tmp_path):
+    no_reader = "import os\nr, w = os.pipe()\nos.dup2(w, 1)\nos.close(r)"
+    body = no_reader + ENDINGS["tolerance missed"][2]
+    done = run(cwd=tmp_path, script=PATCHED.format(body=body))
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    assert "Error" not in done.stderr
+
+
 def test_a_terminal_without_unicode_still_gets_its_tables(tmp_path):
     done = subprocess.run(
         [*PROGRAM, "poisson", "--quick", "--no-plots"],
