@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 
 import numpy as np
 
-from msvalidate.problem import Array, Box, Index, ProblemError, whole
+from msvalidate.problem import Array, Box, Domain, Index, Polygon, ProblemError, positive, whole
 
+SIN60 = math.sin(math.pi / 3)
 WEIGHTS = ("shared", "equal", "per_cell")
 """Rules for the weight of a spring on the boundary: see `boundary_weights`."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """Points, springs and cells of a regular lattice that fills a box.
+    """Points, springs and cells of a regular lattice that fills a body.
 
     Parameters
     ----------
     name
         The lattice's name in tables.
-    box
-        The box that it fills.
+    domain
+        The body that it fills.
     points
         (n, d) positions (m).
     springs
@@ -29,7 +31,7 @@ class Lattice:
     kind
         (m,) class of each spring: an index into the spring constants (0 axial, 1 diagonal).
     cells
-        (c, 2^d) points of each cell, x fastest.
+        (c, corners) points of each cell, all of one size: a square's x fastest.
     facets
         (f, 2^(d-1)) points of each boundary facet.
     borders
@@ -39,7 +41,7 @@ class Lattice:
     """
 
     name: str
-    box: Box
+    domain: Domain
     points: Array
     springs: Index
     kind: Index
@@ -62,7 +64,7 @@ class Lattice:
     @property
     def cell_volume(self) -> float:
         """Area (m²) or volume (m³) of one cell."""
-        return self.box.volume / len(self.cells)
+        return self.domain.volume / len(self.cells)
 
     @property
     def point_volume(self) -> Array:
@@ -110,7 +112,7 @@ def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     sides = (number[0], number[-1], number[:, 0], number[:, -1])
     return Lattice(
         name="square",
-        box=box,
+        domain=box,
         points=np.column_stack([x.ravel(), y.ravel()]),
         springs=np.concatenate([along_x, along_y, rising, falling]),
         kind=np.repeat([0, 1], [axial, 2 * nx * ny]),
@@ -119,6 +121,149 @@ def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
         borders=np.concatenate(borders),
         sharing=np.array([2, 1]),
     )
+
+
+def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
+    """Square lattice with eight neighbours, cut at 45 degrees.
+
+    The box is divided into squares whose sides are *diagonal* springs, with a point in the middle
+    of each: axial springs run along the squares' half diagonals. The cut halves the lattice's own
+    cells, and a half cell has lost one of its diagonals: it is no longer the material.
+
+    Parameters
+    ----------
+    box
+        Box in the plane; its squares must come out square.
+    cells
+        Number of squares along x and y; one number serves both.
+
+    Raises
+    ------
+    ProblemError
+        As for `square`.
+    """
+    grid = square(box, cells)
+    nx, ny = _counts(cells)
+    corners = len(grid.points)
+    centre = corners + np.arange(nx * ny).reshape(ny, nx)
+    low_left, low_right, high_left, high_right = grid.cells.T
+    middle = centre.ravel()
+    sides = grid.springs[grid.kind == 0]
+    half_diagonals = [_pairs(corner, middle) for corner in grid.cells.T]
+    between = [_pairs(centre[:, :-1], centre[:, 1:]), _pairs(centre[:-1], centre[1:])]
+    springs = np.concatenate([*half_diagonals, sides, *between])
+    whole_cells = [np.full(4 * nx * ny, 2), grid.borders[grid.kind == 0]]
+    ring = (low_left, low_right, high_right, high_left)
+    quarters = [
+        np.column_stack([a, b, middle]) for a, b in zip(ring, (*ring[1:], ring[0]), strict=True)
+    ]
+    return Lattice(
+        name="square at 45°",
+        domain=box,
+        points=np.concatenate([grid.points, grid.points[grid.cells].mean(axis=1)]),
+        springs=springs,
+        kind=np.repeat([0, 1], [4 * nx * ny, len(springs) - 4 * nx * ny]),
+        cells=np.concatenate(quarters),
+        facets=grid.facets,
+        borders=np.concatenate([*whole_cells, np.full(sum(map(len, between)), 2)]),
+        sharing=np.array([2, 2]),
+    )
+
+
+def triangular(outline: Polygon, spacing: float) -> Lattice:
+    """Triangular lattice with six neighbours, all springs alike (kind 0).
+
+    Parameters
+    ----------
+    outline
+        A union of whole equilateral triangles, such as `zigzag_block` or `trapezium` give. Its
+        first vertex is a point of the lattice, its first edge one of the lattice's directions.
+    spacing
+        Side (m) of the triangles.
+
+    Raises
+    ------
+    ProblemError
+        If whole triangles of that side don't make up the outline.
+    """
+    h = positive("triangular lattice: spacing", spacing, "m")
+    origin = outline.corners[0]
+    along = outline.corners[1] - origin
+    along *= h / np.linalg.norm(along)
+    upward = np.array([along[0] - SIN60 * 2 * along[1], SIN60 * 2 * along[0] + along[1]]) / 2
+    steps = np.linalg.solve(np.column_stack([along, upward]), (outline.corners - origin).T)
+    (i0, j0), (i1, j1) = np.floor(steps.min(axis=1) + 0.5), np.ceil(steps.max(axis=1) - 0.5)
+    i, j = np.meshgrid(np.arange(i0 - 1, i1 + 2), np.arange(j0 - 1, j1 + 2), indexing="ij")
+    points = origin + i.reshape(-1, 1) * along + j.reshape(-1, 1) * upward
+    number = np.arange(i.size).reshape(i.shape)
+    here, ahead, above = number[:-1, :-1].ravel(), number[1:, :-1].ravel(), number[:-1, 1:].ravel()
+    beyond = number[1:, 1:].ravel()
+    triangles = np.concatenate(
+        [np.column_stack([here, ahead, above]), np.column_stack([ahead, beyond, above])]
+    )
+    inside = triangles[outline.contains(points[triangles].mean(axis=1))]
+    used, cells = np.unique(inside, return_inverse=True)
+    cells = cells.reshape(-1, 3)
+    edges = np.sort(cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    springs, borders = np.unique(edges, axis=0, return_counts=True)
+    _refuse_other_outline(outline, h, len(cells), int((borders == 1).sum()))
+    return Lattice(
+        name="triangular",
+        domain=outline,
+        points=points[used],
+        springs=springs,
+        kind=np.zeros(len(springs), dtype=int),
+        cells=cells,
+        facets=springs[borders == 1],
+        borders=borders,
+        sharing=np.array([2]),
+    )
+
+
+def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
+    """Outline of a block of equilateral triangles: left and right straight, the others zigzag.
+
+    Parameters
+    ----------
+    height
+        Length (m) of the left side, along y.
+    cells
+        Number of strips of triangles along x, even so that both ends are of this height, and of
+        triangle sides along the height. Every second column of points is one point shorter, so the
+        block is symmetric about its middle line; it is cells[0]·√3/2·height/cells[1] wide.
+
+    Raises
+    ------
+    ProblemError
+        If the number of strips is odd, or a value is out of range.
+    """
+    strips, sides = _counts(cells)
+    if strips % 2 or sides < 2:
+        raise ProblemError(f"zigzag block: cells {cells}; give an even number of strips, 2 sides")
+    h = positive("zigzag block: height", height, "m") / sides
+    x = [column * SIN60 * h for column in range(strips + 1)]
+    inset = [0.5 * h * (column % 2) for column in range(strips + 1)]
+    top = [(a, height - b) for a, b in zip(x, inset, strict=True)]
+    bottom = list(zip(x, inset, strict=True))
+    # The first edge is the left side, which gives the direction of the rows.
+    return Polygon((top[0], *bottom, *reversed(top[1:])))
+
+
+def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
+    """Outline of a bar of equilateral triangles with straight sides all round, its ends at 60°.
+
+    Parameters
+    ----------
+    spacing
+        Side (m) of the triangles.
+    cells
+        Number of triangle sides along the top and of rows of triangles; the bottom has their sum.
+    """
+    h = positive("trapezium: spacing", spacing, "m")
+    sides, rows = _counts(cells)
+    height, slant = rows * SIN60 * h, 0.5 * rows * h
+    length = (sides + rows) * h
+    return Polygon(((0.0, 0.0), (length, 0.0), (length - slant, height), (slant, height)))
 
 
 def boundary_weights(lattice: Lattice, rule: str) -> Array:
@@ -142,6 +287,19 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
     if rule == "per_cell":
         return lattice.borders.astype(float)
     raise ProblemError(f"boundary weights: {rule!r}; choose {', '.join(WEIGHTS)}")
+
+
+def _refuse_other_outline(outline: Polygon, side: float, cells: int, facets: int) -> None:
+    """Whole triangles must have the outline's area and perimeter."""
+    area = cells * 0.5 * SIN60 * side**2
+    following = np.roll(outline.corners, -1, axis=0)
+    around = float(np.linalg.norm(following - outline.corners, axis=1).sum())
+    if abs(area - outline.volume) + side * abs(facets * side - around) > 1e-9 * outline.volume:
+        raise ProblemError(
+            f"triangular lattice: triangles of side {side:g} m cover {area:.6g} of "
+            f"{outline.volume:.6g} m², their edge {facets * side:.6g} of {around:.6g} m; choose a "
+            "spacing that divides every edge, along the directions of the first"
+        )
 
 
 def _counts(cells: int | tuple[int, int]) -> tuple[int, int]:

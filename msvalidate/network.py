@@ -1,4 +1,4 @@
-"""Floor 1: a spring network: energy, force and tangent; from a list or a problem on a lattice.
+"""Floor 1: a spring network from any list of points and springs: energy, force and tangent.
 
 A spring between points i and j with d = x_j - x_i pulls along its *current* direction:
 energy ½k(|d| - L0)², force on i k(|d| - L0)·d/|d|, the opposite on j.
@@ -14,30 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from msvalidate.lattice import Lattice, boundary_weights
-from msvalidate.problem import (
-    Array,
-    BodyForce,
-    Index,
-    Isotropic,
-    Mask,
-    PointForce,
-    Problem,
-    ProblemError,
-    SolverError,
-    Traction,
-    finite,
-    prescribed,
-    vectors_at,
-)
-from msvalidate.stiffness import square_constants
+from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, finite
 
 
 @dataclass(frozen=True, eq=False)
 class Network:
     """Points joined by springs, with masses, supports and loads. Arrays are made read-only.
 
-    `spring_network` fills in what is usual; `lattice_network` builds one from a problem.
+    `spring_network` fills in what is usual; `body.lattice_network` builds one from a problem.
 
     Parameters
     ----------
@@ -170,57 +154,6 @@ def spring_network(
     )
 
 
-def lattice_network(
-    problem: Problem,
-    lattice: Lattice,
-    constants: tuple[float, ...] | None = None,
-    *,
-    weights: str = "shared",
-    mass: str = "shared",
-) -> Network:
-    """Network that stands for a problem on a lattice.
-
-    Parameters
-    ----------
-    problem, lattice
-        The lattice must fill the problem's box.
-    constants
-        Spring constants (N/m) per kind of spring; by default those of the problem's isotropic
-        material, if the lattice can be it.
-    weights
-        Boundary rule, one of `msvalidate.lattice.WEIGHTS`.
-    mass
-        "shared": density × thickness × the point's share of its cells; "equal": the same total,
-        evenly over the points.
-
-    Raises
-    ------
-    ProblemError
-        If the lattice cannot be the material, or a support or load does not meet its points.
-    """
-    if lattice.box != problem.domain:
-        raise ProblemError(f"lattice fills {lattice.box.size}, the problem {problem.domain.size}")
-    if constants is None:
-        if not isinstance(problem.material, Isotropic):
-            raise ProblemError("spring constants: the material is a tensor; give the constants")
-        constants = square_constants(problem.material)
-    k = finite("spring constants", constants)
-    if k.shape != lattice.sharing.shape:
-        raise ProblemError(
-            f"spring constants: {constants}; give {len(lattice.sharing)}, one a kind"
-        )
-    held, displacement = prescribed(problem, lattice.points)
-    return spring_network(
-        lattice.points,
-        lattice.springs,
-        k[lattice.kind] * boundary_weights(lattice, weights),
-        mass=_nodal_mass(problem, lattice, mass),
-        held=held,
-        displacement=displacement,
-        force=_nodal_force(problem, lattice),
-    )
-
-
 def energy(network: Network, position: Array) -> float:
     """Energy (J) stored in the springs at `position` (n, d) in m."""
     _, length = _stretched(network, position)
@@ -316,61 +249,6 @@ def _scatter(network: Network, block: Array) -> csr_array:
         values.append((block if a == b else -block).ravel())
     entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
     return csr_array(entries, shape=(size, size))
-
-
-def _nodal_mass(problem: Problem, lattice: Lattice, rule: str) -> Array:
-    total = problem.material.density * problem.material.thickness
-    if rule == "shared":
-        return total * lattice.point_volume
-    if rule == "equal":
-        return np.full(len(lattice.points), total * lattice.box.volume / len(lattice.points))
-    raise ProblemError(f"mass: {rule!r}; choose shared or equal")
-
-
-def _nodal_force(problem: Problem, lattice: Lattice) -> Array:
-    """Loads as forces (n, d) in N on the lattice points; the thickness enters here."""
-    force = np.zeros(lattice.points.shape)
-    thickness = problem.material.thickness
-    for load in problem.loads:
-        if isinstance(load, PointForce):
-            at = load.region.select(lattice.points, lattice.box.tolerance)
-            if not at.any():
-                raise ProblemError(
-                    f"point force at {load.region}: no lattice point there; "
-                    "choose cells that put one there"
-                )
-            force[at] += load.force
-        elif isinstance(load, Traction):
-            force += thickness * _traction_force(load, lattice)
-        elif isinstance(load, BodyForce):
-            volume = thickness * lattice.point_volume[:, None]
-            force += volume * vectors_at("body force", load.force, lattice.points)
-    return force
-
-
-def _traction_force(load: Traction, lattice: Lattice) -> Array:
-    """Consistent forces per thickness of a traction that varies linearly along each facet."""
-    box, points = lattice.box, lattice.points
-    inside = load.region.select(points, box.tolerance)
-    facets = lattice.facets[inside[lattice.facets].all(axis=1)]
-    corners = points[facets]
-    edges = corners[:, [2**axis for axis in range(box.dim - 1)]] - corners[:, [0]]
-    area = np.linalg.norm(edges, axis=2).prod(axis=1)
-    bounds = np.array(box.bounds(load.region))
-    spans = np.delete(bounds[:, 1] - bounds[:, 0], load.region.normal_axes)
-    if abs(area.sum() - spans.prod()) > 1e-9 * spans.prod():
-        raise ProblemError(
-            f"traction on {load.region}: covers no whole number of cell edges; "
-            "choose cells whose edges end where the loaded part ends"
-        )
-    line = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
-    shape = line if box.dim == 2 else np.kron(line, line)
-    name = f"traction on {load.region}"
-    traction = vectors_at(name, load.traction, corners.reshape(-1, box.dim)).reshape(corners.shape)
-    shares = area[:, None, None] * np.einsum("ab,fbc->fac", shape, traction)
-    force = np.zeros(points.shape)
-    np.add.at(force, facets, shares)
-    return force
 
 
 def _pairs(springs: ArrayLike, n: int) -> Index:

@@ -8,12 +8,13 @@ strain nu2 = nu/(1 - nu) and E2 = E·t/(1 - nu²).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from msvalidate.lattice import WEIGHTS, Lattice, boundary_weights
-from msvalidate.problem import Array, Isotropic, ProblemError, finite
+from msvalidate.problem import Array, Isotropic, Material, ProblemError, finite
 
 CAUCHY_PLANE = 1 / 3
 """The only in-plane ratio of an isotropic network of central springs: they force C12 = C66
@@ -66,7 +67,7 @@ def network_tensor(lattice: Lattice, constants: tuple[float, ...], weights: str)
         k = k * lattice.sharing
     # With shared boundary springs the whole lattice is made of interior cells, none of them cut.
     per_spring = k[lattice.kind] * boundary_weights(lattice, "shared")
-    return spring_tensor(lattice.vectors, per_spring, lattice.box.volume)
+    return spring_tensor(lattice.vectors, per_spring, lattice.domain.volume)
 
 
 def square_tensor(k1: float, k2: float) -> Array:
@@ -104,6 +105,41 @@ def square_constants(material: Isotropic, *, isotropic: bool = True) -> tuple[fl
         )
     C11 = E / (1 - nu**2)
     return C11 * (1 - nu), C11 * nu
+
+
+def triangular_constants(material: Isotropic) -> tuple[float]:
+    """Spring constant (k,) in N/m of the triangular lattice: E2 = 2k/√3, always isotropic.
+
+    Raises
+    ------
+    ProblemError
+        If the in-plane ratio is not 1/3.
+    """
+    E, nu = in_plane(material)
+    if abs(nu - CAUCHY_PLANE) > 1e-9:
+        raise ProblemError(
+            f"triangular lattice: in-plane ratio {nu:.6g} ({material.state}, nu = "
+            f"{material.nu:g}); central springs have 1/3 only: take nu = 1/3 in plane stress or "
+            "1/4 in plane strain"
+        )
+    return (math.sqrt(3) / 2 * E,)
+
+
+def default_constants(material: Material, lattice: Lattice) -> tuple[float, ...]:
+    """Spring constants (N/m), one a kind, of the lattice that is the material.
+
+    Raises
+    ------
+    ProblemError
+        If it cannot be, or the material is given as a tensor.
+    """
+    if not isinstance(material, Isotropic):
+        raise ProblemError("spring constants: the material is a tensor; give the constants")
+    if lattice.name == "triangular":
+        return triangular_constants(material)
+    if lattice.name.startswith("square"):
+        return square_constants(material)
+    raise ProblemError(f"spring constants: none known for {lattice.name}; give the constants")
 
 
 def in_plane(material: Isotropic) -> tuple[float, float]:

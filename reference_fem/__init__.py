@@ -1,11 +1,12 @@
 """Finite element reference on scikit-fem; shares the statement of the problem, no numerical code.
 
-Two entry points: `solve_problem` for a `Problem` on a box, and `solve` for a mesh given as arrays.
+Two entry points: `solve_problem` for a `Problem`, and `solve` for a mesh given as arrays.
 """
 
-from reference_fem.body import Solution, box_discretisation, solve_problem
+from reference_fem.body import Solution, solve_problem
 from reference_fem.discretisation import Discretisation, discretise
 from reference_fem.elasticity import solve
+from reference_fem.meshing import box_discretisation, polygon_discretisation
 from reference_fem.refinement import Estimate, refine
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "Solution",
     "box_discretisation",
     "discretise",
+    "polygon_discretisation",
     "refine",
     "solve",
     "solve_problem",

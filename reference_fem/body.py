@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import skfem
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 from msvalidate.problem import (
     Array,
     BodyForce,
-    Box,
+    Domain,
     Field,
     Index,
     PointForce,
@@ -20,12 +19,10 @@ from msvalidate.problem import (
     ProblemError,
     Traction,
     place_name,
-    positive,
     prescribed,
     vectors_at,
-    whole,
 )
-from reference_fem.discretisation import ELEMENTS, Discretisation, discretise
+from reference_fem.discretisation import Discretisation
 from reference_fem.elasticity import solve_on
 
 
@@ -61,72 +58,18 @@ def solve_problem(problem: Problem, body: Discretisation) -> Solution:
 
 
 def _refuse_other_body(problem: Problem, body: Discretisation) -> None:
-    box = problem.domain
-    if box.dim != body.dim:
-        raise ProblemError(f"{problem.name}: a {box.dim}D box, meshed in {body.dim}D")
-    low, high = body.points.min(axis=0), body.points.max(axis=0)
-    off = max(np.abs(low).max(), np.abs(high - box.size).max())
-    if off > box.tolerance or abs(body.basis.dx.sum() - box.volume) > 1e-9 * box.volume:
+    domain = problem.domain
+    if domain.dim != body.dim:
+        raise ProblemError(f"{problem.name}: a {domain.dim}D {domain}, meshed in {body.dim}D")
+    reached = np.array([body.points.min(axis=0), body.points.max(axis=0)])
+    low, high = np.array(domain.span).T
+    off = np.abs(reached - (low, high)).max()
+    if off > domain.tolerance or abs(body.basis.dx.sum() - domain.volume) > 1e-9 * domain.volume:
         raise ProblemError(
-            f"{problem.name}: the mesh spans {place_name(low)} to {place_name(high)} m, the box "
-            f"(0, 0) to {place_name(np.array(box.size))} m; mesh the problem's own domain"
+            f"{problem.name}: the mesh spans {place_name(reached[0])} to {place_name(reached[1])} "
+            f"m, the domain {place_name(low)} to {place_name(high)} m, a {domain}; mesh the "
+            "problem's own domain"
         )
-
-
-def box_discretisation(
-    box: Box,
-    cells: int | tuple[int, int],
-    element: str = "Q2",
-    grading: float = 1.0,
-    towards: Literal["both", "high"] = "both",
-) -> Discretisation:
-    """Mesh of a plane box.
-
-    Parameters
-    ----------
-    box
-        The domain.
-    cells
-        Number of quadrilaterals along x and y (one number serves both); P1 and P2 cut each in two.
-    element
-        "Q1", "Q2", "P1" or "P2".
-    grading
-        1 spaces the lines evenly; g > 1 draws them to both ends of each axis as s^g, towards the
-        corners, where clamped bodies have singular stress.
-    towards
-        "both" ends of each axis, or the "high" end alone: the quarter of a symmetric body.
-
-    Raises
-    ------
-    ProblemError
-        If an argument is out of range.
-    """
-    pair = cells if isinstance(cells, tuple) else (cells, cells)
-    if box.dim != 2 or element not in tuple(ELEMENTS) or len(pair) != box.dim:
-        raise ProblemError(
-            f"mesh: {element} with {cells} cells in a {box.dim}D box; give two counts, a plane box "
-            f"and one of {', '.join(ELEMENTS)}"
-        )
-    counts = [whole("mesh cells", n, 1) for n in pair]
-    if towards not in ("both", "high"):
-        raise ProblemError(f"mesh grading towards {towards!r}; choose both or high")
-    if positive("mesh grading", grading) < 1:
-        raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
-    kind = ELEMENTS[element]
-    lines = [
-        length * _subdivided(_graded(n, grading, towards), kind.degree)
-        for length, n in zip(box.size, counts, strict=True)
-    ]
-    closest = min(float(np.diff(line).min()) for line in lines)
-    if closest <= 4 * box.tolerance:
-        raise ProblemError(
-            f"mesh grading: {grading} with {cells} cells puts lines {closest:.2g} m apart, nearer "
-            f"than two places are told apart ({box.tolerance:.2g} m); take less grading or cells"
-        )
-    y, x = np.meshgrid(lines[1], lines[0], indexing="ij")
-    number = np.arange(x.size).reshape(x.shape)
-    cut = _triangles if kind.corners == 3 else _quadrilaterals
-    return discretise(np.column_stack([x.ravel(), y.ravel()]), cut(number, kind.degree), element)
 
 
 def nodal_forces(problem: Problem, body: Discretisation) -> Array:
@@ -163,15 +106,14 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
     return force
 
 
-def _loaded_facets(box: Box, load: Traction, body: Discretisation) -> Index:
+def _loaded_facets(domain: Domain, load: Traction, body: Discretisation) -> Index:
     mesh = body.basis.mesh
-    inside = load.region.select(mesh.p.T, box.tolerance)
+    inside = load.region.select(mesh.p.T, domain.tolerance)
     boundary = mesh.boundary_facets()
     facets = boundary[inside[mesh.facets[:, boundary]].all(axis=0)]
     ends = mesh.p[:, mesh.facets[:, facets]]
     covered = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0).sum()
-    bounds = np.array(box.bounds(load.region))
-    wanted = np.delete(bounds[:, 1] - bounds[:, 0], load.region.normal_axes).prod()
+    wanted = load.region.measure(domain.span)
     if abs(covered - wanted) > 1e-9 * wanted:
         raise ProblemError(
             f"traction on {load.region}: covers no whole number of mesh edges; "
@@ -195,48 +137,3 @@ def _integrated(
         form = skfem.LinearForm(lambda v, w: w.f * v)
         force[body.node, axis] = form.assemble(basis, f=values[axis])
     return force
-
-
-def _graded(n: int, grading: float, towards: str) -> Array:
-    """Coordinates of n + 1 lines on [0, 1], drawn to both ends alike or to 1."""
-    if towards == "high":
-        return np.asarray(1 - (1 - np.linspace(0, 1, n + 1)) ** grading)
-    s = np.linspace(-1, 1, n + 1)
-    return np.asarray(0.5 * (1 + np.sign(s) * (1 - (1 - np.abs(s)) ** grading)))
-
-
-def _subdivided(line: Array, degree: int) -> Array:
-    """The coordinates with the midpoints between them, for quadratic elements."""
-    if degree == 1:
-        return line
-    fine = np.empty(2 * len(line) - 1)
-    fine[::2], fine[1::2] = line, 0.5 * (line[1:] + line[:-1])
-    return fine
-
-
-def _quadrilaterals(number: Index, degree: int) -> Index:
-    """Cells in VTK order from the node numbers (rows along y) of a grid."""
-    if degree == 1:
-        return _cells(number, 1, [(0, 0), (0, 1), (1, 1), (1, 0)])
-    ring = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0), (1, 1)]
-    return _cells(number, 2, ring)
-
-
-def _triangles(number: Index, degree: int) -> Index:
-    """Each quadrilateral cut along the diagonal that rises to the right."""
-    if degree == 1:
-        lower, upper = [(0, 0), (0, 1), (1, 1)], [(0, 0), (1, 1), (1, 0)]
-    else:
-        lower = [(0, 0), (0, 2), (2, 2), (0, 1), (1, 2), (1, 1)]
-        upper = [(0, 0), (2, 2), (2, 0), (1, 1), (2, 1), (1, 0)]
-    return np.concatenate([_cells(number, degree, lower), _cells(number, degree, upper)])
-
-
-def _cells(number: Index, degree: int, places: list[tuple[int, int]]) -> Index:
-    """Node numbers at the given (row, column) places of every block of `degree` intervals."""
-    rows, columns = number.shape
-    nodes = [
-        number[r : rows - degree + r : degree, c : columns - degree + c : degree].ravel()
-        for r, c in places
-    ]
-    return np.column_stack(nodes)

@@ -238,6 +238,7 @@ def test_springs_load_nothing_of_the_reference():
 FLOORS = {
     "msvalidate": 0,  # the version only
     "msvalidate.problem": 0,
+    "msvalidate.body": 1,
     "msvalidate.kernels": 1,
     "msvalidate.lattice": 1,
     "msvalidate.network": 1,

@@ -7,9 +7,10 @@ SI units throughout. In the plane, tractions (Pa) and body forces (N/m³) act ov
 the material; point forces are in N.
 """
 
-from msvalidate.problem.domain import SIDES, Box, Region
+from msvalidate.problem.domain import SIDES, Box, Domain, Polygon, corners_of
 from msvalidate.problem.material import Anisotropic, Isotropic, Material
 from msvalidate.problem.motions import free_motions, place_name, refuse_free_motions, rigid_motions
+from msvalidate.problem.region import Part, Region, Segment
 from msvalidate.problem.statement import (
     BodyForce,
     Load,
@@ -40,19 +41,24 @@ __all__ = [
     "Array",
     "BodyForce",
     "Box",
+    "Domain",
     "Field",
     "Index",
     "Isotropic",
     "Load",
     "Mask",
     "Material",
+    "Part",
     "PointForce",
+    "Polygon",
     "Problem",
     "ProblemError",
     "Region",
+    "Segment",
     "SolverError",
     "Support",
     "Traction",
+    "corners_of",
     "finite",
     "free_motions",
     "place_name",

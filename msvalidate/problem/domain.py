@@ -1,12 +1,14 @@
-"""Where: the body's domain and named parts of it."""
+"""What body: a box, or any outline in the plane."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from msvalidate.problem.region import Part, Region, Segment, Span
 from msvalidate.problem.values import AXES, Array, Mask, ProblemError, finite, positive
 
 SIDES = {
@@ -21,61 +23,6 @@ SIDES = {
 PLACEMENT = 1e-9
 """Two places closer than this fraction of the body are the same place: far above rounding of
 coordinates (1e-16), far below any spacing that fits in memory."""
-
-
-@dataclass(frozen=True)
-class Region:
-    """The points of a body whose coordinates are as said: a point, an edge, a face or a part of it.
-
-    Parameters
-    ----------
-    extent
-        One entry per axis: a coordinate (m), a closed interval ``(low, high)`` (m), or None where
-        any coordinate will do.
-    """
-
-    extent: tuple[float | tuple[float, float] | None, ...]
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.extent, tuple) or len(self.extent) not in {2, 3}:
-            raise ProblemError(f"region: {self.extent!r}; give a tuple of 2 or 3 entries")
-        for axis, entry in zip(AXES, self.extent, strict=False):
-            if entry is None:
-                continue
-            name = f"region {self.extent!r}"
-            values = finite(f"{name}, {axis}", entry)
-            interval = isinstance(entry, tuple) and values.shape == (2,) and values[0] < values[1]
-            if values.ndim and not interval:
-                raise ProblemError(f"{name}: {axis} must be a number, (low, high) or None")
-
-    def __str__(self) -> str:
-        parts = []
-        for axis, entry in zip(AXES, self.extent, strict=False):
-            if isinstance(entry, tuple):
-                parts.append(f"{entry[0]:g} <= {axis} <= {entry[1]:g}")
-            elif entry is not None:
-                parts.append(f"{axis} = {entry:g}")
-        return f"({', '.join(parts) or 'everywhere'})"
-
-    @property
-    def dim(self) -> int:
-        """Number of axes, 2 or 3."""
-        return len(self.extent)
-
-    @property
-    def normal_axes(self) -> tuple[int, ...]:
-        """The axes along which the region has no extension: one for a face, d for a point."""
-        flat = [a for a, e in enumerate(self.extent) if not (e is None or isinstance(e, tuple))]
-        return tuple(flat)
-
-    def select(self, points: Array, tolerance: float) -> Mask:
-        """Mask (n,) of the points (n, d) that lie in the region to within `tolerance` (m)."""
-        chosen = np.ones(len(points), dtype=bool)
-        for x, entry in zip(points.T, self.extent, strict=True):
-            if entry is not None:
-                low, high = entry if isinstance(entry, tuple) else (entry, entry)
-                chosen &= (x >= low - tolerance) & (x <= high + tolerance)
-        return chosen
 
 
 @dataclass(frozen=True)
@@ -96,10 +43,18 @@ class Box:
         for axis, length in zip(AXES, self.size, strict=False):
             positive(f"box size along {axis}", length, "m")
 
+    def __str__(self) -> str:
+        return f"box {' x '.join(f'{length:g}' for length in self.size)} m"
+
     @property
     def dim(self) -> int:
         """Number of axes, 2 or 3."""
         return len(self.size)
+
+    @property
+    def span(self) -> Span:
+        """Low and high coordinate (m) along each axis."""
+        return tuple((0.0, float(length)) for length in self.size)
 
     @property
     def volume(self) -> float:
@@ -119,23 +74,160 @@ class Box:
             raise ProblemError(f"side {name!r}: a {self.dim}D box has {names}")
         return Region(tuple(self.size[a] * end if a == axis else None for a in range(self.dim)))
 
-    def bounds(self, region: Region) -> list[tuple[float, float]]:
-        """Return the low and high coordinate (m) of the region along each axis.
+    def on_boundary(self, places: Array) -> bool:
+        """Whether all places (k, d) in m lie on one side."""
+        return any(
+            bool((np.abs(places[:, axis] - end) <= self.tolerance).all())
+            for axis in range(self.dim)
+            for end in self.span[axis]
+        )
 
-        Raises
-        ------
-        ProblemError
-            If the region is not of this dimension or reaches outside the box.
+
+@dataclass(frozen=True)
+class Polygon:
+    """Plane body with a straight-edged outline.
+
+    Parameters
+    ----------
+    vertices
+        Corners (m) in counter-clockwise order, two coordinates each, none on a straight line
+        between its neighbours.
+
+    Raises
+    ------
+    ProblemError
+        If the outline is not such a polygon: clockwise, crossing itself, or with a flat corner.
+    """
+
+    vertices: tuple[tuple[float, float], ...]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.vertices, tuple) or len(self.vertices) < 3:
+            raise ProblemError(f"polygon: {self.vertices!r}; give a tuple of 3 or more vertices")
+        for i, vertex in enumerate(self.vertices):
+            if not isinstance(vertex, tuple) or finite(f"vertex {i}", vertex).shape != (2,):
+                raise ProblemError(f"polygon: vertex {i} is {vertex!r}; give 2 coordinates")
+        if not self.volume > self.tolerance * max(high - low for low, high in self.span):
+            raise ProblemError(
+                f"polygon: area {self.volume:g} m²; list the vertices counter-clockwise"
+            )
+        flat = np.flatnonzero(np.abs(np.sin(self._turns)) < 1e-9)
+        if len(flat):
+            raise ProblemError(
+                f"polygon: the outline does not turn at vertex {flat[0]}, "
+                f"{self.vertices[flat[0]]}, or turns back; leave it out"
+            )
+        crossing = self._crossing()
+        if crossing:
+            raise ProblemError(f"polygon: edges {crossing[0]} and {crossing[1]} cross or touch")
+
+    def __str__(self) -> str:
+        sizes = " x ".join(f"{high - low:g}" for low, high in self.span)
+        return f"polygon of {len(self.vertices)} vertices, {sizes} m"
+
+    @property
+    def dim(self) -> int:
+        """Number of axes: 2."""
+        return 2
+
+    @cached_property
+    def corners(self) -> Array:
+        """The vertices (n, 2) in m."""
+        corners = np.array(self.vertices, dtype=float)
+        corners.setflags(write=False)
+        return corners
+
+    @cached_property
+    def span(self) -> Span:
+        """Low and high coordinate (m) along each axis."""
+        low, high = self.corners.min(axis=0), self.corners.max(axis=0)
+        return tuple((float(a), float(b)) for a, b in zip(low, high, strict=True))
+
+    @property
+    def volume(self) -> float:
+        """Area (m²): half the sum of the cross products of following vertices."""
+        x, y = (self.corners - self.corners.mean(axis=0)).T
+        return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+    @property
+    def tolerance(self) -> float:
+        """Distance (m) below which two places are one."""
+        return PLACEMENT * max(high - low for low, high in self.span)
+
+    @property
+    def reentrant(self) -> Array:
+        """Corners (k, 2) in m whose angle inside the body is above 180 degrees."""
+        return np.asarray(self.corners[self._turns < 0])
+
+    def on_boundary(self, places: Array) -> bool:
+        """Whether all places (k, 2) in m lie on one edge."""
+        return any(bool(edge.select(places, self.tolerance).all()) for edge in self._edges)
+
+    def contains(self, points: Array) -> Mask:
+        """Mask (n,) of the points (n, 2) inside the outline; on the outline, either.
+
+        A ray from a point inside crosses the outline an odd number of times.
         """
-        if region.dim != self.dim:
-            raise ProblemError(f"region {region} has {region.dim} axes, the box {self.dim}")
-        bounds = []
-        for axis, length, entry in zip(AXES, self.size, region.extent, strict=False):
-            whole = (0.0, length) if entry is None else entry
-            low, high = whole if isinstance(whole, tuple) else (whole, whole)
-            if low < -self.tolerance or high > length + self.tolerance:
-                raise ProblemError(
-                    f"region {region} reaches outside the box, 0 <= {axis} <= {length:g}"
-                )
-            bounds.append((low, high))
-        return bounds
+        inside = np.zeros(len(points), dtype=bool)
+        for (x0, y0), (x1, y1) in zip(self.corners, np.roll(self.corners, -1, axis=0), strict=True):
+            spans = (y0 > points[:, 1]) != (y1 > points[:, 1])
+            height = points[spans, 1]
+            inside[spans] ^= points[spans, 0] < x0 + (x1 - x0) * (height - y0) / (y1 - y0)
+        return inside
+
+    @cached_property
+    def _edges(self) -> tuple[Segment, ...]:
+        following = (*self.vertices[1:], self.vertices[0])
+        return tuple(Segment(a, b) for a, b in zip(self.vertices, following, strict=True))
+
+    @property
+    def _turns(self) -> Array:
+        """Angle (n,) in rad by which the outline turns at each vertex, left positive."""
+        x, y = (self.corners - np.roll(self.corners, 1, axis=0)).T
+        forward = np.arctan2(y, x)
+        return np.asarray((np.roll(forward, -1) - forward + np.pi) % (2 * np.pi) - np.pi)
+
+    def _crossing(self) -> tuple[int, int] | None:
+        """Two edges that are not neighbours and share a point, if there are any."""
+        start = self.corners
+        end = np.roll(start, -1, axis=0)
+        n = len(start)
+
+        def side(a: Array, b: Array, c: Array) -> Array:
+            ab, ac = b - a, c - a
+            cross = ab[..., 0] * ac[..., 1] - ab[..., 1] * ac[..., 0]
+            small = self.tolerance * np.linalg.norm(ab, axis=-1)
+            return np.asarray(np.where(np.abs(cross) <= small, 0.0, np.sign(cross)))
+
+        a, b, c, d = start[:, None], end[:, None], start[None], end[None]
+        apart = side(a, b, c) * side(a, b, d) > 0
+        apart |= side(c, d, a) * side(c, d, b) > 0
+        low, high = np.minimum(start, end), np.maximum(start, end)
+        apart |= (low[:, None] > high[None] + self.tolerance).any(axis=2)
+        apart |= (high[:, None] < low[None] - self.tolerance).any(axis=2)
+        i, j = np.indices((n, n))
+        gap = (j - i) % n
+        meets = np.argwhere(~apart & (gap > 1) & (gap < n - 1))
+        return (int(meets[0, 0]), int(meets[0, 1])) if len(meets) else None
+
+
+Domain = Box | Polygon
+
+
+def corners_of(region: Part, domain: Domain) -> Array:
+    """Corners (k, d) in m of a region of a domain.
+
+    Raises
+    ------
+    ProblemError
+        If the region is not of this dimension or reaches outside the body's span.
+    """
+    if region.dim != domain.dim:
+        raise ProblemError(f"region {region} has {region.dim} axes, the body {domain.dim}")
+    corners = region.corners(domain.span)
+    for axis, (low, high), x in zip(AXES, domain.span, corners.T, strict=False):
+        if x.min() < low - domain.tolerance or x.max() > high + domain.tolerance:
+            raise ProblemError(
+                f"region {region} reaches outside the body, {low:g} <= {axis} <= {high:g}"
+            )
+    return np.asarray(corners)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import product
 
 import numpy as np
 
-from msvalidate.problem.domain import PLACEMENT, Box, Region
+from msvalidate.problem.domain import PLACEMENT, Box, Domain, Polygon, corners_of
 from msvalidate.problem.material import Material
 from msvalidate.problem.motions import place_name, refuse_free_motions
+from msvalidate.problem.region import Part, Region, Segment
 from msvalidate.problem.values import AXES, Array, Field, Index, Mask, ProblemError, finite
 
 
@@ -27,7 +27,7 @@ class Support:
         body is free to move.
     """
 
-    region: Region
+    region: Part
     displacement: tuple[float | Field | None, ...]
 
     def __post_init__(self) -> None:
@@ -76,20 +76,20 @@ class Traction:
     Parameters
     ----------
     region
-        A region with exactly one flat axis.
+        A region with exactly one flat axis, or a segment.
     traction
         d components (Pa), or a field of points (n, d) -> (n, d).
     """
 
-    region: Region
+    region: Part
     traction: tuple[float, ...] | Field
 
     def __post_init__(self) -> None:
         _check_region("traction", self.region)
-        if len(self.region.normal_axes) != 1:
+        if not self.region.is_facet:
             raise ProblemError(
-                f"traction on {self.region}: {len(self.region.normal_axes)} flat axes; a traction "
-                "acts on a side of the body, where exactly one coordinate is fixed"
+                f"traction on {self.region}: a traction acts on a side of the body, where exactly "
+                "one coordinate is fixed; or give a Segment"
             )
         _check_vector(f"traction on {self.region}", self.traction, self.region.dim)
 
@@ -115,7 +115,7 @@ class Problem:
         message names each free motion.
     """
 
-    domain: Box
+    domain: Domain
     material: Material
     supports: tuple[Support, ...]
     loads: tuple[Load, ...] = ()
@@ -130,6 +130,8 @@ class Problem:
                 raise ProblemError(f"{self.name}: {name} {parts!r}; give a tuple of them")
         if not isinstance(self.material, Material):
             raise ProblemError(f"{self.name}: material {self.material!r}; give a material")
+        if not isinstance(self.domain, Box | Polygon):
+            raise ProblemError(f"{self.name}: domain {self.domain!r}; give a Box or a Polygon")
         d = self.domain.dim
         if self.material.dim != d:
             raise ProblemError(f"{self.name}: a {self.material.dim}D material in a {d}D domain")
@@ -137,16 +139,11 @@ class Problem:
             if isinstance(load, BodyForce):
                 _check_vector("body force", load.force, d)
                 continue
-            bounds = self.domain.bounds(load.region)
-            if isinstance(load, Traction):
-                axis = load.region.normal_axes[0]
-                if all(
-                    abs(bounds[axis][0] - end) > self.domain.tolerance
-                    for end in (0.0, self.domain.size[axis])
-                ):
-                    raise ProblemError(
-                        f"traction on {load.region}: inside the body; a traction acts on a side"
-                    )
+            corners = corners_of(load.region, self.domain)
+            if isinstance(load, Traction) and not self.domain.on_boundary(corners):
+                raise ProblemError(
+                    f"traction on {load.region}: inside the body; a traction acts on a side"
+                )
         corners, held = self._held_corners()
         refuse_free_motions(self.name, corners, held)
 
@@ -157,7 +154,7 @@ class Problem:
         """
         corners, held = [], []
         for support in self.supports:
-            for corner in product(*self.domain.bounds(support.region)):
+            for corner in corners_of(support.region, self.domain):
                 corners.append(corner)
                 held.append([value is not None for value in support.displacement])
         d = self.domain.dim
@@ -204,9 +201,10 @@ def prescribed(problem: Problem, points: Array) -> tuple[Mask, Array]:
 
 def _refuse_cut_short(problem: Problem, support: Support, chosen: Array) -> None:
     """A part of a side whose end falls between points would be held over less than was asked."""
-    for axis, (low, high) in enumerate(problem.domain.bounds(support.region)):
+    for axis, wanted in enumerate(corners_of(support.region, problem.domain).T):
         reached = chosen[:, axis].min(), chosen[:, axis].max()
-        if max(abs(reached[0] - low), abs(reached[1] - high)) > problem.domain.tolerance:
+        missed = max(abs(reached[0] - wanted.min()), abs(reached[1] - wanted.max()))
+        if missed > problem.domain.tolerance:
             raise ProblemError(
                 f"support on {support.region}: the discretised body has points from "
                 f"{AXES[axis]} = {reached[0]:g} to {reached[1]:g} m there, not at its ends; "
@@ -215,8 +213,10 @@ def _refuse_cut_short(problem: Problem, support: Support, chosen: Array) -> None
 
 
 def _check_region(name: str, region: object) -> None:
-    if not isinstance(region, Region):
-        raise ProblemError(f"{name}: region {region!r}; give a Region, such as box.side('left')")
+    if not isinstance(region, Region | Segment):
+        raise ProblemError(
+            f"{name}: region {region!r}; give a Region, such as box.side('left'), or a Segment"
+        )
 
 
 def _check_vector(name: str, value: Sequence[float] | Field, dim: int) -> None:

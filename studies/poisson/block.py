@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 
 import reference_fem
-from msvalidate import lattice, network
+from msvalidate import lattice
+from msvalidate.body import lattice_network
 from msvalidate.equilibrium import equilibrium
 from msvalidate.network import Network
 from msvalidate.problem import (
@@ -60,7 +61,7 @@ def finite_elements(
     problem: Problem, spring_network: Network, geometry: Geometry = "linear"
 ) -> Array:
     """The reference in the candidate's place: an identity control of the linear questions."""
-    mesh = reference_fem.box_discretisation(problem.domain, 32, "Q2", GRADING)
+    mesh = reference_fem.box_discretisation(BOX, 32, "Q2", GRADING)
     return reference_fem.solve_problem(problem, mesh).at(spring_network.points)
 
 
@@ -117,7 +118,7 @@ def spring_block(
     grid = lattice.square(BOX, cells)
     constants = (K1, k2)
     problem = loaded_block(loading, network_tensor(grid, constants, weights), strain)
-    return problem, network.lattice_network(problem, grid, constants, weights=weights)
+    return problem, lattice_network(problem, grid, constants, weights=weights)
 
 
 def edge_points(points: Array) -> Array:

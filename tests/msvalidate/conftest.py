@@ -11,8 +11,9 @@ import pytest
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
+from msvalidate.body import lattice_network
 from msvalidate.lattice import square
-from msvalidate.network import lattice_network, spring_network
+from msvalidate.network import spring_network
 from msvalidate.problem import Box, Isotropic, Problem, Support
 
 SPRINGS = Path(__file__).parents[1] / "data" / "springs"

@@ -36,7 +36,7 @@ def test_numbers_of_points_springs_cells_and_facets(lattice, counts):
 
 def test_coordination_is_8_inside_5_on_edges_3_at_corners(lattice):
     coordination = np.bincount(lattice.springs.ravel(), minlength=len(lattice.points))
-    on_sides = ((lattice.points == 0) | (lattice.points == lattice.box.size)).sum(axis=1)
+    on_sides = ((lattice.points == 0) | (lattice.points == lattice.domain.size)).sum(axis=1)
     np.testing.assert_array_equal(coordination, np.array([8, 5, 3])[on_sides])
 
 
@@ -59,7 +59,7 @@ def test_cells_are_squares_that_fill_the_box_x_fastest(lattice):
     across, up = high_right - low_left, high_left - low_right
     area = 0.5 * (across[:, 0] * up[:, 1] - across[:, 1] * up[:, 0])
     # Sums of a few tens of rounded areas.
-    assert area.sum() == pytest.approx(lattice.box.volume, rel=1e-13)
+    assert area.sum() == pytest.approx(lattice.domain.volume, rel=1e-13)
     assert lattice.cell_volume == pytest.approx(area[0], rel=1e-13)
     assert len(np.unique(lattice.cells, axis=0)) == len(lattice.cells)
 
@@ -85,9 +85,9 @@ def test_boundary_springs_are_as_many_as_the_boundary_has_cell_edges(lattice, co
 
 
 def test_every_point_has_its_share_of_the_area(lattice):
-    on_sides = ((lattice.points == 0) | (lattice.points == lattice.box.size)).sum(axis=1)
+    on_sides = ((lattice.points == 0) | (lattice.points == lattice.domain.size)).sum(axis=1)
     np.testing.assert_allclose(lattice.point_volume, SPACING**2 / 2.0**on_sides, rtol=1e-13)
-    assert lattice.point_volume.sum() == pytest.approx(lattice.box.volume, rel=1e-13)
+    assert lattice.point_volume.sum() == pytest.approx(lattice.domain.volume, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -97,14 +97,14 @@ def test_every_point_has_its_share_of_the_area(lattice):
 def test_boundary_weights(rule, inner_axial, outer_axial, diagonal):
     lattice = square(Box((3.0, 2.0)), (3, 2))
     middle = lattice.points[lattice.springs].mean(axis=1)
-    outer = ((middle == 0) | (middle == lattice.box.size)).any(axis=1)
+    outer = ((middle == 0) | (middle == lattice.domain.size)).any(axis=1)
     expected = np.where(lattice.kind == 1, diagonal, np.where(outer, outer_axial, inner_axial))
     np.testing.assert_array_equal(boundary_weights(lattice, rule), expected)
 
 
 def test_shared_weights_give_the_closed_form_tensor_at_any_size(lattice):
     k = np.array([0.7, 0.2])[lattice.kind] * boundary_weights(lattice, "shared")
-    tensor = spring_tensor(lattice.vectors, k, lattice.box.volume)
+    tensor = spring_tensor(lattice.vectors, k, lattice.domain.volume)
     np.testing.assert_allclose(tensor, square_tensor(0.7, 0.2), atol=1e-14)  # sums of a few tens
 
 
@@ -113,13 +113,13 @@ def test_equal_weights_stiffen_a_block_by_its_boundary():
     for n in (1, 2, 10):
         lattice = square(Box((1.0, 1.0)), n)
         k = np.array([0.7, 0.2])[lattice.kind] * boundary_weights(lattice, "equal")
-        tensor = spring_tensor(lattice.vectors, k, lattice.box.volume)
+        tensor = spring_tensor(lattice.vectors, k, lattice.domain.volume)
         np.testing.assert_allclose(tensor, square_tensor(0.7 * (n + 1) / n, 0.2), atol=1e-13)
 
 
 def test_per_cell_weights_give_every_cell_springs_of_its_own(lattice):
     k = np.array([0.7, 0.2])[lattice.kind] * boundary_weights(lattice, "per_cell")
-    tensor = spring_tensor(lattice.vectors, k, lattice.box.volume)
+    tensor = spring_tensor(lattice.vectors, k, lattice.domain.volume)
     np.testing.assert_allclose(tensor, square_tensor(2 * 0.7, 0.2), atol=1e-13)
 
 

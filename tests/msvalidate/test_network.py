@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from msvalidate.body import lattice_network
 from msvalidate.lattice import Lattice, square
 from msvalidate.network import (
     energy,
     force_roundoff,
     force_scale,
-    lattice_network,
     spring_force,
     spring_network,
     tangent,
@@ -460,7 +460,7 @@ def test_supports_and_loads_meet_only_their_region():
             lambda: lattice_network(
                 Problem(SHEET, MATERIAL, (CLAMP,)), square(Box((4.0, 2.0)), (4, 2))
             ),
-            "lattice fills (4.0, 2.0), the problem (2.0, 1.0)",
+            "lattice fills a box 4 x 2 m, the problem's is a box 2 x 1 m",
         ),
         (
             lambda: loaded(PointForce((1.9, 0.5), (1.0, 0.0))),
@@ -507,7 +507,7 @@ def test_a_solid_takes_the_same_loads_on_its_faces():
     faces = [np.flatnonzero(points[:, axis] == end) for axis in range(3) for end in (0.0, 1.0)]
     lattice = Lattice(
         name="one cube",
-        box=box,
+        domain=box,
         points=points,
         springs=springs,
         kind=np.zeros(len(springs), dtype=int),

@@ -21,6 +21,7 @@ from msvalidate.problem import (
     Region,
     Support,
     Traction,
+    corners_of,
     finite,
     free_motions,
     positive,
@@ -69,9 +70,12 @@ def refused(message):
         (lambda: Region((None, (1.0, 0.0))), "y must be a number, (low, high) or None"),
         (lambda: Region((None, (1.0, 1.0))), "y must be a number, (low, high) or None"),
         (lambda: Region(((0.0, 1.0, 2.0), None)), "x must be a number, (low, high) or None"),
-        (lambda: PLATE.bounds(Region((0.0, 0.0, 0.0))), "has 3 axes, the box 2"),
-        (lambda: PLATE.bounds(Region((2.1, None))), "reaches outside the box, 0 <= x <= 2"),
-        (lambda: PLATE.bounds(Region((None, (-0.5, 1.0)))), "reaches outside the box, 0 <= y <= 1"),
+        (lambda: corners_of(Region((0.0, 0.0, 0.0)), PLATE), "has 3 axes, the body 2"),
+        (lambda: corners_of(Region((2.1, None)), PLATE), "reaches outside the body, 0 <= x <= 2"),
+        (
+            lambda: corners_of(Region((None, (-0.5, 1.0))), PLATE),
+            "reaches outside the body, 0 <= y <= 1",
+        ),
         # material
         (lambda: Isotropic(E=-1.0, nu=0.3), "Young's modulus E: -1.0 Pa; it must be above zero"),
         (lambda: Isotropic(E=NAN, nu=0.3), "Young's modulus E: nan"),
@@ -96,21 +100,21 @@ def refused(message):
         (lambda: Support(Region((0.0, None)), (0.0, NAN)), "support on (x = 0): nan"),
         (
             lambda: plate(supports=(CLAMP, Support(Region((3.0, None)), (0.0, None)))),
-            "region (x = 3) reaches outside the box, 0 <= x <= 2",
+            "region (x = 3) reaches outside the body, 0 <= x <= 2",
         ),
         (
             lambda: plate(supports=(CLAMP, Support(Region((0.0, 0.0, 0.0)), (0.0, 0.0, 0.0)))),
-            "has 3 axes, the box 2",
+            "has 3 axes, the body 2",
         ),
         # loads
         (lambda: PointForce((0.0, 0.0), (1.0, 0.0, 0.0)), "give 2 or 3 numbers each"),
         (lambda: PointForce((0.0,), (1.0,)), "give 2 or 3 numbers each"),
         (lambda: PointForce((0.0, NAN), (1.0, 0.0)), "place of a point force: nan at index 1"),
         (lambda: PointForce((0.0, 0.0), (NAN, 0.0)), "point force: nan at index 0"),
-        (lambda: plate(loads=(PointForce((2.5, 0.0), (1.0, 0.0)),)), "reaches outside the box"),
+        (lambda: plate(loads=(PointForce((2.5, 0.0), (1.0, 0.0)),)), "reaches outside the body"),
         (
             lambda: plate(loads=(PointForce((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),)),
-            "has 3 axes, the box 2",
+            "has 3 axes, the body 2",
         ),
         (lambda: Traction(Region((None, (0.0, 1.0))), (1.0, 0.0)), "0 flat axes"),
         (lambda: Traction(Region((2.0, 1.0)), (1.0, 0.0)), "2 flat axes"),
@@ -122,7 +126,7 @@ def refused(message):
         ),
         (
             lambda: plate(loads=(Traction(Region((2.0, (0.5, 1.5))), (1.0, 0.0)),)),
-            "reaches outside the box, 0 <= y <= 1",
+            "reaches outside the body, 0 <= y <= 1",
         ),
         (
             lambda: plate(loads=(BodyForce((0.0, -9.81, 0.0)),)),
@@ -210,8 +214,9 @@ def test_a_region_forgives_rounding_and_no_more():
 
 
 def test_bounds_fill_what_a_region_leaves_open():
-    assert PLATE.bounds(Region((2.0, None))) == [(2.0, 2.0), (0.0, 1.0)]
-    assert BLOCK.bounds(Region(((0.5, 1.0), 1.0, None))) == [(0.5, 1.0), (1.0, 1.0), (0.0, 3.0)]
+    assert corners_of(Region((2.0, None)), PLATE).tolist() == [[2.0, 0.0], [2.0, 1.0]]
+    edge = corners_of(Region(((0.5, 1.0), 1.0, None)), BLOCK)
+    assert edge.tolist() == [[x, 1.0, z] for x in (0.5, 1.0) for z in (0.0, 3.0)]
 
 
 # Material -------------------------------------------------------------------------------------

@@ -1,0 +1,147 @@
+"""Where on a body: named parts of it, by their coordinates or as a straight line."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from msvalidate.problem.values import AXES, Array, Mask, ProblemError, finite
+
+Span = tuple[tuple[float, float], ...]
+"""Low and high coordinate (m) of a body along each axis."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """The points of a body whose coordinates are as said: a point, an edge, a face or a part of it.
+
+    Parameters
+    ----------
+    extent
+        One entry per axis: a coordinate (m), a closed interval ``(low, high)`` (m), or None where
+        any coordinate will do.
+    """
+
+    extent: tuple[float | tuple[float, float] | None, ...]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.extent, tuple) or len(self.extent) not in {2, 3}:
+            raise ProblemError(f"region: {self.extent!r}; give a tuple of 2 or 3 entries")
+        for axis, entry in zip(AXES, self.extent, strict=False):
+            if entry is None:
+                continue
+            name = f"region {self.extent!r}"
+            values = finite(f"{name}, {axis}", entry)
+            interval = isinstance(entry, tuple) and values.shape == (2,) and values[0] < values[1]
+            if values.ndim and not interval:
+                raise ProblemError(f"{name}: {axis} must be a number, (low, high) or None")
+
+    def __str__(self) -> str:
+        parts = []
+        for axis, entry in zip(AXES, self.extent, strict=False):
+            if isinstance(entry, tuple):
+                parts.append(f"{entry[0]:g} <= {axis} <= {entry[1]:g}")
+            elif entry is not None:
+                parts.append(f"{axis} = {entry:g}")
+        return f"({', '.join(parts) or 'everywhere'})"
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return len(self.extent)
+
+    @property
+    def is_facet(self) -> bool:
+        """Whether it is part of a side: an edge in the plane, a face in space."""
+        return len(self.normal_axes) == 1
+
+    @property
+    def normal_axes(self) -> tuple[int, ...]:
+        """The axes along which the region has no extension: one for a face, d for a point."""
+        flat = [a for a, e in enumerate(self.extent) if not (e is None or isinstance(e, tuple))]
+        return tuple(flat)
+
+    def select(self, points: Array, tolerance: float) -> Mask:
+        """Mask (n,) of the points (n, d) that lie in the region to within `tolerance` (m)."""
+        chosen = np.ones(len(points), dtype=bool)
+        for x, entry in zip(points.T, self.extent, strict=True):
+            if entry is not None:
+                low, high = entry if isinstance(entry, tuple) else (entry, entry)
+                chosen &= (x >= low - tolerance) & (x <= high + tolerance)
+        return chosen
+
+    def corners(self, span: Span) -> Array:
+        """Corners (k, d) in m of the region in a body of this span."""
+        return np.array(list(product(*self._bounds(span))))
+
+    def measure(self, span: Span) -> float:
+        """Length, area or volume (m, m², m³) of the region in a body of this span; 1 of a point."""
+        extended = [high - low for low, high in self._bounds(span) if high > low]
+        return math.prod(extended)
+
+    def _bounds(self, span: Span) -> list[tuple[float, ...]]:
+        bounds: list[tuple[float, ...]] = []
+        for axis, entry in enumerate(self.extent):
+            whole = span[axis] if entry is None else entry
+            bounds.append(whole if isinstance(whole, tuple) else (whole, whole))
+        return bounds
+
+
+@dataclass(frozen=True)
+class Segment:
+    """The points of a plane body on the straight line between two places.
+
+    Parameters
+    ----------
+    start, end
+        Places (m), two coordinates each.
+    """
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        for name, place in (("start", self.start), ("end", self.end)):
+            if not isinstance(place, tuple) or finite(f"segment {name}", place).shape != (2,):
+                raise ProblemError(f"segment {name}: {place!r}; give a tuple of 2 coordinates")
+        if self.start == self.end:
+            raise ProblemError(f"segment: starts and ends at {self.start}; give two places")
+
+    def __str__(self) -> str:
+        (x0, y0), (x1, y1) = self.start, self.end
+        return f"(({x0:g}, {y0:g}) to ({x1:g}, {y1:g}))"
+
+    @property
+    def dim(self) -> int:
+        """Number of axes: 2."""
+        return 2
+
+    @property
+    def is_facet(self) -> bool:
+        """Whether it can be part of a side: always."""
+        return True
+
+    def select(self, points: Array, tolerance: float) -> Mask:
+        """Mask (n,) of the points (n, 2) that lie on the segment to within `tolerance` (m)."""
+        start = np.array(self.start)
+        along = np.array(self.end) - start
+        length = float(np.linalg.norm(along))
+        offset = points - start
+        forward = offset @ along / length
+        across = (along[0] * offset[:, 1] - along[1] * offset[:, 0]) / length
+        between = (forward >= -tolerance) & (forward <= length + tolerance)
+        return np.asarray(between & (np.abs(across) <= tolerance))
+
+    def corners(self, _span: Span) -> Array:
+        """The two ends (2, 2) in m, whatever the body."""
+        return np.array([self.start, self.end])
+
+    def measure(self, _span: Span) -> float:
+        """Length (m), whatever the body."""
+        return math.dist(self.start, self.end)
+
+
+Part = Region | Segment

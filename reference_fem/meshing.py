@@ -1,0 +1,262 @@
+"""Meshes: a plane box in quadrilaterals or triangles, an outline of equilateral triangles."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+import skfem
+from numpy.typing import ArrayLike
+from scipy.spatial import Delaunay, KDTree
+
+from msvalidate.problem import (
+    Array,
+    Box,
+    Index,
+    Polygon,
+    ProblemError,
+    finite,
+    place_name,
+    positive,
+    whole,
+)
+from reference_fem.discretisation import ELEMENTS, Discretisation, discretise
+
+
+def box_discretisation(
+    box: Box,
+    cells: int | tuple[int, int],
+    element: str = "Q2",
+    grading: float = 1.0,
+    towards: Literal["both", "high"] = "both",
+    through: tuple[tuple[float, ...], ...] = ((), ()),
+) -> Discretisation:
+    """Mesh of a plane box.
+
+    Parameters
+    ----------
+    box
+        The domain.
+    cells
+        Number of quadrilaterals along x and y (one number serves both); P1 and P2 cut each in two.
+    element
+        "Q1", "Q2", "P1" or "P2".
+    grading
+        1 spaces the lines evenly; g > 1 draws them to both ends of each axis as s^g, towards the
+        corners, where clamped bodies have singular stress.
+    towards
+        "both" ends of each axis, or the "high" end alone: the quarter of a symmetric body.
+    through
+        Coordinates (m) along x and y that mesh lines must pass through, such as the ends of a
+        loaded part. The lines between two of them are spaced as said for the whole; each part
+        takes its share of the cells by its length.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range.
+    """
+    pair = cells if isinstance(cells, tuple) else (cells, cells)
+    if box.dim != 2 or element not in tuple(ELEMENTS) or len(pair) != box.dim:
+        raise ProblemError(
+            f"mesh: {element} with {cells} cells in a {box.dim}D box; give two counts, a plane box "
+            f"and one of {', '.join(ELEMENTS)}"
+        )
+    counts = [whole("mesh cells", n, 1) for n in pair]
+    if towards not in ("both", "high"):
+        raise ProblemError(f"mesh grading towards {towards!r}; choose both or high")
+    if positive("mesh grading", grading) < 1:
+        raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
+    kind = ELEMENTS[element]
+    lines = [
+        _subdivided(_lines((0.0, *places, length), n, grading, towards), kind.degree)
+        for length, n, places in zip(box.size, counts, through, strict=True)
+    ]
+    closest = min(float(np.diff(line).min()) for line in lines)
+    if closest <= 4 * box.tolerance:
+        raise ProblemError(
+            f"mesh grading: {grading} with {cells} cells puts lines {closest:.2g} m apart, nearer "
+            f"than two places are told apart ({box.tolerance:.2g} m); take less grading or cells"
+        )
+    y, x = np.meshgrid(lines[1], lines[0], indexing="ij")
+    number = np.arange(x.size).reshape(x.shape)
+    cut = _triangles if kind.corners == 3 else _quadrilaterals
+    return discretise(np.column_stack([x.ravel(), y.ravel()]), cut(number, kind.degree), element)
+
+
+def polygon_discretisation(
+    outline: Polygon,
+    spacing: float,
+    element: str = "P2",
+    *,
+    towards: ArrayLike = (),
+    depth: int = 0,
+    rings: int = 1,
+) -> Discretisation:
+    """Mesh of an outline that is a union of equilateral triangles, refined towards given places.
+
+    Parameters
+    ----------
+    outline
+        Its first vertex and first edge place the triangles.
+    spacing
+        Side (m) of the triangles to start from.
+    element
+        "P1" or "P2".
+    towards
+        (p, 2) places (m), vertices of the mesh to start from, where the stress is singular.
+    depth
+        How often triangles around them are halved, each time half as far away.
+    rings
+        How many triangles deep, around a place, each halving reaches.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range, triangles of this side don't make up the outline, or a
+        place is no vertex.
+    """
+    if element not in {"P1", "P2"}:
+        raise ProblemError(f"mesh: {element} in a {outline}; choose P1 or P2")
+    mesh = _equilateral(outline, positive("mesh spacing", spacing, "m"))
+    places = finite("places to refine towards", towards).reshape(-1, 2)
+    if len(places):
+        _refuse_no_vertex(mesh, places, outline.tolerance)
+        mesh = _refined(mesh, KDTree(places), spacing, whole("mesh depth", depth, 0), rings)
+    return _with_midpoints(mesh, element)
+
+
+def _refined(mesh: Any, places: KDTree, spacing: float, depth: int, rings: int) -> Any:
+    """The mesh halved around the places, `depth` times, each time half as far away."""
+    for level in range(depth):
+        reach = (whole("mesh rings", rings, 1) - 0.5) * spacing / 2**level
+        distance, _ = places.query(mesh.p.T, distance_upper_bound=reach)
+        mesh = mesh.refined(np.flatnonzero(np.isfinite(distance)[mesh.t].any(axis=0)))
+    return mesh
+
+
+def _equilateral(outline: Polygon, side: float) -> Any:
+    """Triangles of a side, in rows along the outline's first edge: a grid's Delaunay mesh."""
+    start, end = outline.corners[:2]
+    x, y = (end - start) / np.linalg.norm(end - start)
+    turn = np.array([[x, -y], [y, x]])
+    local = (outline.corners - start) @ turn / side
+    (left, low), (right, high) = local.min(axis=0), local.max(axis=0)
+    row = np.arange(np.floor(low / np.sqrt(0.75)) - 1, np.ceil(high / np.sqrt(0.75)) + 2)
+    column = np.arange(np.floor(left) - 2, np.ceil(right) + 3)
+    across, along = np.meshgrid(row, column, indexing="ij")
+    grid = np.column_stack([(along + 0.5 * (across % 2)).ravel(), np.sqrt(0.75) * across.ravel()])
+    cells = Delaunay(grid).simplices
+    points = start + side * grid @ turn.T
+    cells = cells[outline.contains(points[cells].mean(axis=1))]
+    used, cells = np.unique(cells, return_inverse=True)
+    mesh = skfem.MeshTri(points[used].T.copy(), cells.reshape(-1, 3).T.copy())
+    edge = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]]
+    around = float(np.linalg.norm(edge[:, 1] - edge[:, 0], axis=0).sum())
+    following = np.roll(outline.corners, -1, axis=0)
+    wanted = float(np.linalg.norm(following - outline.corners, axis=1).sum())
+    area = float(_areas(mesh).sum())
+    if abs(area - outline.volume) > 1e-9 * outline.volume or abs(around - wanted) > 1e-9 * wanted:
+        raise ProblemError(
+            f"mesh spacing: triangles of side {side:g} m cover {area:.6g} of {outline.volume:.6g} "
+            f"m², their edge {around:.6g} of {wanted:.6g} m; choose one that divides every edge"
+        )
+    return mesh
+
+
+def _areas(mesh: Any) -> Array:
+    a, b, c = (mesh.p[:, corner] for corner in mesh.t)
+    (x1, y1), (x2, y2) = b - a, c - a
+    return np.asarray(0.5 * np.abs(x1 * y2 - y1 * x2))
+
+
+def _refuse_no_vertex(mesh: Any, places: Array, tolerance: float) -> None:
+    distance, _ = KDTree(mesh.p.T).query(places)
+    far = np.flatnonzero(distance > tolerance)
+    if len(far):
+        raise ProblemError(
+            f"places to refine towards: {place_name(places[far[0]])} is {distance[far[0]]:.3g} m "
+            "from the nearest vertex of the mesh; choose vertices"
+        )
+
+
+def _with_midpoints(mesh: Any, element: str) -> Discretisation:
+    """The mesh, its cells counter-clockwise, as points and cells with mid-sides for P2."""
+    t = mesh.t.copy()
+    a, b, c = (mesh.p[:, corner] for corner in t)
+    clockwise = (b - a)[0] * (c - a)[1] < (b - a)[1] * (c - a)[0]
+    t[1:, clockwise] = t[:0:-1, clockwise]
+    if element == "P1":
+        return discretise(mesh.p.T, t.T, element)
+    edges = np.sort(np.concatenate([t[[0, 1]], t[[1, 2]], t[[2, 0]]], axis=1), axis=0)
+    ends, number = np.unique(edges, axis=1, return_inverse=True)
+    middle = mesh.p[:, ends].mean(axis=1)
+    sides = mesh.p.shape[1] + number.reshape(3, -1)
+    return discretise(
+        np.concatenate([mesh.p, middle], axis=1).T, np.concatenate([t, sides]).T, element
+    )
+
+
+def _lines(places: tuple[float, ...], cells: int, grading: float, towards: str) -> Array:
+    """Coordinates of mesh lines through all places, the cells shared out by length."""
+    length = np.diff(places)
+    if (length <= 0).any():
+        raise ProblemError(f"mesh lines through {places}: give coordinates inside, in order")
+    share = cells * length / length.sum()
+    counts = np.round(share).astype(int)
+    if counts.sum() != cells or counts.min() < 1:
+        raise ProblemError(
+            f"mesh lines through {places}: {cells} cells do not divide among the parts; choose a "
+            "number that does"
+        )
+    parts = [
+        start + width * _graded(int(n), grading, towards)
+        for start, width, n in zip(places, length, counts, strict=False)
+    ]
+    # An end that two parts share is taken from the places themselves.
+    return np.concatenate([*(part[:-1] for part in parts), places[-1:]])
+
+
+def _graded(n: int, grading: float, towards: str) -> Array:
+    """Coordinates of n + 1 lines on [0, 1], drawn to both ends alike or to 1."""
+    if towards == "high":
+        return np.asarray(1 - (1 - np.linspace(0, 1, n + 1)) ** grading)
+    s = np.linspace(-1, 1, n + 1)
+    return np.asarray(0.5 * (1 + np.sign(s) * (1 - (1 - np.abs(s)) ** grading)))
+
+
+def _subdivided(line: Array, degree: int) -> Array:
+    """The coordinates with the midpoints between them, for quadratic elements."""
+    if degree == 1:
+        return line
+    fine = np.empty(2 * len(line) - 1)
+    fine[::2], fine[1::2] = line, 0.5 * (line[1:] + line[:-1])
+    return fine
+
+
+def _quadrilaterals(number: Index, degree: int) -> Index:
+    """Cells in VTK order from the node numbers (rows along y) of a grid."""
+    if degree == 1:
+        return _cells(number, 1, [(0, 0), (0, 1), (1, 1), (1, 0)])
+    ring = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0), (1, 1)]
+    return _cells(number, 2, ring)
+
+
+def _triangles(number: Index, degree: int) -> Index:
+    """Each quadrilateral cut along the diagonal that rises to the right."""
+    if degree == 1:
+        lower, upper = [(0, 0), (0, 1), (1, 1)], [(0, 0), (1, 1), (1, 0)]
+    else:
+        lower = [(0, 0), (0, 2), (2, 2), (0, 1), (1, 2), (1, 1)]
+        upper = [(0, 0), (2, 2), (2, 0), (1, 1), (2, 1), (1, 0)]
+    return np.concatenate([_cells(number, degree, lower), _cells(number, degree, upper)])
+
+
+def _cells(number: Index, degree: int, places: list[tuple[int, int]]) -> Index:
+    """Node numbers at the given (row, column) places of every block of `degree` intervals."""
+    rows, columns = number.shape
+    nodes = [
+        number[r : rows - degree + r : degree, c : columns - degree + c : degree].ravel()
+        for r, c in places
+    ]
+    return np.column_stack(nodes)
