@@ -49,7 +49,10 @@ def lattice_network(
         If the lattice cannot be the material, or a support or load does not meet its points.
     """
     if lattice.domain != problem.domain:
-        raise ProblemError(f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}")
+        raise ProblemError(
+            f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
+            "build it from the problem's own"
+        )
     if constants is None:
         constants = default_constants(problem.material, lattice)
     k = finite("spring constants", constants)

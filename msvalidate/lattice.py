@@ -7,7 +7,17 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from msvalidate.problem import Array, Box, Domain, Index, Polygon, ProblemError, positive, whole
+from msvalidate.problem import (
+    Array,
+    Box,
+    Domain,
+    Index,
+    Polygon,
+    ProblemError,
+    place_name,
+    positive,
+    whole,
+)
 
 SIN60 = math.sin(math.pi / 3)
 WEIGHTS = ("shared", "equal", "per_cell")
@@ -38,6 +48,8 @@ class Lattice:
         (m,) number of cells that each spring borders.
     sharing
         (kinds,) number of cells that an interior spring of each kind borders.
+    shares
+        Part of a cell that belongs to each of its corners; by default an equal one.
     """
 
     name: str
@@ -49,6 +61,7 @@ class Lattice:
     facets: Index
     borders: Index
     sharing: Index
+    shares: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -68,9 +81,11 @@ class Lattice:
 
     @property
     def point_volume(self) -> Array:
-        """Area or volume (n,) of each point: an equal part of every cell that it borders."""
-        borders = np.bincount(self.cells.ravel(), minlength=len(self.points))
-        return np.asarray(borders * (self.cell_volume / self.cells.shape[1]))
+        """Area or volume (n,) of each point: its share of every cell that it borders."""
+        cells, corners = self.cells.shape
+        part = np.full(corners, 1 / corners) if self.shares is None else np.array(self.shares)
+        parts = np.bincount(self.cells.ravel(), np.tile(part, cells), len(self.points))
+        return np.asarray(parts * self.cell_volume)
 
 
 def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
@@ -88,8 +103,8 @@ def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     ProblemError
         If the box is not plane, a count is not a positive integer, or the cells are not square.
     """
-    if box.dim != 2:
-        raise ProblemError(f"square lattice: a {box.dim}D box; give a plane one")
+    if not isinstance(box, Box) or box.dim != 2:
+        raise ProblemError(f"square lattice: a {box}; give a plane box")
     nx, ny = _counts(cells)
     (width, height), (dx, dy) = box.size, (box.size[0] / nx, box.size[1] / ny)
     if abs(dx - dy) > 1e-9 * dx:
@@ -167,6 +182,8 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
         facets=grid.facets,
         borders=np.concatenate([*whole_cells, np.full(sum(map(len, between)), 2)]),
         sharing=np.array([2, 2]),
+        # Inside, every point is alike: a corner of squares has eight quarters, a middle only four.
+        shares=(0.25, 0.25, 0.5),
     )
 
 
@@ -186,14 +203,17 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
     ProblemError
         If whole triangles of that side don't make up the outline.
     """
+    if not isinstance(outline, Polygon):
+        raise ProblemError(f"triangular lattice: a {outline}; give a Polygon, such as zigzag_block")
     h = positive("triangular lattice: spacing", spacing, "m")
     origin = outline.corners[0]
     along = outline.corners[1] - origin
     along *= h / np.linalg.norm(along)
     upward = np.array([along[0] - SIN60 * 2 * along[1], SIN60 * 2 * along[0] + along[1]]) / 2
     steps = np.linalg.solve(np.column_stack([along, upward]), (outline.corners - origin).T)
-    (i0, j0), (i1, j1) = np.floor(steps.min(axis=1) + 0.5), np.ceil(steps.max(axis=1) - 0.5)
-    i, j = np.meshgrid(np.arange(i0 - 1, i1 + 2), np.arange(j0 - 1, j1 + 2), indexing="ij")
+    _refuse_other_outline(outline, h, steps)
+    low, high = np.round(steps.min(axis=1)), np.round(steps.max(axis=1))
+    i, j = np.meshgrid(*map(np.arange, low, high + 1), indexing="ij")
     points = origin + i.reshape(-1, 1) * along + j.reshape(-1, 1) * upward
     number = np.arange(i.size).reshape(i.shape)
     here, ahead, above = number[:-1, :-1].ravel(), number[1:, :-1].ravel(), number[:-1, 1:].ravel()
@@ -206,7 +226,6 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
     cells = cells.reshape(-1, 3)
     edges = np.sort(cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     springs, borders = np.unique(edges, axis=0, return_counts=True)
-    _refuse_other_outline(outline, h, len(cells), int((borders == 1).sum()))
     return Lattice(
         name="triangular",
         domain=outline,
@@ -289,16 +308,20 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
     raise ProblemError(f"boundary weights: {rule!r}; choose {', '.join(WEIGHTS)}")
 
 
-def _refuse_other_outline(outline: Polygon, side: float, cells: int, facets: int) -> None:
-    """Whole triangles must have the outline's area and perimeter."""
-    area = cells * 0.5 * SIN60 * side**2
-    following = np.roll(outline.corners, -1, axis=0)
-    around = float(np.linalg.norm(following - outline.corners, axis=1).sum())
-    if abs(area - outline.volume) + side * abs(facets * side - around) > 1e-9 * outline.volume:
+def _refuse_other_outline(outline: Polygon, side: float, steps: Array) -> None:
+    """Whole triangles make up an outline whose edges run along rows from point to point.
+
+    `steps` (2, n) leads to its corners: along the first edge, and along that turned by 60 degrees.
+    """
+    nearest = np.round(steps)
+    off = np.abs(steps - nearest).max(axis=0) * side > outline.tolerance
+    i, j = np.roll(nearest, -1, axis=1) - nearest
+    bad = np.flatnonzero(np.roll(off, -1) | ((i != 0) & (j != 0) & (i + j != 0)))
+    if len(bad):
+        edge = f"{bad[0]} of the outline, from {place_name(outline.corners[bad[0]])}"
         raise ProblemError(
-            f"triangular lattice: triangles of side {side:g} m cover {area:.6g} of "
-            f"{outline.volume:.6g} m², their edge {facets * side:.6g} of {around:.6g} m; choose a "
-            "spacing that divides every edge, along the directions of the first"
+            f"triangular lattice: no row of triangles of side {side:g} m runs along edge {edge}; "
+            "choose a spacing that divides every edge, and edges at multiples of 60 degrees"
         )
 
 

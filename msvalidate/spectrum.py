@@ -42,6 +42,10 @@ def natural_frequencies(
     place = network.points if position is None else finite("position", position)
     matrix = _dynamical_matrix(network, place)
     size = matrix.shape[0]
+    if not 0 <= finite("tolerance of the frequencies", tolerance) < 1:
+        raise ProblemError(
+            f"tolerance of the frequencies: {tolerance}; give a relative error, 0 <= tolerance < 1"
+        )
     if not (isinstance(count, int | np.integer) and 1 <= count <= size):
         raise ProblemError(f"count: {count} frequencies; this network has {size} free components")
     if size <= max(DENSE, 4 * count):

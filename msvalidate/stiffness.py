@@ -55,7 +55,11 @@ def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
 
 
 def network_tensor(lattice: Lattice, constants: tuple[float, ...], weights: str) -> Array:
-    """Tensor (3, 3) in N/m of the *interior* of the lattice, as built under a weight rule."""
+    """Tensor (3, 3) in N/m of the *interior* of the lattice, as built under a weight rule.
+
+    A `diagonal_square` has lost the springs that its boundary cut, and comes near its interior's
+    tensor only as it grows.
+    """
     k = finite("spring constants", constants)
     if k.shape != lattice.sharing.shape:
         raise ProblemError(

@@ -16,6 +16,10 @@ from msvalidate.problem import Array, Index, ProblemError, finite
 from reference_fem.interpolation import locate
 
 
+AT_NODE = 1e-13
+"""A point this close to a node, relative to the body's size, is the node."""
+
+
 @dataclass(frozen=True)
 class Element:
     """A finite element: its cells in VTK order start with `corners` corner points.
@@ -105,14 +109,19 @@ class Discretisation:
         x = finite("points to sample", points)
         if x.ndim != 2 or x.shape[1] != self.dim:
             raise ProblemError(f"points to sample: shape {x.shape}; give (p, {self.dim})")
+        # Most points asked for are nodes, which take no search among the cells.
+        apart, nearest = KDTree(self.points).query(x)
+        at_node = apart <= AT_NODE * float(np.ptp(self.points, axis=0).max())
+        (known,), (rest,) = np.nonzero(at_node), np.nonzero(~at_node)
         mesh = self.basis.mesh  # the library may have turned the corners of a cell
-        cell, local = locate(mesh.p.T[mesh.t.T], x)
+        cell, local = locate(mesh.p.T[mesh.t.T], x[rest])
         nodes = self.node[self.basis.element_dofs[:, cell]]
         values = [self.basis.elem.lbasis(local.T, i)[0] for i in range(len(nodes))]
-        rows = np.broadcast_to(np.arange(len(x)), nodes.shape)
-        entries = np.array([np.broadcast_to(value, len(x)) for value in values])
-        shape = (len(x), len(self.points))
-        return csr_matrix((entries.ravel(), (rows.ravel(), nodes.ravel())), shape=shape)
+        entries = np.array([np.broadcast_to(value, len(rest)) for value in values])
+        rows = np.concatenate([known, np.broadcast_to(rest, nodes.shape).ravel()])
+        columns = np.concatenate([nearest[known], nodes.ravel()])
+        weights = np.concatenate([np.ones(len(known)), entries.ravel()])
+        return csr_matrix((weights, (rows, columns)), shape=(len(x), len(self.points)))
 
 
 def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisation:

@@ -15,6 +15,7 @@ from msvalidate.problem import (
     Index,
     Polygon,
     ProblemError,
+    Segment,
     finite,
     place_name,
     positive,
@@ -57,20 +58,25 @@ def box_discretisation(
         If an argument is out of range.
     """
     pair = cells if isinstance(cells, tuple) else (cells, cells)
-    if box.dim != 2 or element not in tuple(ELEMENTS) or len(pair) != box.dim:
+    plane = isinstance(box, Box) and box.dim == 2
+    if not plane or element not in tuple(ELEMENTS) or len(pair) != box.dim:
         raise ProblemError(
-            f"mesh: {element} with {cells} cells in a {box.dim}D box; give two counts, a plane box "
-            f"and one of {', '.join(ELEMENTS)}"
+            f"mesh: {element} with {cells} cells in a {box}; give two counts, a plane box and one "
+            f"of {', '.join(ELEMENTS)}"
         )
     counts = [whole("mesh cells", n, 1) for n in pair]
+    if not isinstance(through, tuple | list) or len(through) != box.dim:
+        raise ProblemError(
+            f"mesh lines through {through!r}: give coordinates for each axis, as ((), (0.4, 0.6))"
+        )
     if towards not in ("both", "high"):
         raise ProblemError(f"mesh grading towards {towards!r}; choose both or high")
     if positive("mesh grading", grading) < 1:
         raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
     kind = ELEMENTS[element]
     lines = [
-        _subdivided(_lines((0.0, *places, length), n, grading, towards), kind.degree)
-        for length, n, places in zip(box.size, counts, through, strict=True)
+        _subdivided(_lines(places, length, n, grading, towards), kind.degree)
+        for places, length, n in zip(through, box.size, counts, strict=True)
     ]
     closest = min(float(np.diff(line).min()) for line in lines)
     if closest <= 4 * box.tolerance:
@@ -116,20 +122,30 @@ def polygon_discretisation(
         If an argument is out of range, triangles of this side don't make up the outline, or a
         place is no vertex.
     """
-    if element not in {"P1", "P2"}:
-        raise ProblemError(f"mesh: {element} in a {outline}; choose P1 or P2")
+    if not isinstance(outline, Polygon) or element not in ("P1", "P2"):
+        raise ProblemError(f"mesh: {element} in a {outline}; give a Polygon and P1 or P2")
+    whole("mesh depth", depth, 0)
+    whole("mesh rings", rings, 1)
     mesh = _equilateral(outline, positive("mesh spacing", spacing, "m"))
-    places = finite("places to refine towards", towards).reshape(-1, 2)
-    if len(places):
+    places = finite("places to refine towards", towards)
+    if places.size:
+        if places.ndim != 2 or places.shape[1] != 2:
+            raise ProblemError(f"places to refine towards: shape {places.shape}; give (p, 2)")
         _refuse_no_vertex(mesh, places, outline.tolerance)
-        mesh = _refined(mesh, KDTree(places), spacing, whole("mesh depth", depth, 0), rings)
+        closest = spacing * 0.5**depth
+        if closest <= 4 * outline.tolerance:
+            raise ProblemError(
+                f"mesh depth: {depth} puts vertices {closest:.2g} m apart, nearer than two places "
+                f"are told apart ({outline.tolerance:.2g} m); take less"
+            )
+        mesh = _refined(mesh, KDTree(places), spacing, depth, rings)
     return _with_midpoints(mesh, element)
 
 
 def _refined(mesh: Any, places: KDTree, spacing: float, depth: int, rings: int) -> Any:
     """The mesh halved around the places, `depth` times, each time half as far away."""
     for level in range(depth):
-        reach = (whole("mesh rings", rings, 1) - 0.5) * spacing / 2**level
+        reach = (rings - 0.5) * spacing / 2**level
         distance, _ = places.query(mesh.p.T, distance_upper_bound=reach)
         mesh = mesh.refined(np.flatnonzero(np.isfinite(distance)[mesh.t].any(axis=0)))
     return mesh
@@ -149,25 +165,31 @@ def _equilateral(outline: Polygon, side: float) -> Any:
     cells = Delaunay(grid).simplices
     points = start + side * grid @ turn.T
     cells = cells[outline.contains(points[cells].mean(axis=1))]
-    used, cells = np.unique(cells, return_inverse=True)
-    mesh = skfem.MeshTri(points[used].T.copy(), cells.reshape(-1, 3).T.copy())
-    edge = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]]
-    around = float(np.linalg.norm(edge[:, 1] - edge[:, 0], axis=0).sum())
-    following = np.roll(outline.corners, -1, axis=0)
-    wanted = float(np.linalg.norm(following - outline.corners, axis=1).sum())
-    area = float(_areas(mesh).sum())
-    if abs(area - outline.volume) > 1e-9 * outline.volume or abs(around - wanted) > 1e-9 * wanted:
+    area = len(cells) * np.sqrt(0.1875) * side**2
+    if abs(area - outline.volume) > 1e-9 * outline.volume:
         raise ProblemError(
             f"mesh spacing: triangles of side {side:g} m cover {area:.6g} of {outline.volume:.6g} "
-            f"m², their edge {around:.6g} of {wanted:.6g} m; choose one that divides every edge"
+            "m²; choose one that divides every edge"
         )
+    used, cells = np.unique(cells, return_inverse=True)
+    mesh = skfem.MeshTri(points[used].T.copy(), cells.reshape(-1, 3).T.copy())
+    _refuse_other_edges(mesh, outline, side)
     return mesh
 
 
-def _areas(mesh: Any) -> Array:
-    a, b, c = (mesh.p[:, corner] for corner in mesh.t)
-    (x1, y1), (x2, y2) = b - a, c - a
-    return np.asarray(0.5 * np.abs(x1 * y2 - y1 * x2))
+def _refuse_other_edges(mesh: Any, outline: Polygon, side: float) -> None:
+    """The right area may still be another outline's: the mesh's edges must cover this one's."""
+    ends = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]].T
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    for i, start in enumerate(outline.vertices):
+        edge = Segment(start, outline.vertices[(i + 1) % len(outline.vertices)])
+        on_edge = edge.select(ends.reshape(-1, 2), outline.tolerance).reshape(-1, 2).all(axis=1)
+        covered, wanted = length[on_edge].sum(), edge.measure(outline.span)
+        if abs(covered - wanted) > 1e-9 * wanted:
+            raise ProblemError(
+                f"mesh spacing: triangles of side {side:g} m have their edges on {covered:.6g} of "
+                f"{wanted:.6g} m of edge {i} of the outline, {edge}; choose one that divides it"
+            )
 
 
 def _refuse_no_vertex(mesh: Any, places: Array, tolerance: float) -> None:
@@ -197,21 +219,28 @@ def _with_midpoints(mesh: Any, element: str) -> Discretisation:
     )
 
 
-def _lines(places: tuple[float, ...], cells: int, grading: float, towards: str) -> Array:
-    """Coordinates of mesh lines through all places, the cells shared out by length."""
-    length = np.diff(places)
-    if (length <= 0).any():
-        raise ProblemError(f"mesh lines through {places}: give coordinates inside, in order")
-    share = cells * length / length.sum()
+def _lines(through: ArrayLike, length: float, cells: int, grading: float, towards: str) -> Array:
+    """Coordinates of mesh lines from 0 to `length` (m) and through all places given, in order.
+
+    The cells are shared out among the parts by length.
+    """
+    inner = finite("mesh lines through", through)
+    places = np.array([0.0, *np.atleast_1d(inner).ravel(), length])
+    width = np.diff(places)
+    if inner.ndim != 1 or (width <= 0).any():
+        raise ProblemError(
+            f"mesh lines through {through!r}: give coordinates in order, between 0 and {length:g} m"
+        )
+    share = cells * width / length
     counts = np.round(share).astype(int)
     if counts.sum() != cells or counts.min() < 1:
         raise ProblemError(
-            f"mesh lines through {places}: {cells} cells do not divide among the parts; choose a "
-            "number that does"
+            f"mesh lines through {through!r}: {cells} cells do not divide among the parts; choose "
+            "a number that does"
         )
     parts = [
-        start + width * _graded(int(n), grading, towards)
-        for start, width, n in zip(places, length, counts, strict=False)
+        start + part * _graded(int(n), grading, towards)
+        for start, part, n in zip(places, width, counts, strict=False)
     ]
     # An end that two parts share is taken from the places themselves.
     return np.concatenate([*(part[:-1] for part in parts), places[-1:]])

@@ -239,9 +239,12 @@ FLOORS = {
     "msvalidate": 0,  # the version only
     "msvalidate.problem": 0,
     "msvalidate.body": 1,
+    "msvalidate.candidate": 2,
+    "msvalidate.faults": 1,
     "msvalidate.kernels": 1,
     "msvalidate.lattice": 1,
     "msvalidate.network": 1,
+    "msvalidate.singularity": 1,
     "msvalidate.stiffness": 1,
     "msvalidate.equilibrium": 2,
     "msvalidate.integrate": 2,

@@ -96,7 +96,8 @@ class Polygon:
     Raises
     ------
     ProblemError
-        If the outline is not such a polygon: clockwise, crossing itself, or with a flat corner.
+        If the outline is not such a polygon: clockwise, crossing or touching itself, with a flat
+        corner or a vertex listed twice.
     """
 
     vertices: tuple[tuple[float, float], ...]
@@ -105,11 +106,14 @@ class Polygon:
         if not isinstance(self.vertices, tuple) or len(self.vertices) < 3:
             raise ProblemError(f"polygon: {self.vertices!r}; give a tuple of 3 or more vertices")
         for i, vertex in enumerate(self.vertices):
-            if not isinstance(vertex, tuple) or finite(f"vertex {i}", vertex).shape != (2,):
+            if not isinstance(vertex, tuple) or finite(f"polygon vertex {i}", vertex).shape != (2,):
                 raise ProblemError(f"polygon: vertex {i} is {vertex!r}; give 2 coordinates")
-        if not self.volume > self.tolerance * max(high - low for low, high in self.span):
+        sides = np.linalg.norm(np.roll(self.corners, -1, axis=0) - self.corners, axis=1)
+        twins = np.flatnonzero(sides <= self.tolerance)
+        if len(twins):
             raise ProblemError(
-                f"polygon: area {self.volume:g} m²; list the vertices counter-clockwise"
+                f"polygon: vertex {twins[0]}, {self.vertices[twins[0]]}, and the next are one "
+                "place; leave one out"
             )
         flat = np.flatnonzero(np.abs(np.sin(self._turns)) < 1e-9)
         if len(flat):
@@ -120,6 +124,10 @@ class Polygon:
         crossing = self._crossing()
         if crossing:
             raise ProblemError(f"polygon: edges {crossing[0]} and {crossing[1]} cross or touch")
+        if not self.volume > self.tolerance * max(high - low for low, high in self.span):
+            raise ProblemError(
+                f"polygon: area {self.volume:g} m²; list the vertices counter-clockwise"
+            )
 
     def __str__(self) -> str:
         sizes = " x ".join(f"{high - low:g}" for low, high in self.span)
@@ -199,16 +207,14 @@ class Polygon:
             small = self.tolerance * np.linalg.norm(ab, axis=-1)
             return np.asarray(np.where(np.abs(cross) <= small, 0.0, np.sign(cross)))
 
-        a, b, c, d = start[:, None], end[:, None], start[None], end[None]
-        apart = side(a, b, c) * side(a, b, d) > 0
-        apart |= side(c, d, a) * side(c, d, b) > 0
-        low, high = np.minimum(start, end), np.maximum(start, end)
-        apart |= (low[:, None] > high[None] + self.tolerance).any(axis=2)
-        apart |= (high[:, None] < low[None] - self.tolerance).any(axis=2)
-        i, j = np.indices((n, n))
+        low, high = np.minimum(start, end), np.maximum(start, end) + self.tolerance
+        near = (low[:, None] <= high).all(axis=2)
+        i, j = np.nonzero(near & near.T)
         gap = (j - i) % n
-        meets = np.argwhere(~apart & (gap > 1) & (gap < n - 1))
-        return (int(meets[0, 0]), int(meets[0, 1])) if len(meets) else None
+        i, j = i[(gap > 1) & (gap < n - 1)], j[(gap > 1) & (gap < n - 1)]
+        a, b, c, d = start[i], end[i], start[j], end[j]
+        meets = (side(a, b, c) * side(a, b, d) <= 0) & (side(c, d, a) * side(c, d, b) <= 0)
+        return (int(i[meets][0]), int(j[meets][0])) if meets.any() else None
 
 
 Domain = Box | Polygon

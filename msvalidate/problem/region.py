@@ -79,14 +79,14 @@ class Region:
 
     def measure(self, span: Span) -> float:
         """Length, area or volume (m, m², m³) of the region in a body of this span; 1 of a point."""
-        extended = [high - low for low, high in self._bounds(span) if high > low]
-        return math.prod(extended)
+        return math.prod(ends[1] - ends[0] for ends in self._bounds(span) if len(ends) == 2)
 
     def _bounds(self, span: Span) -> list[tuple[float, ...]]:
+        """Along each axis the two ends (m), or the one coordinate where the region is flat."""
         bounds: list[tuple[float, ...]] = []
         for axis, entry in enumerate(self.extent):
             whole = span[axis] if entry is None else entry
-            bounds.append(whole if isinstance(whole, tuple) else (whole, whole))
+            bounds.append(whole if isinstance(whole, tuple) else (whole,))
         return bounds
 
 

@@ -5,6 +5,7 @@ k2/(2 k1 + k2) and to be incompressible at k2 = 2 k1. One question a file:
 
 - `finite_size`: the ratio of N x N cells, by constants, boundary weights, loading and definition;
 - `direction`: the ratio against the direction of the pull;
+- `rotated`: whether a block cut at an angle to the lattice shows the ratio of its tensor;
 - `incompressible`: what the word asks for in the plane, and what k2 = 2 k1 gives;
 - `algorithm1`: whether the report's loop comes to the same rest as a static solution;
 - `controls`: the smallest fault that this study notices.
@@ -19,7 +20,15 @@ from functools import partial
 
 from msvalidate.evidence import Evidence, merged
 from msvalidate.sweep import Setting
-from studies.poisson import algorithm1, block, controls, direction, finite_size, incompressible
+from studies.poisson import (
+    algorithm1,
+    block,
+    controls,
+    direction,
+    finite_size,
+    incompressible,
+    rotated,
+)
 from studies.poisson.block import Candidate
 
 FAULTS = {
@@ -41,6 +50,7 @@ def run(candidate: Candidate = block.springs, setting: Setting | None = None) ->
     return merged(
         finite_size.run(candidate, setting),
         direction.run(setting=setting),
+        rotated.run(candidate, setting),
         incompressible.run(candidate, setting),
         algorithm1.run(candidate=candidate, setting=setting),
         controls.run(),

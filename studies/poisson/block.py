@@ -16,7 +16,9 @@ from msvalidate.problem import (
     Anisotropic,
     Array,
     Box,
+    Domain,
     Mask,
+    Polygon,
     Problem,
     Region,
     Support,
@@ -33,7 +35,10 @@ COLUMNS = {
     "weights": "rule for springs on the boundary: shared, equal or per_cell",
     "k1": "stiffness of axial springs (N/m)",
     "k2": "stiffness of diagonal springs (N/m)",
+    "cells": "cells per side, N: of a block at 45 degrees the squares, of triangles their sides",
+    "angle_deg": "direction of the pull to the axial springs, of triangles to their rows (degrees)",
     "strain": "axial strain (1)",
+    "nu_tensor": "Poisson's ratio from the homogenised tensor (1)",
     "nu_springs": "Poisson's ratio of the candidate's block (1)",
 }
 """What columns of several tables mean."""
@@ -61,12 +66,18 @@ def finite_elements(
     problem: Problem, spring_network: Network, geometry: Geometry = "linear"
 ) -> Array:
     """The reference in the candidate's place: an identity control of the linear questions."""
-    mesh = reference_fem.box_discretisation(BOX, 32, "Q2", GRADING)
+    if isinstance(problem.domain, Polygon):
+        side = float(spring_network.rest_length.min())
+        mesh = reference_fem.polygon_discretisation(problem.domain, side, "P2")
+    else:
+        mesh = reference_fem.box_discretisation(BOX, 32, "Q2", GRADING)
     return reference_fem.solve_problem(problem, mesh).at(spring_network.points)
 
 
-def loaded_block(loading: str, tensor: Array, strain: float = STRAIN) -> Problem:
-    """Unit square pulled along x.
+def loaded_block(
+    loading: str, tensor: Array, strain: float = STRAIN, body: Domain = BOX
+) -> Problem:
+    """Unit square, or another body with straight ends, pulled along x.
 
     Parameters
     ----------
@@ -78,10 +89,13 @@ def loaded_block(loading: str, tensor: Array, strain: float = STRAIN) -> Problem
         (3, 3) in N/m: the material, at thickness 1 m.
     strain
         Nominal axial strain.
+    body
+        Its left end runs from the origin up to its height.
     """
-    left, right = BOX.side("left"), BOX.side("right")
+    (_, width), (_, height) = body.span
+    left, right = Region((0.0, None)), Region((width, None))
     corner = Region((0.0, 0.0))
-    pull = strain * SIDE
+    pull = strain * width
     loads: tuple[Traction, ...] = ()
     if loading == "slide":
         supports: tuple[Support, ...] = (
@@ -93,9 +107,9 @@ def loaded_block(loading: str, tensor: Array, strain: float = STRAIN) -> Problem
         supports = (Support(left, (0.0, 0.0)), Support(right, (pull, 0.0)))
     else:
         stress = strain * (tensor[0, 0] - tensor[0, 1] ** 2 / tensor[0, 0])
-        supports = (Support(corner, (0.0, 0.0)), Support(Region((0.0, SIDE)), (0.0, None)))
+        supports = (Support(corner, (0.0, 0.0)), Support(Region((0.0, height)), (0.0, None)))
         loads = (Traction(left, (-stress, 0.0)), Traction(right, (stress, 0.0)))
-    return Problem(BOX, Anisotropic(tensor), supports, loads, name=f"block, {loading}")
+    return Problem(body, Anisotropic(tensor), supports, loads, name=f"block, {loading}")
 
 
 def clamped_quarter(tensor: Array, strain: float = STRAIN) -> Problem:
@@ -145,11 +159,11 @@ def ratio(points: Array, displacement: Array, definition: str) -> float:
     """Poisson's ratio of the block: minus lateral over axial strain.
 
     ``edges``: lateral strain between the plain means of all nodes of the top and bottom edge,
-    corners included. ``middle``: at half length; where no column of points stands there, the mean
-    of the two nearest.
+    corners included. ``middle``: at half length; where no column of points reaches both edges
+    there, the mean of the two nearest that do.
     """
     x, y = points.T
-    columns = np.unique(np.round(x, 12))
+    columns = np.unique(np.round(x[_at(y, SIDE)], 12))
     if definition == "middle":
         distance = np.abs(columns - SIDE / 2)
         columns = columns[distance < distance.min() + 1e-9]

@@ -51,8 +51,6 @@ TOLERANCES = (
 )
 COLUMNS = {
     **block.COLUMNS,
-    "angle_deg": "direction of the pull to the axial springs (degrees)",
-    "nu_tensor": "Poisson's ratio from the homogenised tensor (1)",
     "nu_fem": "Poisson's ratio of the elastic body, by finite elements (1)",
 }
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, partial
-from math import pi, sin
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.sparse import csr_matrix
 
 import reference_fem
@@ -104,17 +102,3 @@ class Sampler:
 
     def _whole(self, tensor: Array) -> Problem:
         return block.loaded_block(self.loading, tensor)
-
-
-def corner_exponent(nu: float) -> float:
-    """Exponent of the displacement at a right-angled corner between a clamped and a free edge.
-
-    sin²(λπ/2) = ((κ + 1)² - 4λ²)/(4κ) with κ = (3 - nu)/(1 + nu) in plane stress (Williams 1952,
-    doi:10.1115/1.4010553).
-    """
-    kappa = (3 - nu) / (1 + nu)
-
-    def characteristic(x: float) -> float:
-        return sin(x * pi / 2) ** 2 - ((kappa + 1) ** 2 - 4 * x**2) / (4 * kappa)
-
-    return float(brentq(characteristic, 0.5, 1.0))

@@ -1,6 +1,7 @@
-"""The study `poisson`: its public tables, its controls, its reference's corner exponent."""
+"""The study `poisson`: its public tables, its controls, its reference."""
 
 from functools import partial
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from msvalidate.evidence import judge
 from msvalidate.stiffness import square_tensor
 from msvalidate.sweep import Setting
 from studies import poisson
-from studies.poisson import algorithm1, block, controls, elastic_block, finite_size
+from studies.poisson import algorithm1, block, controls, elastic_block, finite_size, rotated
 
 QUICK = Setting(quick=True)
 FINITE_SIZE = [
@@ -27,6 +28,7 @@ FINITE_SIZE = [
     "nu_fem",
 ]
 DIRECTION = ["lattice", "k1", "k2", "angle_deg", "nu_tensor", "nu_fem"]
+ROTATED = ["lattice", "k1", "k2", "angle_deg", "cells", "nu_springs", "nu_tensor"]
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +39,7 @@ def evidence():
 def test_public_columns(evidence):
     assert list(evidence.tables["finite_size"]) == FINITE_SIZE
     assert list(evidence.tables["direction"]) == DIRECTION
+    assert list(evidence.tables["rotated"]) == ROTATED
 
 
 def test_rows_of_the_finite_size_table(evidence):
@@ -93,13 +96,6 @@ def test_a_relaxation_that_stops_early_is_caught():
     assert (verdict["verdict"] == "fail").any()
 
 
-def test_corner_exponent():
-    """Where a clamped edge meets a free one at 90 degrees the stress is singular, nu > 0 or not."""
-    assert elastic_block.corner_exponent(1 / 3) == pytest.approx(0.7447, abs=1e-4)
-    # Uniaxial stress alone is compatible with nu = 0: the corner is regular.
-    assert elastic_block.corner_exponent(0.0) == pytest.approx(1.0, abs=1e-6)
-
-
 def test_definitions_of_the_ratio():
     """Affine strain has one ratio by any definition; a bulge is seen at the middle only."""
     x = block.lattice.square(block.BOX, 5).points
@@ -123,3 +119,98 @@ def test_the_clamped_quarter_is_the_whole_block(body):
     whole = reference_fem.solve_problem(block.loaded_block("clamped", tensor), mesh).at(points)
     middle = [block.STRAIN / 2, 0.0]  # displacement of the block's middle
     assert np.abs(whole - middle - quarter).max() < 1e-12 * block.STRAIN
+
+
+def test_rows_of_the_rotated_table(evidence):
+    table = evidence.tables["rotated"]
+    assert not table.duplicated(["lattice", "k2", "angle_deg", "cells"]).any()
+    square = table[table["lattice"] == "square"].set_index("angle_deg")
+    k2 = square["k2"]
+    assert square["nu_springs"][0].to_numpy() == pytest.approx((k2 / (1 + k2))[0], abs=1e-9)
+    assert square["nu_tensor"][45].to_numpy() == pytest.approx((1 / (1 + 4 * k2))[45], abs=1e-12)
+    triangles = table[table["lattice"] == "triangular"]
+    assert triangles["nu_tensor"].to_numpy() == pytest.approx(1 / 3, abs=1e-12)
+    orders = evidence.tables["rotated_order"].set_index("angle_deg")["order"]
+    assert (orders[0] == "exact").all()
+
+
+def ratio_by_hand(n, k2):
+    """Of a block at 45 degrees, n squares a side, n odd: from the points of Z x Z.
+
+    (p, q) = (i - j, i + j) turns the point (i, j) by 45 degrees and makes everything √2 larger.
+    Springs are told apart by their length; along the block's edges they count half.
+    """
+    reach = range(2 * n + 1)
+    points = np.array([(p, q) for p in reach for q in reach if (p - q) % 2 == 0])
+    stiffness = np.zeros((len(points), 2, len(points), 2))
+    for a, b in combinations(range(len(points)), 2):
+        along = points[b] - points[a]
+        squared = along @ along
+        if squared not in {2, 4}:
+            continue
+        straight = points[a][along == 0]  # the coordinate that does not change, if there is one
+        k = (1.0 if squared == 2 else k2) * (0.5 if set(straight) & {0, 2 * n} else 1.0)
+        spring = k * np.outer(along, along) / squared
+        for at, other, sign in ((a, a, 1), (b, b, 1), (a, b, -1), (b, a, -1)):
+            stiffness[at, :, other, :] += sign * spring
+    x, y = points.T
+    left, right, bottom, top = x == 0, x == 2 * n, y == 0, y == 2 * n
+    force = np.zeros(points.shape)
+    force[:, 0] = (right * 1.0 - left) * np.where(bottom | top, 0.5, 1.0)
+    # Rigid motions cost no energy and change neither strain: any of the solutions will do.
+    square = stiffness.reshape(force.size, force.size)
+    u, v = np.linalg.lstsq(square, force.ravel(), rcond=1e-10)[0].reshape(-1, 2).T
+    middle = np.abs(x - n) == 1
+    lateral = v[middle & top].mean() - v[middle & bottom].mean()
+    return -lateral / (u[right].mean() - u[left].mean())
+
+
+def test_a_block_at_45_degrees_by_hand():
+    row = rotated.measure(block.springs, ("square", 2.0, 45, 5))
+    assert row["nu_springs"] == pytest.approx(ratio_by_hand(5, 2.0), abs=1e-12)
+
+
+def test_triangles_are_linear_elements():
+    """A triangle of springs is the linear element at nu = 1/3, so both give the same block."""
+
+    def elements(problem, network, _):
+        side = network.rest_length.min()
+        mesh = reference_fem.polygon_discretisation(problem.domain, side, "P1")
+        return reference_fem.solve_problem(problem, mesh).at(network.points)
+
+    for cells in (5, 10):  # half the strips odd, even
+        case = ("triangular", 0.0, 90, cells)
+        springs, fem = (rotated.measure(c, case)["nu_springs"] for c in (block.springs, elements))
+        assert springs == pytest.approx(fem, abs=1e-9)
+
+
+def test_an_elastic_block_has_no_direction_of_its_lattice():
+    """The tensor's ratio at any angle and size: what the springs lack is in the cut."""
+    for degrees, cells in ((0, 5), (45, 5), (45, 10)):
+        row = rotated.measure(block.finite_elements, ("square", 2.0, degrees, cells))
+        assert row["nu_springs"] == pytest.approx(row["nu_tensor"], abs=1e-9)
+    case = ("triangular", 0.0, 90, 5)
+    solid, springs = (rotated.measure(c, case) for c in (block.finite_elements, block.springs))
+    assert solid["nu_springs"] < springs["nu_springs"] < 1 / 3, (
+        "a zigzag edge is no lattice's fault"
+    )
+
+
+@pytest.mark.parametrize("fault", [*poisson.FAULTS][1:])
+def test_rotated_blocks_notice_faults(fault):
+    """All but the first: a ratio does not change when every spring is stiffer alike."""
+    verdict = judge(rotated.run(**poisson.FAULTS[fault], setting=QUICK))
+    assert (verdict["verdict"] == "fail").any()
+
+
+def test_a_fault_of_the_cut_blocks_alone_is_caught():
+    """By the order: towards another ratio than the tensor's there is none."""
+
+    def faulty(problem, network, geometry):
+        aligned = np.ptp(network.points[network.springs[0], 1]) == 0
+        spoilt = network if aligned else controls.diagonals(network, 0.02)
+        return block.springs(problem, spoilt, geometry)
+
+    verdict = judge(rotated.run(faulty, QUICK)).set_index("quantity")["verdict"]
+    assert verdict["square at 0 degrees: the tensor's ratio"] == "pass"
+    assert verdict["cut blocks: order in 1/N towards the tensor"] == "fail"

@@ -1,0 +1,49 @@
+"""Floor 1: networks with a known fault, for negative controls: a study must notice each of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from msvalidate.network import Network
+from msvalidate.problem import Problem, Traction
+
+
+def every_spring(network: Network, size: float) -> Network:
+    """All springs stiffer by the fraction `size`."""
+    return network.scaled(1 + size)
+
+
+def one_spring(network: Network, size: float) -> Network:
+    """The spring in the middle of the list without the part `size` of its stiffness."""
+    factor = np.ones(len(network.springs))
+    factor[len(factor) // 2] -= size
+    return network.scaled(factor)
+
+
+def boundary_springs(network: Network, size: float) -> Network:
+    """Springs shared by half as many cells as their like stiffer, from shared (0) to equal (1).
+
+    They are known by their stiffness, half that of the stiffest spring of their length.
+    """
+    _, alike = np.unique(np.round(network.rest_length, 9), return_inverse=True)
+    strongest = np.zeros(alike.max() + 1)
+    np.maximum.at(strongest, alike, network.stiffness)
+    half = network.stiffness < 0.75 * strongest[alike]
+    return network.scaled(np.where(half, 1 + size, 1.0))
+
+
+def lumped_tractions(problem: Problem, network: Network, size: float) -> Network:
+    """Forces of uniform tractions from consistent (0) to the same at each loaded point (1).
+
+    A problem with other loads is left as it is: those have no one force to share out.
+    """
+    force = np.zeros_like(network.force)
+    for load in problem.loads:
+        if not isinstance(load, Traction) or callable(load.traction):
+            return network
+        loaded = load.region.select(network.points, problem.domain.tolerance)
+        total = load.region.measure(problem.domain.span) * problem.material.thickness
+        force[loaded] += total * np.array(load.traction) / loaded.sum()
+    return replace(network, force=network.force + size * (force - network.force))

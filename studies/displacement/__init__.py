@@ -1,0 +1,53 @@
+"""Displacement: how far are the report's load cases from elasticity, and why?
+
+A single difference from FEM mixes five causes; this study takes them apart. One question a file:
+
+- `budget`: every case, lattice, size and boundary rule against its target, cause by cause;
+- `target`: what the "incompressible" lattice is measured against is a choice, and decides;
+- `identities`: which networks are exactly a known discretisation;
+- `controls`: which faults the study notices, and how small they may be.
+
+The load cases are data in `load_cases`, the springs in `models` and `measuring`, the reference in
+`elastic`. Candidate: displacements predicted for a problem and its network: Algorithm 1, nonlinear
+and linear equilibrium. Reference: scikit-fem finite elements and closed forms.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from msvalidate.candidate import Candidate, springs
+from msvalidate.evidence import Evidence, merged
+from msvalidate.sweep import Setting
+from studies.displacement import budget, controls, elastic, identities, measuring, target
+
+QUESTIONS = ("budget", "target", "identities", "controls")
+FAULTS = {
+    name: {"candidate": controls.candidate_with(kind, size), "questions": ("identities",)}
+    for name, (kind, size) in controls.ASKED.items()
+}
+"""Negative controls: arguments of `run` under which a tolerance must fail. One question that
+notices is enough, so the rest is left out."""
+
+
+def run(
+    candidate: Candidate = springs,
+    setting: Setting | None = None,
+    questions: tuple[str, ...] = QUESTIONS,
+) -> Evidence:
+    """All questions, or those named, for one candidate."""
+    setting = setting or Setting()
+    parts = []
+    if {"budget", "controls"} & set(questions):
+        bodies = elastic.solved(setting)
+    if "budget" in questions:
+        todo = measuring.blocks(setting)
+        found = setting.sweep(partial(measuring.measure, candidate), todo, "spring networks")
+        parts.append(budget.run(dict(zip(todo, found, strict=True)), bodies))
+    if "target" in questions:
+        parts.append(target.run(candidate, setting))
+    if "identities" in questions:
+        parts.append(identities.run(candidate, setting))
+    if "controls" in questions:
+        parts.append(controls.run(bodies))
+    return merged(*parts)

@@ -1,0 +1,177 @@
+"""Controls: which faults does the study notice, by which quantity, and how small may they be?
+
+Question   Every fault that it must notice, on either lattice; and the smallest one of each kind.
+Candidate  The spring network with one known fault.
+Reference  The study's own identities and its observed order.
+Expected   Identities notice parts in 1e8. An order needs two sizes and no exact answer, and sees
+           tenths of a percent: a softer network first shows *smaller* errors and too high an order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from msvalidate import faults
+from msvalidate.body import lattice_network
+from msvalidate.candidate import Answer, Candidate, springs
+from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.network import Network
+from msvalidate.problem import Array, Problem
+from studies.displacement import identities, load_cases, orders
+from studies.displacement.elastic import Bodies
+from studies.displacement.models import ISOTROPIC, homogenised
+
+Fault = Callable[[Problem, Network, float], Network]
+
+
+def _of_network(fault: Callable[[Network, float], Network]) -> Fault:
+    return lambda _, network, size: fault(network, size)
+
+
+KINDS: dict[str, Fault] = {
+    "stiffness of every spring": _of_network(faults.every_spring),
+    "one spring": _of_network(faults.one_spring),
+    "boundary weights": _of_network(faults.boundary_springs),
+    "traction": faults.lumped_tractions,
+}
+UNITS = {
+    "stiffness of every spring": "relative",
+    "one spring": "part missing",
+    "boundary weights": "part of the way from shared to equal",
+    "traction": "part of the way from consistent to equal forces",
+}
+ASKED = {
+    "every spring 1 % stiffer": ("stiffness of every spring", 0.01),
+    "every spring 0.1 % softer": ("stiffness of every spring", -0.001),
+    "every spring 0.2 % softer": ("stiffness of every spring", -0.002),
+    "one spring missing": ("one spring", 1.0),
+    "wrong boundary weights": ("boundary weights", 1.0),
+    "traction lumped equally": ("traction", 1.0),
+}
+"""What the study must notice: name -> kind of fault and its size."""
+CASE = "shear"
+"""Loads a whole side: of the middle fifth on 6 x 6 particles, lumped forces are the consistent."""
+PROBE = 1e-6
+"""Size of the fault from which the smallest that an identity notices is extrapolated."""
+STEPS = tuple(m * 10.0**-e for e in range(4, 0, -1) for m in (1, 2, 5))
+"""Sizes tried on the order, which does not grow in proportion to the fault."""
+FINENESSES = (10, 20)
+ORDER, ORDER_ERROR = 1.95, 0.15
+"""Of the two-sided case on the square lattice, held from both sides."""
+IDENTITY = 1e-9
+TOLERANCES = (
+    Tolerance(
+        "faults that the study must notice and does not",
+        0.0,
+        "1",
+        "a study that cannot fail proves nothing",
+    ),
+)
+COLUMNS = {
+    **load_cases.COLUMNS,
+    "fault": "what is wrong with the network",
+    "kind": "kind of fault",
+    "fault_unit": "how the fault's size is measured",
+    "size": "how large it is, in its unit",
+    "quantity": "what is held to a limit",
+    "error": "its error with the fault",
+    "limit": "what its error may be",
+    "noticed": "whether the error is beyond the limit",
+    "smallest_noticed": "smallest fault of the kind that this quantity notices, in its unit, or "
+    "none",
+}
+Measure = Callable[[Candidate], float]
+
+
+def spoilt(
+    kind: str, size: float, problem: Problem, network: Network, answer: Answer = "linear"
+) -> Array:
+    """A candidate whose network has a fault."""
+    return springs(problem, KINDS[kind](problem, network, size), answer)
+
+
+def candidate_with(kind: str, size: float) -> Candidate:
+    """The spring network with a fault of some kind and size."""
+    return partial(spoilt, kind, size)
+
+
+def run(bodies: Bodies) -> Evidence:
+    """Try every fault on every quantity."""
+    quantities: list[tuple[str, str, Measure, float]] = [
+        ("square", "order, two-sided pressure", partial(order_error, bodies), ORDER_ERROR),
+        ("square", "pure bending", bending_error, IDENTITY),
+        ("square", "uniform tension", partial(identities.uniform_tension, cells=5), IDENTITY),
+        ("triangular", "P1 identity", p1_error, IDENTITY),
+    ]
+    rows = []
+    for fault, (kind, size) in ASKED.items():
+        for lattice, quantity, measure, limit in quantities:
+            error = measure(candidate_with(kind, size))
+            row: dict[str, object] = {"fault": fault, "kind": kind, "fault_unit": UNITS[kind]}
+            row |= {"size": size, "lattice": lattice, "quantity": quantity, "error": error}
+            row |= {"limit": limit, "noticed": "yes" if error > limit else "no"}
+            rows.append(row | {"smallest_noticed": smallest(kind, np.sign(size), measure, limit)})
+    table = pd.DataFrame(rows)
+    noticed = table.groupby(["fault", "lattice"])["noticed"].agg(lambda words: "yes" in set(words))
+    return Evidence(
+        tables={"controls": table},
+        observed={TOLERANCES[0].quantity: Observed(float((~noticed).sum()))},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        findings=(finding(table),),
+    )
+
+
+def smallest(kind: str, sign: float, measure: Measure, limit: float) -> float | str:
+    """Smallest size of a fault that a quantity notices."""
+    if limit == IDENTITY:
+        error = measure(candidate_with(kind, sign * PROBE))
+        return float(PROBE * limit / error) if error > 1e-3 * limit else "none"
+    for size in STEPS:
+        if measure(candidate_with(kind, sign * size)) > limit:
+            return size
+    return "none"
+
+
+def order_error(bodies: Bodies, candidate: Candidate) -> float:
+    """Largest distance of the two-sided case's observed orders from what they should be."""
+    case = "two-sided pressure"
+    errors = []
+    for n in FINENESSES:
+        shape = load_cases.body("square", case, n)
+        problem = load_cases.problem(case, shape, homogenised(ISOTROPIC))
+        network = lattice_network(problem, shape.grid(), ISOTROPIC.constants)
+        move = candidate(problem, network, "linear")
+        probes = np.array(list(shape.probes.values()))
+        at = np.linalg.norm(network.points[:, None] - probes, axis=2).argmin(axis=0)
+        errors.append((move[at] - bodies[case, ISOTROPIC, n][0].at_probes).ravel())
+    found = [
+        orders.order(a, b, FINENESSES[1] / FINENESSES[0]) for a, b in zip(*errors, strict=True)
+    ]
+    # Errors that change sign or hardly fall show no order: it counts as 0.
+    return max(abs((0.0 if isinstance(o, str) else o) - ORDER) for o in found)
+
+
+def bending_error(candidate: Candidate) -> float:
+    """Error of EI_eff/EI of a beam four cells high."""
+    nu = ISOTROPIC.target.nu
+    exact = 1 + (2 - nu) / (1 + nu) / 4**2
+    return abs(identities.bending_stiffness(candidate, 4) - exact)
+
+
+def p1_error(candidate: Candidate) -> float:
+    """Difference of a sheared triangular network to P1 elements."""
+    return identities.against_p1(candidate, CASE)[1]
+
+
+def finding(table: pd.DataFrame) -> str:
+    """How fine the study's net is."""
+    sizes = pd.to_numeric(table["smallest_noticed"], errors="coerce")
+    best = sizes.groupby(table["kind"]).min()
+    return "Smallest faults noticed: " + "; ".join(
+        f"{kind} {size:.1g} ({UNITS[kind]})" for kind, size in best.items()
+    )

@@ -1,0 +1,133 @@
+"""Figures of the error budget, as functions of the tables."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+
+from msvalidate import figures
+from msvalidate.evidence import Tables
+from msvalidate.problem import Mask
+from studies.displacement.load_cases import CASES
+
+PARTS = ("at_rest", "geometric", "boundary", "discretisation", "model_form")
+"""Of the error budget, from the candidate's run to the target."""
+
+
+def convergence(tables: Tables) -> Figure:
+    """Relative L2 difference to the homogenised body against the spacing, with its order."""
+    cases = tables["cases"].drop_duplicates(["case", "lattice", "weights", "k1", "cells_y"])
+    figure, axes = figures.new(len(CASES), 1, size=(2.7, 3.0), sharey=True)
+    for axis, case in zip(axes, CASES, strict=True):
+        rows = cases[cases["case"] == case]
+        groups = rows.groupby(["lattice", "k1", "weights"], sort=False)
+        for i, ((lattice, _, weights), line) in enumerate(groups):
+            k = line.iloc[0]
+            name = f"{lattice}, {_model(k['k1'], k['k2'])}"
+            shared = weights == "shared"
+            axis.plot(
+                1 / line["cells_y"],
+                line["rel_l2"],
+                "-" if shared else ":",
+                marker=figures.MARKERS[i // 2],
+                color=figures.COLOURS[i // 2],
+                mfc=None if shared else "white",
+                label=f"{name}, {weights}",
+            )
+        spacing = np.array([1 / rows["cells_y"].max(), 1 / rows["cells_y"].min()])
+        top = float(rows["rel_l2"].max())
+        for order, style in ((1, "--"), (2, "-.")):
+            axis.plot(
+                spacing,
+                1.5 * top * (spacing / spacing[1]) ** order,
+                style,
+                color="grey",
+                lw=0.9,
+                label=f"order {order}",
+            )
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        figures.plain_powers(axis)
+        ticks = sorted({1 / n for n in rows[rows["lattice"] == "square"]["cells_y"]})
+        axis.set_xticks(ticks, [f"1/{round(1 / t)}" for t in ticks])
+        axis.minorticks_off()
+        axis.set_title(case, fontsize=9)
+        axis.set_xlabel("spacing over height (1)")
+    axes[0].set_ylabel("relative L2 difference to FEM (1)")
+    figures.shared_legend(figure, axes, columns=4)
+    return figure
+
+
+def budget(tables: Tables) -> Figure:
+    """Signed parts of the error at each probe, stacked, for the report's 6 x 6 particles."""
+    cases = tables["cases"]
+    figure, axes = figures.new(2, 2, size=(5.2, 3.2))
+    for axis, case in zip(axes, CASES, strict=True):
+        rows = cases[(cases["case"] == case)]
+        first = rows.groupby("lattice")["cells_y"].transform("min")
+        rows = rows[rows["cells_y"] == first]
+        rows = rows[rows["component"] == ("uy" if case in {"shear", "bending"} else "ux")]
+        rows = rows[rows["probe"] == rows["probe"].iloc[-1]]
+        labels = [
+            f"{r.lattice}\n{_model(r.k1, r.k2)}\n{r.weights}" for r in rows.itertuples(index=False)
+        ]
+        place = np.arange(len(rows))
+        up, down = np.zeros(len(rows)), np.zeros(len(rows))
+        for part, colour in zip(PARTS, figures.COLOURS, strict=False):
+            value = 100 * rows[part].to_numpy()
+            base = np.where(value >= 0, up, down)
+            axis.bar(place, value, bottom=base, color=colour, label=part, width=0.6)
+            up, down = up + np.maximum(value, 0), down + np.minimum(value, 0)
+        axis.errorbar(
+            place,
+            100 * rows["total"],
+            100 * rows["reference"],
+            fmt="D",
+            color="black",
+            ms=4,
+            label="total ± reference",
+        )
+        axis.axhline(0, color="black", lw=0.8)
+        band = 100 * CASES[case].band
+        axis.axhspan(-band, band, color="grey", alpha=0.15, lw=0, label="band")
+        axis.set_xticks(place, labels, fontsize=7)
+        axis.set_title(f"{case}: {rows['component'].iloc[0]} at '{rows['probe'].iloc[0]}'")
+        axis.set_ylabel("part of |u_target| (%)")
+        axis.set_xlabel("lattice, constants and weights, 6 x 6 particles")
+    figures.shared_legend(figure, axes, columns=7)
+    return figure
+
+
+def field(tables: Tables) -> Figure:
+    """Where springs and homogenised body differ: length of the difference over the largest |u|."""
+    table = tables["field"]
+    lattices = list(dict.fromkeys(table["lattice"]))
+    figure, axes = figures.new(len(CASES), len(lattices), size=(3.0, 2.5))
+    for row, lattice in enumerate(lattices):
+        for column, case in enumerate(CASES):
+            axis = axes[row * len(CASES) + column]
+            points = table[(table["lattice"] == lattice) & (table["case"] == case)]
+            mesh = Triangulation(points["x"], points["y"])
+            mesh.set_mask(_slivers(mesh))
+            shown = axis.tripcolor(
+                mesh, 100 * points["difference"], cmap="viridis", shading="gouraud", vmin=0
+            )
+            figure.colorbar(shown, ax=axis, orientation="horizontal", label="difference (%)")
+            axis.set_aspect("equal")
+            axis.grid(visible=False)
+            axis.set_title(f"{case}, {lattice}", fontsize=8)
+            axis.set_xlabel("x (m)")
+            axis.set_ylabel("y (m)")
+    return figure
+
+
+def _slivers(mesh: Triangulation) -> Mask:
+    """Triangles that bridge a notch of the outline: longer than the lattice's own."""
+    x, y = mesh.x[mesh.triangles], mesh.y[mesh.triangles]
+    side = np.hypot(x - np.roll(x, 1, axis=1), y - np.roll(y, 1, axis=1)).max(axis=1)
+    return np.asarray(side > 1.5 * np.median(side))
+
+
+def _model(k1: float, k2: float) -> str:
+    return "k2 = 2 k1" if k2 > k1 else "isotropic"

@@ -1,0 +1,258 @@
+"""The report's load cases as data: bodies, loads, supports, probes and bands.
+
+Side 1 m, thickness 1 m, E = 100 kPa, as in the report; total forces make a nominal strain of about
+1 %. The report loads its "two central particles": here a traction on the middle fifth of the edge,
+whose consistent forces on 6 x 6 particles are exactly two equal forces, and which is the same load
+on every lattice and in FEM.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pandas as pd
+
+from msvalidate.lattice import Lattice, square, trapezium, triangular, zigzag_block
+from msvalidate.problem import (
+    Box,
+    Domain,
+    Material,
+    Part,
+    Polygon,
+    Problem,
+    Region,
+    Segment,
+    Support,
+    Traction,
+)
+
+MODULUS = 1e5
+"""Young's modulus (Pa) of the target; what the lattice's axial modulus is set to."""
+THICKNESS = 1.0
+DENSITY = 1000.0
+"""Sets time scales of Algorithm 1 and no displacement (kg/m³)."""
+FIFTH = 0.2
+"""Part of the side that is loaded: two central particles of six."""
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """One load case, the same on every body.
+
+    `loads`: named part of the body -> total force (N) on it. `held`: named part -> components
+    held. `band`: largest accepted |total| of the error budget. `strain`: nominal strain.
+    """
+
+    name: str
+    loads: dict[str, tuple[float, float]]
+    held: dict[str, tuple[bool, bool]]
+    strain: float
+    strain_is: str
+    band: float
+
+
+CASES = {
+    case.name: case
+    for case in (
+        LoadCase(
+            "pressure",
+            {"middle fifth of left": (1000.0, 0.0)},
+            {"right": (True, True)},
+            0.01,
+            "force / (E · side · thickness)",
+            0.05,
+        ),
+        LoadCase(
+            "two-sided pressure",
+            {"middle fifth of left": (1000.0, 0.0), "middle fifth of right": (-1000.0, 0.0)},
+            {"lower inner point": (True, True), "upper inner point": (True, False)},
+            0.01,
+            "force / (E · side · thickness)",
+            0.05,
+        ),
+        LoadCase(
+            "shear",
+            {"left": (0.0, 375.0)},
+            {"right": (True, True)},
+            0.01,
+            "force / (G · side · thickness), nu = 1/3",
+            0.05,
+        ),
+        LoadCase(
+            "bending",
+            {"middle of top": (0.0, -250.0)},
+            {"left": (True, True), "right": (True, True)},
+            0.009,
+            "beam theory: F·L/8 at the held ends over E·W, with L = 5 m",
+            0.05,
+        ),
+    )
+}
+LATTICES = ("square", "triangular")
+COLUMNS = {
+    "case": "load case",
+    "lattice": "which lattice",
+    "k1": "stiffness of axial springs (N/m)",
+    "k2": "stiffness of diagonal springs (N/m); 0 where there are none",
+    "weights": "rule for springs on the boundary: shared or equal",
+    "cells_x": "square: cells along x. Triangular block: strips of triangles along x; triangular "
+    "bar: triangle sides along the top",
+    "cells_y": "square: cells along y. Triangular block: triangle sides along its straight left "
+    "edge; triangular bar: rows of triangles",
+    "probe": "name of a point away from loads, supports and corners",
+    "component": "ux or uy",
+    "x": "place along x (m)",
+    "y": "place along y (m)",
+    "body": "outline of the body, at the coarsest lattice",
+    "area": "its area (m²)",
+    "loaded": "name of the loaded part",
+    "where": "the loaded part (m)",
+    "force_x": "total force on it along x (N)",
+    "force_y": "total force on it along y (N)",
+    "held": "parts held, and which components",
+    "nominal_strain": "strain that the load stands for (1)",
+    "nominal_strain_is": "how that is meant",
+    "band": "largest |total| + reference that counts as agreement (1)",
+}
+"""What columns of several tables mean."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body and the lattice that fills it.
+
+    `cells` = (cells_x, cells_y). Square: cells along x and y. Triangular block: strips of triangles
+    along x, triangle sides along the straight left edge. Triangular bar: triangle sides along the
+    top, rows of triangles. `places`: names of parts; `probes`: name -> coordinates (m).
+    """
+
+    lattice: str
+    domain: Domain
+    spacing: float
+    cells: tuple[int, int]
+    places: dict[str, Part]
+    probes: dict[str, tuple[float, float]]
+
+    def grid(self) -> Lattice:
+        """The lattice."""
+        if isinstance(self.domain, Polygon):
+            return triangular(self.domain, self.spacing)
+        return square(self.domain, self.cells)
+
+
+def body(lattice: str, case: str, fineness: int) -> Body:
+    """Body of a case with `fineness` spacings on a side of 1 m; a multiple of 5.
+
+    Triangular bodies are unions of whole triangles: the block 1.039 m wide with straight ends, the
+    bar a trapezium with a height of 1.039 m and 5.004 times as long at mid-height, so that all that
+    is loaded or held is straight.
+    """
+    make = {
+        ("square", False): _square_block,
+        ("square", True): _square_beam,
+        ("triangular", False): _triangular_block,
+        ("triangular", True): _triangular_bar,
+    }
+    return make[lattice, case == "bending"](fineness)
+
+
+def _square_block(n: int) -> Body:
+    box = Box((1.0, 1.0))
+    probes = {"top": (0.4, 1.0), "inside": (0.6, 0.6)}
+    return Body("square", box, 1 / n, (n, n), _sides(1.0, 0.4), probes)
+
+
+def _triangular_block(n: int) -> Body:
+    cells = (6 * n // 5, n)
+    outline = zigzag_block(1.0, cells)
+    width = outline.span[0][1]
+    probes = {"top": (width / 3, 1.0), "inside": (2 * width / 3, 0.6)}
+    return Body("triangular", outline, 1 / n, cells, _sides(width, width / 3), probes)
+
+
+def _sides(width: float, inner: float) -> dict[str, Part]:
+    """Named parts of a block 1 m high with straight left and right sides."""
+    low, high = 0.5 - FIFTH / 2, 0.5 + FIFTH / 2
+    return {
+        "left": Segment((0.0, 1.0), (0.0, 0.0)),
+        "right": Segment((width, 0.0), (width, 1.0)),
+        "middle fifth of left": Segment((0.0, high), (0.0, low)),
+        "middle fifth of right": Segment((width, low), (width, high)),
+        "lower inner point": Region((inner, low)),
+        "upper inner point": Region((inner, high)),
+    }
+
+
+def _square_beam(n: int) -> Body:
+    places: dict[str, Part] = {
+        "left": Segment((0.0, 1.0), (0.0, 0.0)),
+        "right": Segment((5.0, 0.0), (5.0, 1.0)),
+        "middle of top": Segment((2.6, 1.0), (2.4, 1.0)),
+    }
+    probes = {"bottom": (2.4, 0.0), "quarter": (1.2, 0.4)}
+    return Body("square", Box((5.0, 1.0)), 1 / n, (5 * n, n), places, probes)
+
+
+def _triangular_bar(n: int) -> Body:
+    cells = (23 * n // 5, 6 * n // 5)
+    outline = trapezium(1 / n, cells)
+    a, b, c, d = outline.vertices
+    middle = 0.5 * (a[0] + b[0])
+    places: dict[str, Part] = {
+        "left": Segment(d, a),
+        "right": Segment(b, c),
+        "middle of top": Segment((middle + FIFTH / 2, c[1]), (middle - FIFTH / 2, c[1])),
+    }
+    probes = {"bottom": (middle - FIFTH / 2, 0.0), "quarter": (1.4, c[1] / 3)}
+    return Body("triangular", outline, 1 / n, cells, places, probes)
+
+
+def problem(case: str, shape: Body, material: Material) -> Problem:
+    """The problem of a case on a body of some material."""
+    asked = CASES[case]
+    supports = tuple(
+        Support(shape.places[name], tuple(0.0 if component else None for component in held))
+        for name, held in asked.held.items()
+    )
+    loads = []
+    for name, force in asked.loads.items():
+        area = shape.places[name].measure(shape.domain.span) * material.thickness
+        loads.append(Traction(shape.places[name], tuple(f / area for f in force)))
+    return Problem(shape.domain, material, supports, tuple(loads), name=f"{case}, {shape.lattice}")
+
+
+def table() -> pd.DataFrame:
+    """The load cases as they are, one row per load and lattice."""
+    rows = []
+    for case in CASES.values():
+        for lattice in LATTICES:
+            shape = body(lattice, case.name, 5)
+            for name, force in case.loads.items():
+                row: dict[str, object] = {
+                    "case": case.name,
+                    "lattice": lattice,
+                    "body": str(shape.domain),
+                }
+                row |= {"area": shape.domain.volume, "loaded": name}
+                row |= {"where": str(shape.places[name]), "force_x": force[0], "force_y": force[1]}
+                held = [
+                    f"{part} {shape.places[part]}: {' and '.join(_named(components))}"
+                    for part, components in case.held.items()
+                ]
+                row |= {"held": "; ".join(held), "nominal_strain": case.strain}
+                rows.append(row | {"nominal_strain_is": case.strain_is, "band": case.band})
+    return pd.DataFrame(rows)
+
+
+def _named(components: tuple[bool, bool]) -> list[str]:
+    return [name for name, held in zip(("ux", "uy"), components, strict=True) if held]
+
+
+def probe_table() -> pd.DataFrame:
+    """Where the probes are, on every lattice of the body."""
+    rows = []
+    for case in CASES:
+        for lattice in LATTICES:
+            for name, (x, y) in body(lattice, case, 5).probes.items():
+                rows.append({"case": case, "lattice": lattice, "probe": name, "x": x, "y": y})
+    return pd.DataFrame(rows)

@@ -1,0 +1,60 @@
+"""What the candidate is asked: every load case on every model, size and boundary rule."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from msvalidate.body import lattice_network
+from msvalidate.candidate import Answer, Candidate
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.displacement import load_cases
+from studies.displacement.load_cases import CASES
+from studies.displacement.models import MODELS, Model, homogenised
+
+WEIGHTS = ("shared", "equal")
+"""Boundary rules of the rows: `per_cell` is another lattice inside, not another boundary."""
+SIZES = {"square": (5, 10, 20, 40, 80), "triangular": (5, 10, 20, 40, 80)}
+QUICK_SIZES = {"square": (5, 10, 20), "triangular": (5, 10)}
+"""Spacings on a side of 1 m; 5 are the report's 6 x 6 particles."""
+ANSWERS: tuple[Answer, ...] = ("linear", "nonlinear", "relaxed")
+
+
+@dataclass(frozen=True)
+class Block:
+    """One network to measure: a case on a model at a fineness."""
+
+    case: str
+    model: Model
+    fineness: int
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Displacements (n, 2) in m of a block by (weights, answer), and its points (n, 2) in m."""
+
+    points: Array
+    moves: dict[tuple[str, Answer], Array]
+
+
+def blocks(setting: Setting) -> list[Block]:
+    """All networks of the study."""
+    return [Block(c, m, n) for c in CASES for m in MODELS for n in sizes(setting, m.lattice)]
+
+
+def sizes(setting: Setting, lattice: str) -> tuple[int, ...]:
+    """Finenesses of a lattice's bodies, coarsest first."""
+    return (QUICK_SIZES if setting.quick else SIZES)[lattice]
+
+
+def measure(candidate: Candidate, block: Block) -> Measured:
+    """The candidate's answers for a block, under every boundary rule."""
+    shape = load_cases.body(block.model.lattice, block.case, block.fineness)
+    problem = load_cases.problem(block.case, shape, homogenised(block.model))
+    grid = shape.grid()
+    moves: dict[tuple[str, Answer], Array] = {}
+    for weights in WEIGHTS:
+        network = lattice_network(problem, grid, block.model.constants, weights=weights)
+        for answer in ANSWERS:
+            moves[weights, answer] = candidate(problem, network, answer)
+    return Measured(grid.points, moves)

@@ -1,0 +1,245 @@
+"""Exponents at corners, against closed forms and a weak form that shares nothing with Stroh's."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.polynomial import legendre
+from scipy.interpolate import BSpline
+from scipy.optimize import brentq
+
+from msvalidate.problem import ProblemError, SolverError
+from msvalidate.singularity import clamped_free_exponent, free_free_exponent
+from msvalidate.stiffness import rotated
+
+TURN = 2 * np.pi
+# No symmetry at all; a cubic one far from isotropy; fibres along x.
+CROOKED = np.array([[3.0, 0.5, 0.4], [0.5, 2.0, -0.3], [0.4, -0.3, 1.0]])
+CUBIC = np.array([[3.0, 2.0, 0.0], [2.0, 3.0, 0.0], [0.0, 0.0, 2.0]])
+FIBRES = np.array([[8.0, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 0.5]])
+ANISOTROPIC = pytest.mark.parametrize(
+    "tensor", [CROOKED, CUBIC, FIBRES], ids=["crooked", "cubic", "fibres"]
+)
+EXACT = 1e-10  # rounding of 1e-16, times condition numbers up to 1e3 of tensor and eigenproblem
+SPLINES = 1e-6  # error of the weak form's splines, worst for fibres in a wide wedge: 2e-7
+
+angles = st.floats(0.05, TURN)
+directions = st.floats(-np.pi, np.pi)
+examples = settings(max_examples=20, deadline=None)
+
+
+def plane_stress(nu):
+    return np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]]) / (1 - nu**2)
+
+
+def exponents(tensor, angle, direction=0.0):
+    """The exponents of both kinds of wedge."""
+    return np.array(
+        [
+            clamped_free_exponent(tensor, angle, clamped_direction=direction),
+            free_free_exponent(tensor, angle, side_direction=direction),
+        ]
+    )
+
+
+def smallest_zero(f, angle):
+    """Smallest real part > 0 of a zero of an entire f, by Newton's method from many places."""
+    x, y = np.meshgrid(np.linspace(0.1, 4, 40), np.linspace(0, 3, 16))
+    z = ((x + 1j * y) / angle).ravel()
+    step = 1e-6 / angle
+    with np.errstate(all="ignore"):  # some starts run away
+        for _ in range(60):
+            z = z - f(z) * 2 * step / (f(z + step) - f(z - step))
+        zeros = z[(np.abs(f(z)) < 1e-12) & (z.real > 0.01)]
+    return zeros.real.min()
+
+
+def weak_form_exponent(tensor, angle, direction, *, clamped):
+    """Smallest exponent by Galerkin's method in θ, for displacements alone: splines of degree 14.
+
+    Strain of r^λ f(θ) is r^(λ-1) (λ A f + B f'), with A and B the symmetric products with the
+    directions of r and θ. Tested with ρ(r) g(θ), ρ of compact support: for every g,
+
+        ∫ (B g' - λ A g)ᵀ C (λ A f + B f') dθ = 0.
+    """
+    degree, pieces = 14, 50
+    breaks = np.linspace(direction, direction + angle, pieces + 1)
+    x, weight = legendre.leggauss(18)
+    theta = (breaks[:-1, None] + angle / pieces * (1 + x) / 2).ravel()
+    weight = np.tile(weight * angle / pieces / 2, pieces)
+    knots = np.pad(breaks, degree, mode="edge")
+    splines = BSpline(knots, np.eye(pieces + degree), degree)
+    first = 1 if clamped else 0  # all others vanish at the clamped side
+    f, slope = splines(theta)[:, first:], splines.derivative()(theta)[:, first:]
+    c, s = np.cos(theta), np.sin(theta)
+    zero = np.zeros_like(c)
+    A = np.array([[c, zero], [zero, s], [s, c]])
+    B = np.array([[-s, zero], [zero, c], [c, -s]])
+    strain_r = np.einsum("abq,qj->qajb", A, f).reshape(len(theta), 3, -1)
+    strain_t = np.einsum("abq,qj->qajb", B, slope).reshape(len(theta), 3, -1)
+
+    def energy(first, second):
+        return np.einsum("q,qai,ab,qbj->ij", weight, first, tensor, second, optimize=True)
+
+    K0, K1, K2 = energy(strain_t, strain_t), energy(strain_t, strain_r), energy(strain_r, strain_r)
+    one, nought = np.eye(len(K0)), np.zeros_like(K0)
+    inverse = np.linalg.inv(K2)
+    found = np.linalg.eigvals(np.block([[nought, one], [inverse @ K0, inverse @ (K1 - K1.T)]]))
+    # Large eigenvalues are those of the splines; translations of a free wedge have λ = 0.
+    return found[(found.real > 1e-3) & (np.abs(found) < 10 / angle)].real.min()
+
+
+# Closed forms ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("nu", [-0.5, 0.1, 1 / 3, 0.5, 0.9])
+@pytest.mark.parametrize("degrees", [10, 45, 60, 90, 120, 150, 180, 270, 330, 359])
+def test_clamped_free_wedges_are_williams(nu, degrees):
+    """Real and complex: sin²(λα) = ((κ + 1)² - 4λ² sin²α)/(4κ), κ = (3 - nu)/(1 + nu)."""
+    angle, kappa = np.deg2rad(degrees), (3 - nu) / (1 + nu)
+
+    def williams(z):
+        return np.sin(z * angle) ** 2 - ((kappa + 1) ** 2 - (2 * z * np.sin(angle)) ** 2) / (
+            4 * kappa
+        )
+
+    found = clamped_free_exponent(plane_stress(nu), angle)
+    assert found == pytest.approx(smallest_zero(williams, angle), rel=EXACT)
+
+
+@pytest.mark.parametrize("degrees", [185, 200, 225, 240, 270, 300, 345])
+def test_free_notches_are_williams(degrees):
+    """sin(λα) = -λ sin α, the symmetric mode, whatever nu."""
+    angle = np.deg2rad(degrees)
+    expected = brentq(lambda z: np.sin(z * angle) + z * np.sin(angle), 0.4, 1 - 1e-9, xtol=1e-14)
+    for nu in (0.0, 0.45):
+        found = free_free_exponent(plane_stress(nu), angle)
+        assert found == pytest.approx(expected, rel=EXACT)
+
+
+def test_known_values():
+    # The 90° corner of a clamped block at nu = 1/3 gives order 1.489; an L-shape has 0.5445.
+    assert 2 * clamped_free_exponent(plane_stress(1 / 3), np.pi / 2) == pytest.approx(1.4895, 1e-5)
+    assert free_free_exponent(plane_stress(0.3), 1.5 * np.pi) == pytest.approx(0.544484, abs=1e-6)
+    assert free_free_exponent(plane_stress(0.3), TURN * 2 / 3) == pytest.approx(0.615731, abs=1e-6)
+
+
+@ANISOTROPIC
+def test_a_crack_has_the_square_root_whatever_the_material(tensor):
+    assert free_free_exponent(tensor, TURN) == pytest.approx(0.5, rel=EXACT)
+    # Clamped on one side: 1/4 ± iε.
+    assert clamped_free_exponent(tensor, TURN) == pytest.approx(0.25, rel=EXACT)
+
+
+@ANISOTROPIC
+def test_a_half_plane_and_less_is_regular_when_free(tensor):
+    for angle in (0.5, 2.0, np.pi):
+        assert free_free_exponent(tensor, angle) == 1.0
+        slim = weak_form_exponent(tensor, angle, 0.3, clamped=False)
+        assert slim == pytest.approx(1.0, rel=SPLINES)  # nothing comes before the rotation
+
+
+@pytest.mark.parametrize("tensor", [plane_stress(1 / 3), plane_stress(0.6), FIBRES])
+def test_a_corner_is_regular_where_uniaxial_stress_does_not_stretch_the_clamped_side(tensor):
+    """Stress along the free side, at α, strains the clamped one by cos²α - nu sin²α = 0."""
+
+    def stretch(angle):
+        c, s = np.cos(angle), np.sin(angle)
+        return np.linalg.solve(tensor, [c * c, s * s, c * s])[0]
+
+    angle = brentq(stretch, 0.5, np.pi / 2, xtol=1e-15)
+    assert clamped_free_exponent(tensor, angle) == pytest.approx(1.0, rel=EXACT)
+
+
+# Any tensor -----------------------------------------------------------------------------------
+
+
+@ANISOTROPIC
+@pytest.mark.parametrize("angle", [0.3, np.pi / 2, 2.5, 3.5, 1.5 * np.pi, 6.0])
+def test_wedges_agree_with_a_weak_form(tensor, angle):
+    direction = 0.7  # along no axis of symmetry
+    found = clamped_free_exponent(tensor, angle, clamped_direction=direction)
+    expected = weak_form_exponent(tensor, angle, direction, clamped=True)
+    assert found == pytest.approx(expected, rel=SPLINES)
+    if angle > np.pi:
+        found = free_free_exponent(tensor, angle, side_direction=direction)
+        expected = weak_form_exponent(tensor, angle, direction, clamped=False)
+        assert found == pytest.approx(expected, rel=SPLINES)
+
+
+@examples
+@given(angle=angles, direction=directions, turn=directions)
+def test_turning_material_and_wedge_together_changes_nothing(angle, direction, turn):
+    turned = exponents(rotated(CROOKED, turn), angle, direction + turn)
+    np.testing.assert_allclose(turned, exponents(CROOKED, angle, direction), rtol=EXACT)
+
+
+@examples
+@given(angle=angles, direction=directions)
+def test_either_side_may_be_the_clamped_one(angle, direction):
+    """Reciprocity. Mirrored in x, the wedge has its sides in the other order."""
+    mirrored = CROOKED * np.outer([1, 1, -1], [1, 1, -1])
+    other = clamped_free_exponent(mirrored, angle, clamped_direction=-direction - angle)
+    one = clamped_free_exponent(CROOKED, angle, clamped_direction=direction)
+    assert other == pytest.approx(one, rel=EXACT)
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e11])
+def test_the_unit_of_stiffness_does_not_matter(unit):
+    scaled = exponents(unit * CROOKED, 4.0, 0.2)
+    np.testing.assert_allclose(scaled, exponents(CROOKED, 4.0, 0.2), rtol=EXACT)
+
+
+def test_an_isotropic_tensor_is_the_limit_of_others():
+    """Stroh's eigenvectors coalesce there; the exponent does not notice."""
+    isotropic = exponents(plane_stress(0.3), 4.0)
+    nearly = exponents(plane_stress(0.3) + np.diag([0.0, 0.0, 1e-7]), 4.0)
+    np.testing.assert_allclose(nearly, isotropic, rtol=1e-6)
+    assert (nearly != isotropic).any()
+
+
+def test_nearly_singular_tensors_keep_their_digits():
+    """As Williams, at the nu where a plane body does not change its area."""
+    nu, angle = 1 - 1e-6, np.pi / 2
+    kappa = (3 - nu) / (1 + nu)
+    found = clamped_free_exponent(plane_stress(nu), angle)
+    assert np.sin(found * angle) ** 2 == pytest.approx(
+        ((kappa + 1) ** 2 - 4 * found**2) / (4 * kappa), rel=1e-9
+    )
+
+
+# Refusals -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("exponent", [clamped_free_exponent, free_free_exponent])
+@pytest.mark.parametrize(
+    ("tensor", "angle", "message"),
+    [
+        (np.eye(6), 1.0, "stiffness tensor C: shape (6, 6); give a plane one, (3, 3)"),
+        (np.diag([1.0, np.nan, 1.0]), 1.0, "stiffness tensor C: nan at index (1, 1)"),
+        (np.diag([1.0, -1.0, 1.0]), 1.0, "stiffness tensor C: lowest eigenvalue -1"),
+        (np.eye(3) + np.eye(3, k=1), 1.0, "stiffness tensor C: not symmetric"),
+        (CUBIC, 0.0, "wedge angle: 0.0 rad; it must be above zero"),
+        (CUBIC, 90.0, "wedge angle: 90.0 rad; give at most 2 pi, the angle of a crack"),
+        (CUBIC, np.inf, "wedge angle: inf; every value must be finite"),
+    ],
+)
+def test_what_is_no_wedge_is_refused(exponent, tensor, angle, message):
+    with pytest.raises(ProblemError, match=re.escape(message)):
+        exponent(tensor, angle)
+
+
+def test_a_direction_that_is_no_angle_is_refused():
+    with pytest.raises(ProblemError, match="side direction: nan"):
+        clamped_free_exponent(CUBIC, 1.0, clamped_direction=np.nan)
+    with pytest.raises(ProblemError, match="give one angle in rad"):
+        free_free_exponent(CUBIC, 1.0, side_direction=[0.0, 1.0])
+
+
+def test_a_tensor_too_close_to_singular_is_refused():
+    with pytest.raises(SolverError, match="eigenvalues go from 1e-09 to 1; their ratio"):
+        clamped_free_exponent(np.diag([1.0, 1.0, 1e-9]), 1.0)
