@@ -173,5 +173,5 @@ def finding(table: pd.DataFrame) -> str:
     sizes = pd.to_numeric(table["smallest_noticed"], errors="coerce")
     best = sizes.groupby(table["kind"]).min()
     return "Smallest faults noticed: " + "; ".join(
-        f"{kind} {size:.1g} ({UNITS[kind]})" for kind, size in best.items()
+        f"{kind} {size:.1g} ({UNITS[str(kind)]})" for kind, size in best.items()
     )

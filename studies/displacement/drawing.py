@@ -90,7 +90,7 @@ def budget(tables: Tables) -> Figure:
         )
         axis.axhline(0, color="black", lw=0.8)
         band = 100 * CASES[case].band
-        axis.axhspan(-band, band, color="grey", alpha=0.15, lw=0, label="band")
+        axis.axhspan(-band, band, color="#e6e6e6", lw=0, zorder=0, label="band")
         axis.set_xticks(place, labels, fontsize=7)
         axis.set_title(f"{case}: {rows['component'].iloc[0]} at '{rows['probe'].iloc[0]}'")
         axis.set_ylabel("part of |u_target| (%)")
