@@ -15,7 +15,6 @@ from scipy.spatial import KDTree
 from msvalidate.problem import Array, Index, ProblemError, finite
 from reference_fem.interpolation import locate
 
-
 AT_NODE = 1e-13
 """A point this close to a node, relative to the body's size, is the node."""
 

@@ -232,7 +232,7 @@ def _lines(through: ArrayLike, length: float, cells: int, grading: float, toward
             f"mesh lines through {through!r}: give coordinates in order, between 0 and {length:g} m"
         )
     share = cells * width / length
-    counts = np.round(share).astype(int)
+    counts = np.floor(share + (0.5 + 1e-9)).astype(int)  # halves go up, whatever their last digit
     if counts.sum() != cells or counts.min() < 1:
         raise ProblemError(
             f"mesh lines through {through!r}: {cells} cells do not divide among the parts; choose "

@@ -3,6 +3,7 @@
 A single difference from FEM mixes five causes; this study takes them apart. One question a file:
 
 - `budget`: every case, lattice, size and boundary rule against its target, cause by cause;
+- `shapes`: the report's Figures 4 to 7 drawn again, and its words about them put to numbers;
 - `target`: what the "incompressible" lattice is measured against is a choice, and decides;
 - `identities`: which networks are exactly a known discretisation;
 - `controls`: which faults the study notices, and how small they may be.
@@ -19,9 +20,9 @@ from functools import partial
 from msvalidate.candidate import Candidate, springs
 from msvalidate.evidence import Evidence, merged
 from msvalidate.sweep import Setting
-from studies.displacement import budget, controls, elastic, identities, measuring, target
+from studies.displacement import budget, controls, elastic, identities, measuring, shapes, target
 
-QUESTIONS = ("budget", "target", "identities", "controls")
+QUESTIONS = ("budget", "shapes", "target", "identities", "controls")
 FAULTS = {
     name: {"candidate": controls.candidate_with(kind, size), "questions": ("identities",)}
     for name, (kind, size) in controls.ASKED.items()
@@ -38,12 +39,16 @@ def run(
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
     parts = []
-    if {"budget", "controls"} & set(questions):
+    if {"budget", "shapes", "controls"} & set(questions):
         bodies = elastic.solved(setting)
-    if "budget" in questions:
+    if {"budget", "shapes"} & set(questions):
         todo = measuring.blocks(setting)
         found = setting.sweep(partial(measuring.measure, candidate), todo, "spring networks")
-        parts.append(budget.run(dict(zip(todo, found, strict=True)), bodies))
+        measured = dict(zip(todo, found, strict=True))
+    if "budget" in questions:
+        parts.append(budget.run(measured, bodies))
+    if "shapes" in questions:
+        parts.append(shapes.run(measured, bodies))
     if "target" in questions:
         parts.append(target.run(candidate, setting))
     if "identities" in questions:

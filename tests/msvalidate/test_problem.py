@@ -116,8 +116,11 @@ def refused(message):
             lambda: plate(loads=(PointForce((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),)),
             "has 3 axes, the body 2",
         ),
-        (lambda: Traction(Region((None, (0.0, 1.0))), (1.0, 0.0)), "0 flat axes"),
-        (lambda: Traction(Region((2.0, 1.0)), (1.0, 0.0)), "2 flat axes"),
+        (
+            lambda: Traction(Region((None, (0.0, 1.0))), (1.0, 0.0)),
+            "traction on (0 <= y <= 1): a traction acts on a side of the body, where exactly one",
+        ),
+        (lambda: Traction(Region((2.0, 1.0)), (1.0, 0.0)), "traction on (x = 2, y = 1): a"),
         (lambda: Traction(BLOCK.side("left"), (1.0, 0.0)), "give 3 components"),
         (lambda: Traction(PLATE.side("left"), (1.0, NAN)), "traction on (x = 0): nan at index 1"),
         (

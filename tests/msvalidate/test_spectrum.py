@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import eigvalsh
 
 from msvalidate import spectrum
 from msvalidate.equilibrium import equilibrium
-from msvalidate.network import spring_network
+from msvalidate.network import spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.spectrum import extreme_frequencies, natural_frequencies
 
@@ -55,6 +56,41 @@ def test_a_chain_has_its_closed_form():
     np.testing.assert_allclose(lowest, omega[:7], rtol=1e-11)
     assert highest == pytest.approx(omega[-1], rel=1e-12)
     assert extreme_frequencies(chain(40)) == pytest.approx((omega[0], omega[-1]), rel=1e-11)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4])
+def test_squares_are_within_the_tolerance_that_is_asked_for(tolerance):
+    # The two highest of the 150 squares differ by 3e-4 of themselves.
+    squares = 4 * 3.0 / 0.5 * np.sin(np.arange(1, 151) * np.pi / 302) ** 2
+    lowest, highest = extreme_frequencies(chain(150), tolerance=tolerance)
+    assert lowest**2 == pytest.approx(squares[0], rel=tolerance)
+    assert highest**2 == pytest.approx(squares[-1], rel=tolerance)
+    first, _ = natural_frequencies(chain(150), 5, tolerance=tolerance)
+    np.testing.assert_allclose(first**2, squares[:5], rtol=tolerance)
+
+
+def test_squares_of_a_body_are_within_the_tolerance(lattice_body):
+    network = lattice_body((4.0, 1.0), (16, 4))
+    free = np.flatnonzero(~network.held.ravel())
+    K = tangent(network, network.points).toarray()[np.ix_(free, free)]
+    squares = eigvalsh(K, np.diag(np.repeat(network.mass, 2)[free]))
+    lowest, highest = extreme_frequencies(network, tolerance=1e-4)
+    assert lowest**2 == pytest.approx(squares[0], rel=1e-4)
+    assert highest**2 == pytest.approx(squares[-1], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "message"),
+    [
+        (-1e-4, "tolerance of the frequencies: -0.0001; give a relative error, 0 <= tolerance < 1"),
+        (1.0, "tolerance of the frequencies: 1.0; give a relative error"),
+        (float("nan"), "tolerance of the frequencies: nan; every value must be finite"),
+        (None, "tolerance of the frequencies: expected numbers, got None"),
+    ],
+)
+def test_a_tolerance_that_is_no_relative_error_is_refused(tolerance, message):
+    with pytest.raises(ProblemError, match=re.escape(message)):
+        extreme_frequencies(chain(5), tolerance=tolerance)
 
 
 def test_every_mode_can_be_asked_for():

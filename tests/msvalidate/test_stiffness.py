@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.lattice import WEIGHTS, square
-from msvalidate.problem import Box, Isotropic, ProblemError
+from msvalidate.lattice import (
+    WEIGHTS,
+    diagonal_square,
+    square,
+    trapezium,
+    triangular,
+    zigzag_block,
+)
+from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError
 from msvalidate.stiffness import (
+    default_constants,
     directional_ratio,
     in_plane,
     network_tensor,
@@ -20,6 +29,7 @@ from msvalidate.stiffness import (
     spring_tensor,
     square_constants,
     square_tensor,
+    triangular_constants,
 )
 
 THIRD = Isotropic(E=2.5, nu=1 / 3, state="plane_stress", thickness=0.4)
@@ -105,17 +115,71 @@ def test_a_material_that_the_lattice_cannot_be_is_refused_with_the_reason(
         square_constants(material, isotropic=isotropic)
 
 
+def triangular_tensor(k):
+    """C11 = 3√3k/4, C12 = C66 = √3k/4, whichever way the lattice lies."""
+    return k * np.sqrt(3) / 4 * np.array([[3, 1, 0], [1, 3, 0], [0, 0, 1]])
+
+
+@pytest.mark.parametrize("material", [THIRD, QUARTER], ids=lambda material: material.state)
+def test_the_triangular_lattice_is_its_material(material):
+    (k,) = triangular_constants(material)
+    np.testing.assert_allclose(triangular_tensor(k), lame_tensor(material), atol=EXACT)
+    assert in_plane(material)[0] == pytest.approx(2 * k / np.sqrt(3), rel=EXACT)
+
+
+@pytest.mark.parametrize(
+    ("material", "message"),
+    [
+        (
+            Isotropic(E=1.0, nu=0.3),
+            "triangular lattice: in-plane ratio 0.3 (plane_stress, nu = 0.3); central springs have",
+        ),
+        (
+            Isotropic(E=1.0, nu=0.25),
+            "have 1/3 only: take nu = 1/3 in plane stress or 1/4 in plane strain",
+        ),
+        (Isotropic(E=1.0, nu=1 / 3, state="plane_strain"), "in-plane ratio 0.5 (plane_strain"),
+        (Isotropic(E=1.0, nu=0.5, state="plane_strain"), "in-plane ratio 1 (plane_strain"),
+        (Isotropic(E=1.0, nu=0.25, state="solid"), "the material is a solid"),
+        (Anisotropic(np.eye(3)), "the material must be isotropic"),
+    ],
+)
+def test_a_material_that_triangles_cannot_be_is_refused_with_the_reason(material, message):
+    with pytest.raises(ProblemError, match=re.escape(message)):
+        triangular_constants(material)
+
+
+def test_every_lattice_has_the_constants_of_its_material_by_default():
+    box = Box((1.0, 1.0))
+    for lattice in (square(box, 2), diagonal_square(box, 2)):
+        assert default_constants(THIRD, lattice) == square_constants(THIRD)
+    lattice = triangular(zigzag_block(1.0, (2, 2)), 0.5)
+    assert default_constants(QUARTER, lattice) == triangular_constants(QUARTER)
+
+
+@pytest.mark.parametrize(
+    ("change", "material", "message"),
+    [
+        ({}, Anisotropic(np.eye(3)), "the material is a tensor; give the constants"),
+        ({"name": "kagome"}, THIRD, "none known for kagome; give the constants"),
+    ],
+)
+def test_constants_that_are_not_known_must_be_given(change, material, message):
+    lattice = replace(square(Box((1.0, 1.0)), 2), **change)
+    with pytest.raises(ProblemError, match=f"spring constants: {message}"):
+        default_constants(material, lattice)
+
+
 # Homogenised tensors --------------------------------------------------------------------------
 
 
 def test_triangular_springs_sum_to_their_closed_form():
-    # Three springs a site of area √3/2: C11 = 3√3k/4, C12 = C66 = √3k/4, whichever way it lies.
+    # Three springs a site of area √3/2.
     for turn in (0.0, 0.3):
         angle = turn + np.arange(3) * np.pi / 3
         vectors = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         tensor = spring_tensor(vectors, np.full(3, 0.8), np.sqrt(3) / 2)
-        expected = 0.8 * np.sqrt(3) / 4 * np.array([[3, 1, 0], [1, 3, 0], [0, 0, 1]])
-        np.testing.assert_allclose(tensor, expected, atol=EXACT)
+        np.testing.assert_allclose(tensor, triangular_tensor(0.8), atol=EXACT)
 
 
 def test_springs_obey_cauchys_relation():
@@ -136,6 +200,25 @@ def test_springs_obey_cauchys_relation():
 def test_the_interior_of_a_lattice_has_one_tensor_at_any_size(rule, expected, cells):
     box = Box((2.0, 2.0) if cells == 1 else (2.0, 1.0))
     tensor = network_tensor(square(box, cells), (0.7, 0.2), rule)
+    np.testing.assert_allclose(tensor, expected, atol=EXACT)
+
+
+@pytest.mark.parametrize(
+    ("rule", "k"),
+    [("shared", 0.8), ("equal", 0.8), ("per_cell", 1.6)],  # every inner spring borders two cells
+)
+@pytest.mark.parametrize("outline", [zigzag_block(1.0, (4, 5)), trapezium(0.2, (5, 3))], ids=str)
+@pytest.mark.parametrize("spacing", [0.2, 0.1])
+def test_the_interior_of_triangles_has_one_tensor_at_any_size(rule, k, outline, spacing):
+    tensor = network_tensor(triangular(outline, spacing), (0.8,), rule)
+    np.testing.assert_allclose(tensor, triangular_tensor(k), atol=1e-14)
+
+
+@pytest.mark.parametrize("n", [1, 2, 8])
+def test_the_lattice_at_45_degrees_lacks_what_its_boundary_cut(n):
+    # Of 2n² diagonals from middle to middle, 2n are cut: the share 1/(2n) of all diagonals.
+    tensor = network_tensor(diagonal_square(Box((3.0, 3.0)), n), (0.7, 0.2), "shared")
+    expected = rotated(square_tensor(0.7, 0.2 * (1 - 1 / (2 * n))), np.pi / 4)
     np.testing.assert_allclose(tensor, expected, atol=EXACT)
 
 

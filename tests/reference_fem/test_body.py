@@ -416,51 +416,6 @@ def test_traction_and_thickness_scale_as_they_should():
     assert 8 * thick_point == pytest.approx(thin_point, rel=1e-12, abs=1e-15)
 
 
-# --- the mesh of a box ----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("element", ELEMENTS)
-def test_box_mesh_covers_the_box(element):
-    body = reference_fem.box_discretisation(BOX, (5, 3), element, 2.0)
-    per_cell = {"Q1": (1, 1), "Q2": (2, 1), "P1": (1, 2), "P2": (2, 2)}[element]
-    lines = (per_cell[0] * 5 + 1) * (per_cell[0] * 3 + 1)
-    assert body.points.shape == (lines, 2)
-    assert body.basis.mesh.t.shape[1] == 15 * per_cell[1]
-    np.testing.assert_array_equal(body.points.min(axis=0), 0)
-    np.testing.assert_array_equal(body.points.max(axis=0), BOX.size)
-    one = skfem.LinearForm(lambda v, _: v).assemble(body.basis)
-    assert one.sum() == pytest.approx(BOX.volume, rel=1e-13)
-
-
-def test_grading_crowds_lines_to_both_ends():
-    def lines(cells, grading):
-        body = reference_fem.box_discretisation(Box((2.0, 2.0)), cells, "Q1", grading)
-        return np.unique(body.points[:, 0])
-
-    assert lines(4, 2.0) == pytest.approx([0, 0.25, 1, 1.75, 2], rel=1e-15)  # s² from either end
-    assert lines(4, 1.0) == pytest.approx([0, 0.5, 1, 1.5, 2], rel=1e-15)
-    even = lines(7, 2.5)
-    assert even == pytest.approx(2 - even[::-1], abs=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "fragment"),
-    [
-        ((BOX, 4, "Q3"), "Q3 .*one of Q1, Q2, P1, P2"),
-        ((BOX, (4, 4, 4)), "give two counts"),
-        ((Box((1.0, 1.0, 1.0)), 4), "3D box"),
-        ((BOX, 0), "mesh cells: 0; give a whole number, 1 or more"),
-        ((BOX, (4, -1)), "mesh cells: -1; give a whole number"),
-        ((BOX, 2.5), "mesh cells: 2.5; give a whole number"),
-        ((BOX, 4, "Q1", 0.5), "mesh grading: 0.5; it must be 1 or more"),
-        ((BOX, 4, "Q1", float("nan")), "mesh grading: nan"),
-    ],
-)
-def test_bad_mesh_is_named(arguments, fragment):
-    with pytest.raises(ProblemError, match=fragment):
-        reference_fem.box_discretisation(*arguments)
-
-
 # --- a solid in the plane -------------------------------------------------------------------------
 
 
@@ -532,8 +487,3 @@ def test_a_support_that_ends_between_nodes_is_refused():
     problem = Problem(box, Isotropic(1.0, 0.3), (held,))
     with pytest.raises(ProblemError, match="choose cells that put one at each"):
         reference_fem.solve_problem(problem, reference_fem.box_discretisation(box, 5))
-
-
-def test_a_mesh_too_fine_to_tell_its_nodes_apart_is_refused():
-    with pytest.raises(ProblemError, match="nearer than two places are told apart"):
-        reference_fem.box_discretisation(Box((1.0, 1.0)), 64, "Q1", 8.0)

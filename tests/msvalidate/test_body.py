@@ -1,0 +1,275 @@
+"""Networks that stand for a problem: masses, constants, supports and loads on a lattice."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from msvalidate.body import lattice_network
+from msvalidate.lattice import Lattice, diagonal_square, square, triangular, zigzag_block
+from msvalidate.problem import (
+    Anisotropic,
+    BodyForce,
+    Box,
+    Isotropic,
+    PointForce,
+    Problem,
+    ProblemError,
+    Region,
+    Segment,
+    Support,
+    Traction,
+)
+
+NAN = float("nan")
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+def moment(points, force):
+    """Sum of x_a F_b - x_b F_a: moments about the origin in 2D and 3D alike."""
+    first = points.T @ force
+    return first - first.T
+
+
+SHEET = Box((2.0, 1.0))
+MATERIAL = Isotropic(E=3.0, nu=1 / 3, density=500.0, thickness=0.3)
+CLAMP = Support(SHEET.side("left"), (0.0, 0.0))
+
+
+def loaded(*loads, cells=(8, 4), **rules):
+    return lattice_network(Problem(SHEET, MATERIAL, (CLAMP,), loads), square(SHEET, cells), **rules)
+
+
+@pytest.mark.parametrize("mass", ["shared", "equal"])
+def test_masses_sum_to_density_times_volume(mass):
+    network = loaded(mass=mass)
+    assert network.mass.sum() == pytest.approx(500.0 * 0.3 * 2.0, rel=1e-13)  # a sum of 45
+    corner, middle = network.mass[0], network.mass[4 + 9]
+    assert middle / corner == pytest.approx(4.0 if mass == "shared" else 1.0, rel=1e-13)
+
+
+def test_default_constants_are_those_of_the_material():
+    network = loaded()
+    # E t = 0.9 N/m at nu = 1/3: k1 = E t/(1 + nu), k2 = nu E t/(1 - nu²); halved on the boundary.
+    values = {0.9 * 3 / 4, 0.9 * 3 / 8, 0.9 * 3 / 8}
+    np.testing.assert_allclose(np.unique(network.stiffness.round(12)), sorted(values), rtol=1e-11)
+    inner = np.isclose(network.points[network.springs].mean(axis=1)[:, 1], 0.5)
+    assert network.stiffness[inner & np.isclose(network.rest_length, 0.25)].min() > 0.67
+
+
+def test_weights_reach_the_springs():
+    lattice = square(SHEET, (8, 4))
+    problem = Problem(SHEET, MATERIAL, (CLAMP,))
+    for rule, lowest, highest in (("shared", 0.5, 1), ("equal", 1, 1), ("per_cell", 1, 2)):
+        network = lattice_network(problem, lattice, (7.0, 2.0), weights=rule)
+        axial = network.stiffness[lattice.kind == 0] / 7.0
+        assert (axial.min(), axial.max()) == (lowest, highest)
+        assert (network.stiffness[lattice.kind == 1] == 2.0).all()
+
+
+@pytest.mark.parametrize("side", ["left", "right", "bottom", "top"])
+def test_a_uniform_traction_sums_to_traction_times_area(side):
+    region = SHEET.side(side)
+    network = loaded(Traction(region, (5.0, -2.0)))
+    on_side = region.select(network.points, SHEET.tolerance)
+    length = 1.0 if side in {"left", "right"} else 2.0
+    # Sums of a few forces, each rounded to 1e-16.
+    expected = np.array([5.0, -2.0]) * length * 0.3
+    np.testing.assert_allclose(network.force.sum(axis=0), expected, rtol=1e-13)
+    assert not network.force[~on_side].any()
+    # Ends of the side carry half of what its other points carry.
+    pushed = np.sort(network.force[on_side, 0])
+    np.testing.assert_allclose(pushed[:2], pushed[2:].mean() / 2, rtol=1e-13)
+
+
+def test_a_linear_traction_keeps_its_force_and_its_moment():
+    # t = (1 + 2y, 3 - 4y) on x = 2: force ∫ t dy, moment ∫ (x t_y - y t_x) dy, times thickness.
+    def traction(p):
+        return np.stack([1 + 2 * p[:, 1], 3 - 4 * p[:, 1]], axis=1)
+
+    network = loaded(Traction(SHEET.side("right"), traction))
+    np.testing.assert_allclose(network.force.sum(axis=0), [0.3 * 2, 0.3 * 1], rtol=1e-13)
+    turning = moment(network.points, network.force)[0, 1]
+    assert turning == pytest.approx(0.3 * (2 * 1 - (1 / 2 + 2 / 3)), rel=1e-13)
+
+
+def test_a_traction_on_part_of_a_side():
+    patch = Region((2.0, (0.25, 0.75)))
+    network = loaded(Traction(patch, (5.0, 0.0)))
+    right = np.isclose(network.points[:, 0], 2.0)
+    expected = 5.0 * 0.3 * 0.25 * np.array([0, 0.5, 1, 0.5, 0])
+    np.testing.assert_allclose(network.force[right, 0], expected, rtol=1e-13)
+    assert network.force.sum() == pytest.approx(5.0 * 0.3 * 0.5, rel=1e-13)
+
+
+@pytest.mark.parametrize("part", [(0.25, 0.7), (0.3, 0.75), (0.3, 0.4), (0.0, 0.1)])
+def test_a_traction_that_ends_inside_a_cell_edge_is_refused(part):
+    with refused("covers no whole number of cell edges; choose cells whose edges end where"):
+        loaded(Traction(Region((2.0, part)), (5.0, 0.0)))
+
+
+def test_a_body_force_sums_to_its_integral():
+    # (2, x + 3y) over the sheet: 2 · area and ∫ (x + 3y) = 2 + 3; linear, so corners suffice.
+    def weight(p):
+        return np.stack([np.full(len(p), 2.0), p[:, 0] + 3 * p[:, 1]], axis=1)
+
+    np.testing.assert_allclose(
+        loaded(BodyForce(weight)).force.sum(axis=0), 0.3 * np.array([4.0, 5.0]), rtol=1e-13
+    )
+    np.testing.assert_allclose(
+        loaded(BodyForce((0.0, -9.81))).force.sum(axis=0), [0.0, -9.81 * 0.3 * 2], rtol=1e-13
+    )
+
+
+def test_a_point_force_is_in_newtons_at_its_point():
+    network = loaded(PointForce((2.0, 0.5), (1.0, -7.0)))
+    assert network.force.tolist()[2 * 9 + 8] == [1.0, -7.0]
+    assert np.count_nonzero(network.force) == 2
+
+
+def test_loads_add():
+    loads = (
+        PointForce((2.0, 0.5), (1.0, -7.0)),
+        Traction(SHEET.side("right"), (5.0, 0.0)),
+        BodyForce((0.0, -9.81)),
+    )
+    apart = sum(loaded(load).force for load in loads)
+    np.testing.assert_allclose(loaded(*loads).force, apart, rtol=1e-13, atol=1e-15)
+
+
+def test_supports_and_loads_meet_only_their_region():
+    part = Support(Region((2.0, (0.5, 1.0))), (0.25, None))
+    problem = Problem(SHEET, MATERIAL, (CLAMP, part))
+    network = lattice_network(problem, square(SHEET, (4, 2)))
+    x, y = network.points.T
+    expected = np.stack([(x == 0) | ((x == 2) & (y >= 0.5)), x == 0], axis=1)
+    np.testing.assert_array_equal(network.held, expected)
+    np.testing.assert_array_equal(network.displacement[:, 0], 0.25 * (expected[:, 0] & (x == 2)))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda: lattice_network(
+                Problem(SHEET, MATERIAL, (CLAMP,)), square(Box((4.0, 2.0)), (4, 2))
+            ),
+            "lattice fills a box 4 x 2 m, the problem's is a box 2 x 1 m; build it",
+        ),
+        (
+            lambda: loaded(PointForce((1.9, 0.5), (1.0, 0.0))),
+            "no lattice point there; choose cells",
+        ),
+        (lambda: loaded(constants=(1.0,)), "give 2, one a kind"),
+        (lambda: loaded(constants=(1.0, NAN)), "spring constants: nan at index 1"),
+        (lambda: loaded(constants=(1.0, -1.0)), "stiffness: -1 at index"),
+        (lambda: loaded(weights="halved"), "boundary weights: 'halved'; choose shared, equal"),
+        (lambda: loaded(mass="lumped"), "mass: 'lumped'; choose shared or equal"),
+        (
+            lambda: loaded(Traction(SHEET.side("right"), lambda p: p[:, 0])),
+            "traction on (x = 2): the field returned shape",
+        ),
+        (
+            lambda: loaded(Traction(SHEET.side("right"), lambda p: p / np.where(p > 1.5, NAN, 1))),
+            "traction on (x = 2): nan",
+        ),
+        (
+            lambda: lattice_network(
+                Problem(SHEET, Anisotropic(np.eye(3)), (CLAMP,)), square(SHEET, (2, 1))
+            ),
+            "spring constants: the material is a tensor; give the constants",
+        ),
+        (
+            lambda: lattice_network(
+                Problem(SHEET, Isotropic(E=1.0, nu=0.3), (CLAMP,)), square(SHEET, (2, 1))
+            ),
+            "central springs are isotropic at 1/3 only",
+        ),
+    ],
+)
+def test_a_problem_that_does_not_fit_the_lattice_is_refused(make, message):
+    with refused(message):
+        make()
+
+
+def test_a_solid_takes_the_same_loads_on_its_faces():
+    # One cubic cell, edges only: the place of lattices to come, whose loads are written already.
+    box = Box((1.0, 1.0, 1.0))
+    points = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
+    apart = np.abs(points[:, None] - points).sum(axis=2)
+    springs = np.argwhere(np.triu(apart == 1.0))
+    faces = [np.flatnonzero(points[:, axis] == end) for axis in range(3) for end in (0.0, 1.0)]
+    lattice = Lattice(
+        name="one cube",
+        domain=box,
+        points=points,
+        springs=springs,
+        kind=np.zeros(len(springs), dtype=int),
+        cells=np.arange(8)[None],
+        facets=np.array(faces),
+        borders=np.ones(len(springs), dtype=int),
+        sharing=np.array([4]),
+    )
+
+    def traction(p):
+        return np.stack([1 + p[:, 1] + 2 * p[:, 2], 0 * p[:, 0], 3 - p[:, 2]], axis=1)
+
+    problem = Problem(
+        box,
+        Isotropic(E=1.0, nu=0.25, state="solid", density=500.0),
+        (Support(box.side("left"), (0.0, 0.0, 0.0)),),
+        (Traction(box.side("right"), traction),),
+    )
+    network = lattice_network(problem, lattice, (1.0,))
+    np.testing.assert_array_equal(network.stiffness, 0.25)
+    np.testing.assert_allclose(network.mass, 500.0 / 8)
+    # Exact integrals over the unit face at x = 1 of t and of x_a t_b - x_b t_a.
+    np.testing.assert_allclose(network.force.sum(axis=0), [2.5, 0, 2.5], atol=1e-14)
+    turning = moment(network.points, network.force)
+    assert turning[0, 1] == pytest.approx(-(1 / 2 + 1 / 3 + 2 / 4), rel=1e-13)
+    assert turning[0, 2] == pytest.approx(2.5 - (1 / 2 + 1 / 4 + 2 / 3), rel=1e-13)
+    assert turning[1, 2] == pytest.approx(3 / 2 - 1 / 4, rel=1e-13)
+
+
+# Patches of load ------------------------------------------------------------------------------
+
+BUILD = {
+    "square": lambda n: square(Box((2.0, 1.0)), (2 * n, n)),
+    "square at 45 degrees": lambda n: diagonal_square(Box((2.0, 1.0)), (2 * n, n)),
+    "triangular": lambda n: triangular(zigzag_block(1.0, (4 * (n // 2), n)), 1.0 / n),
+}
+
+
+def pushed(lattice, load):
+    """Network of a body held on its right side under one load."""
+    right = lattice.domain.span[0][1]
+    held = Support(Region((right, None)), (0.0, 0.0))
+    return lattice_network(Problem(lattice.domain, MATERIAL, (held,), (load,)), lattice)
+
+
+@pytest.mark.parametrize(
+    ("cells", "shares"), [(5, [1 / 2, 1 / 2]), (10, [1 / 4, 1 / 2, 1 / 4]), (15, [1, 2, 2, 1])]
+)
+@pytest.mark.parametrize("name", BUILD)
+def test_the_middle_fifth_of_a_side_is_pushed_at_its_own_points_alone(name, cells, shares):
+    for part in (Region((0.0, (0.4, 0.6))), Segment((0.0, 0.6), (0.0, 0.4))):
+        network = pushed(BUILD[name](cells), Traction(part, (5.0, -2.0)))
+        (points,) = np.nonzero(network.force.any(axis=1))
+        points = points[np.argsort(network.points[points, 1])]
+        assert len(points) == len(shares)
+        np.testing.assert_allclose(network.points[points, 0], 0.0, atol=1e-15)
+        expected = 0.3 * 0.2 * np.outer(shares, [5.0, -2.0]) / sum(shares)
+        # Edges of the part are differences of coordinates, rounded to 1e-16 of 1 m.
+        np.testing.assert_allclose(network.force[points], expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("cells", [4, 6, 7])
+@pytest.mark.parametrize("name", BUILD)
+def test_a_fifth_that_the_points_do_not_divide_is_refused(name, cells):
+    with refused("traction on (x = 0, 0.4 <= y <= 0.6): covers no whole number of cell edges"):
+        pushed(BUILD[name](cells), Traction(Region((0.0, (0.4, 0.6))), (5.0, 0.0)))

@@ -1,0 +1,468 @@
+"""Bodies with a straight-edged outline: segments, polygons, and problems stated on them."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from matplotlib.path import Path
+
+from msvalidate.problem import (
+    Box,
+    Isotropic,
+    PointForce,
+    Polygon,
+    Problem,
+    ProblemError,
+    Region,
+    Segment,
+    Support,
+    Traction,
+    corners_of,
+    prescribed,
+)
+
+NAN = float("nan")
+ELL = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)))
+BAR = Polygon(((0.0, 0.0), (4.0, 0.0), (3.0, 1.0), (1.0, 1.0)))
+"""A trapezium: the ends slope at 45 degrees."""
+NOTCHED = Polygon(((0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 2.0)))
+SLOPE = Segment((0.0, 0.0), (1.0, 1.0))
+SHEET = Isotropic(E=1e6, nu=0.3)
+CLAMP = Support(SLOPE, (0.0, 0.0))
+examples = settings(max_examples=50, deadline=None)
+seeds = st.integers(0, 2**32 - 1)
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+def bar(*, supports=(CLAMP,), loads=()):
+    return Problem(BAR, SHEET, supports, loads)
+
+
+def star(seed):
+    """Vertices (n, 2) of a polygon that can be seen whole from the origin, and their angles.
+
+    Neighbours are less than 180 degrees apart, so every triangle with the origin is upright.
+    """
+    rng = np.random.default_rng(seed)
+    n = rng.integers(3, 13)
+    angle = 2 * np.pi / n * (np.arange(n) + rng.uniform(-0.2, 0.2, n))
+    radius = rng.uniform(0.5, 2.0, n)
+    return radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1), angle, radius
+
+
+def polygon(vertices):
+    return Polygon(tuple((float(x), float(y)) for x, y in vertices))
+
+
+def turned(points, angle, shift):
+    c, s = np.cos(angle), np.sin(angle)
+    return points @ np.array([[c, s], [-s, c]]) + shift
+
+
+# Segments -------------------------------------------------------------------------------------
+
+
+def test_a_segment_holds_its_points_ends_included():
+    segment = Segment((1.0, 0.0), (3.0, 1.0))
+    on = np.array([[1.0, 0.0], [3.0, 1.0], [2.0, 0.5], [1.5, 0.25]])
+    off = np.array([[0.8, -0.1], [3.2, 1.1], [2.0, 0.5 + 1e-6], [2.0, 0.5 - 1e-6], [1.0, 1.0]])
+    assert segment.select(on, 1e-9).all()
+    assert not segment.select(off, 1e-9).any()
+    assert segment.select(off[2:4], 1e-5).all()
+
+
+@examples
+@given(seed=seeds, t=st.floats(0, 1), size=st.sampled_from([1e-6, 1.0, 1e4]))
+def test_a_segment_is_as_thick_as_its_tolerance(seed, t, size):
+    ends = size * np.random.default_rng(seed).uniform(-1, 1, (2, 2))
+    segment = Segment(*map(tuple, ends.tolist()))
+    along = ends[1] - ends[0]
+    length = np.linalg.norm(along)
+    across = np.array([-along[1], along[0]]) / length
+    place, room = ends[0] + t * along, 1e-9 * size
+    assert segment.measure(()) == pytest.approx(length, rel=1e-15)
+    assert segment.select(np.array([place + 0.9 * room * across, place]), room).all()
+    beyond = [ends[0] - 1.1 * room * along / length, ends[1] + 1.1 * room * along / length]
+    out = np.array([place + 1.1 * room * across, place - 1.1 * room * across, *beyond])
+    assert not segment.select(out, room).any()
+
+
+def test_a_segment_is_a_side_of_a_plane_body_whatever_the_body():
+    assert (SLOPE.dim, SLOPE.is_facet) == (2, True)
+    for body in (BAR, ELL, Box((2.0, 1.0))):
+        assert corners_of(SLOPE, body).tolist() == [[0.0, 0.0], [1.0, 1.0]]
+        assert SLOPE.measure(body.span) == np.sqrt(2)
+    assert str(SLOPE) == "((0, 0) to (1, 1))"
+
+
+def test_the_region_of_a_box_side_and_its_segment_hold_the_same_points():
+    box = Box((2.0, 1.0))
+    points = np.random.default_rng(0).integers(0, 3, (40, 2)) * [1.0, 0.5]
+    by_line = Segment((2.0, 1.0), (2.0, 0.0)).select(points, box.tolerance)
+    np.testing.assert_array_equal(by_line, box.side("right").select(points, box.tolerance))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Segment([0.0, 0.0], (1.0, 0.0)), "segment start: [0.0, 0.0]; give a tuple of 2"),
+        (
+            lambda: Segment((0.0, 0.0), (1.0, 0.0, 0.0)),
+            "segment end: (1.0, 0.0, 0.0); give a tuple",
+        ),
+        (
+            lambda: Segment((0.0, NAN), (1.0, 0.0)),
+            "segment start: nan at index 1; every value must",
+        ),
+        (lambda: Segment((0.0, 0.0), (np.inf, 0.0)), "segment end: inf at index 0"),
+        (
+            lambda: Segment((0.0, "a"), (1.0, 0.0)),
+            "segment start: expected numbers, got (0.0, 'a')",
+        ),
+        (lambda: Segment((0.0, 0.0), None), "segment end: None; give a tuple of 2 coordinates"),
+        (lambda: Segment((1.0, 2.0), (1.0, 2.0)), "starts and ends at (1.0, 2.0); give two places"),
+        (
+            lambda: corners_of(Segment((0.0, 0.0), (5.0, 0.0)), BAR),
+            "region ((0, 0) to (5, 0)) reaches outside the body, 0 <= x <= 4",
+        ),
+        (lambda: corners_of(SLOPE, Box((1.0, 1.0, 1.0))), "has 2 axes, the body 3"),
+        (lambda: corners_of(Region((0.0, 0.0, 0.0)), BAR), "has 3 axes, the body 2"),
+        (lambda: corners_of(Region((None, 1.5)), BAR), "reaches outside the body, 0 <= y <= 1"),
+    ],
+)
+def test_bad_segments_are_refused_by_name(make, message):
+    with refused(message):
+        make()
+
+
+# Regions --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("region", "measure", "corners"),
+    [
+        (Region((2.0, 1.0)), 1.0, [[2, 1]]),
+        (Region((None, 1.0)), 4.0, [[0, 1], [4, 1]]),
+        (Region(((0.5, 2.0), None)), 1.5, [[0.5, 0], [0.5, 1], [2, 0], [2, 1]]),
+    ],
+)
+def test_a_region_is_measured_in_the_span_of_its_body(region, measure, corners):
+    assert region.measure(BAR.span) == measure
+    assert corners_of(region, BAR).tolist() == corners
+
+
+# Polygons -------------------------------------------------------------------------------------
+
+
+def test_measures_of_a_polygon():
+    assert (ELL.volume, ELL.span, ELL.dim) == (4.0, ((0.0, 2.0), (0.0, 3.0)), 2)
+    assert ELL.tolerance == pytest.approx(3e-9)
+    assert ELL.reentrant.tolist() == [[1.0, 1.0]]
+    assert str(ELL) == "polygon of 6 vertices, 2 x 3 m"
+    assert (BAR.volume, len(BAR.reentrant)) == (3.0, 0)
+    assert NOTCHED.reentrant.tolist() == [[1.0, 1.0]]
+
+
+@examples
+@given(seed=seeds)
+def test_area_is_that_of_the_triangles_about_an_inner_point(seed):
+    vertices, angle, radius = star(seed)
+    wedge = np.roll(angle, -1) - angle
+    expected = 0.5 * (radius * np.roll(radius, -1) * np.sin(wedge)).sum()
+    # A dozen products of numbers up to 2; coordinates moved by 100 keep 1e-14 of them.
+    assert polygon(vertices).volume == pytest.approx(expected, rel=1e-13)
+    assert polygon(np.add(vertices, [100.0, -100.0])).volume == pytest.approx(expected, rel=1e-11)
+
+
+@examples
+@given(seed=seeds)
+def test_a_polygon_contains_what_another_library_says(seed):
+    vertices, _, _ = star(seed)
+    points = np.random.default_rng(seed).uniform(-2, 2, (500, 2))
+    found = polygon(vertices).contains(points)
+    np.testing.assert_array_equal(found, Path(vertices).contains_points(points))
+
+
+@examples
+@given(seed=seeds)
+def test_a_polygon_contains_the_triangles_about_an_inner_point(seed):
+    vertices, _, _ = star(seed)
+    points = np.random.default_rng(seed).uniform(-2, 2, (200, 2))
+    expected = np.zeros(len(points), dtype=bool)
+    for a, b in zip(vertices, np.roll(vertices, -1, axis=0), strict=True):
+        shares = np.linalg.solve(np.column_stack([a, b]), points.T)
+        expected |= (shares >= 0).all(axis=0) & (shares.sum(axis=0) < 1)
+    np.testing.assert_array_equal(polygon(vertices).contains(points), expected)
+
+
+def test_contains_has_no_trouble_level_with_a_vertex_or_along_an_edge():
+    places = [(0.5, 1.0), (1.5, 1.0 - 1e-9), (-1.0, 1.0), (3.0, 1.0), (-1.0, 0.0), (0.5, 2.0)]
+    expected = [True, True, False, False, False, True]
+    np.testing.assert_array_equal(ELL.contains(np.array(places)), expected)
+    assert not ELL.contains(np.array([[NAN, 1.0], [0.5, NAN]])).any()
+
+
+@examples
+@given(seed=seeds, angle=st.floats(-np.pi, np.pi), shift=st.tuples(*[st.floats(-9, 9)] * 2))
+def test_a_moved_polygon_is_the_same_body(seed, angle, shift):
+    vertices, _, _ = star(seed)
+    here, there = polygon(vertices), polygon(turned(vertices, angle, shift))
+    before, after = (
+        vertices - np.roll(vertices, 1, axis=0),
+        np.roll(vertices, -1, axis=0) - vertices,
+    )
+    bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    assume(np.abs(bend).min() > 1e-6)
+    assert there.volume == pytest.approx(here.volume, rel=1e-12)
+    np.testing.assert_allclose(
+        there.reentrant, turned(here.reentrant, angle, shift), rtol=0, atol=1e-13
+    )
+    np.testing.assert_array_equal(here.reentrant, vertices[bend < 0])
+
+
+@examples
+@given(seed=seeds, edge=st.integers(0, 12), t=st.floats(0, 1))
+def test_places_on_one_edge_are_on_the_boundary(seed, edge, t):
+    vertices, _, _ = star(seed)
+    body, n = polygon(vertices), len(vertices)
+    a, b, c = (vertices[(edge + k) % n] for k in range(3))
+    place = a + t * (b - a)
+    assert body.on_boundary(np.array([a, b, place]))
+    assert body.on_boundary(place[None])
+    # Not two edges at a time, not inside, not beyond an end.
+    assert not body.on_boundary(np.array([a, b, c]))
+    assert not body.on_boundary(0.999 * place[None])
+    assert not body.on_boundary(np.array([a, a - 1e-3 * (b - a)]))
+
+
+@pytest.mark.parametrize("first", range(6))
+def test_any_vertex_may_come_first(first):
+    again = polygon(np.roll(ELL.corners, first, axis=0))
+    assert again.volume == ELL.volume
+    assert again.reentrant.tolist() == ELL.reentrant.tolist()
+
+
+def test_corners_cannot_be_changed():
+    with pytest.raises(ValueError, match="read-only"):
+        ELL.corners[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("vertices", "message"),
+    [
+        # what is no outline
+        ([(0, 0), (1, 0), (0, 1)], "polygon: [(0, 0), (1, 0), (0, 1)]; give a tuple of 3 or more"),
+        (((0, 0), (1, 0)), "polygon: ((0, 0), (1, 0)); give a tuple of 3 or more vertices"),
+        (((0, 0), [1, 0], (0, 1)), "polygon: vertex 1 is [1, 0]; give 2 coordinates"),
+        (((0, 0), (1, 0), (0, 1, 0)), "polygon: vertex 2 is (0, 1, 0); give 2 coordinates"),
+        (
+            ((0, 0), (1, NAN), (0, 1)),
+            "polygon vertex 1: nan at index 1; every value must be finite",
+        ),
+        (((0, 0), (np.inf, 0), (0, 1)), "polygon vertex 1: inf at index 0"),
+        (((0, 0), ("a", 0), (0, 1)), "polygon vertex 1: expected numbers, got ('a', 0)"),
+        # order
+        (((0, 0), (0, 1), (1, 1), (1, 0)), "polygon: area -1 m²; list the vertices counter-clock"),
+        # a vertex twice
+        (
+            ((0, 0), (1, 0), (1, 1), (1, 1), (0.3, 1.5)),
+            "polygon: vertex 2, (1, 1), and the next are one place; leave one out",
+        ),
+        (((0, 0), (1, 0), (0.3, 1.5), (0, 0)), "polygon: vertex 3, (0, 0), and the next are one"),
+        (((0, 0), (2, 0), (2, 1e-9), (0, 1)), "polygon: vertex 1, (2, 0), and the next are one"),
+        (((1, 1), (1, 1), (1, 1)), "polygon: vertex 0, (1, 1), and the next are one place"),
+        # flat corners and spikes
+        (
+            ((0, 0), (1, 0), (2, 0), (2, 1)),
+            "polygon: the outline does not turn at vertex 1, (1, 0), or turns back; leave it out",
+        ),
+        (((1, 0), (2, 0), (2, 1), (0, 0)), "does not turn at vertex 0, (1, 0)"),
+        (((0, 0), (1, 1e-10), (2, 0), (2, 1)), "does not turn at vertex 1"),
+        (((0, 0), (1, 0), (2, 0)), "does not turn at vertex 0"),
+        (((0, 0), (1, 0), (1, 2), (1, 1), (0, 1)), "does not turn at vertex 2, (1, 2), or turns"),
+        # crossing and touching
+        (((0, 0), (1, 1), (1, 0), (0, 1)), "polygon: edges 0 and 2 cross or touch"),
+        (((0, 0), (3, 2), (3, 0), (0, 1)), "polygon: edges 0 and 2 cross or touch"),
+        (((0, 0), (2, 0), (2, 2), (1, 0), (0, 2)), "polygon: edges 0 and 2 cross or touch"),
+        (((0, 0), (2, 0), (2, 2), (1, 1e-10), (0, 2)), "polygon: edges 0 and 2 cross or touch"),
+        (((0, 0), (2, 0), (1, 1), (2, 2), (0, 2), (1, 1)), "polygon: edges 1 and 4 cross or touch"),
+    ],
+)
+def test_an_outline_that_is_no_polygon_is_refused(vertices, message):
+    with refused(message):
+        Polygon(vertices)
+
+
+@pytest.mark.parametrize("turns", [2, 3])
+def test_an_outline_that_goes_round_more_than_once_is_refused(turns):
+    angle = 2 * np.pi * turns / 7 * np.arange(7)
+    with refused("cross or touch"):
+        polygon(np.stack([np.cos(angle), np.sin(angle)], axis=1))
+
+
+@examples
+@given(seed=seeds)
+def test_every_star_is_a_polygon_and_none_is_clockwise(seed):
+    vertices, _, _ = star(seed)
+    polygon(vertices)
+    with refused("list the vertices counter-clockwise"):
+        polygon(vertices[::-1])
+
+
+@pytest.mark.parametrize("gap", [1e-6, 1e-3])
+def test_a_narrow_slit_is_no_touch(gap):
+    slit = Polygon(((0, 0), (2, 0), (2, 2), (1, gap), (0, 2)))
+    assert slit.volume == pytest.approx(2 + gap, rel=1e-15)
+
+
+# Problems on polygons -------------------------------------------------------------------------
+
+POINTS = np.array(
+    [[x, y] for y in (0.0, 0.5, 1.0) for x in np.arange(0.0, 4.5, 0.5) if y <= x <= 4 - y]
+)
+
+
+def test_a_support_on_a_slope_holds_its_points_and_no_others():
+    far = Support(Segment((3.0, 1.0), (4.0, 0.0)), (0.25, None))
+    middle = Support(Region((2.0, 0.0)), (None, lambda p: -p[:, 0]))
+    held, value = prescribed(bar(supports=(CLAMP, far, middle)), POINTS)
+    x, y = POINTS.T
+    left, right, below = x == y, x == 4 - y, (x == 2) & (y == 0)
+    np.testing.assert_array_equal(held, np.stack([left | right, left | below], axis=1))
+    np.testing.assert_array_equal(value, np.stack([0.25 * right, -2.0 * below], axis=1))
+
+
+@pytest.mark.parametrize(
+    ("segment", "ends"),
+    [
+        (Segment((0.0, 0.0), (0.7, 0.7)), "x = 0 to 0.5 m there, not at its ends"),
+        (Segment((0.25, 0.25), (1.0, 1.0)), "x = 0.5 to 1 m there, not at its ends"),
+        (Segment((4.0, 0.0), (3.3, 0.7)), "x = 3.5 to 4 m there, not at its ends"),
+    ],
+)
+def test_a_support_that_ends_between_the_points_is_refused(segment, ends):
+    with refused(ends):
+        prescribed(bar(supports=(Support(segment, (0.0, 0.0)),)), POINTS)
+
+
+def test_a_support_on_a_line_beside_the_points_is_refused():
+    problem = bar(supports=(CLAMP, Support(Segment((2.1, 0.1), (2.2, 0.4)), (0.0, None))))
+    with refused("support on ((2.1, 0.1) to (2.2, 0.4)): no point of the discretised body lies"):
+        prescribed(problem, POINTS)
+
+
+def test_a_side_that_a_region_takes_from_the_span_is_refused_at_the_points():
+    # y = 1 spans 0 <= x <= 4, the body is there from 1 to 3 only.
+    with refused("from x = 1 to 3 m there, not at its ends"):
+        prescribed(bar(supports=(CLAMP, Support(Region((None, 1.0)), (None, 0.0)))), POINTS)
+    top = Support(Region(((1.0, 3.0), 1.0)), (None, 0.0))
+    held, _ = prescribed(bar(supports=(CLAMP, top)), POINTS)
+    assert held[:, 1].sum() == 3 + 5 - 1
+
+
+def test_supports_on_segments_that_contradict_each_other_are_refused_at_the_place():
+    top = Support(Segment((1.0, 1.0), (3.0, 1.0)), (None, 0.5))
+    with refused("y displacement 0 and 0.5 m at (1, 1); prescribe it once"):
+        prescribed(bar(supports=(CLAMP, top)), POINTS)
+
+
+@pytest.mark.parametrize(
+    ("supports", "names"),
+    [
+        ((), ["translation along x", "translation along y", "rotation about"]),
+        ((Support(SLOPE, (0.0, None)),), ["translation along y"]),
+        ((Support(Segment((0.0, 0.0), (4.0, 0.0)), (None, 0.0)),), ["translation along x"]),
+        ((Support(Region((4.0, 0.0)), (0.0, 0.0)),), ["rotation about (4, 0)"]),
+        # Held along x at one height, and along y at one place: it turns about where these meet.
+        (
+            (
+                Support(Segment((1.0, 1.0), (3.0, 1.0)), (0.0, None)),
+                Support(Region((4.0, 0.0)), (None, 0.0)),
+            ),
+            ["rotation about (4, 1)"],
+        ),
+    ],
+)
+def test_a_polygon_left_free_is_refused_with_each_motion(supports, names):
+    with refused("problem: the supports leave the body free: ") as caught:
+        bar(supports=supports)
+    for name in names:
+        assert name in str(caught.value)
+    assert str(caught.value).count(";") == len(names) - 1
+
+
+@pytest.mark.parametrize(
+    ("domain", "part"),
+    [
+        (BAR, SLOPE),
+        (BAR, Segment((0.5, 0.5), (0.2, 0.2))),
+        (BAR, Segment((3.5, 0.0), (0.5, 0.0))),
+        (BAR, Region((None, 0.0))),
+        (BAR, Region(((1.0, 2.0), 1.0))),
+        (ELL, Region((1.0, (1.0, 3.0)))),
+        (ELL, Region(((1.0, 2.0), 1.0))),
+        (NOTCHED, Segment((1.0, 1.0), (2.0, 0.0))),
+        (Box((2.0, 1.0)), Segment((2.0, 0.25), (2.0, 0.75))),
+    ],
+)
+def test_a_traction_acts_on_any_part_of_a_side(domain, part):
+    held = (Support(Region((0.0, 0.0)), (0.0, 0.0)), Support(Region((2.0, 0.0)), (None, 0.0)))
+    Problem(domain, SHEET, held, (Traction(part, (1.0, 0.0)),))
+
+
+@pytest.mark.parametrize(
+    ("domain", "part"),
+    [
+        (BAR, Segment((1.0, 0.0), (2.0, 1.0))),
+        (BAR, Segment((1.0, 1.0), (1.0, 0.0))),
+        (BAR, Segment((0.0, 0.0), (3.0, 1.0))),  # from corner to corner
+        (BAR, Segment((0.0, 0.0), (1.0, 0.9))),
+        (BAR, Region((2.0, None))),
+        (ELL, Region((1.0, (0.0, 3.0)))),  # a side above y = 1 only
+        (ELL, Segment((2.0, 1.0), (0.0, 1.0))),
+        (NOTCHED, Segment((1.0, 0.0), (3.0, 0.0))),  # a side right of x = 2 only
+        (Box((2.0, 1.0)), Segment((0.0, 0.0), (2.0, 1.0))),
+    ],
+)
+def test_a_traction_inside_the_body_is_refused(domain, part):
+    held = (Support(Region((0.0, 0.0)), (0.0, 0.0)), Support(Region((2.0, 0.0)), (None, 0.0)))
+    with refused(f"traction on {part}: inside the body; a traction acts on a side"):
+        Problem(domain, SHEET, held, (Traction(part, (1.0, 0.0)),))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda: bar(loads=(Traction(Segment((3.0, 1.0), (5.0, -1.0)), (1.0, 0.0)),)),
+            "region ((3, 1) to (5, -1)) reaches outside the body, 0 <= x <= 4",
+        ),
+        (lambda: bar(loads=(PointForce((2.0, 1.5), (1.0, 0.0)),)), "reaches outside the body"),
+        (
+            lambda: Traction(SLOPE, (1.0, 0.0, 0.0)),
+            "traction on ((0, 0) to (1, 1)): (1.0, 0.0, 0.0)",
+        ),
+        (lambda: Traction(SLOPE, (NAN, 0.0)), "traction on ((0, 0) to (1, 1)): nan at index 0"),
+        (lambda: Support(SLOPE, (0.0,)), "support on ((0, 0) to (1, 1)): 1 components for 2 axes"),
+        (lambda: Support(((0, 0), (1, 1)), (0.0, 0.0)), "give a Region, such as box.side('left')"),
+        (lambda: Traction("left", (0.0, 0.0)), "traction: region 'left'; give a Region"),
+        (
+            lambda: Problem(BAR, Isotropic(1.0, 0.3, "solid"), (CLAMP,)),
+            "problem: a 3D material in a 2D domain",
+        ),
+        (
+            lambda: Problem(BAR.vertices, SHEET, (CLAMP,)),
+            "give a Box or a Polygon",
+        ),
+    ],
+)
+def test_a_problem_that_does_not_fit_a_polygon_is_refused(make, message):
+    with refused(message):
+        make()

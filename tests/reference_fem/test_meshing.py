@@ -1,0 +1,585 @@
+"""Meshes of boxes and of outlines of equilateral triangles: coverage, lines, refinement."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+import skfem
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import reference_fem
+from msvalidate.lattice import trapezium, triangular, zigzag_block
+from msvalidate.problem import (
+    Anisotropic,
+    BodyForce,
+    Box,
+    Isotropic,
+    Polygon,
+    Problem,
+    ProblemError,
+    Region,
+    Segment,
+    Support,
+    Traction,
+)
+
+# A library's warning on the way to an answer is a failure here.
+pytestmark = pytest.mark.filterwarnings("error")
+
+NAN = float("nan")
+ELEMENTS = ("Q1", "Q2", "P1", "P2")
+BOX = Box((1.2, 0.8))
+BAR = trapezium(0.2, (5, 3))
+BLOCK = zigzag_block(1.0, (6, 5))
+ROW = np.sqrt(3) / 2
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+# --- boxes ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_box_mesh_covers_the_box(element):
+    body = reference_fem.box_discretisation(BOX, (5, 3), element, 2.0)
+    per_cell = {"Q1": (1, 1), "Q2": (2, 1), "P1": (1, 2), "P2": (2, 2)}[element]
+    lines = (per_cell[0] * 5 + 1) * (per_cell[0] * 3 + 1)
+    assert body.points.shape == (lines, 2)
+    assert body.basis.mesh.t.shape[1] == 15 * per_cell[1]
+    np.testing.assert_array_equal(body.points.min(axis=0), 0)
+    np.testing.assert_array_equal(body.points.max(axis=0), BOX.size)
+    one = skfem.LinearForm(lambda v, _: v).assemble(body.basis)
+    assert one.sum() == pytest.approx(BOX.volume, rel=1e-13)
+
+
+def test_grading_crowds_lines_to_both_ends():
+    def lines(cells, grading):
+        body = reference_fem.box_discretisation(Box((2.0, 2.0)), cells, "Q1", grading)
+        return np.unique(body.points[:, 0])
+
+    assert lines(4, 2.0) == pytest.approx([0, 0.25, 1, 1.75, 2], rel=1e-15)  # s² from either end
+    assert lines(4, 1.0) == pytest.approx([0, 0.5, 1, 1.5, 2], rel=1e-15)
+    even = lines(7, 2.5)
+    assert even == pytest.approx(2 - even[::-1], abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        ((BOX, 4, "Q3"), "Q3 .*one of Q1, Q2, P1, P2"),
+        ((BOX, (4, 4, 4)), "give two counts"),
+        ((Box((1.0, 1.0, 1.0)), 4), "in a box 1 x 1 x 1 m; give two counts, a plane box"),
+        ((BAR, 4), "in a polygon of 4 vertices, 1.6 x 0.519615 m; give two counts, a plane box"),
+        ((BOX, 0), "mesh cells: 0; give a whole number, 1 or more"),
+        ((BOX, (4, -1)), "mesh cells: -1; give a whole number"),
+        ((BOX, 2.5), "mesh cells: 2.5; give a whole number"),
+        ((BOX, 4, "Q1", 0.5), "mesh grading: 0.5; it must be 1 or more"),
+        ((BOX, 4, "Q1", float("nan")), "mesh grading: nan"),
+    ],
+)
+def test_bad_mesh_is_named(arguments, fragment):
+    with pytest.raises(ProblemError, match=fragment):
+        reference_fem.box_discretisation(*arguments)
+
+
+def test_a_mesh_too_fine_to_tell_its_nodes_apart_is_refused():
+    with pytest.raises(ProblemError, match="nearer than two places are told apart"):
+        reference_fem.box_discretisation(Box((1.0, 1.0)), 64, "Q1", 8.0)
+
+
+# --- boxes with lines through given places --------------------------------------------------------
+
+
+def lines(body, axis):
+    """Coordinates of the mesh lines along an axis, those of mid-side nodes left out."""
+    found = np.unique(body.points[:, axis])
+    return found[:: body.element.degree]
+
+
+@pytest.mark.parametrize("towards", ["both", "high"])
+@pytest.mark.parametrize("grading", [1.0, 2.5])
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_lines_pass_exactly_through_the_places(element, grading, towards):
+    through = ((0.3, 0.7), (0.8 / 3,))
+    body = reference_fem.box_discretisation(BOX, (12, 6), element, grading, towards, through)
+    x, y = lines(body, 0), lines(body, 1)
+    assert (len(x), len(y)) == (13, 7)
+    # Not to rounding but to the last digit: a loaded part ends at the very place it names.
+    np.testing.assert_array_equal(x[[0, 3, 7, 12]], [0.0, 0.3, 0.7, 1.2])
+    np.testing.assert_array_equal(y[[0, 2, 6]], [0.0, 0.8 / 3, 0.8])
+    one = skfem.LinearForm(lambda v, _: v).assemble(body.basis)
+    assert one.sum() == pytest.approx(BOX.volume, rel=1e-13)
+
+
+def test_each_part_is_graded_as_the_whole_would_be():
+    box = Box((3.0, 1.0))
+    found = [
+        lines(reference_fem.box_discretisation(box, (12, 1), "Q1", 2.0, towards, ((1.0,), ())), 0)
+        for towards in ("both", "high")
+    ]
+    both = np.array([0, 0.125, 0.5, 0.875, 1])  # s² from either end
+    assert found[0][:5] == pytest.approx(both, abs=1e-15)
+    assert found[0][4:] == pytest.approx(1 + 2 * np.array([0, 1, 4, 9, 16, 23, 28, 31, 32]) / 32)
+    high = 1 - np.linspace(1, 0, 5) ** 2
+    assert found[1][:5] == pytest.approx(high, abs=1e-15)
+    assert found[1][4:] == pytest.approx(1 + 2 * (1 - np.linspace(1, 0, 9) ** 2), abs=1e-15)
+
+
+@settings(max_examples=30, deadline=None)
+@given(inner=st.lists(st.integers(1, 19), min_size=1, max_size=4, unique=True))
+def test_parts_take_their_share_of_the_cells_by_length(inner):
+    # Twenty cells of a twentieth each, cut anywhere between: the lines are those without a cut.
+    places = tuple(k * 0.1 for k in sorted(inner))
+    body = reference_fem.box_discretisation(Box((2.0, 1.0)), (20, 1), "Q1", through=(places, ()))
+    assert lines(body, 0) == pytest.approx(np.linspace(0, 2, 21), abs=1e-15)
+
+
+def test_a_traction_on_a_part_that_the_lines_end_at_has_its_resultant():
+    part = Region((1.2, (0.8 / 3, 0.55)))
+    body = reference_fem.box_discretisation(BOX, (3, 6), "Q2", 1.7, through=((), (0.8 / 3, 0.55)))
+    held = (Support(BOX.side("left"), (0.0, 0.0)),)
+    problem = Problem(BOX, Isotropic(1.0, 0.3), held, (Traction(part, (2.0, -1.0)),))
+    force = reference_fem.body.nodal_forces(problem, body)
+    np.testing.assert_allclose(force.sum(axis=0), (0.55 - 0.8 / 3) * np.array([2, -1]), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("through", "message"),
+    [
+        # shapes and types
+        ((), "mesh lines through (): give coordinates for each axis, as ((), (0.4, 0.6))"),
+        (((0.4,),), "mesh lines through ((0.4,),): give coordinates for each axis"),
+        (((0.4,), (), ()), "mesh lines through ((0.4,), (), ()): give coordinates for each axis"),
+        (None, "mesh lines through None: give coordinates for each axis"),
+        ("ab", "mesh lines through 'ab': give coordinates for each axis"),
+        ((0.4, ()), "mesh lines through 0.4: give coordinates in order, between 0 and 1.2 m"),
+        (((), ((0.4,),)), "mesh lines through ((0.4,),): give coordinates in order, between 0 and"),
+        ((("a",), ()), "mesh lines through: expected numbers, got ('a',)"),
+        (((None,), ()), "mesh lines through: expected numbers, got (None,)"),
+        (((), (NAN,)), "mesh lines through: nan at index 0; every value must be finite"),
+        (((np.inf,), ()), "mesh lines through: inf at index 0"),
+        # places
+        (((0.6, 0.4), ()), "mesh lines through (0.6, 0.4): give coordinates in order, between 0"),
+        (((0.4, 0.4), ()), "mesh lines through (0.4, 0.4): give coordinates in order"),
+        (((1.3,), ()), "mesh lines through (1.3,): give coordinates in order, between 0 and 1.2 m"),
+        (((), (0.9,)), "mesh lines through (0.9,): give coordinates in order, between 0 and 0.8 m"),
+        (((-0.1,), ()), "mesh lines through (-0.1,): give coordinates in order"),
+        (((0.0,), ()), "mesh lines through (0.0,): give coordinates in order"),
+        (((1.2,), ()), "mesh lines through (1.2,): give coordinates in order"),
+        # counts
+        (
+            ((0.05,), ()),
+            "mesh lines through (0.05,): 6 cells do not divide among the parts; choose",
+        ),
+        (((0.3, 0.9), ()), "mesh lines through (0.3, 0.9): 6 cells do not divide among the parts"),
+        (((), tuple(0.1 * k for k in range(1, 8))), "4 cells do not divide among the parts"),
+        # Parts of next to no length. Above, halves of a cell go up on either side alike.
+        (((0.4, 0.4 + 1e-12), ()), "6 cells do not divide among the parts"),
+    ],
+)
+def test_bad_places_for_lines_are_named(through, message):
+    with refused(message):
+        reference_fem.box_discretisation(BOX, (6, 4), "Q1", through=through)
+
+
+def test_a_side_to_grade_towards_is_one_of_two():
+    with refused("mesh grading towards 'low'; choose both or high"):
+        reference_fem.box_discretisation(BOX, 4, "Q1", 2.0, "low")
+
+
+# --- outlines of equilateral triangles ------------------------------------------------------------
+
+
+def edges(outline):
+    following = (*outline.vertices[1:], outline.vertices[0])
+    return [Segment(a, b) for a, b in zip(outline.vertices, following, strict=True)]
+
+
+def turned(outline, angle=0.7, shift=(0.3, -0.1)):
+    c, s = np.cos(angle), np.sin(angle)
+    corners = outline.corners @ np.array([[c, s], [-s, c]]) + shift
+    return Polygon(tuple(map(tuple, corners.tolist())))
+
+
+OUTLINES = {
+    "bar": BAR,
+    "block": BLOCK,
+    "turned bar": turned(BAR),
+    "turned block": turned(BLOCK, -2.0),
+    "triangle": Polygon(((0.0, 0.0), (0.8, 0.0), (0.4, 0.8 * ROW))),
+    # A hexagon without one of its six triangles: one corner inside, of 300 degrees.
+    "open hexagon": Polygon(
+        tuple(
+            (0.6 * float(r * np.cos(a)), 0.6 * float(r * np.sin(a)))
+            for r, a in [(0, 0), *((1, k * np.pi / 3) for k in range(6))]
+        )
+    ),
+}
+outlines = pytest.mark.parametrize("outline", OUTLINES.values(), ids=OUTLINES)
+triangles = pytest.mark.parametrize("element", ["P1", "P2"])
+
+
+def refined(outline, element, depth, rings=1, spacing=0.2):
+    return reference_fem.polygon_discretisation(
+        outline, spacing, element, towards=outline.corners, depth=depth, rings=rings
+    )
+
+
+def corners(body):
+    """Corners (c, 3, 2) of the triangles."""
+    return body.points[body.cells[:, :3]]
+
+
+def angles(body):
+    """Angles (c, 3) in degrees at the corners of the triangles."""
+    x = corners(body)
+    ahead, back = np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x
+    cosine = (ahead * back).sum(axis=2) / np.linalg.norm(ahead, axis=2)
+    return np.degrees(np.arccos(cosine / np.linalg.norm(back, axis=2)))
+
+
+def sides(body):
+    """Lengths (c, 3) in m."""
+    x = corners(body)
+    return np.linalg.norm(np.roll(x, -1, axis=1) - x, axis=2)
+
+
+def area(body):
+    (x1, y1), (x2, y2) = (corners(body)[:, 1:] - corners(body)[:, :1]).transpose(1, 2, 0)
+    assert (x1 * y2 > x2 * y1).all()  # counter-clockwise, all of them
+    return 0.5 * (x1 * y2 - x2 * y1).sum()
+
+
+@triangles
+@pytest.mark.parametrize("spacing", [0.2, 0.1])
+@outlines
+def test_triangles_cover_the_outline(outline, spacing, element):
+    body = reference_fem.polygon_discretisation(outline, spacing, element)
+    assert area(body) == pytest.approx(outline.volume, rel=1e-12)
+    assert body.basis.dx.sum() == pytest.approx(outline.volume, rel=1e-12)
+    assert angles(body) == pytest.approx(60, rel=1e-12)
+    assert sides(body) == pytest.approx(spacing, rel=1e-12)
+    cells = outline.volume / (np.sqrt(3) / 4 * spacing**2)
+    around = sum(edge.measure(()) for edge in edges(outline)) / spacing
+    # Euler: vertices = edges - cells + 1, and edges = (3 cells + boundary edges)/2.
+    joints = (3 * cells + around) / 2
+    nodes = joints - cells + 1 + (joints if element == "P2" else 0)
+    assert (len(body.cells), len(body.points)) == pytest.approx((cells, nodes), rel=1e-12)
+
+
+@triangles
+@pytest.mark.parametrize("depth", [0, 1, 2, 5])
+@outlines
+def test_refinement_leaves_no_gaps_and_no_hanging_nodes(outline, depth, element):
+    body = refined(outline, element, depth)
+    assert area(body) == pytest.approx(outline.volume, rel=1e-12)
+    ends = np.sort(body.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    ends, uses = np.unique(ends, axis=0, return_counts=True)
+    assert set(uses.tolist()) == {1, 2}
+    # What one triangle has alone is the outline and no more.
+    alone = body.points[ends[uses == 1]]
+    assert all(outline.on_boundary(pair) for pair in alone)
+    around = np.linalg.norm(alone[:, 1] - alone[:, 0], axis=1).sum()
+    assert around == pytest.approx(sum(edge.measure(()) for edge in edges(outline)), rel=1e-12)
+
+
+@pytest.mark.parametrize("rings", [1, 2, 3])
+@pytest.mark.parametrize("depth", [1, 3, 6])
+@outlines
+def test_refinement_halves_the_triangles_at_the_places_each_time(outline, depth, rings):
+    body = refined(outline, "P1", depth, rings)
+    # Halving coordinates of 1 m keeps 1e-16 of them, 1e-13 of the smallest side.
+    assert sides(body).min() == pytest.approx(0.2 / 2**depth, rel=1e-12)
+    x = corners(body)
+    for place in outline.corners:
+        at = (np.linalg.norm(x - place, axis=2) < 1e-9).any(axis=1)
+        assert sides(body)[at] == pytest.approx(0.2 / 2**depth, rel=1e-12)
+
+
+@pytest.mark.parametrize("rings", [1, 2, 3])
+@outlines
+def test_refined_triangles_stay_well_shaped(outline, rings):
+    # Halves of equilateral triangles at worst: 30, 60 and 90 degrees, or 30, 30 and 120.
+    found = angles(refined(outline, "P1", 8, rings))
+    assert found.min() > 30 - 1e-9
+    assert found.max() < 120 + 1e-9
+
+
+def test_refinement_is_local_and_grows_with_depth_and_rings():
+    counts = [len(refined(BLOCK, "P1", depth).cells) for depth in range(10)]
+    steps = np.diff(counts[4:])
+    assert steps.max() < 2 * steps.min()  # about as many more at each depth, not a multiple
+    wider = [len(refined(BLOCK, "P1", 4, rings).cells) for rings in (1, 2, 3)]
+    assert wider == sorted(set(wider))
+    # Far from the place refined towards, the triangles are those to start from.
+    body = reference_fem.polygon_discretisation(BAR, 0.1, "P1", towards=[(0.0, 0.0)], depth=5)
+    far = (np.linalg.norm(corners(body), axis=2) > 0.5).all(axis=1)
+    assert sides(body)[far] == pytest.approx(0.1, rel=1e-12)
+
+
+@triangles
+def test_nothing_to_refine_towards_or_no_depth_is_the_even_mesh(element):
+    even = reference_fem.polygon_discretisation(BAR, 0.1, element)
+    for options in (
+        {"depth": 5},
+        {"towards": BAR.reentrant, "depth": 5},  # it has none
+        {"towards": [(0.0, 0.0)]},
+        {"towards": [(0.0, 0.0)], "depth": 0, "rings": 3},
+    ):
+        body = reference_fem.polygon_discretisation(BAR, 0.1, element, **options)
+        np.testing.assert_array_equal(body.points, even.points)
+        np.testing.assert_array_equal(body.cells, even.cells)
+
+
+def test_a_place_named_twice_is_one_place():
+    once, twice = (
+        reference_fem.polygon_discretisation(BAR, 0.1, towards=places, depth=3)
+        for places in ([(0.0, 0.0)], [(0.0, 0.0), (0.0, 0.0)])
+    )
+    np.testing.assert_array_equal(once.points, twice.points)
+
+
+@triangles
+@pytest.mark.parametrize("depth", [0, 3])
+@outlines
+def test_points_of_the_lattice_are_points_of_the_mesh(outline, depth, element):
+    lattice = triangular(outline, 0.2)
+    body = refined(outline, element, depth)
+    matrix = body.interpolation(lattice.points)
+    # At a vertex one shape function is 1 and all others 0, to the rounding of the coordinates.
+    nearest = np.linalg.norm(lattice.points[:, None] - body.points, axis=2).argmin(axis=1)
+    expected = np.zeros(matrix.shape)
+    expected[np.arange(len(nearest)), nearest] = 1
+    assert np.abs(matrix.toarray() - expected).max() < 1e-11
+
+
+STACK = Polygon(
+    (
+        *((0.0, 0.0), (4.0, 0.0), (4.5, ROW), (4.75, ROW), (5.25, 2 * ROW), (5.0, 2 * ROW)),
+        *((5.5, 3 * ROW), (6.0, 3 * ROW), (6.5, 4 * ROW), (2.5, 4 * ROW), (2.0, 3 * ROW)),
+        *((1.5, 3 * ROW), (1.0, 2 * ROW), (1.25, 2 * ROW), (0.75, ROW), (0.5, ROW)),
+    )
+)
+"""Four strips four sides long, moved along by parts of a side: the triangles whose middles they
+hold have the very area and perimeter of the outline."""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "message"),
+    [
+        ((BAR, 0.2, "Q2"), {}, "mesh: Q2 in a polygon of 4 vertices, 1.6 x 0.519615 m; give a"),
+        ((BAR, 0.2, "Q1"), {}, "give a Polygon and P1 or P2"),
+        ((BAR, 0.2, None), {}, "mesh: None in a polygon"),
+        ((BAR, 0.2, ["P1"]), {}, "mesh: ['P1'] in a polygon"),
+        ((BOX, 0.2), {}, "mesh: P2 in a box 1.2 x 0.8 m; give a Polygon and P1 or P2"),
+        # spacing
+        ((BAR, 0.0), {}, "mesh spacing: 0.0 m; it must be above zero"),
+        ((BAR, -0.2), {}, "mesh spacing: -0.2 m; it must be above zero"),
+        ((BAR, NAN), {}, "mesh spacing: nan; every value must be finite"),
+        ((BAR, (0.2, 0.2)), {}, "mesh spacing: (0.2, 0.2) m; it must be above zero"),
+        ((BAR, "fine"), {}, "mesh spacing: expected numbers, got 'fine'"),
+        ((BAR, 0.3), {}, "mesh spacing: triangles of side 0.3 m cover 0.662509 of 0.6755 m²"),
+        ((BAR, 0.1999), {}, "choose one that divides every edge"),
+        ((BLOCK, 0.25), {}, "choose one that divides every edge"),
+        ((BAR, 100.0), {}, "mesh spacing: triangles of side 100 m cover 0 of 0.6755 m²"),
+        # Whole triangles make the area, but not the outline.
+        (
+            (Polygon(((0.0, 0.0), (4.0, 0.0), (4.0, 2 * ROW), (0.0, 2 * ROW))), 1.0),
+            {},
+            "mesh spacing: triangles of side 1 m have their edges on 0 of 1.73205 m of edge 1 of",
+        ),
+        (
+            (STACK, 1.0),
+            {},
+            "have their edges on 0 of 0.25 m of edge 2 of the outline, ((4.5, 0.866025) to (4.75, ",
+        ),
+        # places
+        ((BAR, 0.2), {"towards": [(0.0, NAN)]}, "places to refine towards: nan at index (0, 1)"),
+        ((BAR, 0.2), {"towards": [(np.inf, 0.0)]}, "places to refine towards: inf at index (0, 0)"),
+        ((BAR, 0.2), {"towards": (0.0, 0.0)}, "towards: shape (2,); give (p, 2)"),
+        ((BAR, 0.2), {"towards": (0.0, 0.0, 0.2)}, "towards: shape (3,); give (p, 2)"),
+        ((BAR, 0.2), {"towards": np.zeros((2, 3))}, "towards: shape (2, 3); give (p, 2)"),
+        ((BAR, 0.2), {"towards": [(0.0, 0.0), (1.0,)]}, "towards: expected numbers, got rows of"),
+        ((BAR, 0.2), {"towards": None}, "towards: expected numbers, got None"),
+        (
+            (BAR, 0.2),
+            {"towards": [(0.2, 0.0), (0.5, 0.0)]},
+            "towards: (0.5, 0) is 0.1 m from the nearest vertex of the mesh; choose vertices",
+        ),
+        ((BAR, 0.2), {"towards": [(9.0, 0.0)]}, "(9, 0) is 7.4 m from the nearest vertex"),
+        # depth and rings, whether there is a place or not
+        ((BAR, 0.2), {"depth": -1}, "mesh depth: -1; give a whole number, 0 or more"),
+        ((BAR, 0.2), {"depth": 1.0}, "mesh depth: 1.0; give a whole number, 0 or more"),
+        ((BAR, 0.2), {"depth": True}, "mesh depth: True; give a whole number, 0 or more"),
+        ((BAR, 0.2), {"depth": NAN}, "mesh depth: nan; give a whole number"),
+        ((BAR, 0.2), {"rings": 0}, "mesh rings: 0; give a whole number, 1 or more"),
+        ((BAR, 0.2), {"rings": 1.5}, "mesh rings: 1.5; give a whole number, 1 or more"),
+        ((BAR, 0.2), {"towards": [(0.0, 0.0)], "rings": None}, "mesh rings: None; give a whole"),
+        (
+            (BAR, 0.2),
+            {"towards": [(0.0, 0.0)], "depth": 40},
+            "mesh depth: 40 puts vertices 1.8e-13 m apart, nearer than two places are told apart",
+        ),
+    ],
+)
+def test_a_bad_mesh_of_triangles_is_named(arguments, options, message):
+    with refused(message):
+        reference_fem.polygon_discretisation(*arguments, **options)
+
+
+# --- exact answers on polygons --------------------------------------------------------------------
+
+# C16 and C26 couple stretch and shear: a swapped index cannot hide behind a zero.
+SKEW = np.array([[3.0, 0.9, 0.5], [0.9, 2.0, -0.3], [0.5, -0.3, 1.1]])
+MATERIALS = {
+    "isotropic": Isotropic(2.0, 0.3, "plane_stress", thickness=0.25),
+    "anisotropic": Anisotropic(SKEW, thickness=0.25),
+}
+VOIGT = {
+    "isotropic": np.linalg.inv(np.array([[1, -0.3, 0], [-0.3, 1, 0], [0, 0, 2.6]]) / 2.0),
+    "anisotropic": SKEW,
+}
+materials = pytest.mark.parametrize("name", MATERIALS)
+
+
+def held_all_round(outline, displacement):
+    fields = tuple(lambda x, axis=axis: displacement(x)[:, axis] for axis in (0, 1))
+    return tuple(Support(edge, fields) for edge in edges(outline))
+
+
+@triangles
+@materials
+@outlines
+def test_patch_of_a_refined_mesh(outline, name, element):
+    def affine(x):
+        return 1e-3 * np.column_stack([x[:, 0] + x[:, 1] / 2, x[:, 1] + x[:, 0] / 2 - 1.0])
+
+    problem = Problem(outline, MATERIALS[name], held_all_round(outline, affine))
+    body = refined(outline, element, 3, spacing=0.1)
+    found = reference_fem.solve_problem(problem, body).displacement
+    # A direct solve of some hundred unknowns leaves 1e-14.
+    assert np.abs(found - affine(body.points)).max() <= 1e-12 * np.abs(affine(body.points)).max()
+
+
+def test_patch_between_two_straight_sides_of_a_block():
+    # Left and right of a zigzag block are whole sides of its span: regions serve as well.
+    (_, right), _ = BLOCK.span
+    supports = (
+        Support(Region((0.0, None)), (0.0, lambda x: -0.3e-3 * x[:, 1])),
+        Support(Region((right, None)), (1e-3 * right, lambda x: -0.3e-3 * x[:, 1])),
+    )
+    problem = Problem(BLOCK, Isotropic(2.0, 0.3), supports)
+    body = refined(BLOCK, "P2", 4)
+    found = reference_fem.solve_problem(problem, body).displacement
+    # Uniaxial stress along x pulls on the teeth, which are free: uniform it is on no zigzag.
+    exact = 1e-3 * body.points * [1, -0.3]
+    assert 1e-3 < np.abs(found - exact).max() / np.abs(exact).max() < 0.1
+
+
+@materials
+@outlines
+def test_quadratic_elements_hold_a_parabola_under_constant_body_force(outline, name):
+    # u = (x² + 2xy, 3y² - xy): strain (2x + 2y, 6y - x, 2x - y), constant divergence of stress.
+    def parabola(p):
+        x, y = p.T
+        return np.column_stack([x**2 + 2 * x * y, 3 * y**2 - x * y])
+
+    along_x = VOIGT[name] @ [2, -1, 2]
+    along_y = VOIGT[name] @ [2, 6, -1]
+    force = BodyForce((-(along_x[0] + along_y[2]), -(along_x[2] + along_y[1])))
+    problem = Problem(outline, MATERIALS[name], held_all_round(outline, parabola), (force,))
+    body = refined(outline, "P2", 3, spacing=0.1)
+    solution = reference_fem.solve_problem(problem, body)
+    exact = parabola(body.points)
+    assert np.abs(solution.displacement - exact).max() <= 1e-12 * np.abs(exact).max()
+    places = triangular(outline, 0.05).points
+    assert np.abs(solution.at(places) - parabola(places)).max() <= 1e-12 * np.abs(exact).max()
+
+
+@triangles
+@materials
+@pytest.mark.parametrize("depth", [0, 3])
+@outlines
+def test_uniform_stress_from_tractions_on_segments(outline, depth, name, element):
+    # Any stress, put on every edge as its traction, must give the strain that it belongs to.
+    sxx, syy, sxy = stress = np.array([0.7, -0.4, 0.3])
+    loads = []
+    for edge in edges(outline):
+        x, y = np.subtract(edge.end, edge.start) / edge.measure(())
+        loads.append(Traction(edge, (sxx * y - sxy * x, sxy * y - syy * x)))
+    exx, eyy, exy = np.linalg.solve(VOIGT[name], stress)
+    origin, other = outline.corners[0], outline.corners[1]
+
+    def exact(points):
+        x, y = (points - origin).T
+        return np.column_stack([exx * x + exy / 2 * y, exy / 2 * x + eyy * y])
+
+    # Three components at two corners: which of the second's, so that no turn is left free.
+    axis = int(np.abs(other - origin).argmin())
+    second = [None, None]
+    second[axis] = float(exact(other[None])[0, axis])
+    supports = (
+        Support(Region(outline.vertices[0]), (0.0, 0.0)),
+        Support(Region(outline.vertices[1]), tuple(second)),
+    )
+    problem = Problem(outline, MATERIALS[name], supports, tuple(loads))
+    body = refined(outline, element, depth)
+    solution = reference_fem.solve_problem(problem, body)
+    size = np.abs(exact(body.points)).max()
+    # Held at two points only, the system has a condition of 1e5, times rounding.
+    assert np.abs(solution.displacement - exact(body.points)).max() <= 1e-11 * size
+    places = triangular(outline, 0.05).points
+    assert np.abs(solution.at(places) - exact(places)).max() <= 1e-11 * size
+
+
+@outlines
+def test_tractions_and_body_force_have_their_resultants(outline):
+    body = refined(outline, "P2", 2)
+    held = (Support(edges(outline)[0], (0.0, 0.0)),)
+    side = edges(outline)[1]
+    pull, weight = Traction(side, (2.0, -3.0)), BodyForce((2.0, -3.0))
+    for load, size in ((pull, side.measure(())), (weight, outline.volume)):
+        problem = Problem(outline, MATERIALS["isotropic"], held, (load,))
+        force = reference_fem.body.nodal_forces(problem, body)
+        assert force.sum(axis=0) == pytest.approx(0.25 * size * np.array([2, -3]), rel=1e-12)
+
+
+def test_equilateral_triangles_and_a_sheared_box_agree_on_a_rhombus():
+    # A mesh of squares cut in two, sheared, against equilateral triangles refined towards corners.
+    rhombus = Polygon(((0.0, 0.0), (1.0, 0.0), (1.5, ROW), (0.5, ROW)))
+    bottom, _, top, _ = edges(rhombus)
+    problem = Problem(
+        rhombus,
+        Isotropic(1.0, 0.3),
+        (Support(bottom, (0.0, 0.0)),),
+        (Traction(top, (0.0, -1.0)), BodyForce((0.3, 0.0))),
+    )
+    places = triangular(rhombus, 0.25).points
+
+    def answer(body):
+        return reference_fem.solve_problem(problem, body).at(places)
+
+    def sheared(cells):
+        box = reference_fem.box_discretisation(Box((1.0, 1.0)), cells, "P2", 3.0)
+        return reference_fem.discretise(box.points @ [[1.0, 0.0], [0.5, ROW]], box.cells, "P2")
+
+    limit = answer(refined(rhombus, "P2", 12, rings=3, spacing=1 / 16))
+    coarse, fine = (
+        np.abs(answer(sheared(cells)) - limit).max() / np.abs(limit).max() for cells in (16, 32)
+    )
+    # The equilateral triangles change by 5e-5 when refined once more; the sheared ones, graded,
+    # converge on them with an order near 3.
+    assert fine < 1e-3
+    assert coarse / fine > 6
+
+
+def test_the_mesh_of_another_outline_is_refused():
+    problem = Problem(BAR, Isotropic(1.0, 0.3), (Support(edges(BAR)[0], (0.0, 0.0)),))
+    other = reference_fem.polygon_discretisation(trapezium(0.2, (4, 3)), 0.2)
+    with refused("mesh the problem's own domain"):
+        reference_fem.solve_problem(problem, other)
