@@ -40,7 +40,8 @@ def test_a_study_writes_its_files(finished):
     written = {p.relative_to(folder / "results").as_posix() for p in folder.rglob("*.*")}
     tables = {"summary", "finite_size", "modulus", "reference", "direction", "incompressible"}
     tables |= {"drift", "algorithm1", "rest", "block", "resolution", "verdict"}
-    pictures = {"finite_size", "direction", "drift", "rest", "block"}
+    tables |= {"rotated", "rotated_order"}
+    pictures = {"finite_size", "direction", "drift", "rest", "block", "rotated"}
     expected = {f"poisson/{name}.csv" for name in tables} | {"report.md"}
     expected |= {f"poisson/{name}.{kind}" for name in pictures for kind in ("png", "svg")}
     assert written == expected
@@ -72,7 +73,9 @@ def test_quiet_run_prints_nothing(tmp_path):
 def test_list_names_each_study_with_its_question():
     done = run("list")
     assert done.returncode == 0
-    assert "poisson  Poisson's ratio of a lattice" in done.stdout
+    questions = dict(line.split(maxsplit=1) for line in done.stdout.splitlines())
+    assert questions["poisson"].startswith("Poisson's ratio of a lattice")
+    assert questions["displacement"].startswith("Displacement: how far")
 
 
 def test_help_and_list_import_nothing_heavy():
