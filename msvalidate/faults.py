@@ -15,6 +15,13 @@ def every_spring(network: Network, size: float) -> Network:
     return network.scaled(1 + size)
 
 
+def diagonals(network: Network, size: float) -> Network:
+    """Springs that run along no axis stiffer by the fraction `size`."""
+    along = np.diff(network.points[network.springs], axis=1)[:, 0]
+    slanted = (np.abs(along) > 1e-9 * network.rest_length[:, None]).sum(axis=1) > 1
+    return network.scaled(np.where(slanted, 1 + size, 1.0))
+
+
 def one_spring(network: Network, size: float) -> Network:
     """The spring in the middle of the list without the part `size` of its stiffness."""
     factor = np.ones(len(network.springs))

@@ -98,7 +98,6 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
         {
             "lattice": "square",
             "cells_high": n,
-            "tension_error": "largest error of the stretched square's displacement, relative (1)",
             "EI_ratio": bending_stiffness(candidate, n),
             "EI_formula": 1 + (2 - nu) / (1 + nu) / n**2,
         }

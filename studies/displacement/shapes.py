@@ -14,22 +14,33 @@ Expected   The signs hold on the mean, not on every line of particles. The bar i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
-from msvalidate import figures
 from msvalidate.body import lattice_network
 from msvalidate.candidate import Answer
 from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.evidence import Evidence, Tolerance
 from msvalidate.problem import Array
-from studies.displacement import load_cases
+from studies.displacement import load_cases, redrawn
+from studies.displacement.claims import (
+    BOTTOM,
+    CLAIMS,
+    CURVES,
+    FREE,
+    LIKE,
+    LOADED,
+    NAMED,
+    NUMBERS,
+    SLIGHTLY,
+    SOURCES,
+    UPPER,
+    fitted,
+    lower_row,
+    rms,
+)
 from studies.displacement.elastic import Bodies
 from studies.displacement.load_cases import CASES
 from studies.displacement.measuring import Block, Measured
@@ -40,13 +51,6 @@ SETTING: tuple[str, Answer] = ("equal", "relaxed")
 SQUARE = tuple(model for model in MODELS if model.lattice == "square")
 DRAWN = next(model for model in SQUARE if not model.is_target)
 """The report's k2 = 2 k1."""
-SOURCES = ("springs", "homogenised body", "target")
-NUMBERS = {case: number for number, case in enumerate(CASES, start=4)}
-"""Load case -> the report's figure."""
-EXAGGERATED = {"pressure": 10, "two-sided pressure": 10, "shear": 10, "bending": 20}
-LIKE = 0.05
-"""A line is like a curve if it misses it by less than this part of its height, which a reader of a
-printed figure just about sees."""
 TOLERANCES = (
     Tolerance(
         "Figures 4 to 6: changes of length that the words name, springs over FEM",
@@ -96,114 +100,6 @@ COLUMNS = {
 }
 
 
-class Claim(NamedTuple):
-    """A statement as a number, of points (m) and displacements (m): above a bound or below it."""
-
-    statement: str
-    measured: str
-    number: Callable[[Array, Array], float]
-    above: bool
-    bound: float = 0.0
-    unit: str = "m"
-
-    def judge(self, values: list[float]) -> str:
-        """Of which of the sources it holds, in words."""
-        sign = 1 if self.above else -1
-        true = [s for s, v in zip(SOURCES, values, strict=True) if sign * (v - self.bound) > 0]
-        if len(true) == len(SOURCES):
-            return "holds"
-        return f"holds of {' and '.join(true)} only" if true else "does not hold"
-
-
-def gap(points: Array, move: Array, axis: int) -> Array:
-    """Change (m) of the distance along an axis of two opposite sides, particle by particle."""
-    along = points[:, axis]
-    low, high = np.isclose(along, along.min()), np.isclose(along, along.max())
-    return np.asarray(move[high, axis] - move[low, axis])
-
-
-def lower_row(points: Array, move: Array) -> tuple[Array, Array]:
-    """Places along x (m) and deflection (m) of the lowest row of particles."""
-    low = points[:, 1] == 0
-    return points[low, 0], move[low, 1]
-
-
-def clamped_beam(xi: Array) -> Array:
-    """Deflection of a clamped beam under a force in its middle, 1 there; xi = x/L."""
-    near = np.minimum(xi, 1 - xi)
-    return np.asarray(4 * near**2 * (3 - 4 * near))
-
-
-CURVES: dict[str, Callable[[Array], list[Array]]] = {
-    "fit_half_wave": lambda xi: [np.sin(np.pi * xi)],
-    "fit_whole_wave": lambda xi: [(1 - np.cos(2 * np.pi * xi)) / 2],
-    "fit_clamped_beam": lambda xi: [clamped_beam(xi)],
-    "fit_shear_beam": lambda xi: [clamped_beam(xi), np.minimum(xi, 1 - xi)],
-}
-
-
-def fitted(x: Array, line: Array, curve: str) -> Array:
-    """Least-squares fit of a curve to a deflection line (m) at places x (m)."""
-    shapes = np.column_stack(CURVES[curve](x / x.max()))
-    return np.asarray(shapes @ np.linalg.lstsq(shapes, line, rcond=None)[0])
-
-
-def rms(values: Array) -> float:
-    """Root of the mean square."""
-    return float(np.sqrt(np.mean(values**2)))
-
-
-def misfit(x: Array, line: Array, curve: str) -> float:
-    """Root mean square by which a line misses a curve, over the line's height."""
-    return float(rms(line - fitted(x, line, curve)) / np.abs(line).max())
-
-
-def like(statement: str, curve: str) -> Claim:
-    """The claim that the lowest row is like a curve."""
-
-    def number(points: Array, move: Array) -> float:
-        return misfit(*lower_row(points, move), curve)
-
-    return Claim(statement, "rms misfit over height", number, above=False, bound=LIKE, unit="1")
-
-
-NAMED = ("mean change of height", "mean change of width", "change of length along x")
-SLIGHTLY = "mean swelling over mean shrinking"
-LOADED, FREE = "change of height at x = 0, loaded", "change of width at y = 1 m, free"
-SWELLS, SHRINKS = "swells along y", "shrinks along x"
-UPPER, BOTTOM = "upper edge is compressed", "bottom edge elongates"
-PRESSED = (
-    Claim(SWELLS, NAMED[0], lambda x, u: gap(x, u, 1).mean(), above=True),
-    Claim(SWELLS, "change of height at x = 0.4 m", lambda x, u: gap(x, u, 1)[2], above=True),
-    Claim(SWELLS, LOADED, lambda x, u: gap(x, u, 1)[0], above=True),
-    Claim(SHRINKS, NAMED[1], lambda x, u: gap(x, u, 0).mean(), above=False),
-    Claim(SHRINKS, "change of width at y = 0.4 m", lambda x, u: gap(x, u, 0)[2], above=False),
-    Claim(SHRINKS, FREE, lambda x, u: gap(x, u, 0)[-1], above=False),
-    Claim(
-        "swells slightly: less than it shrinks",
-        SLIGHTLY,
-        lambda x, u: -gap(x, u, 1).mean() / gap(x, u, 0).mean(),
-        above=False,
-        bound=1.0,
-        unit="1",
-    ),
-)
-CLAIMS = {
-    "pressure": PRESSED,
-    "two-sided pressure": PRESSED,
-    "shear": (
-        Claim(UPPER, NAMED[2], lambda x, u: gap(x, u, 0)[-1], above=False),
-        Claim(BOTTOM, NAMED[2], lambda x, u: gap(x, u, 0)[0], above=True),
-    ),
-    "bending": (
-        like("sine-like: half a wave", "fit_half_wave"),
-        like("sine-like: a whole wave, 1 - cos", "fit_whole_wave"),
-        like("for comparison: a clamped beam", "fit_clamped_beam"),
-        like("for comparison: a clamped beam that shears", "fit_shear_beam"),
-    ),
-}
-
-
 def run(measured: Mapping[Block, Measured], bodies: Bodies) -> Evidence:
     """Redraw the figures and put numbers to the words, from what the study has solved."""
 
@@ -235,7 +131,7 @@ def run(measured: Mapping[Block, Measured], bodies: Bodies) -> Evidence:
         },
         observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
         tolerances=TOLERANCES,
-        figures={"shapes": draw, "bent_line": draw_line},
+        figures={"shapes": redrawn.figures_4_to_7, "bent_line": redrawn.bent_line},
         columns=COLUMNS,
         findings=findings(statements),
     )
@@ -349,75 +245,3 @@ def findings(statements: pd.DataFrame) -> tuple[str, ...]:
         "wave only, and no better than a clamped beam."
     )
     return pressed, sheared, bent
-
-
-def draw(tables: Tables) -> Figure:
-    """Figures 4 to 7 at k2 = 2 k1 redrawn: 6 x 6 particles over the outlines of elastic bodies."""
-    figure = Figure(figsize=(9.2, 7.2), layout="constrained")
-    *blocks, bar = CASES
-    layout: list[Any] = [blocks, [bar] * len(blocks)]
-    axes = figure.subplot_mosaic(layout, height_ratios=(1.3, 1))
-    blue, orange, green, *_ = figures.COLOURS
-    for case, axis in axes.items():
-        scale = EXAGGERATED[case]
-        points, pairs, edge = (
-            table[table["case"] == case]
-            for table in (tables["deformed"], tables["deformed_springs"], tables["outline"])
-        )
-        rest = points[["x", "y"]].to_numpy()
-        now = rest + scale * points[["ux", "uy"]].to_numpy()
-        springs = pairs[["start", "end"]].to_numpy()
-        for at, colour, state in ((rest, "#d4d4d4", "at rest"), (now, "#66a9d4", "deformed")):
-            lines = LineCollection(list(at[springs]), color=colour, lw=0.8)
-            lines.set_label(f"springs, {state}")
-            axis.add_collection(lines)
-        axis.plot(*now.T, "o", color=blue, ms=3.2, label="particles")
-        for source, colour, line in zip(SOURCES[1:], (orange, green), ("-", "--"), strict=True):
-            ring = edge[edge["source"] == source]
-            at = ring[["x", "y"]].to_numpy() + scale * ring[["ux", "uy"]].to_numpy()
-            axis.plot(*np.vstack([at, at[:1]]).T, line, color=colour, label=f"{source} (FEM)")
-        held = (points["held_components"] != "no").to_numpy()
-        axis.plot(*now[held].T, "s", color="black", ms=6, mfc="none", mew=1, label="held")
-        draw_loads(axis, now, points[["load_x", "load_y"]].to_numpy())
-        axis.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
-        gap_in_title = ", " if case == bar else "\n"
-        axis.set_title(f"Figure {NUMBERS[case]}: {case}{gap_in_title}displacement × {scale}")
-        axis.grid(visible=False)
-        if case != bar:
-            axis.set(xlim=(-0.2, 1.15), ylim=(-0.1, 1.33), xticks=np.arange(6) / 5)
-    figures.shared_legend(figure, list(axes.values()))
-    return figure
-
-
-def draw_loads(axis: Axes, at: Array, load: Array) -> None:
-    """Arrows that end at the loaded particles; the longest is 0.2 m long."""
-    size = np.linalg.norm(load, axis=1)
-    on = size > 0
-    arrow = 0.2 * load[on] / size.max()
-    to_scale: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "units": "xy", "scale": 1}
-    axis.quiver(*at[on].T, *arrow.T, **to_scale, pivot="tip", width=0.016, zorder=3)
-    axis.plot([], [], ls="", marker=r"$\rightarrow$", ms=11, color="black", label="load")
-
-
-def draw_line(tables: Tables) -> Figure:
-    """Deflection of the bar's lowest row at k2 = 2 k1, and by how much four curves miss it."""
-    figure, (axis, missed) = figures.new(columns=2, size=(4.6, 3.7))
-    lines = dict(list(tables["bent_line"].groupby("source")))
-    springs = lines[SOURCES[0]]
-    x, deflection = springs["x"], 1e3 * springs["uy"]
-    height = deflection.abs().max()
-    blue, *solids = figures.COLOURS[:3]
-    for source, colour, style in zip(SOURCES[1:], solids, ("-", "--"), strict=True):
-        axis.plot(x, 1e3 * lines[source]["uy"], style, color=colour, label=f"{source} (FEM)")
-    curves = zip(CURVES, CLAIMS["bending"], (*figures.COLOURS[3:], "#444444"), strict=True)
-    for (curve, claim, colour), marker in zip(curves, "^vDs", strict=True):
-        fit = 1e3 * springs[curve]
-        label = f"fit: {claim.statement.partition(': ')[2]}"
-        axis.plot(x, fit, color=colour, lw=1, label=label)
-        by = 100 * (deflection - fit) / height
-        missed.plot(x, by, marker, ls="-", color=colour, lw=1, ms=3.5)
-    axis.plot(x, deflection, "o", color=blue, mfc="white", ms=4, label="springs")
-    axis.set(xlabel="x (m)", ylabel="deflection uy (mm)", title="Lowest row of the bar")
-    missed.set(xlabel="x (m)", ylabel="springs - fit (% of height)", title="Misfit of the springs")
-    figures.shared_legend(figure, [axis])
-    return figure

@@ -18,33 +18,29 @@ from __future__ import annotations
 
 from functools import partial
 
+from msvalidate import faults
+from msvalidate.candidate import Candidate, springs
 from msvalidate.evidence import Evidence, merged
 from msvalidate.sweep import Setting
 from studies.poisson import (
     algorithm1,
-    block,
     controls,
     direction,
     finite_size,
     incompressible,
     rotated,
 )
-from studies.poisson.block import Candidate
 
 FAULTS = {
-    "every spring 1 % stiffer": {
-        "candidate": partial(controls.spoilt, controls.every_spring, 0.01)
-    },
-    "diagonals 1 % stiffer": {"candidate": partial(controls.spoilt, controls.diagonals, 0.01)},
-    "one spring missing": {"candidate": partial(controls.spoilt, controls.one_spring, 1.0)},
-    "wrong boundary weights": {
-        "candidate": partial(controls.spoilt, controls.boundary_weight, 1.0)
-    },
+    "every spring 1 % stiffer": {"candidate": partial(controls.spoilt, faults.every_spring, 0.01)},
+    "diagonals 1 % stiffer": {"candidate": partial(controls.spoilt, faults.diagonals, 0.01)},
+    "one spring missing": {"candidate": partial(controls.spoilt, faults.one_spring, 1.0)},
+    "wrong boundary weights": {"candidate": partial(controls.spoilt, faults.boundary_springs, 1.0)},
 }
 """Negative controls: arguments of `run` under which a tolerance must fail."""
 
 
-def run(candidate: Candidate = block.springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
     """All questions, for one candidate."""
     setting = setting or Setting()
     return merged(

@@ -19,13 +19,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import figures, lattice
+from msvalidate.candidate import Candidate, springs
 from msvalidate.compare import observed_order, worst
 from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.network import Network
 from msvalidate.relax import Relaxation, algorithm1
 from msvalidate.sweep import Setting
 from studies.poisson import block
-from studies.poisson.block import Candidate
 
 CELLS = 5
 WEIGHTS = "equal"
@@ -76,7 +76,7 @@ COLUMNS = {
 
 def run(
     relaxation: Callable[[Network], Relaxation] = algorithm1,
-    candidate: Candidate = block.springs,
+    candidate: Candidate = springs,
     setting: Setting | None = None,
 ) -> Evidence:
     """Relax the report's block and compare it with Newton's method."""

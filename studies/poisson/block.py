@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Literal
-
 import numpy as np
 
 import reference_fem
 from msvalidate import lattice
 from msvalidate.body import lattice_network
-from msvalidate.equilibrium import equilibrium
+from msvalidate.candidate import Answer
 from msvalidate.network import Network
 from msvalidate.problem import (
     Anisotropic,
@@ -25,10 +22,6 @@ from msvalidate.problem import (
     Traction,
 )
 from msvalidate.stiffness import network_tensor
-
-Geometry = Literal["linear", "nonlinear"]
-Candidate = Callable[[Problem, Network, Geometry], Array]
-"""Predicts the displacement (n, d) in m at a network's points, from the problem or the network."""
 
 COLUMNS = {
     "lattice": "which lattice",
@@ -57,14 +50,7 @@ GRADING = 2.25
 then within 2e-5 of the limit, against 3e-4 on even lines."""
 
 
-def springs(problem: Problem, spring_network: Network, geometry: Geometry = "linear") -> Array:
-    """The candidate: static equilibrium of the spring network."""
-    return equilibrium(spring_network, geometry).displacement
-
-
-def finite_elements(
-    problem: Problem, spring_network: Network, geometry: Geometry = "linear"
-) -> Array:
+def finite_elements(problem: Problem, spring_network: Network, answer: Answer = "linear") -> Array:
     """The reference in the candidate's place: an identity control of the linear questions."""
     if isinstance(problem.domain, Polygon):
         side = float(spring_network.rest_length.min())

@@ -13,15 +13,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-import numpy as np
 import pandas as pd
 
+from msvalidate import faults
+from msvalidate.candidate import Answer, Candidate, springs
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Tolerance
 from msvalidate.network import Network
-from msvalidate.problem import Array, Mask, Problem
+from msvalidate.problem import Array, Problem
 from studies.poisson import block, finite_size
-from studies.poisson.block import Candidate, Geometry
 
 Fault = Callable[[Network, float], Network]
 PROBE = 1e-4
@@ -48,45 +48,20 @@ UNITS = {
 }
 
 
-def every_spring(network: Network, size: float) -> Network:
-    """All springs stiffer by the fraction `size`."""
-    return network.scaled(1 + size)
-
-
-def diagonals(network: Network, size: float) -> Network:
-    """Diagonal springs stiffer by the fraction `size`."""
-    return network.scaled(np.where(_diagonal(network), 1 + size, 1.0))
-
-
-def one_spring(network: Network, size: float) -> Network:
-    """The spring in the middle of the list without the part `size` of its stiffness."""
-    factor = np.ones(len(network.springs))
-    factor[len(factor) // 2] -= size
-    return network.scaled(factor)
-
-
-def boundary_weight(network: Network, size: float) -> Network:
-    """Axial springs on the boundary stiffer, from shared (0) to twice that, equal (1)."""
-    x = network.points[network.springs]
-    on_edge = [(x[:, :, axis] == end).all(axis=1) for axis in (0, 1) for end in (0.0, block.SIDE)]
-    return network.scaled(np.where(np.any(on_edge, axis=0), 1 + size, 1.0))
-
-
-def _diagonal(network: Network) -> Mask:
-    along = network.points[network.springs[:, 1]] - network.points[network.springs[:, 0]]
-    return np.asarray((np.abs(along) > 1e-9).all(axis=1))
-
-
 FAULTS: dict[str, Fault] = dict(
-    zip(UNITS, (every_spring, diagonals, one_spring, boundary_weight), strict=True)
+    zip(
+        UNITS,
+        (faults.every_spring, faults.diagonals, faults.one_spring, faults.boundary_springs),
+        strict=True,
+    )
 )
 
 
 def spoilt(
-    fault: Fault, size: float, problem: Problem, network: Network, geometry: Geometry = "linear"
+    fault: Fault, size: float, problem: Problem, network: Network, answer: Answer = "linear"
 ) -> Array:
     """A candidate whose network has a fault."""
-    return block.springs(problem, fault(network, size), geometry)
+    return springs(problem, fault(network, size), answer)
 
 
 def run() -> Evidence:

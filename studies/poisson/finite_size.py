@@ -21,13 +21,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import figures, lattice
+from msvalidate.candidate import Candidate, springs
 from msvalidate.compare import observed_order, worst
 from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.singularity import clamped_free_exponent
 from msvalidate.stiffness import square_tensor
 from msvalidate.sweep import Setting
 from studies.poisson import block
-from studies.poisson.block import DEFINITIONS, K1, LOADINGS, Candidate
+from studies.poisson.block import DEFINITIONS, K1, LOADINGS
 from studies.poisson.elastic_block import REFERENCE_ERROR, reference
 
 CELLS = (1, 2, 5, 10, 20, 40)
@@ -113,7 +114,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = block.springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
     """Compare the candidate with formulas and finite elements on every block."""
     setting = setting or Setting()
     ratios = QUICK_RATIOS if setting.quick else RATIOS

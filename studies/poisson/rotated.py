@@ -25,13 +25,14 @@ from matplotlib.figure import Figure
 
 from msvalidate import figures, lattice
 from msvalidate.body import lattice_network
+from msvalidate.candidate import Candidate, springs
 from msvalidate.compare import observed_order, worst
 from msvalidate.evidence import Evidence, Tables, Tolerance
 from msvalidate.problem import Array
 from msvalidate.stiffness import directional_ratio, network_tensor, rotated
 from msvalidate.sweep import Setting
 from studies.poisson import block, direction
-from studies.poisson.block import BOX, K1, RATIOS, SIDE, Candidate
+from studies.poisson.block import BOX, K1, RATIOS, SIDE
 
 CELLS, FINEST = (5, 10, 20, 40), 80
 """The finest size is for cut blocks in the full form."""
@@ -67,7 +68,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = block.springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
     """Compare blocks cut along the lattice, and at an angle to it, with its tensor."""
     setting = setting or Setting()
     sizes = CELLS if setting.quick else (*CELLS, FINEST)

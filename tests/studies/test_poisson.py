@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import reference_fem
+from msvalidate import faults
+from msvalidate.candidate import springs
 from msvalidate.evidence import judge
 from msvalidate.stiffness import square_tensor
 from msvalidate.sweep import Setting
@@ -166,7 +168,7 @@ def ratio_by_hand(n, k2):
 
 
 def test_a_block_at_45_degrees_by_hand():
-    row = rotated.measure(block.springs, ("square", 2.0, 45, 5))
+    row = rotated.measure(springs, ("square", 2.0, 45, 5))
     assert row["nu_springs"] == pytest.approx(ratio_by_hand(5, 2.0), abs=1e-12)
 
 
@@ -180,8 +182,8 @@ def test_triangles_are_linear_elements():
 
     for cells in (5, 10):  # half the strips odd, even
         case = ("triangular", 0.0, 90, cells)
-        springs, fem = (rotated.measure(c, case)["nu_springs"] for c in (block.springs, elements))
-        assert springs == pytest.approx(fem, abs=1e-9)
+        network, fem = (rotated.measure(c, case)["nu_springs"] for c in (springs, elements))
+        assert network == pytest.approx(fem, abs=1e-9)
 
 
 def test_an_elastic_block_has_no_direction_of_its_lattice():
@@ -190,8 +192,8 @@ def test_an_elastic_block_has_no_direction_of_its_lattice():
         row = rotated.measure(block.finite_elements, ("square", 2.0, degrees, cells))
         assert row["nu_springs"] == pytest.approx(row["nu_tensor"], abs=1e-9)
     case = ("triangular", 0.0, 90, 5)
-    solid, springs = (rotated.measure(c, case) for c in (block.finite_elements, block.springs))
-    assert solid["nu_springs"] < springs["nu_springs"] < 1 / 3, (
+    solid, network = (rotated.measure(c, case) for c in (block.finite_elements, springs))
+    assert solid["nu_springs"] < network["nu_springs"] < 1 / 3, (
         "a zigzag edge is no lattice's fault"
     )
 
@@ -206,10 +208,10 @@ def test_rotated_blocks_notice_faults(fault):
 def test_a_fault_of_the_cut_blocks_alone_is_caught():
     """By the order: towards another ratio than the tensor's there is none."""
 
-    def faulty(problem, network, geometry):
+    def faulty(problem, network, answer):
         aligned = np.ptp(network.points[network.springs[0], 1]) == 0
-        spoilt = network if aligned else controls.diagonals(network, 0.02)
-        return block.springs(problem, spoilt, geometry)
+        spoilt = network if aligned else faults.diagonals(network, 0.02)
+        return springs(problem, spoilt, answer)
 
     verdict = judge(rotated.run(faulty, QUICK)).set_index("quantity")["verdict"]
     assert verdict["square at 0 degrees: the tensor's ratio"] == "pass"

@@ -7,7 +7,7 @@ import pytest
 
 from msvalidate.evidence import held, judge
 from msvalidate.problem import SolverError
-from studies.displacement import load_cases, shapes
+from studies.displacement import claims, load_cases, shapes
 from studies.displacement.load_cases import CASES
 from studies.displacement.measuring import Block, Measured
 
@@ -125,11 +125,11 @@ def test_a_body_that_does_not_move_is_no_result():
         shapes.run(*asked(springs=0.0))
 
 
-@pytest.mark.parametrize("curve", shapes.CURVES)
+@pytest.mark.parametrize("curve", claims.CURVES)
 def test_a_curve_fits_itself_and_no_other(curve):
     x = np.linspace(0, 5, 26)
-    line = -0.3 * sum(shapes.CURVES[curve](x / 5))
-    missed = {name: shapes.misfit(x, line, name) for name in shapes.CURVES}
+    line = -0.3 * sum(claims.CURVES[curve](x / 5))
+    missed = {name: claims.misfit(x, line, name) for name in claims.CURVES}
     assert missed.pop(curve) < 1e-14
     missed.pop("fit_shear_beam", None)  # holds the clamped beam as a part
     assert min(missed.values()) > 1e-3
@@ -142,13 +142,13 @@ def test_misfit_by_hand():
     half, wave = np.sin(np.pi * x), np.sin(np.pi * x) ** 2
     factor = (half @ wave) / (half @ half)
     by_hand = np.sqrt(((wave - factor * half) ** 2).mean())
-    assert shapes.misfit(x, wave, "fit_half_wave") == pytest.approx(by_hand, rel=1e-12)
+    assert claims.misfit(x, wave, "fit_half_wave") == pytest.approx(by_hand, rel=1e-12)
 
 
 def test_clamped_beam_is_a_clamped_beam():
     """No slope at the ends and in the middle, constant shear force up to the middle."""
     xi = np.linspace(0, 1, 2001)
-    w = shapes.clamped_beam(xi)
+    w = claims.clamped_beam(xi)
     slope = np.gradient(w, xi, edge_order=2)
     assert slope[[0, 1000, 2000]] == pytest.approx(0, abs=1e-4)
     assert w[1000] == 1.0

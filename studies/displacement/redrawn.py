@@ -1,0 +1,90 @@
+"""Figures of the question about shapes, as functions of the tables: the report's, drawn again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.evidence import Tables
+from msvalidate.problem import Array
+from studies.displacement.claims import CLAIMS, CURVES, NUMBERS, SOURCES
+from studies.displacement.load_cases import CASES
+
+EXAGGERATED = {"pressure": 10, "two-sided pressure": 10, "shear": 10, "bending": 20}
+
+
+def figures_4_to_7(tables: Tables) -> Figure:
+    """Figures 4 to 7 at k2 = 2 k1 redrawn: 6 x 6 particles over the outlines of elastic bodies."""
+    figure = Figure(figsize=(9.2, 7.2), layout="constrained")
+    *blocks, bar = CASES
+    layout: list[Any] = [blocks, [bar] * len(blocks)]
+    axes = figure.subplot_mosaic(layout, height_ratios=(1.3, 1))
+    blue, orange, green, *_ = figures.COLOURS
+    for case, axis in axes.items():
+        scale = EXAGGERATED[case]
+        points, pairs, edge = (
+            table[table["case"] == case]
+            for table in (tables["deformed"], tables["deformed_springs"], tables["outline"])
+        )
+        rest = points[["x", "y"]].to_numpy()
+        now = rest + scale * points[["ux", "uy"]].to_numpy()
+        springs = pairs[["start", "end"]].to_numpy()
+        for at, colour, state in ((rest, "#d4d4d4", "at rest"), (now, "#66a9d4", "deformed")):
+            lines = LineCollection(list(at[springs]), color=colour, lw=0.8)
+            lines.set_label(f"springs, {state}")
+            axis.add_collection(lines)
+        axis.plot(*now.T, "o", color=blue, ms=3.2, label="particles")
+        for source, colour, line in zip(SOURCES[1:], (orange, green), ("-", "--"), strict=True):
+            ring = edge[edge["source"] == source]
+            at = ring[["x", "y"]].to_numpy() + scale * ring[["ux", "uy"]].to_numpy()
+            axis.plot(*np.vstack([at, at[:1]]).T, line, color=colour, label=f"{source} (FEM)")
+        held = (points["held_components"] != "no").to_numpy()
+        axis.plot(*now[held].T, "s", color="black", ms=6, mfc="none", mew=1, label="held")
+        draw_loads(axis, now, points[["load_x", "load_y"]].to_numpy())
+        axis.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
+        gap_in_title = ", " if case == bar else "\n"
+        axis.set_title(f"Figure {NUMBERS[case]}: {case}{gap_in_title}displacement × {scale}")
+        axis.grid(visible=False)
+        if case != bar:
+            axis.set(xlim=(-0.2, 1.15), ylim=(-0.1, 1.33), xticks=np.arange(6) / 5)
+    figures.shared_legend(figure, list(axes.values()))
+    return figure
+
+
+def draw_loads(axis: Axes, at: Array, load: Array) -> None:
+    """Arrows that end at the loaded particles; the longest is 0.2 m long."""
+    size = np.linalg.norm(load, axis=1)
+    on = size > 0
+    arrow = 0.2 * load[on] / size.max()
+    to_scale: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "units": "xy", "scale": 1}
+    axis.quiver(*at[on].T, *arrow.T, **to_scale, pivot="tip", width=0.016, zorder=3)
+    axis.plot([], [], ls="", marker=r"$\rightarrow$", ms=11, color="black", label="load")
+
+
+def bent_line(tables: Tables) -> Figure:
+    """Deflection of the bar's lowest row at k2 = 2 k1, and by how much four curves miss it."""
+    figure, (axis, missed) = figures.new(columns=2, size=(4.6, 3.7))
+    lines = dict(list(tables["bent_line"].groupby("source")))
+    springs = lines[SOURCES[0]]
+    x, deflection = springs["x"], 1e3 * springs["uy"]
+    height = deflection.abs().max()
+    blue, *solids = figures.COLOURS[:3]
+    for source, colour, style in zip(SOURCES[1:], solids, ("-", "--"), strict=True):
+        axis.plot(x, 1e3 * lines[source]["uy"], style, color=colour, label=f"{source} (FEM)")
+    curves = zip(CURVES, CLAIMS["bending"], (*figures.COLOURS[3:], "#444444"), strict=True)
+    for (curve, claim, colour), marker in zip(curves, "^vDs", strict=True):
+        fit = 1e3 * springs[curve]
+        label = f"fit: {claim.statement.partition(': ')[2]}"
+        axis.plot(x, fit, color=colour, lw=1, label=label)
+        by = 100 * (deflection - fit) / height
+        missed.plot(x, by, marker, ls="-", color=colour, lw=1, ms=3.5)
+    axis.plot(x, deflection, "o", color=blue, mfc="white", ms=4, label="springs")
+    axis.set(xlabel="x (m)", ylabel="deflection uy (mm)", title="Lowest row of the bar")
+    missed.set(xlabel="x (m)", ylabel="springs - fit (% of height)", title="Misfit of the springs")
+    figures.shared_legend(figure, [axis])
+    return figure
