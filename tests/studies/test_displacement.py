@@ -1,0 +1,170 @@
+"""The study `displacement`: its public table, the arithmetic of the budget, orders, targets."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from msvalidate.candidate import springs
+from msvalidate.evidence import held, judge
+from msvalidate.singularity import clamped_free_exponent
+from msvalidate.sweep import Setting
+from studies.displacement import budget, controls, load_cases, measuring, orders, target
+from studies.displacement.drawing import PARTS
+from studies.displacement.load_cases import CASES
+from studies.displacement.measuring import WEIGHTS, Block, Measured
+from studies.displacement.models import ISOTROPIC, MODELS, homogenised
+
+PUBLIC = [
+    *("case", "lattice", "weights", "k1", "k2", "cells_x", "cells_y", "probe", "component"),
+    *("u_springs", "u_fem", "u_target", "rel_l2", "rel_max"),
+    *("at_rest", "geometric", "boundary", "discretisation", "model_form"),
+    *("total", "reference", "verdict"),
+]
+QUICK = Setting(quick=True)
+BLOCK = Block("shear", ISOTROPIC, 5)
+SHIFTS = {
+    ("shared", "linear"): 1.0,
+    ("shared", "nonlinear"): 1.1,
+    ("shared", "relaxed"): 1.13,
+    ("equal", "linear"): 1.5,
+    ("equal", "nonlinear"): 1.7,
+    ("equal", "relaxed"): 1.71,
+}
+FEM, TARGET, DOUBT = 0.8, 0.5, 0.01
+
+
+def uniform(size, like):
+    """The same displacement (3, 4)·size everywhere: as long as 5·size."""
+    return np.tile([3.0 * size, 4.0 * size], (len(like), 1))
+
+
+@pytest.fixture(scope="module")
+def rows():
+    """Rows of a block whose displacements are known everywhere."""
+    shape = load_cases.body("square", "shear", 5)
+    points, probes = shape.grid().points, list(shape.probes)
+    solid = [
+        SimpleNamespace(
+            at_points={5: uniform(size, points)},
+            at_probes=uniform(size, probes),
+            uncertainty=uniform(doubt, probes),
+        )
+        for size, doubt in ((FEM, DOUBT), (TARGET, 2 * DOUBT))
+    ]
+    moves = {key: uniform(size, points) for key, size in SHIFTS.items()}
+    found = budget.rows(BLOCK, Measured(points, moves), {("shear", ISOTROPIC, 5): tuple(solid)})
+    return pd.DataFrame(found)
+
+
+@pytest.mark.parametrize("weights", WEIGHTS)
+@pytest.mark.parametrize(("component", "along"), [("ux", 0.6), ("uy", 0.8)])
+def test_budget_by_hand(rows, weights, component, along):
+    """Every part is a component over the length of the target's vector at the probe."""
+    row = rows.set_index(["weights", "probe", "component"]).loc[weights, "top", component]
+    linear, nonlinear, relaxed = (SHIFTS[weights, answer] for answer in measuring.ANSWERS)
+    steps = {
+        "at_rest": relaxed - nonlinear,
+        "geometric": nonlinear - linear,
+        "boundary": linear - SHIFTS["shared", "linear"],
+        "discretisation": SHIFTS["shared", "linear"] - FEM,
+        "model_form": FEM - TARGET,
+        "total": relaxed - TARGET,
+        "reference": 2 * DOUBT,
+    }
+    for part, step in steps.items():
+        assert row[part] == pytest.approx(along * step / TARGET, abs=1e-14), part
+    assert row["rel_l2"] == pytest.approx((linear - FEM) / FEM, rel=1e-12)
+    assert row["rel_max"] == pytest.approx((linear - FEM) / FEM, rel=1e-12)
+    assert row["u_springs"] == pytest.approx(5 * along * relaxed)
+    assert row["u_fem"] == pytest.approx(5 * along * FEM)
+    assert row["u_target"] == pytest.approx(5 * along * TARGET)
+    assert row["verdict"] == "disagree"
+
+
+def test_columns_are_the_public_format(rows):
+    assert list(rows) == PUBLIC
+
+
+@pytest.mark.parametrize(
+    ("total", "doubt", "word"),
+    [
+        (0.03, 0.01, "agree"),
+        (-0.04, 0.01, "agree"),
+        (0.045, 0.01, "not resolved"),
+        (-0.055, 0.01, "not resolved"),
+        (0.07, 0.01, "disagree"),
+        (-0.07, 0.01, "disagree"),
+        (0.0, 0.06, "not resolved"),
+    ],
+)
+def test_verdict(total, doubt, word):
+    assert budget.verdict(total, doubt, 0.05) == word
+
+
+@pytest.mark.parametrize("power", [0.7, 1.0, 2.0])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_order_of_a_power_law(power, sign):
+    assert orders.order(sign * 3.0, sign * 3.0 / 4**power, 4) == pytest.approx(power)
+
+
+@pytest.mark.parametrize(("before", "after"), [(1.0, -0.25), (0.0, 0.1), (1.0, 0.9), (1.0, 1e-3)])
+def test_no_order(before, after):
+    """A change of sign, no fall, or one too steep to be a power of the spacing."""
+    assert orders.order(before, after, 2) == "not asymptotic"
+
+
+def test_a_word_for_an_order_fails_its_tolerance():
+    assert np.isnan(budget.numbers(pd.Series([1.9, "not asymptotic"]))[1])
+
+
+@pytest.mark.parametrize(
+    ("case", "model", "twice"),
+    [
+        ("shear", MODELS[0], 1.489),  # clamped-free right angle, nu = 1/3 (Williams 1952)
+        ("two-sided pressure", MODELS[0], "no clamp"),
+        ("bending", MODELS[2], 1.315),  # the blunt corner of the trapezium, 120 degrees
+    ],
+)
+def test_corner_exponents(case, model, twice):
+    found = orders.twice_exponent(case, model)
+    assert found == twice if isinstance(twice, str) else found == pytest.approx(twice, abs=1e-3)
+
+
+def test_the_blunter_corner_decides():
+    tensor = homogenised(MODELS[2]).C
+    sharp, blunt = (2 * clamped_free_exponent(tensor, np.deg2rad(a)) for a in (60, 120))
+    assert blunt < sharp
+    assert orders.twice_exponent("bending", MODELS[2]) == blunt
+
+
+def test_target_judges_by_an_independent_program():
+    assert held(judge(target.run(springs, QUICK)))
+    stiffer = controls.candidate_with("stiffness of every spring", 0.02)
+    failed = judge(target.run(stiffer, QUICK)).query("verdict == 'fail'")["quantity"]
+    assert "sheared square, k2 = 2 k1: an independent program" in set(failed)
+
+
+def test_parts_of_the_budget_are_its_columns():
+    start = PUBLIC.index("at_rest")
+    assert tuple(PUBLIC[start : start + len(PARTS)]) == PARTS
+
+
+def test_sizes_reach_81_points_and_are_fifths():
+    for lattice, fineness in measuring.SIZES.items():
+        assert max(fineness) == 80, lattice
+        assert all(n % 5 == 0 for n in fineness)
+    for lattice, quick in measuring.QUICK_SIZES.items():
+        assert set(quick) <= set(measuring.SIZES[lattice])
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_total_force_is_the_cases_own(case):
+    """On every lattice the forces sum up to what the case says."""
+    for model in MODELS:
+        shape = load_cases.body(model.lattice, case, 5)
+        problem = load_cases.problem(case, shape, homogenised(model))
+        network = measuring.lattice_network(problem, shape.grid(), model.constants)
+        want = np.sum(list(CASES[case].loads.values()), axis=0)
+        np.testing.assert_allclose(network.force.sum(axis=0), want, atol=1e-9)
