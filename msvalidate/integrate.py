@@ -63,8 +63,9 @@ def euler_cromer(
     v = np.where(network.held, 0.0, state.velocity)
     rate = damping_rate(network, damping)
     if compiled:
-        kernels.euler_cromer(network, x, v, rate, dt, steps)
-        return State(x, v)
+        u = x - network.points
+        kernels.euler_cromer(network, u, v, rate, dt, steps)
+        return State(network.points + u, v)
     for _ in range(steps):
         push = (spring_force(network, x) + network.force) / network.mass[:, None]
         v = np.where(network.held, 0.0, v + dt * (push - rate[:, None] * v))

@@ -9,6 +9,7 @@ This is the plain NumPy form; `msvalidate.kernels` holds the compiled one.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -85,10 +86,10 @@ class Network:
         )
         _refuse("rest_length", self.rest_length, self.rest_length <= 0, "m; it must be above 0")
         _refuse("mass", self.mass, self.mass <= 0, "kg; it must be above 0")
-        distance = np.linalg.norm(points[springs[:, 1]] - points[springs[:, 0]], axis=1)
+        object.__setattr__(self, "springs", springs)
+        distance = np.linalg.norm(self.vector, axis=1)
         together = distance <= 1e-14 * np.abs(points).max()
         _refuse("spring length", distance, together, "m; its two points coincide")
-        object.__setattr__(self, "springs", springs)
         object.__setattr__(self, "held", np.array(held))
         for array in (self.springs, self.held):
             array.setflags(write=False)
@@ -102,6 +103,13 @@ class Network:
     def start(self) -> Array:
         """Positions (n, d) in m with the prescribed displacements imposed and all else unmoved."""
         return self.points + self.displacement
+
+    @cached_property
+    def vector(self) -> Array:
+        """Vectors (m, d) in m from the first point of each spring to the second."""
+        vector = self.points[self.springs[:, 1]] - self.points[self.springs[:, 0]]
+        vector.setflags(write=False)
+        return vector
 
     def scaled(self, factor: Array | float) -> Network:
         """The same network with every spring's stiffness times `factor`, a number or (m,)."""

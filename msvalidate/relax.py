@@ -181,13 +181,17 @@ class _Run:
     ) -> None:
         self.network, self.rate, self.dt, self.limit = network, rate, dt, limit
         self.tolerance = tolerance
-        self.position = np.array(network.start)
-        self.velocity = np.zeros_like(self.position)
-        self.force = np.empty_like(self.position)
+        self.displacement = np.array(network.displacement)
+        self.velocity = np.zeros_like(self.displacement)
+        self.force = np.empty_like(self.displacement)
         self.stored = 0.0
         self.floor = 4 * force_roundoff(network)
         self.softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
         self.reach = DIVERGED * float(np.ptp(network.points, axis=0).max())
+
+    @property
+    def position(self) -> Array:
+        return self.network.points + self.displacement
 
     def until_rest(self, allowed: int) -> Relaxation:
         done, looks = 0, [self.look(0)]
@@ -204,7 +208,7 @@ class _Run:
                     raise SolverError(self.unfinished(done, looks[-1]))
                 steps = min(LOOK_EVERY, allowed - done)
                 kernels.euler_cromer(
-                    self.network, self.position, self.velocity, self.rate, self.dt, steps
+                    self.network, self.displacement, self.velocity, self.rate, self.dt, steps
                 )
                 done += steps
                 looks.append(self.look(done))
@@ -221,11 +225,11 @@ class _Run:
     def look(self, step: int) -> tuple[int, float, float]:
         """Step, residual force (N) and kinetic energy (J); raises if the run has diverged."""
         with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused below
-            self.stored = kernels.force_and_energy(self.network, self.position, self.force)
+            self.stored = kernels.force_and_energy(self.network, self.displacement, self.force)
             balance = np.where(self.network.held, 0.0, self.force + self.network.force)
             residual = float(np.abs(balance).max())
             kinetic = float(0.5 * self.network.mass @ (self.velocity**2).sum(axis=1))
-            moved = np.abs(self.position - self.network.points).max()
+            moved = np.abs(self.displacement).max()
         if not (math.isfinite(residual) and math.isfinite(kinetic) and moved < self.reach):
             raise SolverError(
                 f"Algorithm 1 diverged by step {step}: time step {self.dt:.4g} s, stability limit "
