@@ -84,7 +84,7 @@ _advance = _compiled(_advance)
 
 
 def force_and_energy(network: Network, displacement: Array, out: Array) -> float:
-    """Write the springs' force (n, d) in N at a displacement into `out`; return their energy (J)."""
+    """Write the springs' force (n, d) in N at a displacement into `out`; return their energy."""
     axes = tuple(range(network.dim))
     return float(_force(axes, displacement, *_laws(network), out))
 
