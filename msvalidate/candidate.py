@@ -10,7 +10,7 @@ from msvalidate.network import Network
 from msvalidate.problem import Array, Problem
 from msvalidate.relax import algorithm1
 
-AT_REST = 1e-10
+AT_REST = 3e-11
 """Residual over the forces that meet at a point: a slow mode makes up to a hundred times as much
 relative displacement of it."""
 Answer = Literal["linear", "nonlinear", "relaxed"]

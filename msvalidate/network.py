@@ -224,13 +224,16 @@ def force_scale(network: Network, position: Array) -> float:
     return float(met[~network.held.all(axis=1)].max(initial=0.0))
 
 
-def force_roundoff(network: Network) -> Array:
+def force_roundoff(network: Network, reach: float | None = None) -> Array:
     """Force (n, 1) in N below which the residual at a point is rounding.
 
-    An eps of the coordinates and lengths, times the springs that meet there.
+    An eps of lengths and of what is added to them, times the springs that meet there. `reach` (m)
+    is the largest number added: by default a coordinate; where displacements are kept apart from
+    reference positions, a displacement.
     """
-    reach = network.stiffness * (np.abs(network.points).max() + network.rest_length)
-    met = np.bincount(network.springs.ravel(), np.repeat(reach, 2), len(network.points))
+    reach = float(np.abs(network.points).max()) if reach is None else reach
+    pull = network.stiffness * (reach + network.rest_length)
+    met = np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
     return np.asarray(np.finfo(float).eps * met)[:, None]
 
 

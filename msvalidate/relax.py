@@ -185,7 +185,9 @@ class _Run:
         self.velocity = np.zeros_like(self.displacement)
         self.force = np.empty_like(self.displacement)
         self.stored = 0.0
-        self.floor = 4 * force_roundoff(network)
+        self.floor = np.zeros((len(network.points), 1))
+        self.at_lengths = 4 * force_roundoff(network, 0.0)
+        self.per_metre = 4 * force_roundoff(network, 1.0) - self.at_lengths
         self.softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
         self.reach = DIVERGED * float(np.ptp(network.points, axis=0).max())
 
@@ -230,6 +232,7 @@ class _Run:
             residual = float(np.abs(balance).max())
             kinetic = float(0.5 * self.network.mass @ (self.velocity**2).sum(axis=1))
             moved = np.abs(self.displacement).max()
+            self.floor = self.at_lengths + moved * self.per_metre
         if not (math.isfinite(residual) and math.isfinite(kinetic) and moved < self.reach):
             raise SolverError(
                 f"Algorithm 1 diverged by step {step}: time step {self.dt:.4g} s, stability limit "
