@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
+from typing import Literal, get_args
 
 from msvalidate.equilibrium import equilibrium
 from msvalidate.network import Network
-from msvalidate.problem import Array, Problem
+from msvalidate.problem import Array, Problem, ProblemError
 from msvalidate.relax import algorithm1
 
 AT_REST = 3e-11
@@ -20,7 +20,15 @@ Candidate = Callable[[Problem, Network, Answer], Array]
 
 
 def springs(problem: Problem, network: Network, answer: Answer = "linear") -> Array:  # noqa: ARG001
-    """The spring network's own answer."""
+    """The spring network's own answer.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such answer.
+    """
+    if answer not in get_args(Answer):
+        raise ProblemError(f"answer: {answer!r}; choose from {', '.join(get_args(Answer))}")
     if answer == "relaxed":
         return algorithm1(network, tolerance=AT_REST).equilibrium.displacement
     return equilibrium(network, answer).displacement

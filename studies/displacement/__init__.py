@@ -19,6 +19,7 @@ from functools import partial
 
 from msvalidate.candidate import Candidate, springs
 from msvalidate.evidence import Evidence, merged
+from msvalidate.problem import ProblemError
 from msvalidate.sweep import Setting
 from studies.displacement import budget, controls, elastic, identities, measuring, shapes, target
 
@@ -26,9 +27,14 @@ QUESTIONS = ("budget", "shapes", "target", "identities", "controls")
 FAULTS = {
     name: {"candidate": controls.candidate_with(kind, size), "questions": ("identities",)}
     for name, (kind, size) in controls.ASKED.items()
+} | {
+    "budget of springs 0.1 % softer": {
+        "candidate": controls.candidate_with("stiffness of every spring", -0.001),
+        "questions": ("budget",),
+    }
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
-notices is enough, so the rest is left out."""
+notices is enough, so the rest is left out; the budget, which has no exact answer, must too."""
 
 
 def run(
@@ -38,6 +44,8 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
+    if not questions or not set(questions) <= set(QUESTIONS):
+        raise ProblemError(f"questions: {questions!r}; choose from {', '.join(QUESTIONS)}")
     parts = []
     if {"budget", "shapes", "controls"} & set(questions):
         bodies = elastic.solved(setting)

@@ -24,6 +24,7 @@ from msvalidate.problem import Array, Problem
 from studies.displacement import identities, load_cases, orders
 from studies.displacement.elastic import Bodies
 from studies.displacement.models import ISOTROPIC, homogenised
+from studies.displacement.orders import SMOOTH, SMOOTH_ERROR
 
 Fault = Callable[[Problem, Network, float], Network]
 
@@ -60,8 +61,6 @@ PROBE = 1e-6
 STEPS = tuple(m * 10.0**-e for e in range(4, 0, -1) for m in (1, 2, 5))
 """Sizes tried on the order, which does not grow in proportion to the fault."""
 FINENESSES = (10, 20)
-ORDER, ORDER_ERROR = 1.95, 0.15
-"""Of the two-sided case on the square lattice, held from both sides."""
 IDENTITY = 1e-9
 TOLERANCES = (
     Tolerance(
@@ -102,7 +101,7 @@ def candidate_with(kind: str, size: float) -> Candidate:
 def run(bodies: Bodies) -> Evidence:
     """Try every fault on every quantity."""
     quantities: list[tuple[str, str, Measure, float]] = [
-        ("square", "order, two-sided pressure", partial(order_error, bodies), ORDER_ERROR),
+        ("square", "order, two-sided pressure", partial(order_error, bodies), SMOOTH_ERROR),
         ("square", "pure bending", bending_error, IDENTITY),
         ("square", "uniform tension", partial(identities.uniform_tension, cells=5), IDENTITY),
         ("triangular", "P1 identity", p1_error, IDENTITY),
@@ -129,8 +128,10 @@ def run(bodies: Bodies) -> Evidence:
 def smallest(kind: str, sign: float, measure: Measure, limit: float) -> float | str:
     """Smallest size of a fault that a quantity notices."""
     if limit == IDENTITY:
-        error = measure(candidate_with(kind, sign * PROBE))
-        return float(PROBE * limit / error) if error > 1e-3 * limit else "none"
+        rounding = measure(springs)
+        grown = measure(candidate_with(kind, sign * PROBE)) - rounding
+        size = PROBE * limit / grown if grown > rounding else np.inf
+        return float(size) if size <= 1 else "none"
     for size in STEPS:
         if measure(candidate_with(kind, sign * size)) > limit:
             return size
@@ -146,14 +147,13 @@ def order_error(bodies: Bodies, candidate: Candidate) -> float:
         problem = load_cases.problem(case, shape, homogenised(ISOTROPIC))
         network = lattice_network(problem, shape.grid(), ISOTROPIC.constants)
         move = candidate(problem, network, "linear")
-        probes = np.array(list(shape.probes.values()))
-        at = np.linalg.norm(network.points[:, None] - probes, axis=2).argmin(axis=0)
+        at = shape.at_probes(network.points)
         errors.append((move[at] - bodies[case, ISOTROPIC, n][0].at_probes).ravel())
     found = [
         orders.order(a, b, FINENESSES[1] / FINENESSES[0]) for a, b in zip(*errors, strict=True)
     ]
     # Errors that change sign or hardly fall show no order: it counts as 0.
-    return max(abs((0.0 if isinstance(o, str) else o) - ORDER) for o in found)
+    return max(abs((0.0 if isinstance(o, str) else o) - SMOOTH) for o in found)
 
 
 def bending_error(candidate: Candidate) -> float:

@@ -9,7 +9,7 @@ from matplotlib.tri import Triangulation
 from msvalidate import figures
 from msvalidate.evidence import Tables
 from msvalidate.problem import Mask
-from studies.displacement.load_cases import CASES
+from studies.displacement.load_cases import BAND, CASES
 
 PARTS = ("at_rest", "geometric", "boundary", "discretisation", "model_form")
 """Of the error budget, from the candidate's run to the target."""
@@ -60,7 +60,7 @@ def convergence(tables: Tables) -> Figure:
 
 
 def budget(tables: Tables) -> Figure:
-    """Signed parts of the error at each probe, stacked, for the report's 6 x 6 particles."""
+    """Signed parts of the error at one probe, along the load, stacked, for the coarsest bodies."""
     cases = tables["cases"]
     figure, axes = figures.new(2, 2, size=(5.2, 3.2))
     for axis, case in zip(axes, CASES, strict=True):
@@ -89,12 +89,12 @@ def budget(tables: Tables) -> Figure:
             label="total ± reference",
         )
         axis.axhline(0, color="black", lw=0.8)
-        band = 100 * CASES[case].band
+        band = 100 * BAND
         axis.axhspan(-band, band, color="#e6e6e6", lw=0, zorder=0, label="band")
         axis.set_xticks(place, labels, fontsize=7)
         axis.set_title(f"{case}: {rows['component'].iloc[0]} at '{rows['probe'].iloc[0]}'")
         axis.set_ylabel("part of |u_target| (%)")
-        axis.set_xlabel("lattice, constants and weights, 6 x 6 particles")
+        axis.set_xlabel("lattice, constants and weights, 6 particles on a side")
     figures.shared_legend(figure, axes, columns=7)
     return figure
 

@@ -14,7 +14,8 @@ Expected   The signs hold on the mean, not on every line of particles. The bar i
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -26,17 +27,16 @@ from msvalidate.evidence import Evidence, Tolerance
 from msvalidate.problem import Array
 from studies.displacement import load_cases, redrawn
 from studies.displacement.claims import (
-    BOTTOM,
     CLAIMS,
     CURVES,
     FREE,
     LIKE,
     LOADED,
+    MISFIT,
     NAMED,
     NUMBERS,
     SLIGHTLY,
     SOURCES,
-    UPPER,
     fitted,
     lower_row,
     rms,
@@ -51,6 +51,8 @@ SETTING: tuple[str, Answer] = ("equal", "relaxed")
 SQUARE = tuple(model for model in MODELS if model.lattice == "square")
 DRAWN = next(model for model in SQUARE if not model.is_target)
 """The report's k2 = 2 k1."""
+TOLD = (*NAMED, SLIGHTLY, LOADED, FREE, MISFIT)
+"""What of the statements is told in words."""
 TOLERANCES = (
     Tolerance(
         "Figures 4 to 6: changes of length that the words name, springs over FEM",
@@ -210,38 +212,18 @@ def outlines(bodies: Bodies) -> pd.DataFrame:
 
 
 def findings(statements: pd.DataFrame) -> tuple[str, ...]:
-    """What the table says of the model drawn, in springs and homogenised body."""
-    rows = statements[statements["k2"] == DRAWN.k[1]].to_dict("records")
-    two = {
-        (row["figure"], key): (row["in_springs"], row["in_homogenised"])
-        for row in rows
-        for key in (row["statement"], row["measured"])
-    }
+    """What the table says of each figure as it is drawn: one sentence a figure."""
+    told = statements[statements["measured"].isin(TOLD) & (statements["k2"] == DRAWN.k[1])]
+    sentences = []
+    for figure, rows in told.groupby("figure"):
+        parts = [
+            f'"{row["statement"]}" {row["judgement"]} ({row["measured"]}: '
+            f"{_shown(row, 'in_springs')} in the springs, {_shown(row, 'in_homogenised')} in FEM)"
+            for row in rows.to_dict("records")
+        ]
+        sentences.append(f"Figure {figure} at k2 = 2 k1: {'; '.join(parts)}.")
+    return tuple(sentences)
 
-    def said(
-        figure: int, key: str, form: str = "{:+.2f} mm in the springs, {:+.2f} mm in FEM"
-    ) -> str:
-        """Both numbers, in mm or percent."""
-        factor = 1e3 if "mm" in form else 100
-        return form.format(*(factor * value for value in two[figure, key]))
 
-    slightly = [two[figure, SLIGHTLY][0] for figure in (4, 5)]
-    misses = [said(7, claim.statement, "{:.1f} %") for claim in CLAIMS["bending"]]
-    pressed = (
-        "Figures 4 and 5: on the mean the block swells along y and shrinks along x, in springs and "
-        f"FEM alike; at k2 = 2 k1 the springs swell by {slightly[0]:.2f} and {slightly[1]:.2f} of "
-        "what they shrink, which is not slight. It is not so everywhere: in Figure 5 the height of "
-        f"the loaded sides changes by {said(5, LOADED)}, the width at the free edges by "
-        f"{said(5, FREE)}."
-    )
-    sheared = (
-        f"Figure 6: the words hold. At k2 = 2 k1 the upper edge changes by {said(6, UPPER)}, the "
-        f"bottom edge by {said(6, BOTTOM)}."
-    )
-    bent = (
-        f"Figure 7: at k2 = 2 k1 half a sine wave misses the springs' deflection line by "
-        f"{misses[0]} of its height (rms), a whole wave 1 - cos by {misses[1]}, a clamped beam by "
-        f"{misses[2]} and one that also shears by {misses[3]}: sine-like is right of the whole "
-        "wave only, and no better than a clamped beam."
-    )
-    return pressed, sheared, bent
+def _shown(row: Mapping[Hashable, Any], source: str) -> str:
+    return f"{1e3 * row[source]:+.2f} mm" if row["unit"] == "m" else f"{row[source]:.3f}"

@@ -8,8 +8,10 @@ import pytest
 
 from msvalidate.candidate import springs
 from msvalidate.evidence import held, judge
+from msvalidate.problem import ProblemError
 from msvalidate.singularity import clamped_free_exponent
 from msvalidate.sweep import Setting
+from studies import displacement
 from studies.displacement import budget, controls, load_cases, measuring, orders, target
 from studies.displacement.drawing import PARTS
 from studies.displacement.load_cases import CASES
@@ -62,7 +64,7 @@ def rows():
 @pytest.mark.parametrize(("component", "along"), [("ux", 0.6), ("uy", 0.8)])
 def test_budget_by_hand(rows, weights, component, along):
     """Every part is a component over the length of the target's vector at the probe."""
-    row = rows.set_index(["weights", "probe", "component"]).loc[weights, "top", component]
+    row = rows.set_index(["weights", "probe", "component"]).loc[weights, "upper", component]
     linear, nonlinear, relaxed = (SHIFTS[weights, answer] for answer in measuring.ANSWERS)
     steps = {
         "at_rest": relaxed - nonlinear,
@@ -115,6 +117,52 @@ def test_no_order(before, after):
     assert orders.order(before, after, 2) == "not asymptotic"
 
 
+def test_no_order_below_the_reference_s_own_error():
+    assert orders.order(1.0, 0.25, 2, doubt=0.06) == pytest.approx(2)
+    assert orders.order(1.0, 0.25, 2, doubt=0.07) == "not resolved"
+    assert orders.order(1.0, -0.25, 2, doubt=0.07) == "not resolved"
+
+
+def test_finest_of_every_body():
+    table = pd.DataFrame(
+        {"case": ["a", "a", "b"], "lattice": "triangular", "cells_y": [10, 20, 12], "order": 1.0}
+    )
+    assert list(orders.finest(table)["cells_y"]) == [20, 12]
+
+
+@pytest.mark.parametrize(
+    ("lattice", "case", "fineness", "message"),
+    [
+        ("hex", "shear", 5, "lattice 'hex'; choose from square, triangular"),
+        ("square", "press", 5, "load case 'press'; choose from pressure"),
+        ("square", "shear", 6, "fineness: 6; give a multiple of 5"),
+        ("square", "shear", 0, "fineness: 0"),
+        ("triangular", "shear", 5.5, "fineness: 5.5"),
+    ],
+)
+def test_bodies_that_are_none(lattice, case, fineness, message):
+    with pytest.raises(ProblemError, match=message.replace("; ", "[;:] ")):
+        load_cases.body(lattice, case, fineness)
+
+
+def test_a_probe_that_meets_no_point_is_refused():
+    shape = load_cases.body("square", "shear", 5)
+    with pytest.raises(ProblemError, match=r"probe 'upper': the nearest point is 0.03 m away"):
+        shape.at_probes(np.add(shape.grid().points, (0.03, 0.0)))
+
+
+@pytest.mark.parametrize("questions", [("bugdet",), (), "budget"])
+def test_questions_that_are_none(questions):
+    with pytest.raises(ProblemError, match="choose from budget, shapes"):
+        displacement.run(setting=QUICK, questions=questions)
+
+
+def test_no_resolution_where_a_fault_does_nothing():
+    """Rounding is no sign of a fault: the bent beam's traction is no uniform one."""
+    found = controls.smallest("traction", 1, controls.bending_error, controls.IDENTITY)
+    assert found == "none"
+
+
 def test_a_word_for_an_order_fails_its_tolerance():
     assert np.isnan(budget.numbers(pd.Series([1.9, "not asymptotic"]))[1])
 
@@ -124,6 +172,7 @@ def test_a_word_for_an_order_fails_its_tolerance():
     [
         ("shear", MODELS[0], 1.489),  # clamped-free right angle, nu = 1/3 (Williams 1952)
         ("two-sided pressure", MODELS[0], "no clamp"),
+        ("shear", MODELS[2], "zigzag edge"),
         ("bending", MODELS[2], 1.315),  # the blunt corner of the trapezium, 120 degrees
     ],
 )
@@ -143,7 +192,7 @@ def test_target_judges_by_an_independent_program():
     assert held(judge(target.run(springs, QUICK)))
     stiffer = controls.candidate_with("stiffness of every spring", 0.02)
     failed = judge(target.run(stiffer, QUICK)).query("verdict == 'fail'")["quantity"]
-    assert "sheared square, k2 = 2 k1: an independent program" in set(failed)
+    assert "sheared square, k2 = 2 k1: an independent program, in its last digits" in set(failed)
 
 
 def test_parts_of_the_budget_are_its_columns():
