@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RUN := $(BIN)/python -m msvalidate.study
 
-.PHONY: help poisson quick test lint types format clean
+.PHONY: help poisson check report test lint types format clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -25,12 +25,16 @@ $(VENV)/develops: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[dev]'
 	@touch $@ $(VENV)/runs
 
-# make quick     every study in its small form
+# make check     every study in its small form against theory, bands and the committed baseline
+# make report    report.html again, from the results in reports/latest
 poisson: $(VENV)/runs
 	$(RUN) poisson
 
-quick: $(VENV)/runs
-	$(RUN) all --quick
+check: $(VENV)/runs
+	$(RUN) check $(ARGS)
+
+report: $(VENV)/runs
+	$(RUN) report
 
 test: $(VENV)/develops
 	$(BIN)/python -m pytest $(ARGS)

@@ -13,8 +13,11 @@ from msvalidate.problem import (
     Problem,
     ProblemError,
     Traction,
+    chosen,
     finite,
+    instance,
     prescribed,
+    shown,
     vectors_at,
 )
 from msvalidate.stiffness import default_constants
@@ -48,6 +51,8 @@ def lattice_network(
     ProblemError
         If the lattice cannot be the material, or a support or load does not meet its points.
     """
+    instance("problem", problem, Problem)
+    instance("lattice", lattice, Lattice)
     if lattice.domain != problem.domain:
         raise ProblemError(
             f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
@@ -58,27 +63,28 @@ def lattice_network(
     k = finite("spring constants", constants)
     if k.shape != lattice.sharing.shape:
         raise ProblemError(
-            f"spring constants: {constants}; give {len(lattice.sharing)}, one a kind"
+            f"spring constants: {shown(constants)}; give {len(lattice.sharing)}, one a kind"
         )
     held, displacement = prescribed(problem, lattice.points)
+    with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
+        force, masses = _nodal_force(problem, lattice), _nodal_mass(problem, lattice, mass)
     return spring_network(
         lattice.points,
         lattice.springs,
         k[lattice.kind] * boundary_weights(lattice, weights),
-        mass=_nodal_mass(problem, lattice, mass),
+        mass=masses,
         held=held,
         displacement=displacement,
-        force=_nodal_force(problem, lattice),
+        force=force,
     )
 
 
 def _nodal_mass(problem: Problem, lattice: Lattice, rule: str) -> Array:
     total = problem.material.density * problem.material.thickness
+    chosen("mass", rule, ("shared", "equal"))
     if rule == "shared":
         return total * lattice.point_volume
-    if rule == "equal":
-        return np.full(len(lattice.points), total * lattice.domain.volume / len(lattice.points))
-    raise ProblemError(f"mass: {rule!r}; choose shared or equal")
+    return np.full(len(lattice.points), total * lattice.domain.volume / len(lattice.points))
 
 
 def _nodal_force(problem: Problem, lattice: Lattice) -> Array:

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 
 from msvalidate.equilibrium import equilibrium
 from msvalidate.network import Network
-from msvalidate.problem import Array, Problem, ProblemError
+from msvalidate.problem import Array, Problem, chosen
 from msvalidate.relax import algorithm1
 
 AT_REST = 3e-11
@@ -25,10 +25,11 @@ def springs(problem: Problem, network: Network, answer: Answer = "linear") -> Ar
     Raises
     ------
     ProblemError
-        If there is no such answer.
+        If there is no such answer, or no network.
+    SolverError
+        If there is no trustworthy answer.
     """
-    if answer not in get_args(Answer):
-        raise ProblemError(f"answer: {answer!r}; choose from {', '.join(get_args(Answer))}")
+    chosen("answer", answer, get_args(Answer))
     if answer == "relaxed":
         return algorithm1(network, tolerance=AT_REST).equilibrium.displacement
     return equilibrium(network, answer).displacement

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.evidence import Observed
+from msvalidate.problem import Array, ProblemError, finite, numbers
 
 
 def worst(values: ArrayLike, references: ArrayLike) -> Observed:
@@ -13,16 +14,15 @@ def worst(values: ArrayLike, references: ArrayLike) -> Observed:
 
     Raises
     ------
-    ValueError
-        If there is nothing to compare.
+    ProblemError
+        If there is nothing to compare, or values and references do not fit together.
     """
-    value, reference = np.broadcast_arrays(
-        np.asarray(values, dtype=float), np.asarray(references, dtype=float)
-    )
+    value, reference = _fitting(numbers("values", values), numbers("references", references))
     if not value.size:
-        raise ValueError("comparison of no values")
+        raise ProblemError("comparison of no values; give at least one")
     value, reference = value.ravel(), reference.ravel()
-    at = int(np.argmax(np.abs(value - reference)))  # argmax stops at the first NaN
+    with np.errstate(over="ignore", invalid="ignore"):  # what has no distance counts as farthest
+        at = int(np.argmax(np.abs(value - reference)))  # argmax stops at the first NaN
     return Observed(float(value[at]), float(reference[at]))
 
 
@@ -30,8 +30,28 @@ def observed_order(spacings: ArrayLike, errors: ArrayLike) -> float:
     """Slope of log(error) against log(spacing), by least squares.
 
     NaN where an error is zero or not finite: an order fitted to rounding says nothing.
+
+    Raises
+    ------
+    ProblemError
+        If there is not one error a spacing, or a spacing is not above zero or given twice.
     """
-    h, e = np.asarray(spacings, dtype=float), np.abs(np.asarray(errors, dtype=float))
+    h, e = finite("spacings", spacings), np.abs(numbers("errors", errors))
+    if h.ndim != 1 or e.shape != h.shape:
+        raise ProblemError(f"spacings {h.shape}, errors {e.shape}: give a row of each, as long")
+    if (h <= 0).any() or len(set(h)) < len(h):
+        raise ProblemError("spacings: give each once, above zero")
     if len(h) < 2 or not np.isfinite(e).all() or (e <= 1e-14).any():
         return float("nan")
     return float(np.polyfit(np.log(h), np.log(e), 1)[0])
+
+
+def _fitting(value: Array, reference: Array) -> tuple[Array, Array]:
+    try:
+        both = np.broadcast_arrays(value, reference)
+    except ValueError as error:
+        raise ProblemError(
+            f"comparison of values {value.shape} with references {reference.shape}; give one "
+            "reference, or one a value"
+        ) from error
+    return both[0], both[1]

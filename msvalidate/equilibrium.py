@@ -17,7 +17,14 @@ from msvalidate.network import (
     spring_force,
     tangent,
 )
-from msvalidate.problem import Array, ProblemError, SolverError, place_name, refuse_free_motions
+from msvalidate.problem import (
+    Array,
+    SolverError,
+    chosen,
+    instance,
+    place_name,
+    refuse_free_motions,
+)
 
 TOLERANCE = 1e-11
 """Newton stops at this residual, relative to the forces that meet at a point (and not below their
@@ -78,12 +85,11 @@ def equilibrium(
     SolverError
         If the network is a mechanism or unstable, or no equilibrium is found at full load.
     """
+    instance("network", network, Network)
     refuse_free_motions("network", network.points, network.held)
-    if geometry == "linear":
-        return _linear(network)
-    if geometry == "nonlinear":
-        return _nonlinear(network)
-    raise ProblemError(f"geometry: {geometry!r}; choose linear or nonlinear")
+    chosen("geometry", geometry, ("linear", "nonlinear"))
+    with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
+        return _linear(network) if geometry == "linear" else _nonlinear(network)
 
 
 def at_rest(network: Network, position: Array, iterations: int) -> Equilibrium:
@@ -101,6 +107,7 @@ def at_rest(network: Network, position: Array, iterations: int) -> Equilibrium:
 
 def is_stable(network: Network, position: Array) -> bool:
     """Whether every free motion from `position` (n, d) in m meets stiffness: no negative mode."""
+    instance("network", network, Network)
     free = np.flatnonzero(~network.held.ravel())
     if not len(free):
         return True

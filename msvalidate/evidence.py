@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -14,6 +14,11 @@ from msvalidate.problem import SolverError
 
 T = TypeVar("T")
 Tables = Mapping[str, pd.DataFrame]
+Layer = Literal["theory", "agreement", "baseline"]
+"""What a judgement holds a value to: formulas, orders, identities and the reference's own accuracy;
+a band between springs and elasticity; or the value as it was."""
+UNGATED = ("_seconds", "_per_second", "_bytes")
+"""Endings of columns that depend on the machine: in the tables, and never judged."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,7 @@ class Tolerance:
     limit: float
     unit: str
     because: str
+    layer: Layer = "theory"
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.limit) and self.limit >= 0 and self.unit and self.because):
@@ -58,7 +64,11 @@ class Evidence:
     observed, tolerances
         Every observed quantity has a tolerance and the reverse.
     columns
-        Column -> what it means and its unit, for every column of every table.
+        Column -> what it means and its unit, for every column of every table. Where some values are
+        words, it names them.
+    rounding
+        Column -> size, in its unit, below which its values are rounding, or how far a run stops
+        from its limit: what another machine may give instead.
     findings
         Sentences that say what was found; numbers in them come from the tables.
 
@@ -74,6 +84,7 @@ class Evidence:
     figures: Mapping[str, Callable[[Tables], Figure]] = field(default_factory=dict)
     columns: Mapping[str, str] = field(default_factory=dict)
     findings: tuple[str, ...] = ()
+    rounding: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, table in self.tables.items():
@@ -88,6 +99,13 @@ class Evidence:
             unexplained = [column for column in table if column not in self.columns]
             if unexplained:
                 raise ValueError(f"table {name}: columns without a meaning: {unexplained}")
+            for column in table:
+                undeclared = _words_among_numbers(table[column]) - _words(self.columns[str(column)])
+                if undeclared:
+                    raise ValueError(
+                        f"table {name}: {column} holds {sorted(undeclared)} among numbers, which "
+                        "its meaning does not name"
+                    )
         quantities = [tolerance.quantity for tolerance in self.tolerances]
         unjudged = set(quantities) ^ set(self.observed)
         if unjudged or len(set(quantities)) < len(quantities):
@@ -108,7 +126,9 @@ def merged(*parts: Evidence) -> Evidence:
     figures: dict[str, Callable[[Tables], Figure]] = {}
     observed: dict[str, Observed] = {}
     columns: dict[str, str] = {}
+    rounding: dict[str, float] = {}
     for part in parts:
+        rounding |= {c: max(size, rounding.get(c, 0.0)) for c, size in part.rounding.items()}
         _join(tables, part.tables)
         _join(figures, part.figures)
         _join(observed, part.observed)
@@ -122,31 +142,37 @@ def merged(*parts: Evidence) -> Evidence:
         figures=figures,
         columns=columns,
         findings=tuple(f for part in parts for f in part.findings),
+        rounding=rounding,
     )
 
 
 def judge(evidence: Evidence) -> pd.DataFrame:
-    """One row per tolerance: quantity, unit, observed, reference, error, limit, verdict, because.
+    """Verdict: one row per tolerance; see `judged`."""
+    return pd.DataFrame(
+        [
+            judged(tolerance, evidence.observed[tolerance.quantity])
+            for tolerance in evidence.tolerances
+        ]
+    )
+
+
+def judged(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
+    """Row of a verdict: layer, quantity, unit, observed, reference, error, limit, verdict, because.
 
     A value that is not finite fails.
     """
-    rows = []
-    for tolerance in evidence.tolerances:
-        seen = evidence.observed[tolerance.quantity]
-        held = np.isfinite(seen.error) and seen.error <= tolerance.limit
-        rows.append(
-            {
-                "quantity": tolerance.quantity,
-                "unit": tolerance.unit,
-                "observed": seen.value,
-                "reference": seen.reference,
-                "error": seen.error,
-                "limit": tolerance.limit,
-                "verdict": "pass" if held else "fail",
-                "because": tolerance.because,
-            }
-        )
-    return pd.DataFrame(rows)
+    within = np.isfinite(seen.error) and seen.error <= tolerance.limit
+    return {
+        "layer": tolerance.layer,
+        "quantity": tolerance.quantity,
+        "unit": tolerance.unit,
+        "observed": float(seen.value),
+        "reference": float(seen.reference),
+        "error": float(seen.error),
+        "limit": float(tolerance.limit),
+        "verdict": "pass" if within else "fail",
+        "because": tolerance.because,
+    }
 
 
 def held(verdict: pd.DataFrame) -> bool:
@@ -157,6 +183,17 @@ def held(verdict: pd.DataFrame) -> bool:
 def _missing(value: object) -> bool:
     """Not a finite number where one is expected. A declared word is a value."""
     return value is None or (isinstance(value, float | np.floating) and not np.isfinite(value))
+
+
+def _words_among_numbers(values: pd.Series) -> set[str]:
+    """Words of a column that holds numbers as well."""
+    words = {value for value in values if isinstance(value, str)}
+    return words if words and any(not isinstance(value, str) for value in values) else set()
+
+
+def _words(meaning: str) -> set[str]:
+    """Words that a column's meaning declares, in double quotes."""
+    return set(meaning.split('"')[1::2])
 
 
 def _join(whole: dict[str, T], piece: Mapping[str, T]) -> None:

@@ -6,6 +6,7 @@ the viscous force, then the position with the new velocity.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,18 @@ from numpy.typing import ArrayLike
 
 from msvalidate import kernels
 from msvalidate.network import Network, spring_force
-from msvalidate.problem import Array, ProblemError, finite, positive, whole
+from msvalidate.problem import (
+    LONGEST,
+    Array,
+    ProblemError,
+    SolverError,
+    coordinates,
+    finite,
+    instance,
+    number,
+    positive,
+    whole,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,24 +65,41 @@ def euler_cromer(
     ------
     ProblemError
         If an argument is out of range.
+    SolverError
+        If the motion grows beyond all numbers.
     """
+    instance("network", network, Network)
+    instance("state", state, State)
     positive("time step dt", dt, "s")
     whole("steps", steps, 0)
     for name, value in (("position", state.position), ("velocity", state.velocity)):
-        if (shape := finite(name, value).shape) != network.points.shape:
+        if (shape := coordinates(name, value).shape) != network.points.shape:
             raise ProblemError(f"{name}: shape {shape}; give {network.points.shape}")
     x = np.array(state.position, dtype=float)
     v = np.where(network.held, 0.0, state.velocity)
     rate = damping_rate(network, damping)
-    if compiled:
-        u = x - network.points
-        kernels.euler_cromer(network, u, v, rate, dt, steps)
-        return State(network.points + u, v)
-    for _ in range(steps):
-        push = (spring_force(network, x) + network.force) / network.mass[:, None]
-        v = np.where(network.held, 0.0, v + dt * (push - rate[:, None] * v))
-        x = x + dt * v
+    with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
+        if compiled:
+            u = x - network.points
+            kernels.euler_cromer(network, u, v, rate, dt, steps)
+            return _finite_motion(State(network.points + u, v), dt)
+        for _ in range(steps):
+            push = (spring_force(network, x) + network.force) / network.mass[:, None]
+            v = np.where(network.held, 0.0, v + dt * (push - rate[:, None] * v))
+            x = x + dt * v
+            _finite_motion(State(x, v), dt)
     return State(x, v)
+
+
+def _finite_motion(state: State, dt: float) -> State:
+    """The state, refused where the motion has run away: its numbers would be NaN."""
+    near = (np.abs(state.position) <= LONGEST).all()  # not so where it is NaN
+    if not (near and np.isfinite(state.velocity).all()):
+        raise SolverError(
+            f"Euler-Cromer: the motion grew beyond all numbers with steps of {dt:.4g} s; take "
+            "steps below stability_limit"
+        )
+    return state
 
 
 def damping_rate(network: Network, damping: ArrayLike) -> Array:
@@ -81,6 +110,7 @@ def damping_rate(network: Network, damping: ArrayLike) -> Array:
     ProblemError
         If a value is negative or not finite, or their number is not that of the points.
     """
+    instance("network", network, Network)
     rate = finite("damping", damping)
     if rate.ndim and rate.shape != (len(network.points),):
         raise ProblemError(
@@ -97,9 +127,23 @@ def stability_limit(omega_max: float, damping: float = 0.0) -> float:
     h = (2/ω)(√(1 + ζ²) - ζ), ζ = damping/(2ω): where an eigenvalue of the one-step matrix of
     x'' = -ω²x - damping·x' reaches -1. Larger ω and larger damping both lower it, so the highest
     frequency (rad/s) and the largest rate (1/s) bound a whole network.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is not one finite number, or the frequency is not above zero.
+    SolverError
+        If the limit is beyond the largest number or below the smallest.
     """
     positive("highest frequency", omega_max, "rad/s")
-    if not finite("damping", damping) >= 0:
+    rate = number("damping", damping)
+    if rate < 0:
         raise ProblemError(f"damping: {damping} 1/s; a negative rate feeds the motion")
-    zeta = damping / (2 * omega_max)
-    return float(2 / (omega_max * (np.sqrt(1 + zeta**2) + zeta)))  # the same, without cancellation
+    zeta = rate / (2 * omega_max)
+    limit = 2 / (omega_max * (math.sqrt(1 + zeta * zeta) + zeta))  # the same, without cancellation
+    if not 0 < limit < math.inf:
+        raise SolverError(
+            f"stability limit: {limit:g} s at {omega_max:g} rad/s with damping {rate:g} 1/s; "
+            "choose a unit of time that gives ordinary numbers"
+        )
+    return limit

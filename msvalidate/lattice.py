@@ -8,15 +8,20 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from msvalidate.problem import (
+    MOST_VERTICES,
     Array,
     Box,
     Domain,
     Index,
     Polygon,
     ProblemError,
+    chosen,
+    counts,
+    instance,
+    metres,
     place_name,
-    positive,
-    whole,
+    refuse_too_many,
+    shown,
 )
 
 SIN60 = math.sin(math.pi / 3)
@@ -101,11 +106,12 @@ def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     Raises
     ------
     ProblemError
-        If the box is not plane, a count is not a positive integer, or the cells are not square.
+        If the box is not plane, a count is not a positive integer, the cells are not square, or
+        they are too many.
     """
-    if not isinstance(box, Box) or box.dim != 2:
-        raise ProblemError(f"square lattice: a {box}; give a plane box")
-    nx, ny = _counts(cells)
+    _refuse_no_plane_box(box)
+    nx, ny = counts("cells", cells)
+    refuse_too_many(f"square lattice of {nx} x {ny} cells", (nx + 1) * (ny + 1))
     (width, height), (dx, dy) = box.size, (box.size[0] / nx, box.size[1] / ny)
     if abs(dx - dy) > 1e-9 * dx:
         raise ProblemError(
@@ -157,8 +163,10 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     ProblemError
         As for `square`.
     """
-    grid = square(box, cells)
-    nx, ny = _counts(cells)
+    _refuse_no_plane_box(box)
+    nx, ny = counts("cells", cells)
+    refuse_too_many(f"square lattice at 45° of {nx} x {ny} squares", (2 * nx + 1) * (ny + 1))
+    grid = square(box, (nx, ny))
     corners = len(grid.points)
     centre = corners + np.arange(nx * ny).reshape(ny, nx)
     low_left, low_right, high_left, high_right = grid.cells.T
@@ -201,11 +209,13 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
     Raises
     ------
     ProblemError
-        If whole triangles of that side don't make up the outline.
+        If whole triangles of that side don't make up the outline, or are too many.
     """
     if not isinstance(outline, Polygon):
-        raise ProblemError(f"triangular lattice: a {outline}; give a Polygon, such as zigzag_block")
-    h = positive("triangular lattice: spacing", spacing, "m")
+        raise ProblemError(
+            f"triangular lattice: a {shown(outline)}; give a Polygon, such as zigzag_block"
+        )
+    h = metres("triangular lattice: spacing", spacing)
     origin = outline.corners[0]
     along = outline.corners[1] - origin
     along *= h / np.linalg.norm(along)
@@ -213,6 +223,7 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
     steps = np.linalg.solve(np.column_stack([along, upward]), (outline.corners - origin).T)
     _refuse_other_outline(outline, h, steps)
     low, high = np.round(steps.min(axis=1)), np.round(steps.max(axis=1))
+    refuse_too_many(f"triangular lattice of spacing {h:g} m", math.prod((high - low + 1).tolist()))
     i, j = np.meshgrid(*map(np.arange, low, high + 1), indexing="ij")
     points = origin + i.reshape(-1, 1) * along + j.reshape(-1, 1) * upward
     number = np.arange(i.size).reshape(i.shape)
@@ -256,10 +267,11 @@ def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
     ProblemError
         If the number of strips is odd, or a value is out of range.
     """
-    strips, sides = _counts(cells)
+    strips, sides = _pair("zigzag block", cells, "(strips, sides)")
     if strips % 2 or sides < 2:
         raise ProblemError(f"zigzag block: cells {cells}; give an even number of strips, 2 sides")
-    h = positive("zigzag block: height", height, "m") / sides
+    refuse_too_many("zigzag block", 2 * strips + 2, MOST_VERTICES, "vertices")
+    h = metres("zigzag block: height", height) / sides
     x = [column * SIN60 * h for column in range(strips + 1)]
     inset = [0.5 * h * (column % 2) for column in range(strips + 1)]
     top = [(a, height - b) for a, b in zip(x, inset, strict=True)]
@@ -277,9 +289,15 @@ def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
         Side (m) of the triangles.
     cells
         Number of triangle sides along the top and of rows of triangles; the bottom has their sum.
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of range.
     """
-    h = positive("trapezium: spacing", spacing, "m")
-    sides, rows = _counts(cells)
+    h = metres("trapezium: spacing", spacing)
+    sides, rows = _pair("trapezium", cells, "(sides, rows)")
+    refuse_too_many("trapezium", (rows + 1) * (sides + 1 + rows / 2))
     height, slant = rows * SIN60 * h, 0.5 * rows * h
     length = (sides + rows) * h
     return Polygon(((0.0, 0.0), (length, 0.0), (length - slant, height), (slant, height)))
@@ -299,13 +317,18 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
     ProblemError
         If the rule is none of `WEIGHTS`.
     """
+    instance("lattice", lattice, Lattice)
+    chosen("boundary weights", rule, WEIGHTS)
     if rule == "shared":
         return lattice.borders / lattice.sharing[lattice.kind]
     if rule == "equal":
         return np.ones(len(lattice.springs))
-    if rule == "per_cell":
-        return lattice.borders.astype(float)
-    raise ProblemError(f"boundary weights: {rule!r}; choose {', '.join(WEIGHTS)}")
+    return lattice.borders.astype(float)
+
+
+def _refuse_no_plane_box(box: Box) -> None:
+    if not isinstance(box, Box) or box.dim != 2:
+        raise ProblemError(f"square lattice: a {shown(box)}; give a plane box")
 
 
 def _refuse_other_outline(outline: Polygon, side: float, steps: Array) -> None:
@@ -325,11 +348,11 @@ def _refuse_other_outline(outline: Polygon, side: float, steps: Array) -> None:
         )
 
 
-def _counts(cells: int | tuple[int, int]) -> tuple[int, int]:
-    pair = cells if isinstance(cells, tuple) else (cells, cells)
-    if len(pair) != 2:
-        raise ProblemError(f"cells: {cells!r}; give one or two whole numbers, 1 or more")
-    return whole("cells", pair[0], 1), whole("cells", pair[1], 1)
+def _pair(name: str, cells: tuple[int, int], both: str) -> tuple[int, int]:
+    """Two counts of different things, for which one number cannot serve."""
+    if not isinstance(cells, tuple | list):
+        raise ProblemError(f"{name}: cells {shown(cells)}; give two whole numbers, {both}")
+    return counts("cells", cells)
 
 
 def _pairs(start: Index, end: Index) -> Index:

@@ -9,11 +9,13 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import splu
 
-from msvalidate.problem import Array
+from msvalidate.problem import Array, SolverError
 
 SWEEPS = 2
 """Inverse iterations: each shrinks what is not the softest mode by a ratio of eigenvalues, which is
 all but zero where that mode has no stiffness."""
+NO_NUMBER = 1e-280
+"""Entries below which a matrix has no digits left for a fraction of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,13 +45,21 @@ def factorised(matrix: csr_array) -> Factor:
     ------
     RuntimeError
         If a pivot is exactly zero with nothing beside it to take.
+    SolverError
+        If the factor does not fit in memory.
     """
-    lu = splu(
-        matrix.tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    try:
+        lu = splu(
+            matrix.tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except MemoryError as error:
+        raise SolverError(
+            f"sparse factor: {matrix.shape[0]} unknowns take more memory than there is; take "
+            "fewer cells"
+        ) from error
     negative = int((lu.U.diagonal() < 0).sum())
     if not np.array_equal(lu.perm_r, lu.perm_c):  # a zero on the diagonal: not positive definite
         negative = max(negative, 1)
@@ -61,10 +71,12 @@ def softest_mode(matrix: csr_array, factor: Factor | None = None) -> Array:
 
     Without a factor (the matrix is exactly singular) that of a slightly stiffened matrix serves.
     """
+    mode = np.random.default_rng(0).normal(size=matrix.shape[0])
     if factor is None:
         norm = float(abs(matrix).sum(axis=1).max())
+        if norm < NO_NUMBER:  # nothing resists any motion: one is as good as another
+            return np.asarray(mode / np.linalg.norm(mode))
         factor = factorised(csr_array(matrix + 1e-12 * norm * eye_array(matrix.shape[0])))
-    mode = np.random.default_rng(0).normal(size=matrix.shape[0])
     for _ in range(SWEEPS):
         mode = factor.solve(mode)
         mode /= np.abs(mode).max()  # first by the largest: squares may overflow

@@ -8,6 +8,7 @@ This is the plain NumPy form; `msvalidate.kernels` holds the compiled one.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,7 +16,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, finite
+from msvalidate.problem import (
+    LONGEST,
+    Array,
+    Index,
+    Mask,
+    ProblemError,
+    SolverError,
+    coordinates,
+    finite,
+    instance,
+    shown,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,28 +71,26 @@ class Network:
     force: Array
 
     def __post_init__(self) -> None:
-        points = finite("points", self.points)
+        points = coordinates("points", self.points)
         if points.ndim != 2 or points.shape[1] not in {2, 3} or not len(points):
             raise ProblemError(f"points: shape {points.shape}; give (n, 2) or (n, 3)")
         n, d = points.shape
         springs = _pairs(self.springs, n)
         m = len(springs)
-        for name, shape in (
-            ("points", (n, d)),
-            ("stiffness", (m,)),
-            ("rest_length", (m,)),
-            ("mass", (n,)),
-            ("displacement", (n, d)),
-            ("force", (n, d)),
+        for name, shape, checked in (
+            ("points", (n, d), coordinates),
+            ("stiffness", (m,), finite),
+            ("rest_length", (m,), coordinates),
+            ("mass", (n,), finite),
+            ("displacement", (n, d), coordinates),
+            ("force", (n, d), finite),
         ):
-            value = finite(name, getattr(self, name))
+            value = checked(name, getattr(self, name))
             if value.shape != shape:
                 raise ProblemError(f"{name}: shape {value.shape}; this network needs {shape}")
             object.__setattr__(self, name, value)
-        if self.held.dtype != bool or self.held.shape != (n, d):
-            raise ProblemError(f"held: {self.held.dtype} {self.held.shape}; give booleans {(n, d)}")
+        held, moved = _mask("held", self.held, (n, d)), self.displacement
         _refuse("stiffness", self.stiffness, self.stiffness < 0, "N/m; it must be 0 or more")
-        held, moved = self.held, self.displacement
         _refuse(
             "displacement", moved[~held], moved[~held] != 0, "m of what is not held; hold it too"
         )
@@ -88,9 +98,10 @@ class Network:
         _refuse("mass", self.mass, self.mass <= 0, "kg; it must be above 0")
         object.__setattr__(self, "springs", springs)
         distance = np.linalg.norm(self.vector, axis=1)
-        together = distance <= 1e-14 * np.abs(points).max()
+        # Below 1/LONGEST a distance is rounded away when it is squared.
+        together = distance <= max(1e-14 * float(np.abs(points).max()), 1 / LONGEST)
         _refuse("spring length", distance, together, "m; its two points coincide")
-        object.__setattr__(self, "held", np.array(held))
+        object.__setattr__(self, "held", held)
         for array in (self.springs, self.held):
             array.setflags(write=False)
 
@@ -112,8 +123,20 @@ class Network:
         return vector
 
     def scaled(self, factor: Array | float) -> Network:
-        """The same network with every spring's stiffness times `factor`, a number or (m,)."""
-        return replace(self, stiffness=self.stiffness * factor)
+        """The same network with every spring's stiffness times `factor`, a number or (m,).
+
+        Raises
+        ------
+        ProblemError
+            If the factor is of another shape, not finite, or makes a stiffness negative.
+        """
+        times = finite("factor of the stiffness", factor)
+        if times.shape not in {(), self.stiffness.shape}:
+            raise ProblemError(
+                f"factor of the stiffness: shape {times.shape}; give one number or "
+                f"{self.stiffness.shape}"
+            )
+        return replace(self, stiffness=self.stiffness * times)
 
 
 def spring_network(
@@ -141,7 +164,7 @@ def spring_network(
         If an array does not fit, a spring joins a point to itself, names a point that is not
         there or has no length, or a value is out of range.
     """
-    x = finite("points", points)
+    x = coordinates("points", points)
     if x.ndim != 2:
         raise ProblemError(f"points: shape {x.shape}; give (n, 2) or (n, 3)")
     pairs = _pairs(springs, len(x))
@@ -156,9 +179,9 @@ def spring_network(
         if rest_length is None
         else _filled("rest_length", rest_length, len(pairs)),
         mass=_filled("mass", mass, len(x)),
-        held=zero.astype(bool) if held is None else np.asarray(held),
-        displacement=zero if displacement is None else finite("displacement", displacement),
-        force=zero if force is None else finite("force", force),
+        held=_mask("held", zero.astype(bool) if held is None else held, x.shape),
+        displacement=finite("displacement", zero if displacement is None else displacement),
+        force=finite("force", zero if force is None else force),
     )
 
 
@@ -215,13 +238,25 @@ def force_scale(network: Network, position: Array) -> float:
     """Largest sum of force magnitudes (N) that meet at a free point: the measure of a residual.
 
     Springs between points that are held take no part in any balance and do not count.
+
+    Raises
+    ------
+    SolverError
+        If the forces are beyond all numbers: any residual would be small beside them.
     """
     _, length = _stretched(network, position)
-    tension = np.abs(network.stiffness * (length - network.rest_length))
-    met = np.linalg.norm(network.force, axis=1)
-    for end in (0, 1):
-        met = met + np.bincount(network.springs[:, end], tension, len(position))
-    return float(met[~network.held.all(axis=1)].max(initial=0.0))
+    with np.errstate(over="ignore", invalid="ignore"):  # refused below
+        tension = np.abs(network.stiffness * (length - network.rest_length))
+        met = np.linalg.norm(network.force, axis=1)
+        for end in (0, 1):
+            met = met + np.bincount(network.springs[:, end], tension, len(position))
+    scale = float(met[~network.held.all(axis=1)].max(initial=0.0))
+    if not math.isfinite(scale):
+        raise SolverError(
+            "network: forces beyond all numbers meet at a point; choose units that give ordinary "
+            "forces, or reduce the load"
+        )
+    return scale
 
 
 def force_roundoff(network: Network, reach: float | None = None) -> Array:
@@ -231,6 +266,7 @@ def force_roundoff(network: Network, reach: float | None = None) -> Array:
     is the largest number added: by default a coordinate; where displacements are kept apart from
     reference positions, a displacement.
     """
+    instance("network", network, Network)
     reach = float(np.abs(network.points).max()) if reach is None else reach
     pull = network.stiffness * (reach + network.rest_length)
     met = np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
@@ -238,8 +274,13 @@ def force_roundoff(network: Network, reach: float | None = None) -> Array:
 
 
 def _stretched(network: Network, position: Array) -> tuple[Array, Array]:
+    instance("network", network, Network)
+    if getattr(position, "shape", None) != network.points.shape:
+        raise ProblemError(f"position: {shown(position)}; give an array {network.points.shape}")
     vector = position[network.springs[:, 1]] - position[network.springs[:, 0]]
     length = np.linalg.norm(vector, axis=1)
+    if not math.isfinite(length.sum()):  # one look for any number of springs
+        coordinates("position", position)
     if not length.all():
         spring = int(np.flatnonzero(length == 0)[0])
         raise SolverError(
@@ -278,6 +319,16 @@ def _pairs(springs: ArrayLike, n: int) -> Index:
     if len(own):
         raise ProblemError(f"springs: {pairs[own[0]]} at index {own[0]} joins a point to itself")
     return np.array(pairs, dtype=np.intp)
+
+
+def _mask(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Mask:
+    try:
+        mask = np.array(value)
+    except ValueError as error:
+        raise ProblemError(f"{name}: rows of different length; give booleans {shape}") from error
+    if mask.dtype != bool or mask.shape != shape:
+        raise ProblemError(f"{name}: {mask.dtype} {mask.shape}; give booleans {shape}")
+    return mask
 
 
 def _filled(name: str, value: ArrayLike, count: int) -> Array:

@@ -24,6 +24,7 @@ from msvalidate.problem import (
     Array,
     ProblemError,
     SolverError,
+    instance,
     positive,
     refuse_free_motions,
     whole,
@@ -108,6 +109,7 @@ def algorithm1(
     SolverError
         If the run diverges, or is not at rest within `max_steps`.
     """
+    instance("network", network, Network)
     refuse_free_motions("network", network.points, network.held)
     _refuse_bad_options(network, dt, damping, tolerance, max_steps)
     if network.held.all():
@@ -124,7 +126,8 @@ def algorithm1(
     limit = stability_limit(highest, strongest)
     step = SAFETY * limit if dt is None else dt
     allowed = max_steps or _predicted_steps(lowest, rate, step, tolerance)
-    found = _Run(network, rate, step, limit, tolerance).until_rest(allowed)
+    with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
+        found = _Run(network, rate, step, limit, tolerance).until_rest(allowed)
     if not is_stable(network, found.equilibrium.position):
         raise SolverError(
             f"Algorithm 1 came to rest after {found.steps} steps where the network is unstable "
@@ -163,14 +166,14 @@ def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) ->
             f"damping: {2 * slow:g} 1/s with no max_steps: the motion never ends, or none can say "
             "when; give a positive rate, leave it out, or set max_steps"
         )
-    steps = PATIENCE * max(LOOK_EVERY, math.ceil(math.log(1 / min(tolerance, 0.5)) / (decay * dt)))
-    if steps > MOST_STEPS:
+    needed = -math.log(min(tolerance, 0.5))
+    if PATIENCE * needed > MOST_STEPS * decay * dt:
         raise ProblemError(
-            f"damping: {rate.max():.4g} 1/s: the slowest motion would take "
-            f"{steps / PATIENCE:.2g} steps to die out; leave damping to its default, or set "
-            "max_steps"
+            f"damping: {rate.max():.4g} 1/s: the slowest motion would take more than "
+            f"{MOST_STEPS / PATIENCE:.2g} steps of {dt:.4g} s to die out; leave damping and dt to "
+            "their defaults, or set max_steps"
         )
-    return steps
+    return PATIENCE * max(LOOK_EVERY, math.ceil(needed / (decay * dt)))
 
 
 class _Run:
@@ -226,13 +229,12 @@ class _Run:
 
     def look(self, step: int) -> tuple[int, float, float]:
         """Step, residual force (N) and kinetic energy (J); raises if the run has diverged."""
-        with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused below
-            self.stored = kernels.force_and_energy(self.network, self.displacement, self.force)
-            balance = np.where(self.network.held, 0.0, self.force + self.network.force)
-            residual = float(np.abs(balance).max())
-            kinetic = float(0.5 * self.network.mass @ (self.velocity**2).sum(axis=1))
-            moved = np.abs(self.displacement).max()
-            self.floor = self.at_lengths + moved * self.per_metre
+        self.stored = kernels.force_and_energy(self.network, self.displacement, self.force)
+        balance = np.where(self.network.held, 0.0, self.force + self.network.force)
+        residual = float(np.abs(balance).max())
+        kinetic = float(0.5 * self.network.mass @ (self.velocity**2).sum(axis=1))
+        moved = np.abs(self.displacement).max()
+        self.floor = self.at_lengths + moved * self.per_metre
         if not (math.isfinite(residual) and math.isfinite(kinetic) and moved < self.reach):
             raise SolverError(
                 f"Algorithm 1 diverged by step {step}: time step {self.dt:.4g} s, stability limit "
@@ -246,7 +248,8 @@ class _Run:
         return step, residual, kinetic
 
     def resting(self, look: tuple[int, float, float]) -> bool:
-        still = max(self.tolerance**2 * self.stored, float(self.floor.max()) ** 2 / self.softest)
+        rounding = float(self.floor.max())
+        still = max(self.tolerance**2 * self.stored, rounding / self.softest * rounding)
         if look[2] > still:  # the usual case, and the cheaper question
             return False
         scale = force_scale(self.network, self.position)

@@ -1,38 +1,40 @@
-"""Floor 3: the only module that writes files: tables, figures and one page that a person can read.
+"""Floor 3: the only module that writes files: what a run leaves in its folder, whole or not at all.
 
-Each file is written beside its place and moved there, so that it is whole or not there at all.
+A run's results are built beside the folder and change places with it in one step, so that a reader,
+or the next run, finds the old results or the new ones whatever happens in between. Where a folder
+cannot be exchanged (a mount point, another file system, other people's files in it), each study's
+folder and each page is replaced whole, one after another.
 """
 
 from __future__ import annotations
 
-import io
+import contextlib
+import ctypes
+import errno
 import os
+import shutil
+import sys
 import tempfile
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-import matplotlib as mpl
-import pandas as pd
-from matplotlib.figure import Figure
-
-from msvalidate.evidence import Evidence, held
-from msvalidate.figures import STYLE
+from msvalidate import catalogue
+from msvalidate.page import page
 from msvalidate.problem import ProblemError
+from msvalidate.stored import ABOUT, SUFFIXES, Stored, read, verdicts
 
-ROWS_SHOWN = 40
-"""Longer tables are shown by their first rows; the CSV has them all."""
-FORMATS = ("png", "svg")
+try:
+    import fcntl
+except ImportError:  # not a Unix
+    fcntl = None  # type: ignore[assignment]
 
-
-@dataclass(frozen=True, eq=False)
-class Result:
-    """A study that ran: its name, docstring, evidence and judgement."""
-
-    name: str
-    question: str
-    evidence: Evidence
-    verdict: pd.DataFrame
+Files = Mapping[str, bytes]
+PAGES = ("report.html", "verdict.json")
+"""What lies in a folder of results beside its studies' folders."""
+EXCHANGE = 2
+"""RENAME_EXCHANGE of Linux's renameat2, RENAME_SWAP of macOS's renamex_np."""
+NO_EXCHANGE = {errno.ENOSYS, errno.EINVAL, errno.EXDEV, errno.EBUSY, errno.EPERM, errno.EACCES}
+STAGED = ".msvalidate-new-"
 
 
 def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
@@ -41,157 +43,241 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
     Parameters
     ----------
     out
-        The folder for results.
+        The folder for results. It is made, and removed again if it was not there.
     names
         Studies whose folders will lie in it.
     """
     for name in names:
         if (out / name).exists() and not (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a file; name another folder")
-    if (out / "report.md").is_dir():
-        raise ProblemError(f"--out {out}: {out / 'report.md'} is a folder; name another one")
+    for name in PAGES:
+        if (out / name).is_dir():
+            raise ProblemError(f"--out {out}: {out / name} is a folder; name another one")
     if out.is_symlink() and not out.exists():
         raise ProblemError(f"--out {out}: a link to nowhere; name another folder")
+    made = [folder for folder in (out, *out.parents) if not folder.exists()]
     for folder in (out, *out.parents):
-        if folder.is_dir():
-            if os.access(folder, os.W_OK | os.X_OK):
-                return
-            raise ProblemError(f"--out {out}: no permission to write there; name another folder")
-        if folder.exists():
+        if folder.exists() and not folder.is_dir():
             raise ProblemError(f"--out {out}: {folder} is a file; name a folder")
-    raise ProblemError(f"--out {out}: no such place; name another folder")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=out, prefix=STAGED):
+            pass
+    except OSError as error:
+        raise ProblemError(f"--out {out}: {error.strerror}; name another folder") from error
+    finally:
+        for folder in made:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
 
 
-def write_study(result: Result, out: Path, *, plots: bool = True) -> None:
-    """Write a study's CSV, PNG and SVG files to `out`/name; without plots, old ones are removed."""
-    folder = out / result.name
-    pages: dict[str, bytes] = {
-        f"{name}.csv": table.to_csv(index=False, lineterminator="\n").encode()
-        for name, table in {**result.evidence.tables, "verdict": result.verdict}.items()
-    }
-    stale = []
-    for name, draw in result.evidence.figures.items():
-        if plots:
-            with mpl.rc_context(STYLE):
-                figure = draw(result.evidence.tables)
-                _lay_out(figure)
-                pages |= {f"{name}.{kind}": _rendered(figure, kind) for kind in FORMATS}
-        else:
-            stale += [folder / f"{name}.{kind}" for kind in FORMATS]
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, content in pages.items():
-        _write(folder / name, content)
-    for path in stale:  # a picture of other numbers than those beside it would mislead
-        path.unlink(missing_ok=True)
+def refuse_place(option: str, path: Path) -> None:
+    """Raise `ProblemError`, before any work is done, if no file could be written at `path`."""
+    if path.is_dir():
+        raise ProblemError(f"{option} {path}: a folder; name a file")
+    if not path.parent.is_dir():
+        raise ProblemError(f"{option} {path}: no folder {path.parent}; make it or name another")
+    if not _writable(path.parent):
+        raise ProblemError(f"{option} {path}: no permission to write there; name another place")
 
 
-def write_report(
-    results: list[Result],
-    unfinished: Mapping[str, str],
-    origin: Mapping[str, str],
-    out: Path,
-    *,
-    plots: bool = True,
-) -> None:
-    """Write `out`/report.md on the studies of one command.
+def publish(studies: Mapping[str, Files], out: Path) -> None:
+    """Replace the results of some studies in `out`, and the pages over all that lie there.
 
     Parameters
     ----------
-    results
-        Studies that ran.
-    unfinished
-        Study -> the error that ended it.
-    origin
-        Provenance, label -> value.
+    studies
+        Study -> its files. Results of other studies stay.
+    out
+        The folder for results.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written; what was there is then still there.
+    ProblemError
+        If results of another study in the folder cannot be read.
     """
-    parts = ["# msvalidate report", "", *_summary(results, unfinished)]
-    for result in results:
-        parts += ["", *_section(result, plots=plots)]
-    parts += ["", "## Provenance", "", "| | |", "| --- | --- |"]
-    parts += [f"| {label} | {value} |" for label, value in origin.items()]
-    out.mkdir(parents=True, exist_ok=True)
-    _write(out / "report.md", ("\n".join(parts) + "\n").encode())
+    out = out.resolve()
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with _alone(out.parent):
+        whole = _only_results(out) and not _holds(out, Path.cwd()) and _writable(out.parent)
+        if whole:
+            with _staged(out.parent) as new:
+                for name, files in studies.items():
+                    _write(new / name, files)
+                for name in _kept(out, studies):
+                    shutil.copytree(out / name, new / name)
+                _write(new, _pages(new))
+                if _moved(new, out):
+                    return
+        out.mkdir(exist_ok=True)
+        with _alone(out), _staged(out) as new:
+            for name, files in studies.items():
+                _write(new / name, files)
+                _replace(new / name, out / name)
+            _write(new, _pages(out))
+            for name in PAGES:
+                _replace(new / name, out / name)
 
 
-def text_table(table: pd.DataFrame, rows: int | None = ROWS_SHOWN) -> str:
-    """Aligned text of a table; beyond `rows`, how many more there are."""
-    text = table.head(rows).to_string(index=False, float_format=_number) if rows else ""
-    if rows is None:
-        return table.to_string(index=False, float_format=_number)
-    return text + (f"\n… {len(table) - rows} more rows" if len(table) > rows else "")
+def rebuild(out: Path) -> list[Stored]:
+    """Make the pages of `out` again from what its studies left; return the studies.
+
+    Raises
+    ------
+    ProblemError
+        If there is no result, or one cannot be read.
+    """
+    if not _studies(out):
+        raise ProblemError(f"--out {out}: no results there; run a study first")
+    publish({}, out)
+    return stored(out)
 
 
-def _summary(results: list[Result], unfinished: Mapping[str, str]) -> list[str]:
-    lines = ["| study | verdict | tolerances held |", "| --- | --- | --- |"]
-    for result in results:
-        passed = int((result.verdict["verdict"] == "pass").sum())
-        word = "**pass**" if held(result.verdict) else "**FAIL**"
-        lines.append(f"| {result.name} | {word} | {passed} of {len(result.verdict)} |")
-    lines += [f"| {name} | **not finished** | {why} |" for name, why in unfinished.items()]
-    return lines
+def stored(out: Path) -> list[Stored]:
+    """The studies whose results lie in a folder, by name."""
+    return [read(out / name) for name in _studies(out)]
 
 
-def _section(result: Result, *, plots: bool) -> list[str]:
-    evidence = result.evidence
-    lines = [f"## {result.name}", "", result.question]
-    if evidence.findings:
-        lines += ["", "### Findings", "", *(f"- {finding}" for finding in evidence.findings)]
-    lines += ["", "### Tolerances", "", _markdown(result.verdict)]
-    if plots and evidence.figures:
-        lines += ["", "### Figures", ""]
-        for name, draw in evidence.figures.items():
-            caption = (draw.__doc__ or name).partition("\n")[0]
-            lines += [f"![{caption}]({result.name}/{name}.png)", "", f"*{caption}*", ""]
-    lines += ["", "### Tables"]
-    for name, table in evidence.tables.items():
-        lines += ["", f"**{name}** ([CSV]({result.name}/{name}.csv), {len(table)} rows)", ""]
-        lines.append(_markdown(table.head(ROWS_SHOWN)))
-        if len(table) > ROWS_SHOWN:
-            lines.append(f"\n… {len(table) - ROWS_SHOWN} more rows in the CSV")
-    used = {column for table in evidence.tables.values() for column in table}
-    lines += ["", "### Columns", "", "| column | meaning |", "| --- | --- |"]
-    lines += [f"| {c} | {text} |" for c, text in evidence.columns.items() if c in used]
-    return lines
+def replace_folder(folder: Path, files: Mapping[str, Files]) -> None:
+    """Replace a folder of folders whole: name -> files."""
+    folder = folder.resolve()
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with _alone(folder.parent), _staged(folder.parent) as new:
+        for name, content in files.items():
+            _write(new / name, content)
+        _replace(new, folder)
 
 
-def _markdown(table: pd.DataFrame) -> str:
-    # As text: the writer would read numbers out of words such as 0.2000, and drop their digits.
-    shown = table.map(lambda value: _number(value) if isinstance(value, float) else str(value))
-    align = ["right" if kind.kind in "if" else "left" for kind in table.dtypes]
-    return str(shown.to_markdown(index=False, disable_numparse=True, colalign=align))
+def replace_file(path: Path, content: bytes) -> None:
+    """Replace a file whole."""
+    path = path.resolve()
+    with _alone(path.parent), _staged(path.parent) as new:
+        _write(new, {path.name: content})
+        _replace(new / path.name, path)
 
 
-def _number(value: float) -> str:
-    return f"{value:.6g}"
+def _pages(folder: Path) -> dict[str, bytes]:
+    studies = stored(folder)
+    return {"report.html": page(studies).encode(), "verdict.json": verdicts(studies)}
 
 
-def _lay_out(figure: Figure) -> None:
-    """Lay out once, not again for each format."""
-    engine = figure.get_layout_engine()
-    if engine is not None:
-        engine.execute(figure)
-        figure.set_layout_engine("none")
+def _studies(folder: Path) -> list[str]:
+    """Names of the studies that left results in a folder."""
+    if not folder.is_dir():
+        return []
+    return sorted(p.name for p in folder.iterdir() if (p / ABOUT).is_file() and _is_study(p))
 
 
-def _rendered(figure: Figure, kind: str) -> bytes:
-    page = io.BytesIO()
-    # A date inside the file would make two equal pictures differ.
-    figure.savefig(page, format=kind, metadata={"Date": None} if kind == "svg" else None)
-    return page.getvalue()
+def _is_study(path: Path) -> bool:
+    return not path.name.startswith(".")
 
 
-def _write(path: Path, content: bytes) -> None:
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+def _kept(out: Path, studies: Mapping[str, Files]) -> list[str]:
+    return [name for name in _studies(out) if name not in studies]
+
+
+def _only_results(out: Path) -> bool:
+    """Whether a folder holds nothing that a run did not write: only then may it be exchanged."""
+    if not out.exists():
+        return True
+    known = catalogue.names()
+    for path in out.iterdir():
+        if path.name in PAGES or path.name.startswith(STAGED):
+            continue
+        if path.name not in known or not path.is_dir() or path.is_symlink():
+            return False
+        if any(p.suffix not in SUFFIXES or not p.is_file() for p in path.iterdir()):
+            return False
+    return True
+
+
+def _writable(folder: Path) -> bool:
+    return os.access(folder, os.W_OK | os.X_OK)
+
+
+def _holds(folder: Path, other: Path) -> bool:
+    """Whether a folder is another or holds it: exchanging it would take the ground away."""
+    return folder == other or folder in other.parents
+
+
+@contextlib.contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Wait until no other run stages anything in a folder, and keep others waiting."""
+    if fcntl is None:
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except OSError as error:  # named after the file that was wanted, not the one beside it
-        Path(name).unlink(missing_ok=True)
-        raise OSError(error.errno, error.strerror, str(path)) from error
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
+
+
+@contextlib.contextmanager
+def _staged(folder: Path) -> Iterator[Path]:
+    """A new folder in `folder`, gone at the end; those that killed runs left are cleared away.
+
+    Call it alone: see `_alone`.
+    """
+    for left in folder.glob(f"{STAGED}*"):
+        shutil.rmtree(left, ignore_errors=True)
+    new = Path(tempfile.mkdtemp(dir=folder, prefix=STAGED))
+    new.chmod(0o755)
+    try:
+        yield new
+    finally:
+        shutil.rmtree(new, ignore_errors=True)
+
+
+def _write(folder: Path, files: Files) -> None:
+    """Write files to the disk itself: a name must not outlive its content."""
+    folder.mkdir(exist_ok=True)
+    for name, content in files.items():
+        path = folder / name
+        try:
+            with path.open("wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, f"{folder.name}/{name}") from error
+
+
+def _moved(new: Path, out: Path) -> bool:
+    """Put `new` in the place of `out` in one step; whether that could be done."""
+    if not out.exists():
+        new.rename(out)
+        return True
+    return _exchanged(new, out)
+
+
+def _replace(new: Path, old: Path) -> None:
+    """Put a file or folder in another's place: in one step where that can be done."""
+    if new.is_file() or not old.exists():
+        new.replace(old)
+    elif not _exchanged(new, old):
+        aside = new.with_name(f"{new.name}.old")
+        old.rename(aside)
+        new.rename(old)
+
+
+def _exchanged(one: Path, other: Path) -> bool:
+    """Let two folders change places in one step, where the system knows how."""
+    library = ctypes.CDLL(None, use_errno=True) if os.name == "posix" else None
+    a, b = os.fsencode(one), os.fsencode(other)
+    if library is not None and sys.platform == "darwin" and hasattr(library, "renamex_np"):
+        failed = library.renamex_np(a, b, EXCHANGE)
+    elif library is not None and hasattr(library, "renameat2"):
+        here = -100  # AT_FDCWD: both paths are absolute
+        failed = library.renameat2(here, a, here, b, EXCHANGE)
+    else:
+        return False
+    if not failed:
+        return True
+    code = ctypes.get_errno()
+    if code in NO_EXCHANGE:
+        return False
+    raise OSError(code, os.strerror(code), str(other))

@@ -24,7 +24,15 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.linalg import eigvals, logm
 
-from msvalidate.problem import Anisotropic, Array, ProblemError, SolverError, finite, positive
+from msvalidate.problem import (
+    Anisotropic,
+    Array,
+    ProblemError,
+    SolverError,
+    direction,
+    finite,
+    positive,
+)
 
 DISPLACEMENT, STRESS = slice(0, 2), slice(2, 4)
 """The halves of a state (u, φ)."""
@@ -32,6 +40,8 @@ DEGREE = 32
 """Of the polynomials for w: the smallest exponents come out to rounding."""
 RESOLVED = 0.75 * DEGREE
 """Largest growth |λ| ρ(M) across the wedge that polynomials of that degree follow."""
+NARROWEST = 1e-3
+"""Smallest wedge angle (rad): the narrower, the nearer the state's crossing is to no change."""
 CONDITION = 1e8
 """Largest condition number of a tensor; up to it the smallest exponents stay below `RESOLVED`."""
 
@@ -62,7 +72,8 @@ def clamped_free_exponent(tensor: Array, angle: float, *, clamped_direction: flo
     ProblemError
         If the tensor, the angle or the direction is not as described.
     SolverError
-        If the tensor is too close to singular: its condition number is above 1e8.
+        If the tensor is too close to singular, its condition number above 1e8, or the angle is
+        below 1e-3.
     """
     generator = _generator(tensor, angle, clamped_direction)
     return float(_exponents(generator, DISPLACEMENT).real.min())
@@ -100,8 +111,11 @@ def _generator(tensor: Array, angle: float, start: float) -> Array:
     opening = positive("wedge angle", angle, "rad")
     if opening > 2 * np.pi:
         raise ProblemError(f"wedge angle: {angle} rad; give at most 2 pi, the angle of a crack")
-    if finite("side direction", start).ndim:
-        raise ProblemError(f"side direction: {start}; give one angle in rad")
+    if opening < NARROWEST:
+        raise SolverError(
+            f"wedge angle: {opening:g} rad; below {NARROWEST:g} exponents are lost in rounding"
+        )
+    direction("side direction", start)
     # cos h + sin h N(θ) has the logarithm ∫ N from θ to θ + h, the principal one if h < π.
     h = opening / 3
     parts = [np.cos(h) * np.eye(4) + np.sin(h) * _stroh(C, start + i * h) for i in range(3)]
@@ -113,11 +127,15 @@ def _plane(tensor: Array) -> Array:
     C = finite("stiffness tensor C", tensor)
     if C.shape != (3, 3):
         raise ProblemError(f"stiffness tensor C: shape {C.shape}; give a plane one, (3, 3)")
-    lowest, _, highest = np.linalg.eigvalsh(Anisotropic(C).C)
+    # In a unit near its own, a power of two, products of eigenvalues are ordinary numbers.
+    _, power = np.frexp(np.abs(Anisotropic(C).C).max())
+    C = np.ldexp(C, -power)
+    lowest, _, highest = np.linalg.eigvalsh(C)
     if highest > CONDITION * lowest:
         raise SolverError(
-            f"stiffness tensor C: its eigenvalues go from {lowest:g} to {highest:g}; the corner "
-            f"exponent needs a ratio of at most {CONDITION:g}"
+            f"stiffness tensor C: its eigenvalues go from {np.ldexp(lowest, power):g} to "
+            f"{np.ldexp(highest, power):g}; the corner exponent needs a ratio of at most "
+            f"{CONDITION:g}"
         )
     return np.asarray(C / np.sqrt(lowest * highest))
 

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.linalg import eigvalsh
 from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from msvalidate.linear import factorised
+from msvalidate.linear import NO_NUMBER, factorised
 from msvalidate.network import Network, tangent
-from msvalidate.problem import Array, ProblemError, SolverError, finite
+from msvalidate.problem import (
+    Array,
+    ProblemError,
+    SolverError,
+    coordinates,
+    instance,
+    number,
+    shown,
+)
 
 DENSE = 600
 """Degrees of freedom up to which a dense solver is the faster one."""
+LARGEST_DENSE = 10_000
+"""Degrees of freedom of the largest dense matrix made, close to a gigabyte."""
 
 
 def natural_frequencies(
@@ -36,19 +48,30 @@ def natural_frequencies(
 
     Raises
     ------
+    ProblemError
+        If an argument is out of range, or nothing can move.
     SolverError
         If a mode has negative stiffness (the position is unstable) or the iteration fails.
     """
-    place = network.points if position is None else finite("position", position)
+    instance("network", network, Network)
+    place = network.points if position is None else coordinates("position", position)
     matrix = _dynamical_matrix(network, place)
     size = matrix.shape[0]
-    if not 0 <= finite("tolerance of the frequencies", tolerance) < 1:
+    if not 0 <= number("tolerance of the frequencies", tolerance) < 1:
         raise ProblemError(
             f"tolerance of the frequencies: {tolerance}; give a relative error, 0 <= tolerance < 1"
         )
-    if not (isinstance(count, int | np.integer) and 1 <= count <= size):
-        raise ProblemError(f"count: {count} frequencies; this network has {size} free components")
+    counted = isinstance(count, int | np.integer) and not isinstance(count, bool)
+    if not (counted and 1 <= count <= size):
+        raise ProblemError(
+            f"count: {shown(count)} frequencies; this network has {size} free components"
+        )
     if size <= max(DENSE, 4 * count):
+        if size > LARGEST_DENSE:
+            raise ProblemError(
+                f"count: {count} frequencies of {size}; ask for fewer than a quarter of them, or "
+                f"of a network with at most {LARGEST_DENSE} free components"
+            )
         squares = eigvalsh(matrix.toarray())
         lowest, highest = squares[:count], squares[-1]
     else:
@@ -75,7 +98,17 @@ def _dynamical_matrix(network: Network, position: Array) -> csr_array:
     if not len(free):
         raise ProblemError("natural frequencies: every component is held; nothing can move")
     scale = diags_array(1 / np.sqrt(np.repeat(network.mass, network.dim)[free]))
-    return csr_array(scale @ tangent(network, position)[free][:, free] @ scale)
+    stiffness = tangent(network, position)[free][:, free]
+    with np.errstate(over="ignore", invalid="ignore"):
+        matrix = csr_array(scale @ stiffness @ scale)
+    largest, stiffest = float(abs(matrix).max()), float(abs(stiffness).max())
+    if not math.isfinite(largest) or (stiffest and largest < NO_NUMBER):
+        raise SolverError(
+            f"natural frequencies: stiffnesses of {stiffest:.3g} N/m with masses from "
+            f"{network.mass.min():.3g} to {network.mass.max():.3g} kg; choose units that give "
+            "ordinary frequencies"
+        )
+    return matrix
 
 
 def _largest(matrix: csr_array, tolerance: float) -> float:

@@ -11,88 +11,137 @@ import gc
 import os
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
-from msvalidate import __version__, catalogue
+from msvalidate import catalogue
+from msvalidate.arguments import (
+    FAILED,
+    HELD,
+    INTERRUPTED,
+    MISSED,
+    NOTHING,
+    PROGRAM,
+    USAGE,
+    parse,
+    shown,
+)
 
 if TYPE_CHECKING:
-    from msvalidate.report import Result
+    import pandas as pd
 
-HELD, MISSED, USAGE, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
-PROGRAM = "python -m msvalidate.study"
-EPILOG = f"""\
-examples:
-  {PROGRAM} list                   what can be studied
-  {PROGRAM} poisson                one study, results in reports/latest
-  {PROGRAM} all --quick --out new  every study in its small form, results in new
+    from msvalidate.stored import Result, Stored
 
-exit codes:
-  0  every tolerance held       2  wrong usage or bad input
-  1  a tolerance was missed     3  a solver failed or a study crashed   130  interrupted
-"""
+ROWS_SHOWN = 40
+"""Longer tables are shown by their first rows; the CSV has them all."""
 
 
 def main(arguments: Sequence[str]) -> int:
     """Run what the command line asks for; return the exit code."""
-    args = _parser().parse_args(arguments)
-    if args.names == ["list"]:
-        width = max(map(len, catalogue.names()))
-        for name in catalogue.names():
-            print(f"{name:<{width}}  {catalogue.question(name)}")
-        return HELD
-    for alone in ("list", "all"):
-        if alone in args.names and len(args.names) > 1:
-            return _error(f"{alone!r} stands alone; leave the other names out", USAGE)
-    known = catalogue.names()
-    names = known if args.names == ["all"] else list(dict.fromkeys(args.names))
-    for name in names:
-        if name not in known:
-            return _error(f"unknown study {name!r}: {catalogue.suggestion(name)}", USAGE)
-    return _run(names, args, arguments)
+    args = parse(arguments)
+    if args.verb == "list":
+        return _list()
+    if args.verb == "report":
+        return _guarded(args, lambda: _report(args))
+    return _guarded(args, lambda: _run(args, arguments))
 
 
-def _run(names: list[str], args: argparse.Namespace, arguments: Sequence[str]) -> int:
+def _list() -> int:
+    width = max(map(len, catalogue.names()))
+    for name in catalogue.names():
+        print(f"{name:<{width}}  {catalogue.question(name)}")
+    return HELD
+
+
+def _guarded(args: argparse.Namespace, act: Callable[[], int]) -> int:
+    """Act; what goes wrong outside the studies is said in one line."""
     # One thread for dense algebra: the sparse solves here gain nothing from more, and sums come out
     # the same on any number of cores.
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-    from msvalidate import report
-    from msvalidate.evidence import held
     from msvalidate.problem import ProblemError
-    from msvalidate.provenance import provenance
 
-    started = datetime.now(UTC)
     try:
-        report.refuse_unwritable(args.out, names)
-        for name in names:
-            catalogue.load(name)
-        gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
-        results, unfinished, codes = _studied(names, args)
-        origin = provenance(_command(arguments), args.seed, started)
-        for result in results:
-            report.write_study(result, args.out, plots=args.plots)
-        report.write_report(results, unfinished, origin, args.out, plots=args.plots)
+        return act()
     except (ProblemError, ImportError) as error:
         return _error(str(error), USAGE)
     except OSError as error:
         return _error(f"--out {args.out}: {error.strerror}: {error.filename}", USAGE)
-    missed = any(not held(result.verdict) for result in results)
+
+
+def _report(args: argparse.Namespace) -> int:
+    """Make the pages again from stored results."""
+    from msvalidate import report
+
+    studies = report.rebuild(args.out)
+    for study in studies:
+        _say(study, args)
+    if not args.quiet:
+        print(f"report in {args.out / 'report.html'}", file=sys.stderr)
+    return HELD if all(study.held for study in studies) else MISSED
+
+
+def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
+    """Run and judge studies, write what they found, and say what failed."""
+    from msvalidate import baseline, report
+
+    started = datetime.now(UTC)
+    report.refuse_unwritable(args.out, args.studies)
+    if args.junit:
+        report.refuse_place("--junit", args.junit)
+    if args.update:
+        baseline.changelog(args.form, args.reason)  # refuses, if there is none, before the work
+    for name in args.studies:
+        catalogue.load(name)
+    gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
+    results, unfinished, codes = _studied(args)
+    if args.verb == "check" and not args.update:
+        results, uncompared = _compared(results, args.form)
+        codes += [_error(message, NOTHING) for message in uncompared]
+    studies = _written(results, unfinished, args, (arguments, started))
     try:
         for result in results:
             _show(result, args)
+        for study in studies:
+            _say(study, args)
         print(end="", flush=True)
     except BrokenPipeError:  # the reader left; the verdict stands
         sys.stdout = None
+    failed = [study.name for study in studies if not study.held]
+    if args.update:
+        codes.append(_update(results, args, failed))
     if not args.quiet:
-        print(f"results in {args.out}", file=sys.stderr)
-    return max([*codes, MISSED if missed else HELD])
+        print(f"results in {args.out}, to read in {args.out / 'report.html'}", file=sys.stderr)
+    return max([*codes, MISSED if set(failed) - set(unfinished) else HELD])
+
+
+def _written(
+    results: list[Result],
+    unfinished: dict[str, str],
+    args: argparse.Namespace,
+    command: tuple[Sequence[str], datetime],
+) -> list[Stored]:
+    """Write what was found; return it as it was stored."""
+    from msvalidate import report, stored
+    from msvalidate.junit import junit
+    from msvalidate.provenance import provenance
+
+    arguments, started = command
+    origin = provenance(shown(arguments), args.seed, started)
+    files = {r.name: stored.files(r, origin, plots=args.plots) for r in results}
+    for name, error in unfinished.items():
+        question = catalogue.load(name).__doc__ or ""
+        files[name] = stored.unfinished(args.out / name, question, origin, error)
+    report.publish(files, args.out)
+    studies = [study for study in report.stored(args.out) if study.name in files]
+    if args.junit:
+        report.replace_file(args.junit, junit(studies))
+    return studies
 
 
 def _studied(
-    names: list[str], args: argparse.Namespace
+    args: argparse.Namespace,
 ) -> tuple[list[Result], dict[str, str], list[int]]:
     """Run the studies: those that finished, the errors of those that did not, and exit codes.
 
@@ -100,12 +149,12 @@ def _studied(
     """
     from msvalidate.evidence import judge
     from msvalidate.problem import ProblemError, SolverError
-    from msvalidate.report import Result
+    from msvalidate.stored import Result
     from msvalidate.sweep import Setting
 
-    setting = Setting(quick=args.quick, seed=args.seed, progress=not args.quiet)
+    setting = Setting(quick=args.form == "quick", seed=args.seed, progress=not args.quiet)
     results, unfinished, codes = [], {}, []
-    for name in names:
+    for name in args.studies:
         if args.verbose:
             print(f"{name}: {catalogue.question(name)}", file=sys.stderr)
         try:
@@ -127,105 +176,82 @@ def _studied(
     return results, unfinished, codes
 
 
-def _show(result: Result, args: argparse.Namespace) -> None:
-    """Print a study's tables to stdout, and what failed to stderr."""
-    from msvalidate.report import text_table
+def _compared(results: list[Result], form: str) -> tuple[list[Result], list[str]]:
+    """Results with their tables held to the baseline, and what could not be compared."""
+    from dataclasses import replace
 
-    if not args.quiet:
-        tables: dict[str, Any] = {**result.evidence.tables}
-        tables["verdict"] = result.verdict.drop(columns="because")
-        for name, table in tables.items():
-            print(f"\n{result.name}/{name}")
-            print(text_table(table, None if args.verbose else 40))
-        print()
-        for finding in result.evidence.findings:
-            print(f"- {finding}")
-    for row in result.verdict.itertuples():
-        if row.verdict != "pass":
-            print(
-                f"{result.name}: FAIL {row.quantity}: observed {row.observed:.9g}, reference "
-                f"{row.reference:.9g}, error {row.error:.3g} > limit {row.limit:.3g} {row.unit}",
-                file=sys.stderr,
+    import pandas as pd
+
+    from msvalidate import baseline
+
+    found, uncompared = [], []
+    for result in results:
+        rows = baseline.compare(result.evidence, baseline.home(form) / result.name)
+        if not rows:
+            uncompared.append(
+                f"study {result.name}: no {form} baseline, nothing compared; make one with "
+                "check --update"
             )
-    passed = int((result.verdict["verdict"] == "pass").sum())
-    if not args.quiet:
-        word = "held" if passed == len(result.verdict) else "FAILED"
-        summary = f"{result.name}: {word}, {passed} of {len(result.verdict)} tolerances"
-        print(summary, file=sys.stderr)
+        verdict = pd.concat([result.verdict, pd.DataFrame(rows)], ignore_index=True)
+        found.append(replace(result, verdict=verdict))
+    return found, uncompared
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog=PROGRAM,
-        description="Run studies that compare spring networks with elasticity theory and finite "
-        "elements, and judge them by their tolerances.",
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,  # a report shows the command, and must know where a path is in it
+def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) -> int:
+    """Make these results the baseline, and say why in the changelog."""
+    from msvalidate import baseline, report
+
+    if failed:
+        return _error(
+            f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
+        )
+    form = "full" if args.full else "quick"
+    report.replace_folder(
+        baseline.home(form), {r.name: baseline.files(r.evidence) for r in results}
     )
-    parser.add_argument(
-        "names",
-        nargs="+",
-        metavar="NAME",
-        help="studies to run, 'all' of them, or 'list' to see what there is",
-    )
-    parser.add_argument("--quick", action="store_true", help="the small form: fewer sizes")
-    parser.add_argument(
-        "--out",
-        type=_folder,
-        default=Path("reports/latest"),
-        metavar="DIR",
-        help="folder for tables, figures and report.md (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--seed",
-        type=_seed,
-        default=0,
-        metavar="N",
-        help="where random numbers start (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--no-plots", dest="plots", action="store_false", help="write tables and report only"
-    )
-    volume = parser.add_mutually_exclusive_group()
-    volume.add_argument("-q", "--quiet", action="store_true", help="print failures only")
-    volume.add_argument(
-        "-v", "--verbose", action="store_true", help="print whole tables, and tracebacks of crashes"
-    )
-    parser.error = _usage_error  # type: ignore[method-assign]  # one line, without the usage
-    parser.add_argument("--version", action="version", version=f"msvalidate {__version__}")
-    return parser
+    report.replace_file(baseline.CHANGELOG, baseline.changelog(form, args.reason))
+    print(f"{form} baseline renewed; CHANGELOG.md says why", file=sys.stderr)
+    return HELD
 
 
-def _folder(text: str) -> Path:
-    if not text.strip() or "\0" in text:
-        raise argparse.ArgumentTypeError(f"{text!r} is no name; name a folder")
-    return Path(text)
+def _show(result: Result, args: argparse.Namespace) -> None:
+    """Print a study's tables and findings to stdout."""
+    if args.quiet or args.verb == "check":
+        return
+    tables: dict[str, Any] = {**result.evidence.tables}
+    tables["verdict"] = result.verdict.drop(columns="because")
+    for name, table in tables.items():
+        print(f"\n{result.name}/{name}")
+        print(_aligned(table, len(table) if args.verbose else ROWS_SHOWN))
+    print()
+    for finding in result.evidence.findings:
+        print(f"- {finding}")
 
 
-def _seed(text: str) -> int:
-    try:
-        seed = int(text)
-    except ValueError:
-        seed = -1
-    if seed < 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number, 0 or more")
-    return seed
+def _aligned(table: pd.DataFrame, rows: int) -> str:
+    """Aligned text of a table's first rows, and how many more there are."""
+    text = table.head(rows).to_string(index=False, float_format=lambda value: f"{value:.6g}")
+    return text + (f"\n… {len(table) - rows} more rows" if len(table) > rows else "")
 
 
-def _command(arguments: Sequence[str]) -> list[str]:
-    """The command as a report shows it: the folder after --out is the reader's own affair."""
-    shown: list[str] = []
-    for argument in arguments:
-        if shown and shown[-1] == "--out":
-            shown.append("DIR")
-        else:
-            shown.append("--out=DIR" if argument.startswith("--out=") else argument)
-    return [*PROGRAM.split(), *shown]
+def _say(study: Stored, args: argparse.Namespace) -> None:
+    """What a study missed, a line each, and how much of each layer it held, to stderr."""
+    from msvalidate.junit import line
 
-
-def _usage_error(message: str) -> NoReturn:
-    sys.exit(_error(f"{message}; see --help", USAGE))
+    rows = [] if study.error else study.verdict.to_dict("records")
+    for row in rows:
+        if row["verdict"] != "pass":
+            why = f" ({row['because']})" if row["layer"] == "baseline" else ""
+            print(f"{study.name}: FAIL {line(row)}{why}", file=sys.stderr)
+    if args.quiet:
+        return
+    layers = [
+        f"{layer} {int((held['verdict'] == 'pass').sum())} of {len(held)}"
+        for layer, held in study.verdict.groupby("layer", sort=False)
+    ]
+    word = "held" if study.held else "FAILED"
+    said = f"not finished: {study.error}" if study.error else f"{word}, {', '.join(layers)}"
+    print(f"{study.name}: {said}", file=sys.stderr)
 
 
 def _error(message: str, code: int) -> int:
@@ -245,4 +271,4 @@ if __name__ == "__main__":
         broken = isinstance(error, BrokenPipeError)
         sys.exit(HELD if broken else _error(f"stdout: {error.strerror}", USAGE))
     except KeyboardInterrupt:
-        sys.exit(_error("interrupted; files already written are whole", INTERRUPTED))
+        sys.exit(_error("interrupted; results are as they were", INTERRUPTED))

@@ -9,8 +9,12 @@ from typing import TypeVar
 
 from tqdm import tqdm
 
+from msvalidate.problem import ProblemError, instance, shown, whole
+
 Case = TypeVar("Case")
 Result = TypeVar("Result")
+MOST_SEED = 2**63 - 1
+"""Largest seed: one that a table of any kind can hold."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +39,29 @@ class Setting:
     executor: Executor | None = None
     progress: bool = False
 
+    def __post_init__(self) -> None:
+        for name, value in (("quick", self.quick), ("progress", self.progress)):
+            instance(name, value, bool)
+        whole("seed", self.seed, 0, MOST_SEED)
+        if not (self.executor is None or callable(getattr(self.executor, "map", None))):
+            raise ProblemError(
+                f"executor: {shown(self.executor)}; give a concurrent.futures executor or None"
+            )
+
     def sweep(
         self, function: Callable[[Case], Result], cases: Iterable[Case], label: str
     ) -> list[Result]:
-        """Results of the function, in the order of the cases whatever the workers."""
+        """Results of the function, in the order of the cases whatever the workers.
+
+        Raises
+        ------
+        ProblemError
+            If it is no function or these are no cases. What the function raises comes through.
+        """
+        if not callable(function) or not isinstance(cases, Iterable):
+            raise ProblemError(
+                f"sweep: {shown(function)} over {shown(cases)}; give a function and its cases"
+            )
         todo = list(cases)
         run = map if self.executor is None else self.executor.map
         bar = tqdm(

@@ -17,7 +17,9 @@ from msvalidate.problem import (
     PointForce,
     Problem,
     ProblemError,
+    SolverError,
     Traction,
+    instance,
     place_name,
     prescribed,
     vectors_at,
@@ -28,16 +30,32 @@ from reference_fem.elasticity import solve_on
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Displacement (n, d) in m at the nodes of a discretisation."""
+    """Displacement (n, d) in m at the nodes of a discretisation.
+
+    Raises
+    ------
+    ProblemError
+        If there is not one displacement a node.
+    """
 
     body: Discretisation
     displacement: Array
 
     def __post_init__(self) -> None:
+        instance("body", self.body, Discretisation)
+        shape = getattr(self.displacement, "shape", ())
+        if shape != self.body.points.shape:
+            raise ProblemError(f"solution: shape {shape}; give an array {self.body.points.shape}")
         self.displacement.setflags(write=False)
 
     def at(self, points: ArrayLike) -> Array:
-        """Displacement (p, d) in m at points (p, d) of the body."""
+        """Displacement (p, d) in m at points (p, d) of the body.
+
+        Raises
+        ------
+        ProblemError
+            If a point lies outside the body.
+        """
         return np.asarray(self.body.interpolation(points) @ self.displacement)
 
 
@@ -53,11 +71,14 @@ def solve_problem(problem: Problem, body: Discretisation) -> Solution:
     """
     _refuse_other_body(problem, body)
     held, displacement = prescribed(problem, body.points)
-    force = nodal_forces(problem, body)
+    with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what is infinite
+        force = nodal_forces(problem, body)
     return Solution(body, solve_on(body, problem.material, held, displacement, force))
 
 
 def _refuse_other_body(problem: Problem, body: Discretisation) -> None:
+    instance("problem", problem, Problem)
+    instance("body", body, Discretisation)
     domain = problem.domain
     if domain.dim != body.dim:
         raise ProblemError(f"{problem.name}: a {domain.dim}D {domain}, meshed in {body.dim}D")
@@ -79,6 +100,8 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
     ------
     ProblemError
         If a point force meets no node, or a loaded part does not end at cell edges.
+    SolverError
+        If cells are too thin to be integrated over.
     """
     force = np.zeros(body.points.shape)
     tolerance, thickness = problem.domain.tolerance, problem.material.thickness
@@ -94,16 +117,30 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
         elif isinstance(load, Traction):
             name = f"traction on {load.region}"
             facets = _loaded_facets(problem.domain, load, body)
-            order = 2 * body.element.degree + 2
-            basis = skfem.FacetBasis(
-                body.basis.mesh, body.basis.elem, facets=facets, intorder=order
-            )
-            force += thickness * _integrated(name, load.traction, basis, body)
+            force += thickness * _integrated(name, load.traction, _edges(name, body, facets), body)
         elif isinstance(load, BodyForce):
             order = 2 * body.element.degree + 2
             basis = skfem.Basis(body.basis.mesh, body.basis.elem, intorder=order)
             force += thickness * _integrated("body force", load.force, basis, body)
     return force
+
+
+def _edges(name: str, body: Discretisation, facets: Index) -> skfem.FacetBasis:
+    """Basis on the loaded edges.
+
+    The library finds their points inside quadrilaterals by iterating to an absolute 1e-12 of the
+    cell, which coordinates do not resolve in cells that are tiny beside their distance from the
+    origin. In triangles it need not iterate.
+    """
+    order = 2 * body.element.degree + 2
+    try:
+        return skfem.FacetBasis(body.basis.mesh, body.basis.elem, facets=facets, intorder=order)
+    except Exception as error:  # the library raises no narrower class
+        smallest = float(np.ptp(body.points[body.cells], axis=1).min())
+        raise SolverError(
+            f"{name}: the points of its edges cannot be found in slanted cells as small as "
+            f"{smallest:.2g} m; take less grading, fewer cells, or triangles (P1 or P2)"
+        ) from error
 
 
 def _loaded_facets(domain: Domain, load: Traction, body: Discretisation) -> Index:

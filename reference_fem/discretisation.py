@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 from scipy.spatial import KDTree
 
-from msvalidate.problem import Array, Index, ProblemError, finite
+from msvalidate.problem import Array, Index, ProblemError, chosen, coordinates
 from reference_fem.interpolation import locate
 
 AT_NODE = 1e-13
@@ -105,7 +105,7 @@ class Discretisation:
         ProblemError
             If a point lies outside the body.
         """
-        x = finite("points to sample", points)
+        x = coordinates("points to sample", points)
         if x.ndim != 2 or x.shape[1] != self.dim:
             raise ProblemError(f"points to sample: shape {x.shape}; give (p, {self.dim})")
         # Most points asked for are nodes, which take no search among the cells.
@@ -132,10 +132,9 @@ def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisat
         If the element is unknown, a cell is inverted or names a point that is not there, a point
         belongs to no cell or to two, or an edge is curved.
     """
-    if not isinstance(element, str) or element not in ELEMENTS:
-        raise ProblemError(f"element: {element!r}; choose {', '.join(ELEMENTS)}")
+    chosen("element", element, ELEMENTS)
     kind = ELEMENTS[element]
-    x = finite("points", points)
+    x = coordinates("points", points)
     if x.ndim != 2 or x.shape[1] != 2:
         raise ProblemError(f"points: shape {x.shape}; {element} needs (n, 2)")
     t = _checked_cells(cells, kind, len(x))

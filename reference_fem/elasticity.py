@@ -18,8 +18,10 @@ from msvalidate.problem import (
     ProblemError,
     SolverError,
     finite,
+    instance,
     place_name,
     refuse_free_motions,
+    shown,
 )
 from reference_fem.discretisation import Discretisation, discretise
 
@@ -87,8 +89,18 @@ def solve_on(
     SolverError
         If the solution fails its residual check.
     """
+    instance("body", body, Discretisation)
+    for name, array in (("held", held), ("displacement", displacement), ("force", force)):
+        if np.shape(array) != body.points.shape:
+            raise ProblemError(f"{name}: shape {np.shape(array)}; give {body.points.shape}")
     refuse_free_motions("finite element body", body.points, held)
-    K = stiffness(body, material)
+    with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
+        return _solved(body, stiffness(body, material), held, displacement, force)
+
+
+def _solved(
+    body: Discretisation, K: csr_matrix, held: Mask, displacement: Array, force: Array
+) -> Array:
     known = held.T.ravel()
     u = np.where(held, displacement, 0.0).T.ravel()
     load = force.T.ravel()
@@ -111,8 +123,8 @@ def stiffness(body: Discretisation, material: Material) -> csr_matrix:
 
     K_(ai)(bj) = t Σ_cd C_acbd ∫ ∂c φi ∂d φj.
     """
-    if not isinstance(material, Material):
-        raise ProblemError(f"material: {material!r}; give Isotropic or Anisotropic")
+    instance("body", body, Discretisation)
+    instance("material", material, Material)
     if material.dim != body.dim:
         raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
     d, G = body.dim, body.gradients
@@ -134,6 +146,7 @@ def elastic_tensor(material: Material) -> Array:
     ProblemError
         If λ is infinite (nu = 1/2 but in plane stress).
     """
+    instance("material", material, Material)
     if not isinstance(material, Isotropic):
         return material.C
     if material.state == "solid":
@@ -167,6 +180,11 @@ def _direct(body: Discretisation, free: Index, K: csr_matrix, load: Array) -> Ar
     options = {"SymmetricMode": True}
     try:
         factor = splu(K.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    except MemoryError as error:
+        raise SolverError(
+            f"finite elements: {len(free)} unknowns take more memory than there is; take fewer "
+            "cells"
+        ) from error
     except RuntimeError as error:
         raise SolverError(
             "finite elements: the stiffness is singular: a part of the body can move without "
@@ -192,15 +210,16 @@ def _rows(
     """Check rows (node, component, value) against a body of shape (n, d)."""
     checked = []
     if not isinstance(rows, Iterable):
-        raise ProblemError(f"{name}: {rows!r}; give rows (node, component, value)")
+        raise ProblemError(f"{name}: {shown(rows)}; give rows (node, component, value)")
     for row in rows:
-        values = finite(f"{name} row {row}", row)
+        values = finite(f"{name} row {shown(row)}", row)
         if values.shape != (3,) or (values[:2] != np.floor(values[:2])).any():
-            raise ProblemError(f"{name}: row {row}; give (node, component, value)")
+            raise ProblemError(f"{name}: row {shown(row)}; give (node, component, value)")
         node, component = int(values[0]), int(values[1])
         if not (0 <= node < shape[0] and 0 <= component < shape[1]):
             raise ProblemError(
-                f"{name}: row {row}; nodes run to {shape[0] - 1}, components to {shape[1] - 1}"
+                f"{name}: row {shown(row)}; nodes run to {shape[0] - 1}, components to "
+                f"{shape[1] - 1}"
             )
         checked.append((node, component, float(values[2])))
     return checked

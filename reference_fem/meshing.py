@@ -16,12 +16,19 @@ from msvalidate.problem import (
     Polygon,
     ProblemError,
     Segment,
-    finite,
+    coordinates,
+    counts,
+    metres,
     place_name,
     positive,
+    refuse_too_many,
+    shown,
     whole,
 )
 from reference_fem.discretisation import ELEMENTS, Discretisation, discretise
+
+NODES_PER_TRIANGLE = 2
+"""Corners and mid-sides of a large mesh of triangles for each triangle, at most."""
 
 
 def box_discretisation(
@@ -55,34 +62,36 @@ def box_discretisation(
     Raises
     ------
     ProblemError
-        If an argument is out of range.
+        If an argument is out of range, or the cells are too many.
     """
-    pair = cells if isinstance(cells, tuple) else (cells, cells)
     plane = isinstance(box, Box) and box.dim == 2
-    if not plane or element not in tuple(ELEMENTS) or len(pair) != box.dim:
+    if not plane or not isinstance(element, str) or element not in ELEMENTS:
         raise ProblemError(
-            f"mesh: {element} with {cells} cells in a {box}; give two counts, a plane box and one "
-            f"of {', '.join(ELEMENTS)}"
+            f"mesh: {_word(element)} in a {shown(box)}; give two counts, a plane box and one of "
+            f"{', '.join(ELEMENTS)}"
         )
-    counts = [whole("mesh cells", n, 1) for n in pair]
+    kind, pair = ELEMENTS[element], counts("mesh cells", cells)
+    nodes = [kind.degree * n + 1 for n in pair]
+    refuse_too_many(f"mesh of {pair[0]} x {pair[1]} cells", nodes[0] * nodes[1])
     if not isinstance(through, tuple | list) or len(through) != box.dim:
         raise ProblemError(
-            f"mesh lines through {through!r}: give coordinates for each axis, as ((), (0.4, 0.6))"
+            f"mesh lines through {shown(through)}: give coordinates for each axis, as "
+            "((), (0.4, 0.6))"
         )
-    if towards not in ("both", "high"):
-        raise ProblemError(f"mesh grading towards {towards!r}; choose both or high")
+    if not isinstance(towards, str) or towards not in ("both", "high"):
+        raise ProblemError(f"mesh grading towards {shown(towards)}; choose both or high")
     if positive("mesh grading", grading) < 1:
         raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
-    kind = ELEMENTS[element]
     lines = [
         _subdivided(_lines(places, length, n, grading, towards), kind.degree)
-        for places, length, n in zip(through, box.size, counts, strict=True)
+        for places, length, n in zip(through, box.size, pair, strict=True)
     ]
     closest = min(float(np.diff(line).min()) for line in lines)
     if closest <= 4 * box.tolerance:
         raise ProblemError(
-            f"mesh grading: {grading} with {cells} cells puts lines {closest:.2g} m apart, nearer "
-            f"than two places are told apart ({box.tolerance:.2g} m); take less grading or cells"
+            f"mesh grading: {grading} with {shown(cells)} cells puts lines {closest:.2g} m apart, "
+            f"nearer than two places are told apart ({box.tolerance:.2g} m); take less grading or "
+            "cells"
         )
     y, x = np.meshgrid(lines[1], lines[0], indexing="ij")
     number = np.arange(x.size).reshape(x.shape)
@@ -95,7 +104,7 @@ def polygon_discretisation(
     spacing: float,
     element: str = "P2",
     *,
-    towards: ArrayLike = (),
+    towards: ArrayLike | None = None,
     depth: int = 0,
     rings: int = 1,
 ) -> Discretisation:
@@ -110,7 +119,8 @@ def polygon_discretisation(
     element
         "P1" or "P2".
     towards
-        (p, 2) places (m), vertices of the mesh to start from, where the stress is singular.
+        (p, 2) places (m), vertices of the mesh to start from, where the stress is singular. A body
+        may have none; `depth` then does nothing.
     depth
         How often triangles around them are halved, each time half as far away.
     rings
@@ -119,15 +129,22 @@ def polygon_discretisation(
     Raises
     ------
     ProblemError
-        If an argument is out of range, triangles of this side don't make up the outline, or a
-        place is no vertex.
+        If an argument is out of range, triangles of this side don't make up the outline or are too
+        many, a place is no vertex, or there is a depth and no place.
     """
-    if not isinstance(outline, Polygon) or element not in ("P1", "P2"):
-        raise ProblemError(f"mesh: {element} in a {outline}; give a Polygon and P1 or P2")
+    triangular = isinstance(element, str) and element in ("P1", "P2")
+    if not isinstance(outline, Polygon) or not triangular:
+        raise ProblemError(
+            f"mesh: {_word(element)} in a {shown(outline)}; give a Polygon and P1 or P2"
+        )
     whole("mesh depth", depth, 0)
     whole("mesh rings", rings, 1)
-    mesh = _equilateral(outline, positive("mesh spacing", spacing, "m"))
-    places = finite("places to refine towards", towards)
+    if depth and towards is None:
+        raise ProblemError(
+            f"mesh depth: {depth} and no places to refine towards; give towards, or leave it at 0"
+        )
+    places = coordinates("places to refine towards", () if towards is None else towards)
+    mesh = _equilateral(outline, metres("mesh spacing", spacing))
     if places.size:
         if places.ndim != 2 or places.shape[1] != 2:
             raise ProblemError(f"places to refine towards: shape {places.shape}; give (p, 2)")
@@ -142,12 +159,21 @@ def polygon_discretisation(
     return _with_midpoints(mesh, element)
 
 
+def _word(name: object) -> str:
+    """A name that was given for one of ours, without its quotes."""
+    return shown(name).strip("'")
+
+
 def _refined(mesh: Any, places: KDTree, spacing: float, depth: int, rings: int) -> Any:
     """The mesh halved around the places, `depth` times, each time half as far away."""
     for level in range(depth):
         reach = (rings - 0.5) * spacing / 2**level
         distance, _ = places.query(mesh.p.T, distance_upper_bound=reach)
-        mesh = mesh.refined(np.flatnonzero(np.isfinite(distance)[mesh.t].any(axis=0)))
+        halved = np.flatnonzero(np.isfinite(distance)[mesh.t].any(axis=0))
+        # Each becomes four; a neighbour or two of some are cut as well.
+        name = f"mesh refined to depth {level + 1} of {depth} with {rings} rings"
+        refuse_too_many(name, NODES_PER_TRIANGLE * (mesh.t.shape[1] + 3 * len(halved)))
+        mesh = mesh.refined(halved)
     return mesh
 
 
@@ -158,6 +184,8 @@ def _equilateral(outline: Polygon, side: float) -> Any:
     turn = np.array([[x, -y], [y, x]])
     local = (outline.corners - start) @ turn / side
     (left, low), (right, high) = local.min(axis=0), local.max(axis=0)
+    size = float(right - left + 6) * float((high - low) / np.sqrt(0.75) + 5)
+    refuse_too_many(f"mesh of spacing {side:g} m", 2 * NODES_PER_TRIANGLE * size)
     row = np.arange(np.floor(low / np.sqrt(0.75)) - 1, np.ceil(high / np.sqrt(0.75)) + 2)
     column = np.arange(np.floor(left) - 2, np.ceil(right) + 3)
     across, along = np.meshgrid(row, column, indexing="ij")
@@ -224,19 +252,20 @@ def _lines(through: ArrayLike, length: float, cells: int, grading: float, toward
 
     The cells are shared out among the parts by length.
     """
-    inner = finite("mesh lines through", through)
+    inner = coordinates("mesh lines through", through)
     places = np.array([0.0, *np.atleast_1d(inner).ravel(), length])
     width = np.diff(places)
     if inner.ndim != 1 or (width <= 0).any():
         raise ProblemError(
-            f"mesh lines through {through!r}: give coordinates in order, between 0 and {length:g} m"
+            f"mesh lines through {shown(through)}: give coordinates in order, between 0 and "
+            f"{length:g} m"
         )
     share = cells * width / length
     counts = np.floor(share + (0.5 + 1e-9)).astype(int)  # halves go up, whatever their last digit
     if counts.sum() != cells or counts.min() < 1:
         raise ProblemError(
-            f"mesh lines through {through!r}: {cells} cells do not divide among the parts; choose "
-            "a number that does"
+            f"mesh lines through {shown(through)}: {cells} cells do not divide among the parts; "
+            "choose a number that does"
         )
     parts = [
         start + part * _graded(int(n), grading, towards)

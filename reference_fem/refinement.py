@@ -8,7 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import Array, ProblemError, SolverError, positive, whole
+from msvalidate.problem import (
+    Array,
+    ProblemError,
+    SolverError,
+    numbers,
+    positive,
+    shown,
+    whole,
+)
 
 SAFETY = 1.25
 """Factor on Richardson's estimate where three meshes show a plausible order (Roache 1994,
@@ -77,10 +85,15 @@ def refine(
 
     Raises
     ------
+    ProblemError
+        If an argument is out of range, or the quantity is no row of numbers.
     SolverError
         If the finest mesh still misses the tolerance.
     """
+    if not callable(quantity):
+        raise ProblemError(f"refined quantity: {shown(quantity)}; give a function of the cells")
     positive("tolerance", tolerance)
+    positive("highest order", highest_order)
     if whole("coarsest", coarsest, 1) * 4 > whole("finest", finest, 1):
         raise ProblemError(f"refinement: from {coarsest} cells to {finest}; leave room for three")
     cells = 4 * coarsest
@@ -101,7 +114,7 @@ def refine(
 
 
 def _measured(quantity: Callable[[int], ArrayLike], cells: int) -> Array:
-    values = np.atleast_1d(np.asarray(quantity(cells), dtype=float))
+    values = np.atleast_1d(numbers("refined quantity", quantity(cells)))
     if values.ndim != 1 or not values.size:
         raise ProblemError(
             f"refined quantity: shape {values.shape}; give one value or a row of them"

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -42,7 +43,8 @@ def test_a_study_writes_its_files(finished):
     tables |= {"drift", "algorithm1", "rest", "block", "resolution", "verdict"}
     tables |= {"rotated", "rotated_order"}
     pictures = {"finite_size", "direction", "drift", "rest", "block", "rotated"}
-    expected = {f"poisson/{name}.csv" for name in tables} | {"report.md"}
+    expected = {f"poisson/{name}.csv" for name in tables}
+    expected |= {"poisson/study.json", "report.html", "verdict.json"}
     expected |= {f"poisson/{name}.{kind}" for name in pictures for kind in ("png", "svg")}
     assert written == expected
 
@@ -57,9 +59,11 @@ def test_tables_on_stdout_messages_on_stderr(finished):
 
 def test_report_tells_where_it_comes_from(finished):
     done, folder = finished
-    page = (folder / "results" / "report.md").read_text(encoding="utf-8")
-    assert "| command | python -m msvalidate.study poisson --quick --out DIR --seed 7 |" in page
-    assert "| seed | 7 |" in page
+    about = json.loads((folder / "results/poisson/study.json").read_text(encoding="utf-8"))
+    command = "python -m msvalidate.study poisson --quick --out DIR --seed 7"
+    assert (about["origin"]["command"], about["origin"]["seed"]) == (command, "7")
+    page = (folder / "results" / "report.html").read_text(encoding="utf-8")
+    assert command in page
     assert str(folder) not in page + done.stdout
 
 
@@ -67,7 +71,7 @@ def test_quiet_run_prints_nothing(tmp_path):
     done = run("poisson", "--quick", "-q", "--no-plots", "--out=r", cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert not list(tmp_path.rglob("*.png"))
-    assert "--out=DIR" in (tmp_path / "r" / "report.md").read_text(encoding="utf-8")
+    assert "--out=DIR" in (tmp_path / "r" / "report.html").read_text(encoding="utf-8")
 
 
 def test_list_names_each_study_with_its_question():
@@ -105,12 +109,26 @@ BAD_COMMANDS = [
     (["poisson", "--sed", "1"], "unrecognized arguments: --sed"),
     (["poisson", "--ou", "x"], "unrecognized arguments: --ou"),
     (["poisson", "--out"], "argument --out: expected one argument"),
-    (["poisson", "--out", ""], "argument --out: '' is no name; name a folder"),
+    (["poisson", "--out", ""], "argument --out: '' is no name; name a place"),
     (["poisson", "-q", "-v"], "argument -v/--verbose: not allowed with argument -q/--quiet"),
     (["poisson", "--out", "taken"], "--out taken: taken is a file; name a folder"),
     (["poisson", "--out", "taken/below"], "--out taken/below: taken is a file; name a folder"),
     (["list", "poisson"], "'list' stands alone"),
     (["all", "poisson"], "'all' stands alone"),
+    (["check", "poisson"], "'check' stands alone"),
+    (["report", "check"], "stands alone"),
+    (["poisson", "--full"], "--full goes with 'check' only; leave it out"),
+    (["all", "--junit", "x.xml"], "--junit goes with 'check' only; leave it out"),
+    (["check", "--update"], '--update and --reason "..." go together; give both or none'),
+    (["check", "--reason", "so"], '--update and --reason "..." go together; give both or none'),
+    (["check", "--update", "--reason", " "], "argument --reason: ' '; say why in one line"),
+    (["check", "--update", "--reason", "a\nb"], "say why in one line"),
+    (["check", "--quick"], "check has its own form and seed; leave --quick and --seed out"),
+    (["check", "--seed", "1"], "check has its own form and seed; leave --quick and --seed out"),
+    (["check", "--junit", ""], "argument --junit: '' is no name; name a place"),
+    (["poisson", "--out", "a\u202eb"], "is no name; name a place"),
+    (["report", "--out", "none"], "--out none: no results there; run a study first"),
+    (["report", "--out", "taken"], "--out taken: no results there; run a study first"),
 ]
 
 
@@ -174,9 +192,11 @@ def test_exit_codes(ending, tmp_path):
     assert done.returncode == code
     assert message in done.stderr
     assert "Traceback" not in done.stderr
-    page = (tmp_path / "r" / "report.md").read_text(encoding="utf-8")
-    assert ("**FAIL**" if code == 1 else "**not finished**") in page
+    page = (tmp_path / "r" / "report.html").read_text(encoding="utf-8")
+    assert ("FAIL" if code == 1 else "not finished") in page
     assert "/home/someone" not in page
+    (row,) = json.loads((tmp_path / "r" / "verdict.json").read_text(encoding="utf-8"))
+    assert row["verdict"] == "fail"
 
 
 def test_verbose_crash_shows_where(tmp_path):
@@ -186,10 +206,15 @@ def test_verbose_crash_shows_where(tmp_path):
 
 
 def test_read_only_folder(tmp_path):
-    script = "import os; os.access = lambda *_: False\n" + PATCHED.format(body="run = None")
-    done = run(cwd=tmp_path, script=script)
+    """As who runs the tests may write anywhere, the system is made to refuse."""
+    no = (
+        "import errno, os, pathlib\n"
+        "def no(*_, **__): raise OSError(errno.EACCES, os.strerror(errno.EACCES))\n"
+        "pathlib.Path.mkdir = no\n"
+    )
+    done = run(cwd=tmp_path, script=no + PATCHED.format(body="run = None"))
     assert done.returncode == 2
-    assert "--out r: no permission to write there; name another folder" in done.stderr
+    assert "--out r: Permission denied; name another folder" in done.stderr
     assert not list(tmp_path.iterdir())
 
 
@@ -197,7 +222,7 @@ def test_read_only_folder(tmp_path):
     ("made", "message"),
     [
         ("r/poisson", "is a file; name another folder"),
-        ("r/report.md/x", "is a folder; name another"),
+        ("r/report.html/x", "is a folder; name another"),
     ],
 )
 def test_places_that_are_taken_are_found_before_the_work(made, message, tmp_path):
@@ -214,7 +239,7 @@ def test_a_full_disk_names_the_file_that_was_wanted(tmp_path):
     body = f"{full}\nos.fsync = no\n" + ENDINGS["tolerance missed"][2]
     done = run(cwd=tmp_path, script=PATCHED.format(body=body))
     assert done.returncode == 2
-    assert "--out r: No space left on device: r/poisson/t.csv" in done.stderr
+    assert "--out r: No space left on device: poisson/t.csv" in done.stderr
     assert not [p for p in tmp_path.rglob("*") if p.is_file()], "nothing half-written"
 
 
@@ -272,7 +297,7 @@ def test_interrupt_ends_quietly(tmp_path):
     _, errors = process.communicate(timeout=30)
     assert process.returncode == 130
     assert "Traceback" not in errors
-    assert not (tmp_path / "r" / "report.md").exists()
+    assert not (tmp_path / "r").exists()
 
 
 def test_a_foreign_package_named_studies_is_refused(tmp_path):
@@ -281,3 +306,147 @@ def test_a_foreign_package_named_studies_is_refused(tmp_path):
     done = run("poisson", cwd=tmp_path)
     assert done.returncode == 2
     assert "another package named 'studies' comes before msvalidate's own" in done.stderr
+
+
+# --- check and report -----------------------------------------------------------------------------
+
+CHECKED = """
+import sys
+from pathlib import Path
+from msvalidate import baseline, catalogue, study
+from types import SimpleNamespace
+{body}
+catalogue.names = lambda: ["poisson"]
+catalogue.load = lambda name: SimpleNamespace(__doc__="?", run=run)
+baseline.CHECKOUT, baseline.HOME = Path("base"), Path("base")
+baseline.CHANGELOG = Path("CHANGELOG.md")
+sys.exit(study.main(sys.argv[1:]))
+"""
+SMALL = """
+import pandas as pd
+from msvalidate.evidence import Evidence, Observed, Tolerance
+def run(setting):
+    table = pd.DataFrame({{"x": [1.0, {x}], "word": ["a", "b"]}})
+    return Evidence({{"t": table}}, {{"gap": Observed({gap})}},
+                    (Tolerance("gap", 0.5, "m", "so"),), columns={{"x": "m", "word": "w"}})"""
+
+
+def small(x="2.0", gap="0.1"):
+    return CHECKED.format(body=SMALL.format(x=x, gap=gap))
+
+
+@pytest.fixture(scope="module")
+def renewed(tmp_path_factory):
+    """A folder with a baseline of its own, made by the command itself."""
+    folder = tmp_path_factory.mktemp("renewed")
+    (folder / "CHANGELOG.md").write_text("# C\n\n## Unreleased\n", encoding="utf-8")
+    done = run("check", "--update", "--reason", "first", cwd=folder, script=small())
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.fixture
+def checked(renewed, tmp_path):
+    shutil.copytree(renewed, tmp_path, dirs_exist_ok=True)
+    return tmp_path
+
+
+def test_check_holds_against_its_own_baseline(checked):
+    assert (
+        checked / "base" / "quick" / "poisson" / "t.csv"
+    ).read_text() == "x,word\n1.0,a\n2.0,b\n"
+    assert "- Baseline (quick): first\n" in (checked / "CHANGELOG.md").read_text(encoding="utf-8")
+    done = run("check", "--junit", "j.xml", cwd=checked, script=small())
+    assert done.returncode == 0, done.stderr
+    assert "poisson: held, theory 1 of 1, baseline 5 of 5" in done.stderr
+    assert done.stdout == ""
+    suite = '<testsuite name="poisson" tests="6" failures="0" errors="0">'
+    assert suite in (checked / "j.xml").read_text(encoding="utf-8")
+
+
+def test_a_moved_digit_fails_the_check(checked):
+    done = run("check", "--junit", "j.xml", cwd=checked, script=small(x="2.00001"))
+    assert done.returncode == 1
+    (line,) = [line for line in done.stderr.splitlines() if "FAIL " in line]
+    assert "t.csv: x: observed 2.00001, reference 2, error 1e-05 > limit 2e-06" in line
+    junit = (checked / "j.xml").read_text(encoding="utf-8")
+    assert 'failures="1"' in junit
+    assert '<failure message="t.csv: x: observed 2.00001' in junit
+    rows = json.loads((checked / "reports/latest/verdict.json").read_text(encoding="utf-8"))
+    assert [row["quantity"] for row in rows if row["verdict"] == "fail"] == ["t.csv: x"]
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        ("x,word\n1.0,a\n2.000005,b\n", "t.csv: x: observed 2, reference 2.000005"),
+        ("x,word\n1.0,a\n", "t.csv: rows: observed 2, reference 1"),
+        ("x,word,more\n1.0,a,1\n2.0,b,1\n", "missing: more"),
+        ("x\n1.0\n2.0\n", "extra: word"),
+        ("x,word\n1.0,a\nnan,b\n", "t.csv: x: observed 1, reference 0"),
+        ("x,word\n1.0,a\n,b\n", "t.csv: x: observed 1, reference 0"),
+        ("x,word\n1.0,a\n2.0,c\n", "row 1: 'b' where the baseline has 'c'; words are exact"),
+        ("x,word\n", "t.csv: rows: observed 2, reference nan"),
+        ("", "t.csv: columns: missing or extra"),
+    ],
+)
+def test_a_spoilt_baseline_fails_the_check(damage, said, checked):
+    (checked / "base" / "quick" / "poisson" / "t.csv").write_text(damage, encoding="utf-8")
+    done = run("check", cwd=checked, script=small())
+    assert done.returncode == 1
+    assert said in done.stderr
+
+
+def test_a_study_off_its_theory_fails_the_check(checked):
+    done = run("check", cwd=checked, script=small(gap="0.7"))
+    assert done.returncode == 1
+    assert "poisson: FAIL gap: observed 0.7" in done.stderr
+
+
+@pytest.mark.parametrize("arguments", [["check"], ["check", "--full"]])
+def test_no_baseline_is_exit_code_4(arguments, tmp_path):
+    done = run(*arguments, cwd=tmp_path, script=small())
+    form = "full" if "--full" in arguments else "quick"
+    assert done.returncode == 4
+    assert f"study poisson: no {form} baseline, nothing compared" in done.stderr
+
+
+def test_a_study_that_fails_its_theory_makes_no_baseline(checked):
+    before = (checked / "base" / "quick" / "poisson" / "t.csv").read_bytes()
+    script = small(x="3.0", gap="0.7")
+    done = run("check", "--update", "--reason", "moved", cwd=checked, script=script)
+    assert done.returncode == 1
+    assert "baseline left as it was: poisson did not hold; mend that first" in done.stderr
+    assert (checked / "base" / "quick" / "poisson" / "t.csv").read_bytes() == before
+    assert "moved" not in (checked / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_no_changelog_to_say_why_in(checked):
+    (checked / "CHANGELOG.md").unlink()
+    script = small().replace("baseline.CHECKOUT", "run = None\nbaseline.CHECKOUT")
+    done = run("check", "--update", "--reason", "so", cwd=checked, script=script)
+    assert done.returncode == 2
+    assert done.stderr.endswith("no CHANGELOG.md to write to; run from a checkout\n")
+
+
+def test_check_without_update_leaves_the_baseline_alone(checked):
+    before = {p: p.read_bytes() for p in (checked / "base").rglob("*.csv")}
+    run("check", cwd=checked, script=small(x="2.5"))
+    assert {p: p.read_bytes() for p in (checked / "base").rglob("*.csv")} == before
+
+
+def test_report_makes_the_page_again(checked):
+    page = checked / "reports" / "latest" / "report.html"
+    before = page.read_bytes()
+    page.unlink()
+    done = run("report", cwd=checked)
+    assert done.returncode == 0, done.stderr
+    assert page.read_bytes() == before
+
+
+def test_a_place_for_junit_that_is_taken(checked):
+    for place, said in (("base", "a folder; name a file"), ("no/j.xml", "no folder no; make it")):
+        done = run("check", "--junit", place, cwd=checked, script=small())
+        assert done.returncode == 2
+        assert f"--junit {place}: {said}" in done.stderr
+        assert len(done.stderr.splitlines()) == 1

@@ -7,7 +7,7 @@ SI units throughout. In the plane, tractions (Pa) and body forces (N/m³) act ov
 the material; point forces are in N.
 """
 
-from msvalidate.problem.domain import SIDES, Box, Domain, Polygon, corners_of
+from msvalidate.problem.domain import MOST_VERTICES, SIDES, Box, Domain, Polygon, corners_of
 from msvalidate.problem.material import Anisotropic, Isotropic, Material
 from msvalidate.problem.motions import free_motions, place_name, refuse_free_motions, rigid_motions
 from msvalidate.problem.region import Part, Region, Segment
@@ -23,19 +23,34 @@ from msvalidate.problem.statement import (
 )
 from msvalidate.problem.values import (
     AXES,
+    LONGEST,
+    MOST_POINTS,
     Array,
     Field,
     Index,
     Mask,
     ProblemError,
     SolverError,
+    chosen,
+    coordinates,
+    counts,
+    direction,
     finite,
+    instance,
+    metres,
+    number,
+    numbers,
     positive,
+    refuse_too_many,
+    shown,
     whole,
 )
 
 __all__ = [
     "AXES",
+    "LONGEST",
+    "MOST_POINTS",
+    "MOST_VERTICES",
     "SIDES",
     "Anisotropic",
     "Array",
@@ -58,14 +73,24 @@ __all__ = [
     "SolverError",
     "Support",
     "Traction",
+    "chosen",
+    "coordinates",
     "corners_of",
+    "counts",
+    "direction",
     "finite",
     "free_motions",
+    "instance",
+    "metres",
+    "number",
+    "numbers",
     "place_name",
     "positive",
     "prescribed",
     "refuse_free_motions",
+    "refuse_too_many",
     "rigid_motions",
+    "shown",
     "vectors_at",
     "whole",
 ]

@@ -9,7 +9,17 @@ from functools import cached_property
 import numpy as np
 
 from msvalidate.problem.region import Part, Region, Segment, Span
-from msvalidate.problem.values import AXES, Array, Mask, ProblemError, finite, positive
+from msvalidate.problem.values import (
+    AXES,
+    Array,
+    Mask,
+    ProblemError,
+    coordinates,
+    instance,
+    metres,
+    refuse_too_many,
+    shown,
+)
 
 SIDES = {
     "left": (0, 0),
@@ -23,6 +33,8 @@ SIDES = {
 PLACEMENT = 1e-9
 """Two places closer than this fraction of the body are the same place: far above rounding of
 coordinates (1e-16), far below any spacing that fits in memory."""
+MOST_VERTICES = 10_000
+"""Corners of an outline: whether it crosses itself is looked up in a table of pairs of edges."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +51,17 @@ class Box:
 
     def __post_init__(self) -> None:
         if not isinstance(self.size, tuple) or len(self.size) not in {2, 3}:
-            raise ProblemError(f"box size: {self.size!r}; give a tuple of 2 or 3 lengths")
-        for axis, length in zip(AXES, self.size, strict=False):
-            positive(f"box size along {axis}", length, "m")
+            raise ProblemError(f"box size: {shown(self.size)}; give a tuple of 2 or 3 lengths")
+        for axis, edge in zip(AXES, self.size, strict=False):
+            metres(f"box size along {axis}", edge)
+        if min(self.size) <= self.tolerance:
+            raise ProblemError(
+                f"{self}: thinner than {self.tolerance:g} m, where two places are one in a body of "
+                "this length; give lengths less far apart"
+            )
 
     def __str__(self) -> str:
-        return f"box {' x '.join(f'{length:g}' for length in self.size)} m"
+        return f"box {' x '.join(f'{edge:g}' for edge in self.size)} m"
 
     @property
     def dim(self) -> int:
@@ -68,10 +85,10 @@ class Box:
 
     def side(self, name: str) -> Region:
         """Return a whole side; names in `SIDES`. Raises `ProblemError` for any other."""
-        axis, end = SIDES.get(name, (self.dim, 0))
+        axis, end = SIDES.get(name, (self.dim, 0)) if isinstance(name, str) else (self.dim, 0)
         if axis >= self.dim:
             names = ", ".join(side for side, (a, _) in SIDES.items() if a < self.dim)
-            raise ProblemError(f"side {name!r}: a {self.dim}D box has {names}")
+            raise ProblemError(f"side {shown(name)}: a {self.dim}D box has {names}")
         return Region(tuple(self.size[a] * end if a == axis else None for a in range(self.dim)))
 
     def on_boundary(self, places: Array) -> bool:
@@ -104,10 +121,13 @@ class Polygon:
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertices, tuple) or len(self.vertices) < 3:
-            raise ProblemError(f"polygon: {self.vertices!r}; give a tuple of 3 or more vertices")
+            given = shown(self.vertices)
+            raise ProblemError(f"polygon: {given}; give a tuple of 3 or more vertices")
+        refuse_too_many("polygon", len(self.vertices), MOST_VERTICES, "vertices")
         for i, vertex in enumerate(self.vertices):
-            if not isinstance(vertex, tuple) or finite(f"polygon vertex {i}", vertex).shape != (2,):
-                raise ProblemError(f"polygon: vertex {i} is {vertex!r}; give 2 coordinates")
+            name = f"polygon vertex {i}"
+            if not isinstance(vertex, tuple) or coordinates(name, vertex).shape != (2,):
+                raise ProblemError(f"polygon: vertex {i} is {shown(vertex)}; give 2 coordinates")
         sides = np.linalg.norm(np.roll(self.corners, -1, axis=0) - self.corners, axis=1)
         twins = np.flatnonzero(sides <= self.tolerance)
         if len(twins):
@@ -115,6 +135,7 @@ class Polygon:
                 f"polygon: vertex {twins[0]}, {self.vertices[twins[0]]}, and the next are one "
                 "place; leave one out"
             )
+        self._refuse_no_size()
         flat = np.flatnonzero(np.abs(np.sin(self._turns)) < 1e-9)
         if len(flat):
             raise ProblemError(
@@ -183,6 +204,16 @@ class Polygon:
             inside[spans] ^= points[spans, 0] < x0 + (x1 - x0) * (height - y0) / (y1 - y0)
         return inside
 
+    def _refuse_no_size(self) -> None:
+        size = max(high - low for low, high in self.span)
+        away = float(np.abs(self.corners).max())
+        metres("polygon: its longer side", size)
+        if 4 * np.finfo(float).eps * away > self.tolerance:
+            raise ProblemError(
+                f"polygon: {size:g} m long and {away:g} m from the origin, where coordinates no "
+                "longer tell its places apart; move it to the origin"
+            )
+
     @cached_property
     def _edges(self) -> tuple[Segment, ...]:
         following = (*self.vertices[1:], self.vertices[0])
@@ -228,6 +259,8 @@ def corners_of(region: Part, domain: Domain) -> Array:
     ProblemError
         If the region is not of this dimension or reaches outside the body's span.
     """
+    instance("region", region, Part)
+    instance("domain", domain, Domain)
     if region.dim != domain.dim:
         raise ProblemError(f"region {region} has {region.dim} axes, the body {domain.dim}")
     corners = region.corners(domain.span)

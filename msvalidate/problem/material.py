@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
-from msvalidate.problem.values import Array, ProblemError, finite, positive
+from msvalidate.problem.values import Array, ProblemError, chosen, finite, positive, shown
 
 State = Literal["plane_stress", "plane_strain", "solid"]
 
@@ -41,12 +41,9 @@ class Isotropic:
         nu = finite("Poisson's ratio nu", self.nu)
         if nu.ndim or not -1 < nu <= 0.5:
             raise ProblemError(
-                f"Poisson's ratio nu: {self.nu}; a stable material has -1 < nu <= 1/2"
+                f"Poisson's ratio nu: {shown(self.nu)}; a stable material has -1 < nu <= 1/2"
             )
-        if self.state not in ("plane_stress", "plane_strain", "solid"):
-            raise ProblemError(
-                f"material state: {self.state!r}; choose plane_stress, plane_strain or solid"
-            )
+        chosen("material state", self.state, get_args(State))
         if self.state == "solid" and self.thickness != 1:
             raise ProblemError(f"thickness: {self.thickness} m; a solid has none, leave it at 1")
 
@@ -80,12 +77,15 @@ class Anisotropic:
         C = finite("stiffness tensor C", self.C)
         if C.shape not in {(3, 3), (6, 6)}:
             raise ProblemError(f"stiffness tensor C: shape {C.shape}; give (3, 3) or (6, 6)")
-        if np.abs(C - C.T).max() > 1e-12 * np.abs(C).max():
+        largest = np.abs(C).max() or 1.0
+        ratios = C / largest  # of which neither the largest nor the smallest unit makes infinities
+        if np.abs(ratios - ratios.T).max() > 1e-12:
             raise ProblemError("stiffness tensor C: not symmetric; no elastic energy belongs to it")
-        lowest = np.linalg.eigvalsh(C)[0]
-        if lowest <= 1e-12 * np.abs(C).max():
+        lowest = np.linalg.eigvalsh(ratios)[0]
+        if lowest <= 1e-12:
             raise ProblemError(
-                f"stiffness tensor C: lowest eigenvalue {lowest:g} Pa; some strain costs no energy"
+                f"stiffness tensor C: lowest eigenvalue {lowest * largest:g} Pa; some strain costs "
+                "no energy"
             )
         object.__setattr__(self, "C", C)
         positive("density", self.density, "kg/m³")

@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from msvalidate.problem.values import AXES, Array, Mask, ProblemError, finite
+from msvalidate.problem.values import AXES, Array, Mask, ProblemError, coordinates, metres, shown
 
 Span = tuple[tuple[float, float], ...]
 """Low and high coordinate (m) of a body along each axis."""
@@ -29,12 +29,12 @@ class Region:
 
     def __post_init__(self) -> None:
         if not isinstance(self.extent, tuple) or len(self.extent) not in {2, 3}:
-            raise ProblemError(f"region: {self.extent!r}; give a tuple of 2 or 3 entries")
+            raise ProblemError(f"region: {shown(self.extent)}; give a tuple of 2 or 3 entries")
         for axis, entry in zip(AXES, self.extent, strict=False):
             if entry is None:
                 continue
-            name = f"region {self.extent!r}"
-            values = finite(f"{name}, {axis}", entry)
+            name = f"region {shown(self.extent)}"
+            values = coordinates(f"{name}, {axis}", entry)
             interval = isinstance(entry, tuple) and values.shape == (2,) and values[0] < values[1]
             if values.ndim and not interval:
                 raise ProblemError(f"{name}: {axis} must be a number, (low, high) or None")
@@ -105,10 +105,11 @@ class Segment:
 
     def __post_init__(self) -> None:
         for name, place in (("start", self.start), ("end", self.end)):
-            if not isinstance(place, tuple) or finite(f"segment {name}", place).shape != (2,):
-                raise ProblemError(f"segment {name}: {place!r}; give a tuple of 2 coordinates")
+            if not isinstance(place, tuple) or coordinates(f"segment {name}", place).shape != (2,):
+                raise ProblemError(f"segment {name}: {shown(place)}; give a tuple of 2 coordinates")
         if self.start == self.end:
             raise ProblemError(f"segment: starts and ends at {self.start}; give two places")
+        metres(f"segment {self}: its length", math.dist(self.start, self.end))
 
     def __str__(self) -> str:
         (x0, y0), (x1, y1) = self.start, self.end

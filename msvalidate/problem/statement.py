@@ -7,11 +7,25 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from msvalidate.problem.domain import PLACEMENT, Box, Domain, Polygon, corners_of
+from msvalidate.problem.domain import PLACEMENT, Box, Domain, corners_of
 from msvalidate.problem.material import Material
 from msvalidate.problem.motions import place_name, refuse_free_motions
 from msvalidate.problem.region import Part, Region, Segment
-from msvalidate.problem.values import AXES, Array, Field, Index, Mask, ProblemError, finite
+from msvalidate.problem.values import (
+    AXES,
+    Array,
+    Field,
+    Index,
+    Mask,
+    ProblemError,
+    coordinates,
+    finite,
+    instance,
+    shown,
+)
+
+LONGEST_NAME = 100
+"""Letters in a problem's name, which stands at the head of messages."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +47,8 @@ class Support:
     def __post_init__(self) -> None:
         _check_region("support", self.region)
         if not isinstance(self.displacement, tuple):
-            raise ProblemError(f"support on {self.region}: {self.displacement!r}; give a tuple")
+            given = shown(self.displacement)
+            raise ProblemError(f"support on {self.region}: {given}; give a tuple")
         if len(self.displacement) != self.region.dim:
             raise ProblemError(
                 f"support on {self.region}: {len(self.displacement)} components for "
@@ -43,11 +58,10 @@ class Support:
             raise ProblemError(f"support on {self.region}: holds no component; leave it out")
         for value in self.displacement:
             if value is not None and not callable(value):
-                finite(f"support on {self.region}", value)
-                if np.ndim(value):
+                name = f"support on {self.region}"
+                if coordinates(name, value).ndim:
                     raise ProblemError(
-                        f"support on {self.region}: component {value!r}; give one number, a field "
-                        "or None"
+                        f"{name}: component {shown(value)}; give one number, a field or None"
                     )
 
 
@@ -59,9 +73,13 @@ class PointForce:
     force: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        place, force = finite("place of a point force", self.at), finite("point force", self.force)
+        force = finite("point force", self.force)
+        place = coordinates("place of a point force", self.at)
         if place.shape != force.shape or place.shape not in {(2,), (3,)}:
-            raise ProblemError(f"point force {self.force} at {self.at}: give 2 or 3 numbers each")
+            raise ProblemError(
+                f"point force {shown(self.force)} at {shown(self.at)}: give 2 or 3 numbers each"
+            )
+        instance("place of a point force", self.at, tuple)
 
     @property
     def region(self) -> Region:
@@ -122,16 +140,15 @@ class Problem:
     name: str = field(default="problem")
 
     def __post_init__(self) -> None:
+        _check_name(self.name)
         for name, parts, kind in (
             ("supports", self.supports, Support),
             ("loads", self.loads, Load),
         ):
             if not isinstance(parts, tuple) or not all(isinstance(part, kind) for part in parts):
-                raise ProblemError(f"{self.name}: {name} {parts!r}; give a tuple of them")
-        if not isinstance(self.material, Material):
-            raise ProblemError(f"{self.name}: material {self.material!r}; give a material")
-        if not isinstance(self.domain, Box | Polygon):
-            raise ProblemError(f"{self.name}: domain {self.domain!r}; give a Box or a Polygon")
+                raise ProblemError(f"{self.name}: {name} {shown(parts)}; give a tuple of them")
+        instance(f"{self.name}: material", self.material, Material)
+        instance(f"{self.name}: domain", self.domain, Domain)
         d = self.domain.dim
         if self.material.dim != d:
             raise ProblemError(f"{self.name}: a {self.material.dim}D material in a {d}D domain")
@@ -140,10 +157,8 @@ class Problem:
                 _check_vector("body force", load.force, d)
                 continue
             corners = corners_of(load.region, self.domain)
-            if isinstance(load, Traction) and not self.domain.on_boundary(corners):
-                raise ProblemError(
-                    f"traction on {load.region}: inside the body; a traction acts on a side"
-                )
+            if isinstance(load, Traction):
+                _refuse_off_side(f"traction on {load.region}", self.domain, corners)
         corners, held = self._held_corners()
         refuse_free_motions(self.name, corners, held)
 
@@ -154,7 +169,10 @@ class Problem:
         """
         corners, held = [], []
         for support in self.supports:
-            for corner in corners_of(support.region, self.domain):
+            ends = corners_of(support.region, self.domain)
+            if support.region.is_facet and not _is_inner_face(support.region, self.domain):
+                _refuse_off_side(f"support on {support.region}", self.domain, ends)
+            for corner in ends:
                 corners.append(corner)
                 held.append([value is not None for value in support.displacement])
         d = self.domain.dim
@@ -169,6 +187,10 @@ def prescribed(problem: Problem, points: Array) -> tuple[Mask, Array]:
     ProblemError
         If a support meets none of the points, or two supports contradict each other.
     """
+    instance("problem", problem, Problem)
+    shape: tuple[int, ...] = getattr(points, "shape", ())
+    if len(shape) != 2 or shape[1] != problem.domain.dim:
+        raise ProblemError(f"points: shape {shape}; give an array (n, {problem.domain.dim})")
     wishes: list[tuple[int, Index, Array]] = []
     for support in problem.supports:
         chosen = np.flatnonzero(support.region.select(points, problem.domain.tolerance))
@@ -212,23 +234,44 @@ def _refuse_cut_short(problem: Problem, support: Support, chosen: Array) -> None
             )
 
 
+def _check_name(name: object) -> None:
+    """A name stands in one-line messages and titles: letters that are seen, and not too many."""
+    if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
+        raise ProblemError(
+            f"problem name: {shown(name)}; give 1 to {LONGEST_NAME} printable letters on one line"
+        )
+
+
+def _is_inner_face(region: Part, domain: Domain) -> bool:
+    """Whether it cuts a box, which holds it wherever it is; other bodies may end on its way."""
+    return isinstance(domain, Box) and isinstance(region, Region)
+
+
+def _refuse_off_side(name: str, domain: Domain, corners: Array) -> None:
+    if not domain.on_boundary(corners):
+        raise ProblemError(
+            f"{name}: from {place_name(corners[0])} to {place_name(corners[-1])} m it is not on "
+            "one side of the body all the way; give a part of a side, such as a Segment"
+        )
+
+
 def _check_region(name: str, region: object) -> None:
     if not isinstance(region, Region | Segment):
         raise ProblemError(
-            f"{name}: region {region!r}; give a Region, such as box.side('left'), or a Segment"
+            f"{name}: region {shown(region)}; give a Region, such as box.side('left'), or a Segment"
         )
 
 
 def _check_vector(name: str, value: Sequence[float] | Field, dim: int) -> None:
     if not callable(value) and finite(name, value).shape != (dim,):
-        raise ProblemError(f"{name}: {value!r}; give {dim} components")
+        raise ProblemError(f"{name}: {shown(value)}; give {dim} components")
 
 
 def _values(name: str, entry: float | Field, points: Array) -> Array:
     """One displacement component at the points: a field evaluated, a number repeated."""
     if not callable(entry):
         return np.full(len(points), float(entry))
-    values = finite(name, entry(points))
+    values = coordinates(name, entry(points))
     if values.shape != (len(points),):
         raise ProblemError(f"{name}: the field returned shape {values.shape}, not {(len(points),)}")
     return values
@@ -243,7 +286,7 @@ def vectors_at(name: str, entry: Sequence[float] | Field, points: Array) -> Arra
         If a field returns another shape, or a value that is not finite.
     """
     if not callable(entry):
-        return np.tile(np.asarray(entry, dtype=float), (len(points), 1))
+        return np.tile(finite(name, entry), (len(points), 1))
     values = finite(name, entry(points))
     if values.shape != points.shape:
         raise ProblemError(f"{name}: the field returned shape {values.shape}, not {points.shape}")

@@ -80,8 +80,8 @@ COLUMNS = {
     "error": "its error with the fault",
     "limit": "what its error may be",
     "noticed": "whether the error is beyond the limit",
-    "smallest_noticed": "smallest fault of the kind that this quantity notices, in its unit, or "
-    "none",
+    "smallest_noticed": "smallest fault of the kind that this quantity notices, in its unit; "
+    '"none" up to the largest tried',
 }
 Measure = Callable[[Candidate], float]
 

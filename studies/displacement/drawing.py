@@ -111,7 +111,12 @@ def field(tables: Tables) -> Figure:
             mesh = Triangulation(points["x"], points["y"])
             mesh.set_mask(_slivers(mesh))
             shown = axis.tripcolor(
-                mesh, 100 * points["difference"], cmap="viridis", shading="gouraud", vmin=0
+                mesh,
+                100 * points["difference"],
+                cmap="viridis",
+                shading="gouraud",
+                vmin=0,
+                rasterized=True,
             )
             figure.colorbar(shown, ax=axis, orientation="horizontal", label="difference (%)")
             axis.set_aspect("equal")

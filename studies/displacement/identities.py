@@ -122,6 +122,11 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
         observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
         tolerances=TOLERANCES,
         columns=COLUMNS,
+        rounding={
+            "stiffness_difference": 1e-12,
+            "displacement_difference": 1e-9,
+            "tension_error": 1e-9,
+        },
     )
 
 

@@ -59,6 +59,7 @@ TOLERANCES = (
         0.5,
         "1",
         "nearer to the elastic body's change than to no change, or to twice as much",
+        layer="agreement",
     ),
     Tolerance(
         "Figures 4 and 5: swelling over shrinking, springs against FEM",
@@ -66,6 +67,7 @@ TOLERANCES = (
         "1",
         "half of what separates the homogenised body from the target at k2 = 2 k1, 0.14 or more: "
         "nearer to the body that the springs are",
+        layer="agreement",
     ),
     Tolerance(
         "Figure 7: deflection line over its height, springs - FEM, rms",
@@ -73,6 +75,7 @@ TOLERANCES = (
         "1",
         "misfits to a curve differ by no more than the lines do; those of half a wave and of a "
         "whole wave to the FEM line differ by 0.046 or more: which is nearer cannot turn",
+        layer="agreement",
     ),
 )
 COLUMNS = {

@@ -32,7 +32,7 @@ COLUMNS = {
     "angle_deg": "direction of the pull to the axial springs, of triangles to their rows (degrees)",
     "strain": "axial strain (1)",
     "nu_tensor": "Poisson's ratio from the homogenised tensor (1)",
-    "nu_springs": "Poisson's ratio of the candidate's block (1)",
+    "nu_springs": "Poisson's ratio of the candidate's block; \"none\" where there is no block (1)",
 }
 """What columns of several tables mean."""
 SIDE = 1.0

@@ -55,12 +55,14 @@ TOLERANCES = (
         IDENTITY,
         ONE,
         "with consistent weights both sides are exact",
+        layer="agreement",
     ),
     Tolerance(
         "modulus of shared springs against FEM, relative",
         IDENTITY,
         ONE,
         "the same uniform strain, measured by the traction that it takes",
+        layer="agreement",
     ),
     Tolerance(
         "one cell of equal springs: k2/(2k1+k2)",
@@ -93,6 +95,7 @@ TOLERANCES = (
         ONE,
         "0.035 where the order has set in, with room for a pair of sizes; a fault of 1 % of k2 "
         "makes 0.5 of it",
+        layer="agreement",
     ),
     Tolerance("uncertainty of the reference", REFERENCE_ERROR, ONE, "what the question asks of it"),
 )

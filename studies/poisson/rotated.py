@@ -64,7 +64,7 @@ TOLERANCES = (
 COLUMNS = {
     **block.COLUMNS,
     "order": "slope of log|nu_springs - nu_tensor| against log(1/N) between N/2 and N = cells, or "
-    "a word: exact (no difference), not asymptotic (the difference changes sign) (1)",
+    'a word: "exact" (no difference), "not asymptotic" (the difference changes sign) (1)',
 }
 
 

@@ -352,16 +352,32 @@ def test_a_support_that_ends_between_the_points_is_refused(segment, ends):
         prescribed(bar(supports=(Support(segment, (0.0, 0.0)),)), POINTS)
 
 
-def test_a_support_on_a_line_beside_the_points_is_refused():
-    problem = bar(supports=(CLAMP, Support(Segment((2.1, 0.1), (2.2, 0.4)), (0.0, None))))
-    with refused("support on ((2.1, 0.1) to (2.2, 0.4)): no point of the discretised body lies"):
+def test_a_support_beside_the_points_is_refused():
+    problem = bar(supports=(CLAMP, Support(Segment((2.1, 0.0), (2.2, 0.0)), (0.0, None))))
+    with refused("support on ((2.1, 0) to (2.2, 0)): no point of the discretised body lies"):
         prescribed(problem, POINTS)
 
 
-def test_a_side_that_a_region_takes_from_the_span_is_refused_at_the_points():
+@pytest.mark.parametrize(
+    ("domain", "part"),
+    [
+        (BAR, Segment((2.1, 0.1), (2.2, 0.4))),
+        (ELL, Segment((2.0, 1.0), (0.0, 1.0))),
+        (NOTCHED, Segment((1.0, 0.0), (3.0, 0.0))),  # across the notch: its points are the ends
+        (NOTCHED, Region(((1.0, 3.0), 0.0))),
+        (Box((2.0, 1.0)), Segment((0.0, 0.0), (2.0, 1.0))),
+    ],
+)
+def test_a_support_on_a_line_that_leaves_the_side_is_refused(domain, part):
+    with refused(f"support on {part}: from ") as caught:
+        Problem(domain, SHEET, (Support(part, (0.0, 0.0)),))
+    assert str(caught.value).endswith("give a part of a side, such as a Segment")
+
+
+def test_a_side_that_a_region_takes_from_the_span_is_refused():
     # y = 1 spans 0 <= x <= 4, the body is there from 1 to 3 only.
-    with refused("from x = 1 to 3 m there, not at its ends"):
-        prescribed(bar(supports=(CLAMP, Support(Region((None, 1.0)), (None, 0.0)))), POINTS)
+    with refused("(y = 1): from (0, 1) to (4, 1) m it is not on one side"):
+        bar(supports=(CLAMP, Support(Region((None, 1.0)), (None, 0.0))))
     top = Support(Region(((1.0, 3.0), 1.0)), (None, 0.0))
     held, _ = prescribed(bar(supports=(CLAMP, top)), POINTS)
     assert held[:, 1].sum() == 3 + 5 - 1
@@ -433,7 +449,7 @@ def test_a_traction_acts_on_any_part_of_a_side(domain, part):
 )
 def test_a_traction_inside_the_body_is_refused(domain, part):
     held = (Support(Region((0.0, 0.0)), (0.0, 0.0)), Support(Region((2.0, 0.0)), (None, 0.0)))
-    with refused(f"traction on {part}: inside the body; a traction acts on a side"):
+    with refused("it is not on one side of the body all the way; give a part of a side, such as"):
         Problem(domain, SHEET, held, (Traction(part, (1.0, 0.0)),))
 
 

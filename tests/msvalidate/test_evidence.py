@@ -67,6 +67,27 @@ def test_a_tolerance_must_be_one(fault):
         Tolerance(**({"quantity": "gap", "limit": 1.0, "unit": "m", "because": "so"} | fault))
 
 
+def test_words_among_numbers_are_declared():
+    mixed = pd.DataFrame({"x": [1.0, "none"]})
+    with pytest.raises(ValueError, match=r"x holds \['none'\] among numbers"):
+        evidence(table=mixed)
+    assert evidence(table=mixed, columns={"x": 'place (m); "none" where there is none'}).tables
+    assert evidence(table=pd.DataFrame({"x": ["some", "none"]})).tables, (
+        "words alone need no naming"
+    )
+
+
+def test_layers_of_judgement():
+    band = Tolerance("band", 1.0, "m", "because", layer="agreement")
+    found = Evidence({}, {"gap": Observed(0.0), "band": Observed(0.0)}, (LIMIT, band))
+    assert list(judge(found)["layer"]) == ["theory", "agreement"]
+
+
+def test_merged_columns_round_by_the_larger():
+    parts = [Evidence({}, {}, (), rounding={"x": size, f"y{size}": size}) for size in (2.0, 1.0)]
+    assert merged(*parts).rounding == {"x": 2.0, "y2.0": 2.0, "y1.0": 1.0}
+
+
 def test_a_column_means_one_thing_in_a_study():
     other = Evidence({"more": TABLE}, {}, (), columns={"x": "time (s)"})
     with pytest.raises(ValueError, match="column x means two things"):

@@ -125,7 +125,7 @@ def refused(message):
         (lambda: Traction(PLATE.side("left"), (1.0, NAN)), "traction on (x = 0): nan at index 1"),
         (
             lambda: plate(loads=(Traction(Region((1.0, None)), (1.0, 0.0)),)),
-            "traction on (x = 1): inside the body; a traction acts on a side",
+            "traction on (x = 1): from (1, 0) to (1, 1) m it is not on one side of the body all",
         ),
         (
             lambda: plate(loads=(Traction(Region((2.0, (0.5, 1.5))), (1.0, 0.0)),)),

@@ -1,16 +1,25 @@
-"""Reports: whole files or none, aligned tables, no host, user or path."""
+"""Folders of results: exchanged whole, never mixed or half-written; what they hold, read back."""
 
 import getpass
+import json
+import os
+import signal
 import socket
+import subprocess
+import sys
+import time
 from datetime import UTC, datetime
+from itertools import pairwise
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from msvalidate import figures, provenance, report
+from msvalidate import figures, provenance, report, stored
 from msvalidate.evidence import Evidence, Observed, Tolerance, judge
 from msvalidate.problem import ProblemError
+
+ROOT = Path(__file__).parents[2]
 
 
 def drawn(tables):
@@ -21,77 +30,283 @@ def drawn(tables):
     return figure
 
 
-@pytest.fixture
-def result():
-    evidence = Evidence(
-        tables={"line": pd.DataFrame({"x": [float(i) for i in range(50)]})},
-        observed={"gap": Observed(2.0, 1.0)},
+def evidence(gap=2.0, rows=50):
+    return Evidence(
+        tables={"line": pd.DataFrame({"x": [i / 7 for i in range(rows)]})},
+        observed={"gap": Observed(gap, 1.0)},
         tolerances=(Tolerance("gap", 0.5, "m", "half a gap"),),
         figures={"line": drawn},
         columns={"x": "place (m)"},
         findings=("A finding.",),
     )
-    return report.Result("lines", "How long?", evidence, judge(evidence))
 
 
-def test_study_files(result, tmp_path):
-    report.write_study(result, tmp_path)
-    files = {path.name for path in (tmp_path / "lines").iterdir()}
-    assert files == {"line.csv", "verdict.csv", "line.png", "line.svg"}
-    read = pd.read_csv(tmp_path / "lines" / "line.csv")
-    pd.testing.assert_frame_equal(read, result.evidence.tables["line"])
-    assert (tmp_path / "lines" / "line.png").read_bytes().startswith(b"\x89PNG")
+def result(name="poisson", gap=2.0):
+    found = evidence(gap)
+    return stored.Result(name, "How long?", found, judge(found))
 
 
-def test_same_tables_draw_the_same_picture(result, tmp_path):
-    for folder in ("a", "b"):
-        report.write_study(result, tmp_path / folder)
-    for kind in report.FORMATS:
-        one, two = (tmp_path / f / "lines" / f"line.{kind}" for f in ("a", "b"))
-        assert one.read_bytes() == two.read_bytes()
+def files(name="poisson", gap=2.0, plots=True):
+    return stored.files(result(name, gap), {"seed": "0"}, plots=plots)
 
 
-def test_no_plots_leaves_no_stale_picture(result, tmp_path):
-    report.write_study(result, tmp_path)
-    report.write_study(result, tmp_path, plots=False)
-    assert {p.suffix for p in (tmp_path / "lines").iterdir()} == {".csv"}
+def content(folder):
+    return {
+        p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()
+    }
 
 
-def test_interrupted_write_keeps_the_old_file(result, tmp_path, monkeypatch):
-    report.write_study(result, tmp_path)
-    before = {p.name: p.read_bytes() for p in (tmp_path / "lines").iterdir()}
+def test_what_a_study_leaves(tmp_path):
+    report.publish({"poisson": files()}, tmp_path / "r")
+    names = {"line.csv", "verdict.csv", "line.png", "line.svg", "study.json"}
+    assert set(content(tmp_path / "r")) == {
+        *(f"poisson/{name}" for name in names),
+        "report.html",
+        "verdict.json",
+    }
+    read = pd.read_csv(tmp_path / "r" / "poisson" / "line.csv")
+    pd.testing.assert_frame_equal(read, evidence().tables["line"])
+    assert list(tmp_path.iterdir()) == [tmp_path / "r"], "nothing is left beside it"
 
-    def full(*_):
-        raise OSError(28, "No space left on device")
+
+def test_what_is_read_back(tmp_path):
+    report.publish({"poisson": files()}, tmp_path / "r")
+    (study,) = report.stored(tmp_path / "r")
+    assert (study.name, study.question, study.findings) == ("poisson", "How long?", ("A finding.",))
+    assert study.columns == {"x": "place (m)"}
+    assert study.origin == {"seed": "0"}
+    assert not study.held
+    assert list(study.tables["line"]["x"]) == [str(i / 7) for i in range(50)]
+    assert study.pictures["line"][0] == "A straight line."
+    pd.testing.assert_frame_equal(study.verdict, judge(evidence()), check_dtype=False)
+
+
+def test_verdict_json(tmp_path):
+    studies = {"displacement": files("displacement", gap=float("nan")), "poisson": files(gap=1.2)}
+    report.publish(studies, tmp_path / "r")
+    found = json.loads((tmp_path / "r" / "verdict.json").read_text(encoding="utf-8"))
+    keys = [
+        "study",
+        "quantity",
+        "unit",
+        "observed",
+        "reference",
+        "error",
+        "limit",
+        "verdict",
+        "because",
+    ]
+    assert [list(row) for row in found] == [keys, keys]
+    broken, good = found
+    assert (broken["study"], broken["observed"], broken["verdict"]) == (
+        "displacement",
+        None,
+        "fail",
+    )
+    assert (good["observed"], good["limit"], good["verdict"]) == (1.2, 0.5, "pass")
+    assert good["because"] == "half a gap"
+
+
+def test_same_tables_draw_the_same_picture():
+    assert files() == files()
+
+
+def test_other_studies_stay(tmp_path):
+    out = tmp_path / "r"
+    report.publish({"poisson": files()}, out)
+    before = content(out)
+    report.publish({"displacement": files("displacement")}, out)
+    after = content(out)
+    assert {k: v for k, v in after.items() if k.startswith("poisson/")} == {
+        k: v for k, v in before.items() if k.startswith("poisson/")
+    }
+    assert len(json.loads(after["verdict.json"])) == 2
+    assert b"displacement" in after["report.html"]
+
+
+def test_no_plots_leaves_no_stale_picture(tmp_path):
+    report.publish({"poisson": files()}, tmp_path / "r")
+    report.publish({"poisson": files(plots=False)}, tmp_path / "r")
+    assert not [name for name in content(tmp_path / "r") if name.endswith((".png", ".svg"))]
+
+
+def test_a_report_made_again_is_the_same(tmp_path):
+    out = tmp_path / "r"
+    report.publish({"poisson": files()}, out)
+    before = content(out)
+    (out / "report.html").unlink()
+    assert [study.name for study in report.rebuild(out)] == ["poisson"]
+    assert content(out) == before
+
+
+def test_an_unfinished_study_keeps_the_results_of_the_run_before(tmp_path):
+    out = tmp_path / "r"
+    report.publish({"poisson": files(gap=1.2)}, out)
+    again = stored.unfinished(out / "poisson", "How long?", {"seed": "1"}, "diverged")
+    report.publish({"poisson": again}, out)
+    (study,) = report.stored(out)
+    assert (study.error, study.held, study.origin) == ("diverged", False, {"seed": "0"})
+    assert list(study.tables) == ["line"]
+    (row,) = json.loads((out / "verdict.json").read_text(encoding="utf-8"))
+    assert (row["quantity"], row["verdict"], row["because"]) == (
+        "study finished",
+        "fail",
+        "diverged",
+    )
+
+
+def test_an_unfinished_study_without_a_run_before(tmp_path):
+    out = tmp_path / "r"
+    report.publish({"poisson": stored.unfinished(out / "poisson", "Why?", {}, "diverged")}, out)
+    assert set(content(out)) == {"poisson/study.json", "report.html", "verdict.json"}
+    assert "diverged" in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_full_disk_keeps_the_old_results(tmp_path, monkeypatch):
+    out = tmp_path / "r"
+    report.publish({"poisson": files()}, out)
+    before = content(tmp_path)
+    written = []
+
+    def full(_):
+        written.append(1)
+        if len(written) == 3:
+            raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(report.os, "fsync", full)
     with pytest.raises(OSError, match="No space"):
-        report.write_study(result, tmp_path)
-    assert {p.name: p.read_bytes() for p in (tmp_path / "lines").iterdir()} == before
+        report.publish({"poisson": files(gap=1.2)}, out)
+    assert content(tmp_path) == before
 
 
-def test_report_page(result, tmp_path):
-    report.write_report([result], {"other": "diverged"}, {"seed": "0"}, tmp_path)
-    page = (tmp_path / "report.md").read_text(encoding="utf-8")
-    for piece in (
-        "| lines | **FAIL** | 0 of 1 |",
-        "| other | **not finished** | diverged |",
-        "How long?",
-        "- A finding.",
-        "half a gap",
-        "![A straight line.](lines/line.png)",
-        "[CSV](lines/line.csv), 50 rows",
-        "10 more rows in the CSV",
-        "| x | place (m) |",
-        "| seed | 0 |",
-    ):
-        assert piece in page
+@pytest.mark.parametrize("foreign", ["notes.txt", "poisson/notes.txt", "other/x.csv"])
+def test_files_of_other_people_stay(foreign, tmp_path):
+    """A folder that holds more than results is not exchanged: its parts are."""
+    out = tmp_path / "r"
+    (out / foreign).parent.mkdir(parents=True)
+    (out / foreign).write_text("mine", encoding="utf-8")
+    report.publish({"displacement": files("displacement")}, out)
+    report.publish({"displacement": files("displacement", gap=1.2)}, out)
+    assert (out / foreign).read_text(encoding="utf-8") == "mine"
+    assert json.loads((out / "verdict.json").read_text(encoding="utf-8"))[0]["verdict"] == "pass"
+    assert not list(out.glob(".*"))
 
 
-def test_text_table_says_what_it_leaves_out(result):
-    table = result.evidence.tables["line"]
-    assert report.text_table(table).endswith("… 10 more rows")
-    assert "more rows" not in report.text_table(table, None)
+def test_results_in_the_current_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for gap in (2.0, 1.2):
+        report.publish({"poisson": files(gap=gap)}, Path())
+        assert Path("poisson/line.csv").is_file(), "the ground is still there"
+
+
+def test_where_folders_cannot_be_exchanged(tmp_path, monkeypatch):
+    monkeypatch.setattr(report, "_exchanged", lambda *_: False)
+    out = tmp_path / "r"
+    for gap in (2.0, 1.2):
+        report.publish({"poisson": files(gap=gap)}, out)
+    assert json.loads((out / "verdict.json").read_text(encoding="utf-8"))[0]["verdict"] == "pass"
+    assert not list(tmp_path.glob(".*"))
+    assert not list(out.glob(".*"))
+
+
+def test_what_a_killed_run_left_is_cleared_away(tmp_path):
+    (tmp_path / f"{report.STAGED}x" / "poisson").mkdir(parents=True)
+    report.publish({"poisson": files()}, tmp_path / "r")
+    assert [p.name for p in tmp_path.iterdir()] == ["r"]
+
+
+WRITER = """
+import sys
+import time
+from pathlib import Path
+sys.path[:0] = {paths!r}
+import test_report
+from msvalidate import report
+gap = float(sys.argv[1])
+new = {{name: test_report.files(name, gap, plots=False) for name in ("poisson", "displacement")}}
+print("ready", flush=True)
+while True:
+    report.publish(new, Path(sys.argv[2]))
+    time.sleep(0.01)  # locks are not fair: leave the other run its turn
+"""
+
+
+def writer(gap, out):
+    script = WRITER.format(paths=[str(Path(__file__).parent), str(ROOT)])
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, str(gap), str(out)], stdout=subprocess.PIPE, text=True
+    )
+    process.stdout.readline()
+    return process
+
+
+def turns(seen):
+    """How often results were another run's than before."""
+    return sum(a != b for a, b in pairwise(seen))
+
+
+def values(out):
+    return {row["observed"] for row in json.loads((out / "verdict.json").read_bytes())}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs kill -9")
+def test_killed_at_any_instant(tmp_path):
+    """Killed while it publishes, again and again, a run leaves old results or new ones, whole."""
+    out = tmp_path / "r"
+    whole = {}
+    for gap in (1.2, 1.4):
+        report.publish({n: files(n, gap, plots=False) for n in ("poisson", "displacement")}, out)
+        whole[gap] = content(out)
+    for turn in range(8):
+        process = writer((1.2, 1.4)[turn % 2], out)
+        time.sleep(0.005 * turn)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        process.stdout.close()
+        assert content(out) in whole.values()
+    report.publish({"poisson": files(plots=False)}, out)
+    assert [p.name for p in tmp_path.iterdir()] == ["r"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="folders are locked on Unix")
+def test_two_runs_at_once_do_not_mix(tmp_path):
+    out = tmp_path / "r"
+    report.publish({n: files(n, 1.2, plots=False) for n in ("poisson", "displacement")}, out)
+    both = [writer(gap, out) for gap in (1.2, 1.4)]
+    seen = []
+    try:
+        until = time.monotonic() + 60  # a machine in trouble; else the runs take turns at once
+        while time.monotonic() < until and turns(seen) < 10:
+            seen.append(values(out))
+    finally:
+        for process in both:
+            process.kill()
+            process.wait()
+            process.stdout.close()
+    assert all(len(found) == 1 for found in seen), "both studies are of one run"
+    assert turns(seen) == 10, "both have been at it"
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda f: (f / "line.csv").unlink(), "line.csv is missing; run the study again"),
+        (lambda f: (f / "study.json").write_text("{}"), "not what a run writes"),
+        (lambda f: (f / "study.json").write_text("["), "not what a run writes"),
+        (lambda f: (f / "verdict.csv").write_text("a\n1\n"), "not what a run writes"),
+        (lambda f: (f / "line.svg").unlink(), "line.svg is missing; run the study again"),
+    ],
+)
+def test_damaged_results_are_named(damage, message, tmp_path):
+    report.publish({"poisson": files()}, tmp_path / "r")
+    damage(tmp_path / "r" / "poisson")
+    with pytest.raises(ProblemError, match=message):
+        report.rebuild(tmp_path / "r")
+
+
+def test_no_results_to_report_on(tmp_path):
+    with pytest.raises(ProblemError, match="no results there; run a study first"):
+        report.rebuild(tmp_path)
 
 
 def test_unwritable_places(tmp_path):
@@ -100,21 +315,15 @@ def test_unwritable_places(tmp_path):
     with pytest.raises(ProblemError, match="is a file; name a folder"):
         report.refuse_unwritable(file / "below")
     report.refuse_unwritable(tmp_path / "not" / "yet" / "there")
-    assert not (tmp_path / "not").exists(), "asking must not create"
+    assert not (tmp_path / "not").exists(), "asking leaves nothing"
+    with pytest.raises(ProblemError, match="name another folder"):
+        report.refuse_unwritable(Path("/proc/nowhere"))
 
 
 def test_provenance_names_no_host_user_or_path():
     origin = provenance.provenance(["python", "-m", "x"], 3, datetime.now(UTC))
-    assert list(origin) == [
-        "msvalidate",
-        "Python",
-        "libraries",
-        "processor",
-        "system",
-        "seed",
-        "command",
-        "time",
-    ]
+    labels = "msvalidate Python libraries processor system seed command time"
+    assert list(origin) == labels.split()
     text = " ".join(origin.values())
     assert socket.gethostname() not in text
     assert str(Path.home()) not in text

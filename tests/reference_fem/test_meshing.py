@@ -72,7 +72,7 @@ def test_grading_crowds_lines_to_both_ends():
     ("arguments", "fragment"),
     [
         ((BOX, 4, "Q3"), "Q3 .*one of Q1, Q2, P1, P2"),
-        ((BOX, (4, 4, 4)), "give two counts"),
+        ((BOX, (4, 4, 4)), "give one or two whole numbers"),
         ((Box((1.0, 1.0, 1.0)), 4), "in a box 1 x 1 x 1 m; give two counts, a plane box"),
         ((BAR, 4), "in a polygon of 4 vertices, 1.6 x 0.519615 m; give two counts, a plane box"),
         ((BOX, 0), "mesh cells: 0; give a whole number, 1 or more"),
@@ -326,7 +326,6 @@ def test_refinement_is_local_and_grows_with_depth_and_rings():
 def test_nothing_to_refine_towards_or_no_depth_is_the_even_mesh(element):
     even = reference_fem.polygon_discretisation(BAR, 0.1, element)
     for options in (
-        {"depth": 5},
         {"towards": BAR.reentrant, "depth": 5},  # it has none
         {"towards": [(0.0, 0.0)]},
         {"towards": [(0.0, 0.0)], "depth": 0, "rings": 3},
@@ -405,7 +404,8 @@ hold have the very area and perimeter of the outline."""
         ((BAR, 0.2), {"towards": (0.0, 0.0, 0.2)}, "towards: shape (3,); give (p, 2)"),
         ((BAR, 0.2), {"towards": np.zeros((2, 3))}, "towards: shape (2, 3); give (p, 2)"),
         ((BAR, 0.2), {"towards": [(0.0, 0.0), (1.0,)]}, "towards: expected numbers, got rows of"),
-        ((BAR, 0.2), {"towards": None}, "towards: expected numbers, got None"),
+        ((BAR, 0.2), {"towards": "corner"}, "towards: expected numbers, got 'corner'"),
+        ((BAR, 0.2), {"depth": 5}, "mesh depth: 5 and no places to refine towards; give towards"),
         (
             (BAR, 0.2),
             {"towards": [(0.2, 0.0), (0.5, 0.0)]},

@@ -1,0 +1,160 @@
+"""Floor 5: what the command line takes: names, options, exit codes, and how a report shows it."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from msvalidate import __version__, catalogue
+
+HELD, MISSED, USAGE, FAILED, NOTHING, INTERRUPTED = 0, 1, 2, 3, 4, 130
+PROGRAM = "python -m msvalidate.study"
+VERBS = ("list", "check", "report")
+"""Names that are no studies."""
+PLACES = {"--out": "DIR", "--junit": "FILE"}
+"""Options whose value is the reader's own affair: option -> what a report shows in its place."""
+EPILOG = f"""\
+examples:
+  {PROGRAM} list                   what can be studied
+  {PROGRAM} poisson                one study, results in reports/latest
+  {PROGRAM} all --quick --out new  every study in its small form, results in new
+  {PROGRAM} check                  every study against theory, bands and baseline
+  {PROGRAM} report                 report.html again, from stored results
+
+exit codes:
+  0  every tolerance held       2  wrong usage or bad input             4  nothing to compare with
+  1  a tolerance was missed     3  a solver failed or a study crashed   130  interrupted
+"""
+
+
+def parse(arguments: Sequence[str]) -> argparse.Namespace:
+    """The command line's options, and `verb` ("run" or one of `VERBS`), `studies` and `form`.
+
+    Wrong usage ends the program with one line and exit code 2.
+    """
+    parser = _parser()
+    args = parser.parse_args(arguments)
+    for alone in (*VERBS, "all"):
+        if alone in args.names and len(args.names) > 1:
+            parser.error(f"{alone!r} stands alone; leave the other names out")
+    args.verb = args.names[0] if args.names[0] in VERBS else "run"
+    known = catalogue.names()
+    everything = args.names == ["all"] or args.verb != "run"
+    args.studies = known if everything else list(dict.fromkeys(args.names))
+    for name in args.studies:
+        if name not in known:
+            parser.error(f"unknown study {name!r}: {catalogue.suggestion(name)}")
+    args.form = "quick" if args.quick or (args.verb == "check" and not args.full) else "full"
+    _refuse_misplaced(parser, args)
+    return args
+
+
+def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
+    for option, value in (
+        ("--full", args.full),
+        ("--update", args.update),
+        ("--junit", args.junit),
+    ):
+        if value and args.verb != "check":
+            parser.error(f"{option} goes with 'check' only; leave it out")
+    if args.update != (args.reason is not None):
+        parser.error('--update and --reason "..." go together; give both or none')
+    if args.verb == "check" and (args.quick or args.seed):
+        parser.error("check has its own form and seed; leave --quick and --seed out")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=PROGRAM,
+        description="Run studies that compare spring networks with elasticity theory and finite "
+        "elements, and judge them by their tolerances.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,  # a report shows the command, and must know where a path is in it
+    )
+    parser.add_argument(
+        "names",
+        nargs="+",
+        metavar="NAME",
+        help="studies to run, 'all' of them; 'list' to see what there is, 'check' to judge all by "
+        "theory, agreement bands and the committed baseline, 'report' to make report.html again",
+    )
+    parser.add_argument("--quick", action="store_true", help="the small form: fewer sizes")
+    parser.add_argument(
+        "--out",
+        type=_path,
+        default=Path("reports/latest"),
+        metavar="DIR",
+        help="folder for tables, figures, report.html and verdict.json (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--seed",
+        type=_seed,
+        default=0,
+        metavar="N",
+        help="where random numbers start (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--no-plots", dest="plots", action="store_false", help="write tables and report only"
+    )
+    _add_check(parser)
+    volume = parser.add_mutually_exclusive_group()
+    volume.add_argument("-q", "--quiet", action="store_true", help="print failures only")
+    volume.add_argument(
+        "-v", "--verbose", action="store_true", help="print whole tables, and tracebacks of crashes"
+    )
+    # One line, without the usage.
+    parser.error = lambda message: parser.exit(  # type: ignore[method-assign]
+        USAGE, f"{PROGRAM}: error: {message}; see --help\n"
+    )
+    parser.add_argument("--version", action="version", version=f"msvalidate {__version__}")
+    return parser
+
+
+def _add_check(parser: argparse.ArgumentParser) -> None:
+    check = parser.add_argument_group("with check")
+    check.add_argument("--full", action="store_true", help="the full form, not the small one")
+    check.add_argument(
+        "--update", action="store_true", help="make what is found the baseline, if all holds"
+    )
+    check.add_argument(
+        "--reason", type=_line, metavar="TEXT", help="why it moved, for CHANGELOG.md"
+    )
+    check.add_argument("--junit", type=_path, metavar="FILE", help="write a JUnit file for a CI")
+
+
+def shown(arguments: Sequence[str]) -> list[str]:
+    """The command as a report shows it, without paths."""
+    words: list[str] = []
+    for argument in arguments:
+        option, equals, _ = argument.partition("=")
+        if words and words[-1] in PLACES:
+            words.append(PLACES[words[-1]])
+        elif equals and option in PLACES:
+            words.append(f"{option}={PLACES[option]}")
+        else:
+            words.append(argument)
+    return [*PROGRAM.split(), *words]
+
+
+def _path(text: str) -> Path:
+    if not text.strip() or not text.isprintable():
+        raise argparse.ArgumentTypeError(f"{text!r} is no name; name a place")
+    return Path(text)
+
+
+def _line(text: str) -> str:
+    if not text.strip() or not text.isprintable():
+        raise argparse.ArgumentTypeError(f"{text!r}; say why in one line")
+    return text.strip()
+
+
+def _seed(text: str) -> int:
+    try:
+        seed = int(text)
+    except ValueError:
+        seed = -1
+    if seed < 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number, 0 or more")
+    return seed

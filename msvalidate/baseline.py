@@ -1,0 +1,177 @@
+"""Floor 3: a run's tables against committed ones, to notice a moved number.
+
+A table is compared with its baseline column by column: numbers within
+atol + rtol·|reference|, atol scaled to the column's range, words exactly. A missing or extra
+table, column or row is a failure, and so are values that are not finite. Columns whose names end
+as `evidence.UNGATED` says depend on the machine and are left out.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.evidence import UNGATED, Evidence, Observed, Tolerance, judged
+from msvalidate.problem import ProblemError
+from msvalidate.stored import csv, read_csv
+
+HOME = Path(__file__).resolve().parent
+CHECKOUT = HOME.parent / "reports" / "baseline"
+"""Where a checkout keeps it; a wheel carries it inside the package."""
+CHANGELOG = HOME.parent / "CHANGELOG.md"
+UNRELEASED = "## Unreleased\n"
+NUMBERS = "### Numbers\n"
+RELATIVE = 1e-6
+"""rtol: what other versions of the libraries and another order of sums change, with a factor of a
+hundred; no digit that a reader of a table sees."""
+OF_RANGE = 1e-9
+"""atol over the largest distance between a column's values: a value near zero is known no better
+than the large ones that it is a difference of."""
+MISSING = {"", "nan", "inf", "-inf"}
+"""No numbers: among them, failures even where the baseline has the same."""
+REASON = (
+    f"the value as it was, within {RELATIVE:g} of it, {OF_RANGE:g} of the column's range, and what "
+    "the column rounds"
+)
+
+
+def home(form: str) -> Path:
+    """Folder of the baseline of a form, "quick" or "full"."""
+    return (CHECKOUT if CHECKOUT.parent.is_dir() else HOME / "baseline") / form
+
+
+def changelog(form: str, reason: str) -> bytes:
+    """The changelog with one more line that says why the baseline of a form was renewed.
+
+    Raises
+    ------
+    ProblemError
+        If there is none to write to: an installed package has no baseline of its own.
+    """
+    if not CHANGELOG.is_file():
+        raise ProblemError("check --update: no CHANGELOG.md to write to; run from a checkout")
+    text = CHANGELOG.read_text(encoding="utf-8")
+    head, unreleased, rest = text.partition(UNRELEASED)
+    if not unreleased:
+        raise ProblemError(f"CHANGELOG.md: no heading {UNRELEASED.strip()!r}; add it")
+    entry = f"- Baseline ({form}): {reason}\n"
+    if NUMBERS in rest.partition("\n## ")[0]:
+        rest = rest.replace(f"{NUMBERS}\n", f"{NUMBERS}\n{entry}", 1)
+    else:
+        rest = f"\n{NUMBERS}\n{entry}{rest}"
+    return (head + unreleased + rest).encode()
+
+
+def files(evidence: Evidence) -> dict[str, bytes]:
+    """A study's tables as a baseline keeps them."""
+    return {f"{name}.csv": csv(_gated(table)) for name, table in evidence.tables.items()}
+
+
+def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:
+    """Rows of a verdict, layer "baseline": one a column, and one for what is missing or extra.
+
+    Parameters
+    ----------
+    evidence
+        What a study found.
+    folder
+        The study's folder in the baseline; an empty list if there is none.
+    """
+    if not folder.is_dir():
+        return []
+    known = {path.stem for path in folder.glob("*.csv")}
+    rows = [_same("tables", known, set(evidence.tables))]
+    for name in sorted(known & set(evidence.tables)):
+        try:
+            reference = read_csv(folder / f"{name}.csv")
+        except pd.errors.EmptyDataError:  # not even a heading
+            reference = pd.DataFrame()
+        rows += compare_tables(name, evidence.tables[name], reference, evidence.rounding)
+    return rows
+
+
+def compare_tables(
+    name: str, table: pd.DataFrame, reference: pd.DataFrame, rounding: Mapping[str, float]
+) -> list[dict[str, object]]:
+    """Rows of a verdict for one table.
+
+    Parameters
+    ----------
+    name
+        The table's.
+    table
+        As a study made it.
+    reference
+        As text; see `stored.read_csv`.
+    rounding
+        Column -> size below which its values are rounding.
+    """
+    seen = read_csv(io.BytesIO(csv(_gated(table))))
+    names, known = [str(column) for column in seen], [str(column) for column in reference]
+    rows = [
+        _same(f"{name}.csv: columns", set(known), set(names)),
+        judged(
+            _tolerance(f"{name}.csv: rows", 0.0, "no row may be missing or extra, and none at all"),
+            Observed(len(table), len(reference) or math.nan),
+        ),
+    ]
+    if len(table) != len(reference) or reference.empty:
+        return rows
+    for column in [column for column in names if column in known]:
+        values = list(seen[column]), list(reference[column])
+        rows.append(_column(f"{name}.csv: {column}", *values, rounding.get(column, 0.0)))
+    return rows
+
+
+def _column(
+    quantity: str, seen: list[str], reference: list[str], rounding: float
+) -> dict[str, object]:
+    """The judgement of one column: its words, or its value that is farthest off for its limit."""
+    a, b = np.array([_number(v) for v in seen]), np.array([_number(v) for v in reference])
+    numbers = np.isfinite(a) & np.isfinite(b)
+    alike = np.array([v == w for v, w in zip(seen, reference, strict=True)])
+    missing = np.array([value.lower() in MISSING for value in reference])
+    wrong = np.flatnonzero(~numbers & (~alike | (missing & numbers.any())))
+    if len(wrong):
+        i = wrong[0]
+        because = f"row {i}: {seen[i]!r} where the baseline has {reference[i]!r}; words are exact"
+        return judged(_tolerance(quantity, 0.0, because), Observed(len(wrong), 0.0))
+    if not numbers.any():
+        return judged(_tolerance(quantity, 0.0, "words are exact"), Observed(0.0))
+    atol = rounding + OF_RANGE * float(np.ptp(b[numbers]))
+    limit = atol + RELATIVE * np.abs(b)
+    share = np.abs(a - b) / np.where(limit > 0, limit, np.finfo(float).tiny)
+    i = int(np.where(numbers, share, -1.0).argmax())
+    tolerance = _tolerance(quantity, float(limit[i]), f"row {i}: {REASON}")
+    return judged(tolerance, Observed(float(a[i]), float(b[i])))
+
+
+def _same(quantity: str, known: set[str], found: set[str]) -> dict[str, object]:
+    """The judgement of two sets of names."""
+    missing, extra = sorted(known - found), sorted(found - known)
+    because = "none may be missing or extra"
+    because += f"; missing: {', '.join(missing)}" if missing else ""
+    because += f"; extra: {', '.join(extra)}" if extra else ""
+    off = len(missing) + len(extra)
+    observed = Observed(off if known else math.nan, 0.0)
+    return judged(_tolerance(f"{quantity}: missing or extra", 0.0, because), observed)
+
+
+def _tolerance(quantity: str, limit: float, because: str) -> Tolerance:
+    return Tolerance(quantity, limit, "as in the table", because, layer="baseline")
+
+
+def _gated(table: pd.DataFrame) -> pd.DataFrame:
+    return table[[column for column in table if not str(column).endswith(UNGATED)]]
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

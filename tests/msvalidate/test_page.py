@@ -1,0 +1,392 @@
+"""The page: what it says, in which order, and that nothing a study says can become markup."""
+
+import base64
+from dataclasses import fields, replace
+from html.parser import HTMLParser
+
+import pandas as pd
+import pytest
+
+from msvalidate import page
+from msvalidate.stored import NUMBERS, Stored
+
+VOID = {"meta", "link", "img"}
+APART = {"dt", "li", "p", "td", "th"}
+LOADING = {"src", "srcset", "action", "data", "poster", "background"}
+SVG = b'<svg xmlns="http://www.w3.org/2000/svg" width="%dpt" height="9pt"></svg>'
+
+
+class Read(HTMLParser):
+    """The words of a page, its elements with their attributes, and whether they nest."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.elements, self.words, self.within = [], [], []
+        self.feed(html)
+        self.close()
+        assert self.within == []
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.within.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.within.pop() == tag
+        if tag in APART:
+            self.words.append(" ")
+
+    def handle_data(self, data):
+        if "style" not in self.within:
+            self.words.append(data)
+
+    @property
+    def text(self):
+        return " ".join("".join(self.words).split())
+
+    def all(self, tag):
+        return [attributes for name, attributes in self.elements if name == tag]
+
+
+def judged(quantity="gap", *, layer="theory", verdict="pass", **changed):
+    row = {"layer": layer, "quantity": quantity, "unit": "m", "observed": 1.0, "reference": 0.5}
+    row |= {"error": 0.5, "limit": 0.75, "verdict": verdict, "because": "half a gap"}
+    return row | changed
+
+
+def stored(name="lines", rows=(), **changed):
+    verdict = pd.DataFrame(rows or [judged()])
+    made = Stored(
+        name=name,
+        question="How long?\n\nAs long as `it` is.\n",
+        findings=("A finding.",),
+        columns={"x": "place (m)", "word": "what it is called"},
+        origin={"seed": "0", "time": "2026-01-01 00:00 UTC"},
+        verdict=verdict,
+        tables={"line": pd.DataFrame({"x": ["0.0", "1.5"], "word": ["a", "b"]})},
+        pictures={"line": ("A straight line.", SVG % 300)},
+    )
+    return replace(made, **changed)
+
+
+NOTHING = pd.DataFrame(columns=["layer", "quantity", *NUMBERS, "verdict"])
+
+
+# --- what it says ---------------------------------------------------------------------------------
+
+
+def test_page_of_a_study_that_passed():
+    html = page.page([stored()])
+    text = Read(html).text
+    said = (
+        "pass The one tolerance of 1 study held.",
+        "theory agreement baseline time of run",
+        "lines pass 1 of 1 held not compared not compared 2026-01-01 00:00 UTC",
+        "What failed Nothing failed.",
+        "How long? pass 1 of 1 tolerance held As long as it is.",
+        "Findings A finding.",
+        "A straight line.",
+        "line 2 rows, 2 columns",
+        "x word 0.0 a 1.5 b",
+        "x place (m)",
+        "Tolerances, theory",
+        "half a gap",
+        "Provenance seed 0",
+    )
+    places = [text.find(piece) for piece in said]
+    assert -1 not in places, said[places.index(-1)]
+    assert places == sorted(places)
+    assert "FAIL" not in text
+    assert html.startswith("<!DOCTYPE html>")
+
+
+def test_page_of_a_study_that_failed():
+    rows = [judged(), judged("slope", verdict="fail", observed=2.0, unit="1", because="it was 1/2")]
+    text = Read(page.page([stored(rows=rows), stored("other")])).text
+    assert "FAIL 1 of 3 tolerances missed." in text
+    assert "lines FAIL 1 of 2 held, 1 missed" in text
+    assert "lines FAIL slope 2 0.5 0.5 0.75 1 it was 1/2" in text  # over all
+    assert "slope (theory): observed 2, reference 0.5, error 0.5, limit 0.75, unit 1." in text
+    assert text.count("Nothing failed.") == 1  # of the other
+
+
+def test_page_of_a_study_that_did_not_finish():
+    text = Read(page.page([stored(error="no pivot"), stored("other")])).text
+    assert "not finished The one tolerance of 1 study held; did not finish: lines." in text
+    assert "lines not finished no pivot 2026" in text
+    assert "lines did not finish: no pivot" in text
+    assert "not finished: no pivot The results shown here are from the run before." in text
+    assert "Nothing failed in the run before." in text
+
+
+def test_failures_of_the_run_before_are_not_those_of_this_one():
+    old = stored(rows=[judged("slope", verdict="fail")], error="no pivot")
+    text = Read(page.page([old])).text
+    assert "not finished Did not finish: lines." in text
+    assert "Missed tolerances" not in text
+    assert "slope (theory): observed" in text  # in its own section, marked
+
+
+def test_page_of_a_study_that_never_finished():
+    empty = stored(verdict=NOTHING, tables={}, pictures={}, findings=(), error="no pivot")
+    text = Read(page.page([empty])).text
+    assert "There are no results of a run before." in text
+    assert "Nothing was judged." in text
+
+
+def test_page_of_a_study_that_judged_nothing():
+    text = Read(page.page([stored(verdict=NOTHING)])).text
+    assert "FAIL Judged nothing: lines." in text
+    assert "What failed lines judged nothing" in text
+    assert "Nothing failed" not in text
+
+
+def test_page_of_no_study():
+    assert "not finished No study has been run." in Read(page.page([])).text
+
+
+@pytest.mark.parametrize(
+    ("states", "verdict"),
+    [("p", "pass"), ("pf", "FAIL"), ("pe", "not finished"), ("ef", "FAIL"), ("ppp", "pass")],
+)
+def test_overall_verdict_is_the_worst(states, verdict):
+    sections = [
+        page.section(
+            stored(
+                f"s{i}",
+                rows=[judged(verdict="fail" if state == "f" else "pass")],
+                error="stopped" if state == "e" else "",
+            )
+        )
+        for i, state in enumerate(states)
+    ]
+    assert page.overall(sections)[0] == verdict
+
+
+def test_baseline_lists_only_what_failed():
+    rows = [judged(f"held {i}", layer="baseline") for i in range(5)]
+    rows.append(judged("moved", layer="baseline", verdict="fail"))
+    (baseline,) = [x for x in page.section(stored(rows=rows)).layers if x.name == "baseline"]
+    assert (baseline.judged, baseline.missed) == (6, 1)
+    assert [row.quantity for row in baseline.listed] == ["moved"]
+    text = Read(page.page([stored(rows=rows)])).text
+    assert "5 of 6 held, 1 missed; those missed:" in text
+    assert "held 3" not in text
+
+
+def test_no_row_of_a_verdict_is_left_out():
+    rows = [judged(), judged("odd", layer="something else", verdict="fail")]
+    found = page.section(stored(rows=rows))
+    assert [x.name for x in found.layers] == [*page.LAYERS, "something else"]
+    assert (found.judged, found.missed) == (2, 1)
+
+
+def test_value_that_is_no_number_is_shown():
+    rows = [judged(verdict="fail", observed=float("nan"), error=float("inf"))]
+    assert "gap nan 0.5 inf 0.75 m" in Read(page.page([stored(rows=rows)])).text
+
+
+# --- tables and numbers ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("values", "shown"),
+    [
+        (["0.2000", "0.3333"], ["0.2000", "0.3333"]),  # digits that are meant
+        (["0.33333333333333", "1.0"], ["0.333333", "1"]),
+        (["75000.00000000001", "none", "5"], ["75000", "none", "5"]),
+        (["1e-12", "-"], ["1e-12", "-"]),
+        (["-6.807258372050756e-12", "-0.0"], ["-6.80726e-12", "0"]),
+        (["12345678", "1.23456789"], ["12345678", "1.23457"]),  # an integer has all its digits
+        (["12345678", "2"], ["12345678", "2"]),
+        (["0.000123", "0.000001"], ["0.000123", "0.000001"]),
+        (
+            ["1.2.3.4.5.6.7.8", "((0, 0.123456789) to 1)"],
+            ["1.2.3.4.5.6.7.8", "((0, 0.123456789) to 1)"],
+        ),
+        (["inf", "nan", ""], ["inf", "nan", ""]),
+    ],
+)
+def test_numbers_have_six_digits(values, shown):
+    assert page.shown(values) == shown
+
+
+@pytest.mark.parametrize(
+    ("values", "kind"),
+    [
+        (["1.0", "none"], "number"),
+        (["-1e-12"], "number"),
+        (["left", "right"], "word"),
+        (["1 x 2", ""], "word"),
+        (["a word", "words that need a line of some width"], "prose"),
+        ([], "word"),
+    ],
+)
+def test_numbers_stand_on_the_right_and_words_on_the_left(values, kind):
+    assert page.kind(values) == kind
+
+
+def test_long_table_is_shown_by_its_first_rows():
+    content = pd.DataFrame({"x": [str(i) for i in range(page.ROWS_SHOWN + 7)]})
+    html = page.page([stored(tables={"line": content})])
+    text = Read(html).text
+    assert "7 more rows in lines/line.csv" in text
+    assert f">{page.ROWS_SHOWN - 1}<" in html
+    assert f">{page.ROWS_SHOWN}<" not in html
+
+
+def test_tables_that_a_reader_wants_first_come_first_and_open():
+    content = pd.DataFrame({"x": ["1"]})
+    names = ["a", "cases", "b", "summary"]
+    found = page.section(stored(tables=dict.fromkeys(names, content))).tables
+    assert [t.name for t in found] == ["cases", "summary", "a", "b"]
+    assert [t.open for t in found] == [True, True, False, False]
+    html = page.page([stored(tables=dict.fromkeys(names, content))])
+    assert [("open" in found) for found in Read(html).all("details")] == [True, True, False, False]
+
+
+def test_column_without_a_meaning_has_no_definition():
+    html = page.page([stored(columns={"x": "place (m)"})])
+    assert html.count("<dt><code>") == 1
+
+
+# --- words ----------------------------------------------------------------------------------------
+
+
+def test_docstring_becomes_paragraphs_and_lists():
+    text = "One\ntwo.\n\nBefore:\n- first,\n  goes on;\n\n- second.\n\nThe end - really."
+    assert page.blocks(text) == (
+        page.Block(("One two.",), listed=False),
+        page.Block(("Before:",), listed=False),
+        page.Block(("first, goes on;", "second."), listed=True),
+        page.Block(("The end - really.",), listed=False),
+    )
+    assert page.blocks("\n\n") == ()
+
+
+def test_backticks_become_code():
+    assert page.pieces("a `b` c") == [(False, "a "), (True, "b"), (False, " c")]
+    assert page.pieces("``x`` and `y`") == [(True, "x"), (False, " and "), (True, "y")]
+    assert page.pieces("a lone ` stays") == [(False, "a lone ` stays")]
+    assert page.pieces("") == []
+
+
+def test_study_without_a_question_is_called_by_its_name():
+    assert page.section(stored(question="")).question == "lines"
+
+
+# --- provenance -----------------------------------------------------------------------------------
+
+
+def test_provenance_that_is_shared_is_given_once():
+    text = Read(page.page([stored("a"), stored("b")])).text
+    assert text.partition("Provenance")[2].strip() == "seed 0 time 2026-01-01 00:00 UTC"
+
+
+def test_provenance_that_differs_is_given_by_study():
+    other = stored("b", origin={"seed": "0", "time": "later"})
+    text = Read(page.page([stored("a"), other])).text
+    said = "seed 0 a time 2026-01-01 00:00 UTC b time later"
+    assert text.partition("Provenance")[2].strip() == said
+
+
+def test_study_without_a_time():
+    assert "not compared unknown" in Read(page.page([stored(origin={})])).text
+
+
+# --- markup ---------------------------------------------------------------------------------------
+
+EVIL = """<script>alert("1")</script>'"><img src=x onerror=alert(2)>&amp;{{ 7*7 }}"""
+
+
+def spoilt(name):
+    """A study with markup in one of its fields."""
+    table = pd.DataFrame({EVIL: [EVIL, "1"]})
+    whole = {
+        "name": EVIL,
+        "question": f"{EVIL}\n\n{EVIL}\n\n- {EVIL}\n- `{EVIL}`",
+        "findings": (EVIL,),
+        "columns": {EVIL: EVIL, "x": EVIL},
+        "origin": {EVIL: EVIL, "time": EVIL},
+        "verdict": pd.DataFrame(
+            [
+                judged(EVIL, layer=EVIL, verdict=verdict, unit=EVIL, because=EVIL)
+                for verdict in ("pass", EVIL)
+            ]
+        ),
+        "tables": {"line": table, EVIL: table},
+        "pictures": {EVIL: (EVIL, EVIL.encode())},
+        "error": EVIL,
+    }
+    assert set(whole) == {field.name for field in fields(Stored)}
+    return stored(**(whole if name == "all of them" else {name: whole[name]}))
+
+
+@pytest.mark.parametrize("name", [*(field.name for field in fields(Stored)), "all of them"])
+def test_what_a_study_says_never_becomes_markup(name):
+    html = page.page([spoilt(name)])
+    read = Read(html)
+    assert read.all("script") == []
+    assert {tag for tag, _ in read.elements} <= {tag for tag, _ in Read(PLAIN).elements} | {
+        *("p", "b", "ul", "li", "code", "h4"),
+    }
+    assert not [key for _, found in read.elements for key in found if key.startswith("on")]
+    assert all(image["src"].startswith("data:image/svg+xml;base64,") for image in read.all("img"))
+    if name != "pictures":
+        assert "49" not in read.text  # nor a template
+        assert EVIL in "".join(read.words)
+
+
+PLAIN = page.page([stored(rows=[judged(), judged(verdict="fail")])])
+
+
+def test_page_loads_nothing_and_runs_nothing():
+    read = Read(page.page([stored(), stored("b", error="https://example.org/why")]))
+    assert read.all("script") == []
+    for tag, found in read.elements:
+        for key in LOADING & set(found):
+            assert found[key].startswith("data:"), (tag, key)
+        if "href" in found:
+            assert found["href"].startswith("#") or found["href"] == "data:,", tag
+    style = page.page([]).partition("<style>")[2].partition("</style>")[0]
+    assert style
+    for loading in ("url(", "@import", "http:", "https:"):
+        assert loading not in style
+    policy = [m["content"] for m in read.all("meta") if "http-equiv" in m]
+    (policy,) = policy
+    assert policy.startswith("default-src 'none'; style-src 'unsafe-inline'; img-src data:; ")
+    assert "script" not in policy
+
+
+def test_picture_is_inside_the_page_with_its_caption():
+    (image,) = Read(PLAIN).all("img")
+    assert image["alt"] == "A straight line."
+    assert base64.b64decode(image["src"].partition("base64,")[2]) == SVG % 300
+    assert "A straight line." in Read(PLAIN).text
+
+
+def test_wide_picture_scrolls_on_a_small_screen():
+    assert page.picture("", SVG % 900).wide
+    assert not page.picture("", SVG % 300).wide
+    assert not page.picture("", b"no picture").wide
+
+
+def test_page_can_be_read_without_seeing_it():
+    read = Read(PLAIN)
+    assert read.all("html") == [{"lang": "en"}]
+    assert len(read.all("caption")) == len(read.all("table"))
+    assert all(found.get("scope") in ("col", "row") for found in read.all("th"))
+    boxes = [found for found in read.all("div") if found.get("class", "").startswith("box")]
+    assert len(boxes) == len(read.all("table"))
+    for box in boxes:
+        assert (box["tabindex"], box["role"]) == ("0", "region")
+        assert box["aria-label"]
+    identifiers = [found["id"] for _, found in read.elements if "id" in found]
+    assert len(identifiers) == len(set(identifiers))
+    pointed = {a["href"].removeprefix("#") for a in read.all("a")}
+    pointed |= {s["aria-labelledby"] for s in read.all("section")}
+    assert pointed <= set(identifiers)
+
+
+def test_same_results_make_the_same_page():
+    assert page.page([stored(), stored("b")]) == page.page([stored(), stored("b")])
