@@ -21,7 +21,7 @@ from pathlib import Path
 from msvalidate import catalogue
 from msvalidate.page import page
 from msvalidate.problem import ProblemError
-from msvalidate.stored import ABOUT, SUFFIXES, Stored, read, verdicts
+from msvalidate.stored import ABOUT, SUFFIXES, Stored, read, unreadable, verdicts
 
 try:
     import fcntl
@@ -95,8 +95,6 @@ def publish(studies: Mapping[str, Files], out: Path) -> None:
     ------
     OSError
         If a file cannot be written; what was there is then still there.
-    ProblemError
-        If results of another study in the folder cannot be read.
     """
     out = out.resolve()
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -131,8 +129,9 @@ def rebuild(out: Path) -> list[Stored]:
     """
     if not _studies(out):
         raise ProblemError(f"--out {out}: no results there; run a study first")
+    studies = stored(out)
     publish({}, out)
-    return stored(out)
+    return studies
 
 
 def stored(out: Path) -> list[Stored]:
@@ -159,8 +158,16 @@ def replace_file(path: Path, content: bytes) -> None:
 
 
 def _pages(folder: Path) -> dict[str, bytes]:
-    studies = stored(folder)
+    studies = [_read_or_said(folder / name) for name in _studies(folder)]
     return {"report.html": page(studies).encode(), "verdict.json": verdicts(studies)}
+
+
+def _read_or_said(folder: Path) -> Stored:
+    """What a study left; damage done to it since must not cost the results of the others."""
+    try:
+        return read(folder)
+    except ProblemError as error:
+        return unreadable(folder.name, str(error))
 
 
 def _studies(folder: Path) -> list[str]:

@@ -151,11 +151,19 @@ def read(folder: Path) -> Stored:
         )
     except FileNotFoundError as error:
         missing = Path(error.filename).name
-        raise ProblemError(f"{folder}: {missing} is missing; run the study again") from error
+        raise ProblemError(
+            f"results of {folder.name}: {missing} is missing; run it again"
+        ) from error
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ProblemError(
-            f"{folder}: not what a run writes ({error}); run the study again"
+            f"results of {folder.name}: not what a run writes ({error}); run it again"
         ) from error
+
+
+def unreadable(name: str, error: str) -> Stored:
+    """A study of whose results no more can be said than why they cannot be read."""
+    nothing = pd.DataFrame(columns=["layer", "quantity", *NUMBERS, "verdict"])
+    return Stored(name, "", (), {}, {}, nothing, {}, {}, error)
 
 
 def csv(table: pd.DataFrame) -> bytes:

@@ -290,11 +290,11 @@ def test_two_runs_at_once_do_not_mix(tmp_path):
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (lambda f: (f / "line.csv").unlink(), "line.csv is missing; run the study again"),
+        (lambda f: (f / "line.csv").unlink(), "line.csv is missing; run it again"),
         (lambda f: (f / "study.json").write_text("{}"), "not what a run writes"),
         (lambda f: (f / "study.json").write_text("["), "not what a run writes"),
         (lambda f: (f / "verdict.csv").write_text("a\n1\n"), "not what a run writes"),
-        (lambda f: (f / "line.svg").unlink(), "line.svg is missing; run the study again"),
+        (lambda f: (f / "line.svg").unlink(), "line.svg is missing; run it again"),
     ],
 )
 def test_damaged_results_are_named(damage, message, tmp_path):
@@ -302,6 +302,18 @@ def test_damaged_results_are_named(damage, message, tmp_path):
     damage(tmp_path / "r" / "poisson")
     with pytest.raises(ProblemError, match=message):
         report.rebuild(tmp_path / "r")
+
+
+def test_damage_to_one_study_does_not_cost_the_others(tmp_path):
+    out = tmp_path / "r"
+    report.publish({"poisson": files()}, out)
+    (out / "poisson" / "line.csv").unlink()
+    report.publish({"displacement": files("displacement", gap=1.2)}, out)
+    good, bad = json.loads((out / "verdict.json").read_text(encoding="utf-8"))
+    assert (good["study"], good["verdict"]) == ("displacement", "pass")
+    assert (bad["study"], bad["quantity"]) == ("poisson", "study finished")
+    assert "line.csv is missing" in bad["because"]
+    assert str(tmp_path) not in (out / "report.html").read_text(encoding="utf-8")
 
 
 def test_no_results_to_report_on(tmp_path):
