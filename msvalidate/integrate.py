@@ -6,14 +6,15 @@ the viscous force, then the position with the new velocity.
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate import kernels
-from msvalidate.network import Network, spring_force
+from msvalidate.integrators import EULER_CROMER, Integrator, Moving, stability_limit
+from msvalidate.network import Network, spring_force, tangent
 from msvalidate.problem import (
     LONGEST,
     Array,
@@ -26,6 +27,7 @@ from msvalidate.problem import (
     positive,
     whole,
 )
+from msvalidate.spectrum import extreme_frequencies
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +36,110 @@ class State:
 
     position: Array
     velocity: Array
+
+
+def motion(
+    network: Network,
+    state: State,
+    integrator: Integrator,
+    dt: float,
+    steps: int,
+    damping: ArrayLike = 0.0,
+    watch: Callable[[int, State], None] | None = None,
+) -> State:
+    """State after `steps` steps of `dt` (s) of any scheme; held components do not move.
+
+    The plain NumPy form, for studies of schemes; `euler_cromer` is the compiled one of its scheme.
+
+    Parameters
+    ----------
+    network, state, dt, steps, damping
+        As in `euler_cromer`. A staggered scheme's velocity is that half a step before: see
+        `staggered`.
+    integrator
+        One of `integrators.INTEGRATORS`.
+    watch
+        Called after every step with its number and the state.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range.
+    SolverError
+        If the motion grows beyond all numbers.
+    """
+    rate = _checked(network, state, dt, steps, damping)[:, None]
+    free = ~network.held
+
+    def acceleration(x: Array) -> Array:
+        return np.where(free, (spring_force(network, x) + network.force) / network.mass[:, None], 0)
+
+    x = np.array(state.position, dtype=float)
+    now = Moving(x, np.where(free, state.velocity, 0.0), acceleration(x))
+    with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
+        for step in range(1, steps + 1):
+            now = integrator.step(acceleration, now, dt, rate)
+            reached = _finite_motion(State(now.x, now.v), dt, integrator.name)
+            if watch is not None:
+                watch(step, reached)
+    return State(now.x, now.v)
+
+
+def staggered(network: Network, state: State, dt: float, damping: ArrayLike = 0.0) -> State:
+    """The state with its velocity half a step earlier: how leapfrog starts.
+
+    v(-dt/2) = v - (dt/2)·(a - c·v), of the order of the scheme itself.
+    """
+    rate = _checked(network, state, dt, 0, damping)[:, None]
+    a = (spring_force(network, state.position) + network.force) / network.mass[:, None]
+    v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
+    return State(state.position, np.where(network.held, 0.0, v))
+
+
+def recommended_time_step(
+    network: Network,
+    integrator: Integrator,
+    *,
+    safety: float = 0.9,
+    damping: ArrayLike = 0.0,
+) -> float:
+    """Time step (s): `safety` times the stability limit of a network at its reference positions.
+
+    Raises
+    ------
+    ProblemError
+        If the safety is not between 0 and 1, or no step is stable.
+    SolverError
+        If the network is a mechanism.
+    """
+    if not 0 < number("safety", safety) <= 1:
+        raise ProblemError(f"safety: {safety:g}; give a part of the limit, above 0 and at most 1")
+    rate = damping_rate(network, damping)
+    if np.ptp(rate) > 0 and integrator.limit(0.0) == 0:
+        raise ProblemError(
+            f"{integrator.name}: damping from {rate.min():g} to {rate.max():g} 1/s; it needs its "
+            "damping, so give one rate for all points"
+        )
+    lowest, highest = extreme_frequencies(network)
+    limit = stability_limit(integrator, lowest, highest, float(rate.max()))
+    if limit == 0:
+        raise ProblemError(
+            f"{integrator.name}: unstable at any step with damping {rate.max():g} 1/s; take another"
+            " scheme"
+        )
+    return safety * limit
+
+
+def highest_frequency_bound(network: Network) -> float:
+    """Frequency (rad/s) that none exceeds at the reference positions: Gershgorin's circles.
+
+    ω² ≤ max over free components i of Σ_j |K_ij|/m_i: no eigenvalues are solved for.
+    """
+    instance("network", network, Network)
+    free = np.flatnonzero(~network.held.ravel())
+    K = tangent(network, network.points)[free][:, free]
+    mass = np.repeat(network.mass, network.dim)[free]
+    return float(np.sqrt((abs(K).sum(axis=1) / mass).max(initial=0.0)))
 
 
 def euler_cromer(
@@ -68,6 +174,18 @@ def euler_cromer(
     SolverError
         If the motion grows beyond all numbers.
     """
+    if not compiled:
+        return motion(network, state, EULER_CROMER, dt, steps, damping)
+    rate = _checked(network, state, dt, steps, damping)
+    u = np.array(state.position, dtype=float) - network.points
+    v = np.where(network.held, 0.0, state.velocity)
+    with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
+        kernels.euler_cromer(network, u, v, rate, dt, steps)
+        return _finite_motion(State(network.points + u, v), dt, EULER_CROMER.name)
+
+
+def _checked(network: Network, state: State, dt: float, steps: int, damping: ArrayLike) -> Array:
+    """The damping (n,) in 1/s of a motion whose arguments are in range."""
     instance("network", network, Network)
     instance("state", state, State)
     positive("time step dt", dt, "s")
@@ -75,29 +193,16 @@ def euler_cromer(
     for name, value in (("position", state.position), ("velocity", state.velocity)):
         if (shape := coordinates(name, value).shape) != network.points.shape:
             raise ProblemError(f"{name}: shape {shape}; give {network.points.shape}")
-    x = np.array(state.position, dtype=float)
-    v = np.where(network.held, 0.0, state.velocity)
-    rate = damping_rate(network, damping)
-    with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
-        if compiled:
-            u = x - network.points
-            kernels.euler_cromer(network, u, v, rate, dt, steps)
-            return _finite_motion(State(network.points + u, v), dt)
-        for _ in range(steps):
-            push = (spring_force(network, x) + network.force) / network.mass[:, None]
-            v = np.where(network.held, 0.0, v + dt * (push - rate[:, None] * v))
-            x = x + dt * v
-            _finite_motion(State(x, v), dt)
-    return State(x, v)
+    return damping_rate(network, damping)
 
 
-def _finite_motion(state: State, dt: float) -> State:
+def _finite_motion(state: State, dt: float, scheme: str) -> State:
     """The state, refused where the motion has run away: its numbers would be NaN."""
     near = (np.abs(state.position) <= LONGEST).all()  # not so where it is NaN
     if not (near and np.isfinite(state.velocity).all()):
         raise SolverError(
-            f"Euler-Cromer: the motion grew beyond all numbers with steps of {dt:.4g} s; take "
-            "steps below stability_limit"
+            f"{scheme}: the motion grew beyond all numbers with steps of {dt:.4g} s; take steps "
+            "below stability_limit"
         )
     return state
 
@@ -119,31 +224,3 @@ def damping_rate(network: Network, damping: ArrayLike) -> Array:
     if (rate < 0).any():
         raise ProblemError(f"damping: {rate.min():g} 1/s; a negative rate feeds the motion")
     return np.full(len(network.points), rate) if not rate.ndim else np.array(rate)
-
-
-def stability_limit(omega_max: float, damping: float = 0.0) -> float:
-    """Largest stable time step (s) of Euler-Cromer with the viscous force from the old velocity.
-
-    h = (2/ω)(√(1 + ζ²) - ζ), ζ = damping/(2ω): where an eigenvalue of the one-step matrix of
-    x'' = -ω²x - damping·x' reaches -1. Larger ω and larger damping both lower it, so the highest
-    frequency (rad/s) and the largest rate (1/s) bound a whole network.
-
-    Raises
-    ------
-    ProblemError
-        If an argument is not one finite number, or the frequency is not above zero.
-    SolverError
-        If the limit is beyond the largest number or below the smallest.
-    """
-    positive("highest frequency", omega_max, "rad/s")
-    rate = number("damping", damping)
-    if rate < 0:
-        raise ProblemError(f"damping: {damping} 1/s; a negative rate feeds the motion")
-    zeta = rate / (2 * omega_max)
-    limit = 2 / (omega_max * (math.sqrt(1 + zeta * zeta) + zeta))  # the same, without cancellation
-    if not 0 < limit < math.inf:
-        raise SolverError(
-            f"stability limit: {limit:g} s at {omega_max:g} rad/s with damping {rate:g} 1/s; "
-            "choose a unit of time that gives ordinary numbers"
-        )
-    return limit

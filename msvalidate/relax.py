@@ -18,7 +18,8 @@ from tqdm import tqdm
 
 from msvalidate import kernels
 from msvalidate.equilibrium import Equilibrium, at_rest, is_stable
-from msvalidate.integrate import damping_rate, stability_limit
+from msvalidate.integrate import damping_rate
+from msvalidate.integrators import EULER_CROMER, stability_limit
 from msvalidate.network import Network, force_roundoff, force_scale
 from msvalidate.problem import (
     Array,
@@ -123,7 +124,7 @@ def algorithm1(
         )
     rate = damping_rate(network, 2 * lowest if damping is None else damping)
     strongest = float(rate.max())
-    limit = stability_limit(highest, strongest)
+    limit = stability_limit(EULER_CROMER, lowest, highest, strongest)
     step = SAFETY * limit if dt is None else dt
     allowed = max_steps or _predicted_steps(lowest, rate, step, tolerance)
     with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such

@@ -248,6 +248,7 @@ FLOORS = {
     "msvalidate.stiffness": 1,
     "msvalidate.equilibrium": 2,
     "msvalidate.integrate": 2,
+    "msvalidate.integrators": 2,
     "msvalidate.relax": 2,
     "msvalidate.linear": 2,
     "msvalidate.spectrum": 2,

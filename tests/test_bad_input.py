@@ -20,7 +20,8 @@ from msvalidate.body import lattice_network
 from msvalidate.candidate import springs
 from msvalidate.compare import observed_order, worst
 from msvalidate.equilibrium import equilibrium, is_stable
-from msvalidate.integrate import State, damping_rate, euler_cromer, stability_limit
+from msvalidate.integrate import State, damping_rate, euler_cromer
+from msvalidate.integrators import EULER_CROMER, INTEGRATORS, stability_limit
 from msvalidate.lattice import (
     boundary_weights,
     diagonal_square,
@@ -387,8 +388,18 @@ BAD = [
         ProblemError,
         "damping: expected numb",
     ),
-    ("limit of a row", lambda: stability_limit(1.0, [0.0, 1.0]), ProblemError, "give one number"),
-    ("limit of nothing", lambda: stability_limit(5e-324), SolverError, "stability limit: inf s"),
+    (
+        "limit of a row",
+        lambda: stability_limit(EULER_CROMER, 1.0, 1.0, [0.0, 1.0]),
+        ProblemError,
+        "give one number",
+    ),
+    (
+        "limit of nothing",
+        lambda: stability_limit(EULER_CROMER, 5e-324, 5e-324),
+        SolverError,
+        "stability limit: inf s",
+    ),
     (
         "relaxation of None",
         lambda: algorithm1(None),
@@ -801,8 +812,9 @@ def test_any_motion(dt, damping, place, speed):
 @few
 @given(number, number)
 def test_any_stability_limit(omega, damping):
-    limit = judged(lambda: stability_limit(omega, damping))
-    assert limit is None or 0 < limit < INF
+    for scheme in INTEGRATORS.values():
+        limit = judged(lambda scheme=scheme: stability_limit(scheme, omega, omega, damping))
+        assert limit is None or 0 <= limit < INF
 
 
 @few

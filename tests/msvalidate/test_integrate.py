@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import eigvals
 
-from msvalidate.integrate import State, damping_rate, euler_cromer, stability_limit
+from msvalidate.integrate import State, damping_rate, euler_cromer
+from msvalidate.integrators import EULER_CROMER, stability_limit
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import ProblemError
 
@@ -93,7 +94,7 @@ def test_euler_cromer_is_of_order_one():
 @pytest.mark.parametrize(("omega", "zeta"), [(2.0, 0.0), (2.0, 0.1), (0.5, 1.0), (2.0, 3.0)])
 def test_the_stability_limit_holds_within_one_percent(omega, zeta):
     damping = 2 * zeta * omega
-    limit = stability_limit(omega, damping)
+    limit = stability_limit(EULER_CROMER, omega, omega, damping)
     assert limit == pytest.approx(2 / omega * (np.sqrt(1 + zeta**2) - zeta), rel=1e-14)
     network = oscillator(stiffness=omega**2)
     # Undamped, just below, the numerical orbit is 1/√(1 - 0.99²) = 7.1 times as wide.
@@ -112,7 +113,8 @@ def test_highest_frequency_and_largest_rate_bound_a_whole_network(networks, data
     rate = np.repeat(rng.uniform(0, 5, len(network.mass)), network.dim)
     scale = 1 / np.sqrt(np.repeat(network.mass, network.dim))
     K = scale[:, None] * tangent(network, network.points).toarray() * scale
-    dt = 0.99 * stability_limit(np.sqrt(np.linalg.eigvalsh(K)[-1]), rate.max())
+    highest = np.sqrt(np.linalg.eigvalsh(K)[-1])
+    dt = 0.99 * stability_limit(EULER_CROMER, highest, highest, rate.max())
     one, none = np.eye(len(K)), np.zeros_like(K)
     kick = np.block([[one, none], [-dt * K, np.diag(1 - dt * rate)]])
     drift = np.block([[one, dt * one], [none, one]])
@@ -123,7 +125,9 @@ def test_highest_frequency_and_largest_rate_bound_a_whole_network(networks, data
 @pytest.mark.parametrize("zeta", [1e4, 1e6, 1e9])
 def test_the_limit_under_heavy_damping_is_two_over_the_rate(zeta):
     # 2/damping up to 1/(4ζ²); the rest is rounding.
-    assert stability_limit(1.0, 2 * zeta) == pytest.approx(1 / zeta, rel=1 / (2 * zeta**2) + 1e-15)
+    assert stability_limit(EULER_CROMER, 1.0, 1.0, 2 * zeta) == pytest.approx(
+        1 / zeta, rel=1 / (2 * zeta**2) + 1e-15
+    )
 
 
 def test_energy_has_no_drift():

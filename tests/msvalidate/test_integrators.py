@@ -1,0 +1,270 @@
+"""Each scheme is held to what it says of itself: order, limit, areas; the misprints measured."""
+
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from msvalidate import integrate
+from msvalidate.integrate import (
+    State,
+    highest_frequency_bound,
+    motion,
+    recommended_time_step,
+    staggered,
+)
+from msvalidate.integrators import INTEGRATORS, growth, one_step_matrix, stability_limit
+from msvalidate.network import energy, spring_network, tangent
+from msvalidate.problem import ProblemError, SolverError
+from msvalidate.spectrum import extreme_frequencies
+
+TRUE = {name: scheme for name, scheme in INTEGRATORS.items() if not scheme.variant}
+every_scheme = pytest.mark.parametrize("name", INTEGRATORS)
+true_schemes = pytest.mark.parametrize("name", TRUE)
+OMEGA = 2.0
+ZETAS = (0.0, 0.05, 0.3, 0.7, 1.0, 1.5, 2.0, 10.0)
+examples = settings(max_examples=25, deadline=None)
+
+
+def end_of(scheme, steps, time=2.0, *, omega=OMEGA):
+    """Position of x'' = -ω²x from (1, 0) after a time, by powers of the scheme's own matrix."""
+    h = time / steps
+    matrix = one_step_matrix(scheme, omega, h)
+    start = [1.0, 0.5 * h * omega**2] if scheme.staggered else [1.0, 0.0]
+    return (np.linalg.matrix_power(matrix, steps) @ start)[0]
+
+
+@every_scheme
+@pytest.mark.parametrize("zeta", ZETAS)
+def test_limits_are_where_the_matrix_says(name, zeta):
+    """Stable over the whole range below the limit, unstable just above it."""
+    scheme, damping = INTEGRATORS[name], 2 * zeta * OMEGA
+    limit = stability_limit(scheme, OMEGA, OMEGA, damping)
+    # Undamped, a symplectic scheme's eigenvalues lie on the circle to rounding.
+    for part in np.linspace(0.01, 0.999, 60):
+        assert growth(scheme, OMEGA, part * limit, damping) <= 1 + 1e-12 if limit else True
+    above = 1.01 * limit or 1e-3
+    assert growth(scheme, OMEGA, above, damping) > 1 + 1e-7
+
+
+@pytest.mark.parametrize(
+    ("zeta", "limit"), [(0, 2), (0.05, 1.952), (0.3, 1.82), (1.0, 2.0), (2.0, 1.0)]
+)
+def test_velocity_verlet_under_damping(zeta, limit):
+    found = stability_limit(INTEGRATORS["velocity_verlet"], 1.0, 1.0, 2 * zeta)
+    assert found == pytest.approx(limit, abs=0.005)
+
+
+def test_explicit_euler_needs_both_ends_of_the_spectrum():
+    scheme, damping = INTEGRATORS["explicit_euler"], 1.0
+    limit = stability_limit(scheme, 0.01, 1.5, damping)
+    modes = np.geomspace(0.01, 1.5, 200)
+    singly = [stability_limit(scheme, omega, omega, damping) for omega in modes]
+    assert limit == pytest.approx(min(singly), rel=1e-12)
+    assert stability_limit(scheme, 1e-6, 0.9, damping) == pytest.approx(damping / 0.9**2)
+    assert stability_limit(scheme, 0.01, 0.6, damping) == pytest.approx(2 / damping, rel=1e-3)
+
+
+@every_scheme
+@pytest.mark.parametrize("damping", [0.05, 1.0, 7.0])
+def test_the_ends_bound_every_mode_between(name, damping):
+    scheme = INTEGRATORS[name]
+    limit = stability_limit(scheme, 0.1, 5.0, damping)
+    for omega in np.geomspace(0.1, 5.0, 60):
+        assert growth(scheme, omega, 0.999 * limit, damping) <= 1 + 1e-12
+
+
+@true_schemes
+def test_orders(name):
+    scheme = INTEGRATORS[name]
+    steps = 100 * 2 ** np.arange(6)
+    errors = [abs(end_of(scheme, n) - np.cos(2 * OMEGA)) for n in steps]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.abs(orders - scheme.order).max() < 0.1
+
+
+@every_scheme
+@pytest.mark.parametrize("h", [0.01, 0.3])
+def test_symplectic_schemes_keep_areas(name, h):
+    scheme = INTEGRATORS[name]
+    area = np.linalg.det(one_step_matrix(scheme, OMEGA, h))
+    assert (abs(area - 1) < 1e-14) == scheme.symplectic
+
+
+def test_euler_cromer_as_printed_is_explicit_euler():
+    printed, euler = INTEGRATORS["euler_cromer_as_printed"], INTEGRATORS["explicit_euler"]
+    for h, damping in ((0.1, 0.0), (0.3, 0.7)):
+        found = one_step_matrix(printed, OMEGA, h, damping)
+        np.testing.assert_array_equal(found, one_step_matrix(euler, OMEGA, h, damping))
+
+
+def test_verlet_as_printed_moves_under_half_the_force():
+    """It converges, with order 1, to the motion at ω/√2, and is stable to 2√2/ω."""
+    scheme = INTEGRATORS["verlet_as_printed"]
+    steps = 200 * 2 ** np.arange(5)
+    errors = [abs(end_of(scheme, n) - np.cos(2 * OMEGA / np.sqrt(2))) for n in steps]
+    np.testing.assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 1, atol=0.1)
+    assert abs(end_of(scheme, steps[-1]) - np.cos(2 * OMEGA)) > 0.2, "not the motion itself"
+    assert stability_limit(scheme, 1.0, 1.0) == pytest.approx(2 * np.sqrt(2))
+
+
+def test_verlet_with_the_old_force_twice_is_never_stable_undamped():
+    assert stability_limit(INTEGRATORS["verlet_lagged"], 1.0, 1.0) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ((2.0, 1.0), ProblemError, "from 2 to 1 rad/s; give the lowest first"),
+        ((0.0, 1.0), ProblemError, "lowest frequency"),
+        ((1.0, np.nan), ProblemError, "highest frequency"),
+        ((1.0, 1.0, -1.0), ProblemError, "a negative rate feeds the motion"),
+        ((1e-320, 1e-310), SolverError, "choose a unit of time"),
+    ],
+)
+def test_limits_of_what_is_none(arguments, error, message):
+    with pytest.raises(error, match=message):
+        stability_limit(INTEGRATORS["leapfrog"], *arguments)
+
+
+# --- on networks ----------------------------------------------------------------------------------
+
+
+def rates(network, record):
+    return record["damping"] / network.mass
+
+
+def state_of(network, record):
+    v = record["initial_velocity"]
+    velocity = np.zeros(network.points.shape) if v == "zero" else np.array(v)
+    return State(network.points, velocity)
+
+
+def test_velocity_verlet_is_that_of_an_independent_program(independent):
+    network, record = independent("s1")
+    for result in record["results"]:
+        scheme = INTEGRATORS["velocity_verlet"]
+        end = motion(network, state_of(network, record), scheme, record["dt"], result["steps"])
+        np.testing.assert_allclose(end.position, result["positions"], rtol=0, atol=1e-12)
+
+
+def test_its_damped_recipe_is_euler_cromer_after_half_a_kick(independent):
+    """One damping value a point: the record's viscosity over each mass."""
+    network, record = independent("s2")
+    start, rate, dt = state_of(network, record), rates(network, record), record["dt"]
+    # Half a kick less than a whole one, with the old velocity in the viscous force.
+    early = staggered(network, start, dt, rate).velocity
+    kick = start.velocity - early  # (dt/2)(a - c v)
+    for result in record["results"]:
+        end = motion_after_half_kick(network, start, kick, rate, dt, result["steps"])
+        np.testing.assert_allclose(end, result["positions"], rtol=0, atol=1e-12)
+
+
+def motion_after_half_kick(network, start, kick, rate, dt, steps):
+    position = start.position + dt * np.where(network.held, 0.0, start.velocity + kick)
+    velocity = np.where(network.held, 0.0, start.velocity + kick)
+    rest = integrate.euler_cromer(network, State(position, velocity), dt, steps - 1, rate)
+    return rest.position
+
+
+@true_schemes
+@examples
+@given(data=st.data())
+def test_momentum_is_kept_without_supports(name, networks, data):
+    network, position = data.draw(networks(stressed=True))
+    network = spring_network(network.points, network.springs, network.stiffness, mass=network.mass)
+    velocity = np.random.default_rng(len(position)).normal(size=position.shape)
+    end = motion(network, State(position, velocity), INTEGRATORS[name], 1e-3, 5)
+    moved = network.mass @ (end.velocity - velocity)
+    scale = network.mass @ np.abs(velocity) + 1e-2 * network.stiffness.sum()
+    assert (np.abs(moved) <= 1e-12 * scale).all()
+
+
+@pytest.mark.parametrize("name", ["velocity_verlet", "leapfrog"])
+@examples
+@given(data=st.data())
+def test_motion_runs_backwards(name, networks, data):
+    """Turned round, the undamped motion goes back where it came from."""
+    network, position = data.draw(networks(stressed=True))
+    scheme, dt = INTEGRATORS[name], 1e-3
+    start = State(position, np.zeros_like(position))
+    begin = staggered(network, start, dt) if scheme.staggered else start
+    forth = motion(network, begin, scheme, dt, 8)
+    turned = State(forth.position, -forth.velocity)
+    if (
+        scheme.staggered
+    ):  # after the turn, the velocity half a step on is the one half a step before
+        later = staggered(network, State(forth.position, np.zeros_like(position)), 2 * dt).velocity
+        turned = State(forth.position, -(forth.velocity - later))
+    back = motion(network, turned, scheme, dt, 8)
+    np.testing.assert_allclose(back.position, position, atol=1e-12)
+
+
+def string(n=12):
+    points = np.column_stack([np.arange(n), np.zeros(n)]).astype(float)
+    held = np.ones((n, 2), dtype=bool)
+    held[1:-1, 0] = False
+    return spring_network(
+        points, [[i, i + 1] for i in range(n - 1)], 3.0, mass=np.linspace(1, 2, n), held=held
+    )
+
+
+@true_schemes
+def test_recommended_steps_are_stable_and_twice_the_limit_is_not(name):
+    network, damping = string(), 0.2
+    dt = recommended_time_step(network, INTEGRATORS[name], damping=damping)
+    kick = np.zeros(network.points.shape)
+    kick[3, 0] = 1e-3
+    start = State(network.points, kick)
+    end = motion(network, start, INTEGRATORS[name], dt, 400, damping)
+    assert energy(network, end.position) < energy(network, network.points + kick) + 1e-5
+    with np.errstate(all="ignore"), pytest.raises(SolverError, match=f"{name}: the motion grew"):
+        motion(network, start, INTEGRATORS[name], 4 * dt, 20000, damping)
+
+
+def test_the_bound_bounds_and_is_near():
+    network = string()
+    _, highest = extreme_frequencies(network)
+    assert highest <= highest_frequency_bound(network) < 1.2 * highest
+
+
+@examples
+@given(data=st.data())
+def test_the_bound_holds_for_any_network(networks, data):
+    network, _ = data.draw(networks(stressed=False))
+    assert highest_or_rigid(network) <= highest_frequency_bound(network) * (1 + 1e-12)
+
+
+def highest_or_rigid(network):
+    mass = np.repeat(network.mass, network.dim)
+    K = tangent(network, network.points).toarray() / np.sqrt(np.outer(mass, mass))
+    return np.sqrt(np.linalg.eigvalsh(K)[-1])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"safety": 0.0}, "safety: 0; give a part of the limit"),
+        ({"safety": 1.5}, "safety: 1.5; give a part of the limit"),
+        ({"integrator": INTEGRATORS["explicit_euler"]}, "explicit_euler: unstable at any step"),
+        (
+            {"integrator": INTEGRATORS["explicit_euler"], "damping": np.linspace(0, 1, 12)},
+            "give one rate for all points",
+        ),
+    ],
+)
+def test_no_step_to_recommend(change, message):
+    usual = {"integrator": INTEGRATORS["leapfrog"]} | change
+    with pytest.raises(ProblemError, match=message):
+        recommended_time_step(string(), **usual)
+
+
+def test_a_watcher_sees_every_step():
+    seen = []
+    start = State(string().points, np.zeros((12, 2)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        motion(string(), start, INTEGRATORS["leapfrog"], 0.1, 3, watch=lambda n, _: seen.append(n))
+    assert seen == [1, 2, 3]
