@@ -25,14 +25,14 @@ $(VENV)/develops: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[dev]'
 	@touch $@ $(VENV)/runs
 
-# make check     every study in its small form against theory, bands and the committed baseline
-# make report    report.html again, from the results in reports/latest
 poisson: $(VENV)/runs
 	$(RUN) poisson
 
+# make check     every study in its small form against theory, bands and the committed baseline
 check: $(VENV)/runs
 	$(RUN) check $(ARGS)
 
+# make report    report.html again, from the results in reports/latest
 report: $(VENV)/runs
 	$(RUN) report
 

@@ -58,6 +58,8 @@ def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace)
     ):
         if value and args.verb != "check":
             parser.error(f"{option} goes with 'check' only; leave it out")
+    if args.verb in {"list", "report"} and (args.quick or args.seed or not args.plots):
+        parser.error(f"{args.verb} solves nothing; leave --quick, --seed and --no-plots out")
     if args.update != (args.reason is not None):
         parser.error('--update and --reason "..." go together; give both or none')
     if args.verb == "check" and (args.quick or args.seed):

@@ -42,7 +42,14 @@ REASON = (
 
 def home(form: str) -> Path:
     """Folder of the baseline of a form, "quick" or "full"."""
-    return (CHECKOUT if CHECKOUT.parent.is_dir() else HOME / "baseline") / form
+    return (CHECKOUT if (HOME.parent / "pyproject.toml").is_file() else HOME / "baseline") / form
+
+
+def strangers(form: str, studies: list[str]) -> list[str]:
+    """Folders of a baseline that are of none of the studies: nothing is compared with them."""
+    folder = home(form)
+    found = [path.name for path in folder.iterdir()] if folder.is_dir() else []
+    return sorted(set(found) - set(studies))
 
 
 def changelog(form: str, reason: str) -> bytes:
@@ -82,7 +89,7 @@ def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:
     folder
         The study's folder in the baseline; an empty list if there is none.
     """
-    if not folder.is_dir():
+    if not any(folder.glob("*.csv")):
         return []
     known = {path.stem for path in folder.glob("*.csv")}
     rows = [_same("tables", known, set(evidence.tables))]
@@ -91,6 +98,10 @@ def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:
             reference = read_csv(folder / f"{name}.csv")
         except pd.errors.EmptyDataError:  # not even a heading
             reference = pd.DataFrame()
+        except ValueError as error:
+            because = f"the baseline cannot be read: {' '.join(str(error).split())}"
+            rows.append(judged(_tolerance(f"{name}.csv", 0.0, because), Observed(math.nan)))
+            continue
         rows += compare_tables(name, evidence.tables[name], reference, evidence.rounding)
     return rows
 

@@ -28,12 +28,17 @@ def junit(studies: Sequence[Stored]) -> bytes:
                 suite, "testcase", classname=f"{study.name}.{row['layer']}", name=row["quantity"]
             )
             if row["verdict"] != "pass":
-                ET.SubElement(case, "failure", message=line(row)).text = row["because"]
+                ET.SubElement(case, "failure", message=line(row)).text = printable(row["because"])
         if study.error:
             case = ET.SubElement(suite, "testcase", classname=study.name, name="study finished")
-            ET.SubElement(case, "error", message=study.error)
+            ET.SubElement(case, "error", message=printable(study.error))
     ET.indent(root)
     return b'<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root) + b"\n"
+
+
+def printable(text: str) -> str:
+    """Text with nothing in it that XML forbids or a terminal obeys."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
 def line(row: Mapping[Hashable, Any]) -> str:

@@ -12,16 +12,17 @@ import contextlib
 import ctypes
 import errno
 import os
+import secrets
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from msvalidate import catalogue
 from msvalidate.page import page
 from msvalidate.problem import ProblemError
-from msvalidate.stored import ABOUT, SUFFIXES, Stored, read, unreadable, verdicts
+from msvalidate.stored import ABOUT, SUFFIXES, Stored, known_files, read, unreadable, verdicts
 
 try:
     import fcntl
@@ -34,7 +35,8 @@ PAGES = ("report.html", "verdict.json")
 EXCHANGE = 2
 """RENAME_EXCHANGE of Linux's renameat2, RENAME_SWAP of macOS's renamex_np."""
 NO_EXCHANGE = {errno.ENOSYS, errno.EINVAL, errno.EXDEV, errno.EBUSY, errno.EPERM, errno.EACCES}
-STAGED = ".msvalidate-new-"
+STAGED, ASIDE = ".msvalidate-new-", ".msvalidate-old-"
+"""How names begin of what is being written, and of what two renames put aside for a moment."""
 
 
 def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
@@ -50,15 +52,23 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
     for name in names:
         if (out / name).exists() and not (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a file; name another folder")
+    _refuse_foreign(out, names)
     for name in PAGES:
         if (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a folder; name another one")
     if out.is_symlink() and not out.exists():
         raise ProblemError(f"--out {out}: a link to nowhere; name another folder")
-    made = [folder for folder in (out, *out.parents) if not folder.exists()]
     for folder in (out, *out.parents):
         if folder.exists() and not folder.is_dir():
             raise ProblemError(f"--out {out}: {folder} is a file; name a folder")
+    _refuse_unmakeable(out)
+
+
+def _refuse_unmakeable(out: Path) -> None:
+    """Make the folder and something in it, and leave no trace."""
+    if out.resolve() == out.resolve().parent:
+        raise ProblemError(f"--out {out}: the root of all folders; name one in it")
+    made = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=out, prefix=STAGED):
@@ -71,8 +81,10 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
                 folder.rmdir()
 
 
-def refuse_place(option: str, path: Path) -> None:
+def refuse_place(option: str, path: Path, out: Path) -> None:
     """Raise `ProblemError`, before any work is done, if no file could be written at `path`."""
+    if out.resolve() in path.resolve().parents:
+        raise ProblemError(f"{option} {path}: inside --out {out}; name a place outside")
     if path.is_dir():
         raise ProblemError(f"{option} {path}: a folder; name a file")
     if not path.parent.is_dir():
@@ -81,7 +93,11 @@ def refuse_place(option: str, path: Path) -> None:
         raise ProblemError(f"{option} {path}: no permission to write there; name another place")
 
 
-def publish(studies: Mapping[str, Files], out: Path) -> None:
+def publish(
+    studies: Mapping[str, Files],
+    out: Path,
+    unfinished: Mapping[str, Callable[[Path], Files]] | None = None,
+) -> list[Stored]:
     """Replace the results of some studies in `out`, and the pages over all that lie there.
 
     Parameters
@@ -90,33 +106,57 @@ def publish(studies: Mapping[str, Files], out: Path) -> None:
         Study -> its files. Results of other studies stay.
     out
         The folder for results.
+    unfinished
+        Study that did not finish -> function of its old folder that gives its files.
+
+    Returns
+    -------
+    list[Stored]
+        The studies given, as they are stored now, whatever another run does next.
 
     Raises
     ------
     OSError
         If a file cannot be written; what was there is then still there.
+    ProblemError
+        If other people's files lie where a study's folder goes.
     """
     out = out.resolve()
     out.parent.mkdir(parents=True, exist_ok=True)
     with _alone(out.parent):
+        late = unfinished or {}
+        new_files = {**studies, **{name: make(out / name) for name, make in late.items()}}
+        _refuse_foreign(out, list(new_files))
         whole = _only_results(out) and not _holds(out, Path.cwd()) and _writable(out.parent)
-        if whole:
-            with _staged(out.parent) as new:
-                for name, files in studies.items():
-                    _write(new / name, files)
-                for name in _kept(out, studies):
-                    shutil.copytree(out / name, new / name)
-                _write(new, _pages(new))
-                if _moved(new, out):
-                    return
-        out.mkdir(exist_ok=True)
-        with _alone(out), _staged(out) as new:
-            for name, files in studies.items():
-                _write(new / name, files)
-                _replace(new / name, out / name)
-            _write(new, _pages(out))
-            for name in PAGES:
-                _replace(new / name, out / name)
+        if not (whole and _exchanged_whole(new_files, out)):
+            _exchanged_one_by_one(new_files, out)
+        return [read(out / name) for name in new_files]
+
+
+def _exchanged_whole(studies: Mapping[str, Files], out: Path) -> bool:
+    """Put new results and those that stay in the place of the old in one step, if that is known."""
+    with _staged(out.parent) as new:
+        for name, files in studies.items():
+            _write(new / name, files)
+        for name in set(_studies(out)) - set(studies):
+            _write(new / name, {p.name: p.read_bytes() for p in (out / name).iterdir()})
+        _write(new, _pages(new))
+        if not out.exists():
+            new.rename(out)
+            return True
+        shutil.copymode(out, new)
+        return _exchanged(new, out)
+
+
+def _exchanged_one_by_one(studies: Mapping[str, Files], out: Path) -> None:
+    out.mkdir(exist_ok=True)
+    with _alone(out), _staged(out) as new:
+        for name, files in studies.items():
+            _write(new / name, files)
+            _replace(new / name, out / name)
+        _write(new, _pages(out))
+        for name in PAGES:
+            _replace(new / name, out / name)
 
 
 def rebuild(out: Path) -> list[Stored]:
@@ -172,21 +212,26 @@ def _read_or_said(folder: Path) -> Stored:
 
 def _studies(folder: Path) -> list[str]:
     """Names of the studies that left results in a folder."""
-    if not folder.is_dir():
-        return []
-    return sorted(p.name for p in folder.iterdir() if (p / ABOUT).is_file() and _is_study(p))
+    return [name for name in catalogue.names() if (folder / name / ABOUT).is_file()]
 
 
-def _is_study(path: Path) -> bool:
-    return not path.name.startswith(".")
-
-
-def _kept(out: Path, studies: Mapping[str, Files]) -> list[str]:
-    return [name for name in _studies(out) if name not in studies]
+def _refuse_foreign(out: Path, names: Sequence[str]) -> None:
+    """Raise `ProblemError` if a study's folder holds what no run wrote: it would be lost."""
+    for name in names:
+        folder = out / name
+        if not folder.is_dir():
+            continue
+        written = known_files(folder)
+        for path in sorted(folder.iterdir()):
+            if path.name not in written or path.is_dir():
+                raise ProblemError(
+                    f"--out {out}: no run wrote {name}/{path.name}, which would be lost; move it "
+                    "away or name another folder"
+                )
 
 
 def _only_results(out: Path) -> bool:
-    """Whether a folder holds nothing that a run did not write: only then may it be exchanged."""
+    """Whether all in a folder is of a kind that a run writes: only then may it be exchanged."""
     if not out.exists():
         return True
     known = catalogue.names()
@@ -225,14 +270,20 @@ def _alone(folder: Path) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _staged(folder: Path) -> Iterator[Path]:
-    """A new folder in `folder`, gone at the end; those that killed runs left are cleared away.
+    """A new folder in `folder`, gone at the end; what killed runs left is put back or cleared away.
 
     Call it alone: see `_alone`.
     """
-    for left in folder.glob(f"{STAGED}*"):
+    for left in folder.glob(f"{ASIDE}*"):
+        place = folder / left.name.removeprefix(ASIDE)
+        if place.exists():
+            shutil.rmtree(left, ignore_errors=True)
+        else:
+            left.rename(place)
+    for left in folder.glob(f"{STAGED}{'[0-9a-f]' * 16}"):
         shutil.rmtree(left, ignore_errors=True)
-    new = Path(tempfile.mkdtemp(dir=folder, prefix=STAGED))
-    new.chmod(0o755)
+    new = folder / f"{STAGED}{secrets.token_hex(8)}"
+    new.mkdir()
     try:
         yield new
     finally:
@@ -253,22 +304,15 @@ def _write(folder: Path, files: Files) -> None:
             raise OSError(error.errno, error.strerror, f"{folder.name}/{name}") from error
 
 
-def _moved(new: Path, out: Path) -> bool:
-    """Put `new` in the place of `out` in one step; whether that could be done."""
-    if not out.exists():
-        new.rename(out)
-        return True
-    return _exchanged(new, out)
-
-
 def _replace(new: Path, old: Path) -> None:
     """Put a file or folder in another's place: in one step where that can be done."""
     if new.is_file() or not old.exists():
         new.replace(old)
     elif not _exchanged(new, old):
-        aside = new.with_name(f"{new.name}.old")
+        aside = old.with_name(f"{ASIDE}{old.name}")
         old.rename(aside)
         new.rename(old)
+        shutil.rmtree(aside, ignore_errors=True)
 
 
 def _exchanged(one: Path, other: Path) -> bool:

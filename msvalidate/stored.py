@@ -103,8 +103,17 @@ def files(result: Result, origin: Mapping[str, str], *, plots: bool = True) -> d
         "captions": captions,
         "origin": dict(origin),
         "error": "",
+        "files": sorted([*found, ABOUT]),
     }
     return found | {ABOUT: _json(about)}
+
+
+def known_files(folder: Path) -> set[str]:
+    """Names of the files that a run left in a study's folder; none if it is no such folder."""
+    try:
+        return set(json.loads((folder / ABOUT).read_text(encoding="utf-8"))["files"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return set()
 
 
 def unfinished(
@@ -112,10 +121,10 @@ def unfinished(
 ) -> dict[str, bytes]:
     """The files of a study that did not finish: those of the run before, marked, if there are."""
     about: dict[str, Any] = {"question": question, "findings": [], "tables": [], "columns": {}}
-    about |= {"captions": {}, "origin": dict(origin)}
+    about |= {"captions": {}, "origin": dict(origin), "files": [ABOUT]}
     found: dict[str, bytes] = {}
-    if (folder / ABOUT).is_file():
-        found = {p.name: p.read_bytes() for p in sorted(folder.iterdir()) if p.suffix in SUFFIXES}
+    if known_files(folder):
+        found = {p.name: p.read_bytes() for p in sorted(folder.iterdir())}
         about = json.loads(found[ABOUT])
     return found | {ABOUT: _json(about | {"error": error})}
 

@@ -13,6 +13,7 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from msvalidate import catalogue
@@ -43,8 +44,8 @@ def main(arguments: Sequence[str]) -> int:
     if args.verb == "list":
         return _list()
     if args.verb == "report":
-        return _guarded(args, lambda: _report(args))
-    return _guarded(args, lambda: _run(args, arguments))
+        return _guarded(lambda: _report(args))
+    return _guarded(lambda: _run(args, arguments))
 
 
 def _list() -> int:
@@ -54,7 +55,7 @@ def _list() -> int:
     return HELD
 
 
-def _guarded(args: argparse.Namespace, act: Callable[[], int]) -> int:
+def _guarded(act: Callable[[], int]) -> int:
     """Act; what goes wrong outside the studies is said in one line."""
     # One thread for dense algebra: the sparse solves here gain nothing from more, and sums come out
     # the same on any number of cores.
@@ -67,7 +68,8 @@ def _guarded(args: argparse.Namespace, act: Callable[[], int]) -> int:
     except (ProblemError, ImportError) as error:
         return _error(str(error), USAGE)
     except OSError as error:
-        return _error(f"--out {args.out}: {error.strerror}: {error.filename}", USAGE)
+        what = f"{error.strerror}: {error.filename}" if error.filename else str(error)
+        return _error(f"writing results: {what}", USAGE)
 
 
 def _report(args: argparse.Namespace) -> int:
@@ -79,6 +81,8 @@ def _report(args: argparse.Namespace) -> int:
         _say(study, args)
     if not args.quiet:
         print(f"report in {args.out / 'report.html'}", file=sys.stderr)
+    if any(study.error for study in studies):
+        return FAILED
     return HELD if all(study.held for study in studies) else MISSED
 
 
@@ -89,7 +93,7 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     started = datetime.now(UTC)
     report.refuse_unwritable(args.out, args.studies)
     if args.junit:
-        report.refuse_place("--junit", args.junit)
+        report.refuse_place("--junit", args.junit, args.out)
     if args.update:
         baseline.changelog(args.form, args.reason)  # refuses, if there is none, before the work
     for name in args.studies:
@@ -130,11 +134,16 @@ def _written(
     arguments, started = command
     origin = provenance(shown(arguments), args.seed, started)
     files = {r.name: stored.files(r, origin, plots=args.plots) for r in results}
-    for name, error in unfinished.items():
-        question = catalogue.load(name).__doc__ or ""
-        files[name] = stored.unfinished(args.out / name, question, origin, error)
-    report.publish(files, args.out)
-    studies = [study for study in report.stored(args.out) if study.name in files]
+    late = {
+        name: partial(
+            stored.unfinished,
+            question=catalogue.load(name).__doc__ or "",
+            origin=origin,
+            error=error,
+        )
+        for name, error in unfinished.items()
+    }
+    studies = report.publish(files, args.out, late)
     if args.junit:
         report.replace_file(args.junit, junit(studies))
     return studies
@@ -148,6 +157,7 @@ def _studied(
     One that fails does not keep the others from running.
     """
     from msvalidate.evidence import judge
+    from msvalidate.junit import printable
     from msvalidate.problem import ProblemError, SolverError
     from msvalidate.stored import Result
     from msvalidate.sweep import Setting
@@ -162,7 +172,7 @@ def _studied(
             evidence = module.run(setting=setting)
             results.append(Result(name, module.__doc__ or "", evidence, judge(evidence)))
         except (ProblemError, SolverError) as error:
-            unfinished[name] = str(error)
+            unfinished[name] = printable(str(error))
             codes.append(USAGE if isinstance(error, ProblemError) else FAILED)
         except Exception as error:  # noqa: BLE001  a crash is reported as one, and spoils nothing else
             # What a crash says may hold paths of this machine: for the terminal, not the report.
@@ -184,7 +194,11 @@ def _compared(results: list[Result], form: str) -> tuple[list[Result], list[str]
 
     from msvalidate import baseline
 
-    found, uncompared = [], []
+    found = []
+    uncompared = [
+        f"{form} baseline: {name} is no study; check --update leaves it out"
+        for name in baseline.strangers(form, catalogue.names())
+    ]
     for result in results:
         rows = baseline.compare(result.evidence, baseline.home(form) / result.name)
         if not rows:
@@ -205,12 +219,12 @@ def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) 
         return _error(
             f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
         )
-    form = "full" if args.full else "quick"
-    report.replace_folder(
-        baseline.home(form), {r.name: baseline.files(r.evidence) for r in results}
-    )
-    report.replace_file(baseline.CHANGELOG, baseline.changelog(form, args.reason))
-    print(f"{form} baseline renewed; CHANGELOG.md says why", file=sys.stderr)
+    changelog = baseline.changelog(args.form, args.reason)
+    tables = {result.name: baseline.files(result.evidence) for result in results}
+    # The reason first: a number never moves without one.
+    report.replace_file(baseline.CHANGELOG, changelog)
+    report.replace_folder(baseline.home(args.form), tables)
+    print(f"{args.form} baseline renewed; CHANGELOG.md says why", file=sys.stderr)
     return HELD
 
 

@@ -127,6 +127,9 @@ BAD_COMMANDS = [
     (["check", "--seed", "1"], "check has its own form and seed; leave --quick and --seed out"),
     (["check", "--junit", ""], "argument --junit: '' is no name; name a place"),
     (["poisson", "--out", "a\u202eb"], "is no name; name a place"),
+    (["list", "--seed", "1"], "list solves nothing; leave --quick, --seed and --no-plots out"),
+    (["report", "--quick"], "report solves nothing; leave --quick, --seed and --no-plots out"),
+    (["poisson", "--out", "/"], "--out /: the root of all folders; name one in it"),
     (["report", "--out", "none"], "--out none: no results there; run a study first"),
     (["report", "--out", "taken"], "--out taken: no results there; run a study first"),
 ]
@@ -239,7 +242,7 @@ def test_a_full_disk_names_the_file_that_was_wanted(tmp_path):
     body = f"{full}\nos.fsync = no\n" + ENDINGS["tolerance missed"][2]
     done = run(cwd=tmp_path, script=PATCHED.format(body=body))
     assert done.returncode == 2
-    assert "--out r: No space left on device: poisson/t.csv" in done.stderr
+    assert "writing results: No space left on device: poisson/t.csv" in done.stderr
     assert not [p for p in tmp_path.rglob("*") if p.is_file()], "nothing half-written"
 
 
@@ -340,6 +343,7 @@ def renewed(tmp_path_factory):
     """A folder with a baseline of its own, made by the command itself."""
     folder = tmp_path_factory.mktemp("renewed")
     (folder / "CHANGELOG.md").write_text("# C\n\n## Unreleased\n", encoding="utf-8")
+    (folder / "pyproject.toml").touch()  # a checkout's
     done = run("check", "--update", "--reason", "first", cwd=folder, script=small())
     assert done.returncode == 0, done.stderr
     return folder
@@ -388,6 +392,8 @@ def test_a_moved_digit_fails_the_check(checked):
         ("x,word\n1.0,a\n2.0,c\n", "row 1: 'b' where the baseline has 'c'; words are exact"),
         ("x,word\n", "t.csv: rows: observed 2, reference nan"),
         ("", "t.csv: columns: missing or extra"),
+        ("x,word\n1.0,a,9\n2.0,b\n", "t.csv: x: observed 2, reference 0"),
+        ('x,word\n"1.0,a\n', "the baseline cannot be read: "),
     ],
 )
 def test_a_spoilt_baseline_fails_the_check(damage, said, checked):
@@ -395,6 +401,32 @@ def test_a_spoilt_baseline_fails_the_check(damage, said, checked):
     done = run("check", cwd=checked, script=small())
     assert done.returncode == 1
     assert said in done.stderr
+
+
+def test_a_baseline_of_no_study_is_told(checked):
+    shutil.copytree(checked / "base/quick/poisson", checked / "base/quick/oldstudy")
+    done = run("check", cwd=checked, script=small())
+    assert done.returncode == 4
+    assert "quick baseline: oldstudy is no study" in done.stderr
+
+
+def test_files_of_other_people_are_refused_before_the_work(tmp_path):
+    (tmp_path / "r" / "poisson").mkdir(parents=True)
+    (tmp_path / "r" / "poisson" / "notes.txt").write_text("mine", encoding="utf-8")
+    done = run("poisson", "--out", "r", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "no run wrote poisson/notes.txt, which would be lost; move it away" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_what_a_solver_says_is_made_printable(tmp_path):
+    body = """
+from msvalidate.problem import SolverError
+def run(setting): raise SolverError("bad \\x1b[31m \\x00 \\udc80")"""
+    done = run("check", "--junit", "j.xml", cwd=tmp_path, script=CHECKED.format(body=body))
+    assert done.returncode == 3
+    assert "\x1b" not in done.stderr
+    assert "\x1b" not in (tmp_path / "j.xml").read_text(encoding="utf-8")
 
 
 def test_a_study_off_its_theory_fails_the_check(checked):
@@ -445,7 +477,12 @@ def test_report_makes_the_page_again(checked):
 
 
 def test_a_place_for_junit_that_is_taken(checked):
-    for place, said in (("base", "a folder; name a file"), ("no/j.xml", "no folder no; make it")):
+    places = {
+        "base": "a folder; name a file",
+        "no/j.xml": "no folder no; make it",
+        "reports/latest/verdict.json": "inside --out reports/latest; name a place outside",
+    }
+    for place, said in places.items():
         done = run("check", "--junit", place, cwd=checked, script=small())
         assert done.returncode == 2
         assert f"--junit {place}: {said}" in done.stderr

@@ -205,7 +205,7 @@ def run(measured: Mapping[Block, Measured], bodies: Bodies) -> Evidence:
         },
         columns=COLUMNS,
         findings=findings(cases, order),
-        rounding={"at_rest": AT_REST, "total": AT_REST},
+        rounding={"at_rest": TELESCOPES, "total": TELESCOPES},
     )
 
 

@@ -124,8 +124,8 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
         columns=COLUMNS,
         rounding={
             "stiffness_difference": 1e-12,
-            "displacement_difference": 1e-9,
-            "tension_error": 1e-9,
+            "displacement_difference": 1e-12,
+            "tension_error": 1e-12,
         },
     )
 

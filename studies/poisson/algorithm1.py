@@ -104,7 +104,7 @@ def run(
         tolerances=TOLERANCES,
         figures={"rest": draw, "block": draw_block},
         columns=COLUMNS,
-        rounding={"difference": 1e-9},
+        rounding={"difference": 1e-12},
     )
 
 

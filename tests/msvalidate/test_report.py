@@ -3,6 +3,7 @@
 import getpass
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -142,9 +143,11 @@ def test_a_report_made_again_is_the_same(tmp_path):
 def test_an_unfinished_study_keeps_the_results_of_the_run_before(tmp_path):
     out = tmp_path / "r"
     report.publish({"poisson": files(gap=1.2)}, out)
-    again = stored.unfinished(out / "poisson", "How long?", {"seed": "1"}, "diverged")
-    report.publish({"poisson": again}, out)
-    (study,) = report.stored(out)
+
+    def again(folder):
+        return stored.unfinished(folder, "How long?", {"seed": "1"}, "diverged")
+
+    (study,) = report.publish({}, out, {"poisson": again})
     assert (study.error, study.held, study.origin) == ("diverged", False, {"seed": "0"})
     assert list(study.tables) == ["line"]
     (row,) = json.loads((out / "verdict.json").read_text(encoding="utf-8"))
@@ -157,7 +160,7 @@ def test_an_unfinished_study_keeps_the_results_of_the_run_before(tmp_path):
 
 def test_an_unfinished_study_without_a_run_before(tmp_path):
     out = tmp_path / "r"
-    report.publish({"poisson": stored.unfinished(out / "poisson", "Why?", {}, "diverged")}, out)
+    report.publish({}, out, {"poisson": lambda f: stored.unfinished(f, "Why?", {}, "diverged")})
     assert set(content(out)) == {"poisson/study.json", "report.html", "verdict.json"}
     assert "diverged" in (out / "report.html").read_text(encoding="utf-8")
 
@@ -179,7 +182,7 @@ def test_a_full_disk_keeps_the_old_results(tmp_path, monkeypatch):
     assert content(tmp_path) == before
 
 
-@pytest.mark.parametrize("foreign", ["notes.txt", "poisson/notes.txt", "other/x.csv"])
+@pytest.mark.parametrize("foreign", ["notes.txt", "poisson/notes.txt", "optuna/study.json"])
 def test_files_of_other_people_stay(foreign, tmp_path):
     """A folder that holds more than results is not exchanged: its parts are."""
     out = tmp_path / "r"
@@ -190,6 +193,50 @@ def test_files_of_other_people_stay(foreign, tmp_path):
     assert (out / foreign).read_text(encoding="utf-8") == "mine"
     assert json.loads((out / "verdict.json").read_text(encoding="utf-8"))[0]["verdict"] == "pass"
     assert not list(out.glob(".*"))
+
+
+@pytest.mark.parametrize("foreign", ["notes.txt", "my.csv", "thesis/chapter.txt"])
+def test_files_of_other_people_in_a_studys_folder_are_refused(foreign, tmp_path):
+    out = tmp_path / "r"
+    for written in (False, True):  # beside no results, and beside results
+        if written:
+            shutil.rmtree(out)
+            report.publish({"poisson": files()}, out)
+        (out / "poisson" / foreign).parent.mkdir(parents=True, exist_ok=True)
+        (out / "poisson" / foreign).write_text("mine", encoding="utf-8")
+        for act in (
+            lambda: report.refuse_unwritable(out, ["poisson"]),
+            lambda: report.publish({"poisson": files()}, out),
+        ):
+            with pytest.raises(ProblemError, match="no run wrote poisson/"):
+                act()
+        assert (out / "poisson" / foreign).read_text(encoding="utf-8") == "mine"
+
+
+def test_folders_that_only_look_like_ours_stay(tmp_path):
+    mine = tmp_path / f"{report.STAGED}mine"
+    mine.mkdir()
+    report.publish({"poisson": files()}, tmp_path / "r")
+    assert mine.is_dir()
+
+
+def test_what_was_put_aside_is_put_back(tmp_path, monkeypatch):
+    """A run killed between two renames: the next one finds what it put aside."""
+    monkeypatch.setattr(report, "_exchanged", lambda *_: False)
+    out = tmp_path / "r"
+    report.publish({"poisson": files()}, out)
+    (out / "poisson").rename(out / f"{report.ASIDE}poisson")
+    report.publish({"displacement": files("displacement")}, out)
+    assert [study.name for study in report.stored(out)] == ["displacement", "poisson"]
+    assert not list(out.glob(".*"))
+
+
+def test_the_folders_mode_stays(tmp_path):
+    out = tmp_path / "r"
+    report.publish({"poisson": files()}, out)
+    out.chmod(0o700)
+    report.publish({"poisson": files()}, out)
+    assert out.stat().st_mode & 0o777 == 0o700
 
 
 def test_results_in_the_current_folder(tmp_path, monkeypatch):
@@ -210,7 +257,7 @@ def test_where_folders_cannot_be_exchanged(tmp_path, monkeypatch):
 
 
 def test_what_a_killed_run_left_is_cleared_away(tmp_path):
-    (tmp_path / f"{report.STAGED}x" / "poisson").mkdir(parents=True)
+    (tmp_path / f"{report.STAGED}{'0' * 16}" / "poisson").mkdir(parents=True)
     report.publish({"poisson": files()}, tmp_path / "r")
     assert [p.name for p in tmp_path.iterdir()] == ["r"]
 
