@@ -126,7 +126,7 @@ def _add_check(parser: argparse.ArgumentParser) -> None:
     check.add_argument("--junit", type=_path, metavar="FILE", help="write a JUnit file for a CI")
 
 
-def shown(arguments: Sequence[str]) -> list[str]:
+def as_shown(arguments: Sequence[str]) -> list[str]:
     """The command as a report shows it, without paths."""
     words: list[str] = []
     for argument in arguments:

@@ -25,7 +25,7 @@ CHECKOUT = HOME.parent / "reports" / "baseline"
 """Where a checkout keeps it; a wheel carries it inside the package."""
 CHANGELOG = HOME.parent / "CHANGELOG.md"
 UNRELEASED = "## Unreleased\n"
-NUMBERS = "### Numbers\n"
+HEADING = "### Numbers\n"
 RELATIVE = 1e-6
 """rtol: what other versions of the libraries and another order of sums change, with a factor of a
 hundred; no digit that a reader of a table sees."""
@@ -67,10 +67,10 @@ def changelog(form: str, reason: str) -> bytes:
     if not unreleased:
         raise ProblemError(f"CHANGELOG.md: no heading {UNRELEASED.strip()!r}; add it")
     entry = f"- Baseline ({form}): {reason}\n"
-    if NUMBERS in rest.partition("\n## ")[0]:
-        rest = rest.replace(f"{NUMBERS}\n", f"{NUMBERS}\n{entry}", 1)
+    if HEADING in rest.partition("\n## ")[0]:
+        rest = rest.replace(f"{HEADING}\n", f"{HEADING}\n{entry}", 1)
     else:
-        rest = f"\n{NUMBERS}\n{entry}{rest}"
+        rest = f"\n{HEADING}\n{entry}{rest}"
     return (head + unreleased + rest).encode()
 
 

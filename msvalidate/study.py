@@ -25,8 +25,8 @@ from msvalidate.arguments import (
     NOTHING,
     PROGRAM,
     USAGE,
+    as_shown,
     parse,
-    shown,
 )
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ def _written(
     from msvalidate.provenance import provenance
 
     arguments, started = command
-    origin = provenance(shown(arguments), args.seed, started)
+    origin = provenance(as_shown(arguments), args.seed, started)
     files = {r.name: stored.files(r, origin, plots=args.plots) for r in results}
     late = {
         name: partial(
