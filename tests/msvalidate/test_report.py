@@ -270,6 +270,8 @@ sys.path[:0] = {paths!r}
 import test_report
 from msvalidate import report
 gap = float(sys.argv[1])
+if sys.argv[3:] == ["apart"]:
+    report._exchanged = lambda *_: False
 new = {{name: test_report.files(name, gap, plots=False) for name in ("poisson", "displacement")}}
 print("ready", flush=True)
 while True:
@@ -278,13 +280,22 @@ while True:
 """
 
 
-def writer(gap, out):
+def writer(gap, out, *how):
     script = WRITER.format(paths=[str(Path(__file__).parent), str(ROOT)])
     process = subprocess.Popen(
-        [sys.executable, "-c", script, str(gap), str(out)], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", script, str(gap), str(out), *how],
+        stdout=subprocess.PIPE,
+        text=True,
     )
     process.stdout.readline()
     return process
+
+
+def rows_of(out, study):
+    rows = json.loads((out / "verdict.json").read_bytes())
+    found = [row for row in rows if row["study"] == study]
+    assert found
+    return found
 
 
 def turns(seen):
@@ -313,6 +324,24 @@ def test_killed_at_any_instant(tmp_path):
         assert content(out) in whole.values()
     report.publish({"poisson": files(plots=False)}, out)
     assert [p.name for p in tmp_path.iterdir()] == ["r"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs kill -9")
+def test_killed_where_folders_cannot_be_exchanged(tmp_path):
+    """Studies may then be of two runs, but each is whole, and the next run finds them all."""
+    out = tmp_path / "r"
+    names = ("poisson", "displacement")
+    report.publish({n: files(n, 1.2, plots=False) for n in names}, out)
+    for turn in range(5):
+        process = writer((1.4, 1.2)[turn % 2], out, "apart")
+        time.sleep(0.007 * turn)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        process.stdout.close()
+        report.publish({"poisson": files(gap=1.3, plots=False)}, out)
+        assert {row["observed"] for row in rows_of(out, "displacement")} <= {1.2, 1.4}
+        assert {row["observed"] for row in rows_of(out, "poisson")} == {1.3}
+    assert not list(out.glob(".*"))
 
 
 @pytest.mark.skipif(os.name != "posix", reason="folders are locked on Unix")
