@@ -182,6 +182,62 @@ def test_momentum_is_kept_without_supports(name, networks, data):
     assert (np.abs(moved) <= 1e-12 * scale).all()
 
 
+def angular_momentum(network, position, velocity):
+    """Σ m x × v, of the plane as a space with z = 0."""
+    in_space = [np.pad(values, ((0, 0), (0, 3 - network.dim))) for values in (position, velocity)]
+    return network.mass @ np.cross(*in_space)
+
+
+@pytest.mark.parametrize("name", [name for name, scheme in TRUE.items() if scheme.symplectic])
+@examples
+@given(data=st.data())
+def test_angular_momentum_is_kept_without_supports(name, networks, data):
+    """By the schemes that keep areas; explicit Euler adds v × a once in a step's square."""
+    network, position = data.draw(networks(stressed=True))
+    network = spring_network(network.points, network.springs, network.stiffness, mass=network.mass)
+    velocity = np.random.default_rng(len(position)).normal(size=position.shape)
+    end = motion(network, State(position, velocity), INTEGRATORS[name], 1e-3, 5)
+    before = angular_momentum(network, position, velocity)
+    after = angular_momentum(network, end.position, end.velocity)
+    scale = network.mass.sum() * np.abs(position).max() + network.stiffness.sum()
+    assert (np.abs(after - before) <= 1e-12 * scale).all()
+
+
+def energies(scheme, steps, periods=3):
+    """Energy (J) of the undamped oscillator of unit mass, from (1, 0), at synchronised velocity."""
+    h = 2 * np.pi / OMEGA / steps
+    matrix = one_step_matrix(scheme, OMEGA, h)
+    state = np.array([1.0, 0.5 * h * OMEGA**2 if scheme.staggered else 0.0])
+    found = []
+    for _ in range(periods * steps):
+        x, v = state
+        v = v - 0.5 * h * OMEGA**2 * x if scheme.staggered else v
+        found.append(0.5 * v * v + 0.5 * OMEGA**2 * x * x)
+        state = matrix @ state
+    return np.array(found)
+
+
+@pytest.mark.parametrize(
+    ("name", "power"), [("euler_cromer", 1), ("leapfrog", 2), ("velocity_verlet", 2)]
+)
+def test_energy_fluctuates_with_a_power_of_the_step(name, power):
+    steps = 50 * 2 ** np.arange(5)
+    spread = [np.ptp(energies(INTEGRATORS[name], n)) for n in steps]
+    orders = np.log2(np.array(spread[:-1]) / spread[1:])
+    assert np.abs(orders - power).max() < 0.1
+
+
+@pytest.mark.parametrize("name", ["euler_cromer", "leapfrog", "velocity_verlet"])
+def test_energy_does_not_drift(name):
+    """h·ω = 2 sin(π/63) makes a period 63 steps, after which the state is back to rounding."""
+    matrix = one_step_matrix(INTEGRATORS[name], OMEGA, 2 * np.sin(np.pi / 63) / OMEGA)
+    after = np.linalg.matrix_power(matrix, 63)
+    np.testing.assert_allclose(after, np.eye(2), atol=1e-13)
+    # Ten thousand periods on, the rounding of 630 000 steps.
+    far = np.linalg.matrix_power(matrix, 63 * 10_000)
+    np.testing.assert_allclose(far, np.eye(2), atol=1e-9)
+
+
 @pytest.mark.parametrize("name", ["velocity_verlet", "leapfrog"])
 @examples
 @given(data=st.data())
