@@ -132,13 +132,14 @@ def _leapfrog_limit(_: float) -> float:
 def _velocity_verlet_limit(zeta: float) -> float:
     """First y = h·ω at which det M = p², tr M = 1 + p² - y²(1 + p)/2, p = 1 - ζy, leave Jury's.
 
-    1 + tr M + det M ≥ 0 is a cubic in y; |det M| ≤ 1 asks for p ≥ -1.
+    1 + tr M + det M ≥ 0 is a cubic in y, written for z = 1/y, whose roots stay ordinary numbers
+    as ζ vanishes; |det M| ≤ 1 asks for p ≥ -1.
     """
     if zeta >= 1:
         return 2 / zeta
-    roots = np.roots([0.5 * zeta, 2 * zeta * zeta - 1, -4 * zeta, 4])
+    roots = np.roots([4, -4 * zeta, 2 * zeta * zeta - 1, 0.5 * zeta])
     crossings = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0)]
-    return float(min([*crossings, 2 / zeta if zeta > 0 else math.inf]))
+    return float(1 / max([*crossings, 0.5 * zeta]))
 
 
 def _verlet_as_printed_limit(zeta: float) -> float:

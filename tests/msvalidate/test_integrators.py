@@ -57,6 +57,19 @@ def test_velocity_verlet_under_damping(zeta, limit):
     assert found == pytest.approx(limit, abs=0.005)
 
 
+@pytest.mark.parametrize("zeta", [5e-324, 1e-310, 1e-17, 1e-9, 1e300])
+@every_scheme
+def test_limits_at_the_ends_of_the_numbers(name, zeta):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        limit = INTEGRATORS[name].limit(zeta)
+    nearly = INTEGRATORS[name].limit(1e-6 if zeta < 1 else 1e9)
+    if zeta < 1:
+        assert limit <= nearly * (1 + 1e-5)
+    else:
+        assert 0 <= limit <= nearly
+
+
 def test_explicit_euler_needs_both_ends_of_the_spectrum():
     scheme, damping = INTEGRATORS["explicit_euler"], 1.0
     limit = stability_limit(scheme, 0.01, 1.5, damping)
