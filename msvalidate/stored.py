@@ -19,7 +19,7 @@ import matplotlib as mpl
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.evidence import Evidence
+from msvalidate.evidence import Evidence, held
 from msvalidate.figures import STYLE
 from msvalidate.problem import ProblemError
 
@@ -78,8 +78,7 @@ class Stored:
     @property
     def held(self) -> bool:
         """Whether it finished, judged something, and all that it judged passed."""
-        judged = self.verdict["verdict"]
-        return not self.error and bool(len(judged)) and bool((judged == "pass").all())
+        return not self.error and held(self.verdict)
 
 
 def files(result: Result, origin: Mapping[str, str], *, plots: bool = True) -> dict[str, bytes]:

@@ -173,16 +173,15 @@ def _studied(
             results.append(Result(name, module.__doc__ or "", evidence, judge(evidence)))
         except (ProblemError, SolverError) as error:
             unfinished[name] = printable(str(error))
-            codes.append(USAGE if isinstance(error, ProblemError) else FAILED)
+            code = USAGE if isinstance(error, ProblemError) else FAILED
+            codes.append(_error(f"study {name}: {unfinished[name]}", code))
         except Exception as error:  # noqa: BLE001  a crash is reported as one, and spoils nothing else
             # What a crash says may hold paths of this machine: for the terminal, not the report.
             unfinished[name] = f"crashed: {type(error).__name__}"
-            codes.append(_error(f"study {name}: crashed: {type(error).__name__}: {error}", FAILED))
+            said = printable(str(error))
+            codes.append(_error(f"study {name}: crashed: {type(error).__name__}: {said}", FAILED))
             if args.verbose:
                 traceback.print_exc()
-            continue
-        if name in unfinished:
-            _error(f"study {name}: {unfinished[name]}", FAILED)
     return results, unfinished, codes
 
 
