@@ -2,11 +2,26 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import stdtrit
 
 from msvalidate.evidence import Observed
 from msvalidate.problem import Array, ProblemError, finite, numbers
+
+
+CONFIDENCE = 0.95
+"""Of the interval in which the true exponent of a fitted power lies, were its scatter random."""
+
+
+class Power(NamedTuple):
+    """Fitted power law: its exponent, and the ends of the exponent's confidence interval."""
+
+    exponent: float
+    low: float
+    high: float
 
 
 def worst(values: ArrayLike, references: ArrayLike) -> Observed:
@@ -44,6 +59,28 @@ def observed_order(spacings: ArrayLike, errors: ArrayLike) -> float:
     if len(h) < 2 or not np.isfinite(e).all() or (e <= 1e-14).any():
         return float("nan")
     return float(np.polyfit(np.log(h), np.log(e), 1)[0])
+
+
+def fitted_power(sizes: ArrayLike, values: ArrayLike) -> Power:
+    """Exponent p of values ∝ sizes^p, by least squares in logarithms, with its interval.
+
+    The interval is Student's, of `CONFIDENCE`: what the scatter about the line says of its slope.
+
+    Raises
+    ------
+    ProblemError
+        If there is not one value a size, fewer than three, or one is not above zero.
+    """
+    x, y = finite("sizes", sizes), finite("values", values)
+    if x.ndim != 1 or y.shape != x.shape or len(x) < 3:
+        raise ProblemError(f"sizes {x.shape}, values {y.shape}: give three or more, one a size")
+    if (x <= 0).any() or (y <= 0).any() or len(set(x)) < len(x):
+        raise ProblemError("sizes and values: give each size once, and all above zero")
+    u, w = np.log(x) - np.log(x).mean(), np.log(y) - np.log(y).mean()
+    slope = float(u @ w / (u @ u))
+    error = float(np.sqrt(((w - slope * u) ** 2).sum() / (len(x) - 2) / (u @ u)))
+    reach = float(stdtrit(len(x) - 2, 0.5 + CONFIDENCE / 2)) * error
+    return Power(slope, slope - reach, slope + reach)
 
 
 def _fitting(value: Array, reference: Array) -> tuple[Array, Array]:

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from msvalidate.compare import observed_order, worst
+from msvalidate.compare import fitted_power, observed_order, worst
 from msvalidate.evidence import Evidence, Observed, Tolerance, held, judge, merged
-from msvalidate.problem import SolverError
+from msvalidate.problem import ProblemError, SolverError
 
 LIMIT = Tolerance("gap", 0.1, "m", "because")
 TABLE = pd.DataFrame({"x": [1.0, 2.0]})
@@ -113,3 +113,27 @@ def test_observed_order():
     assert np.isnan(observed_order(h, [1e-16, 1e-16, 2e-16])), "an order fitted to rounding"
     assert np.isnan(observed_order(h[:1], [1.0]))
     assert np.isnan(observed_order(h, [1.0, np.nan, 0.1]))
+
+
+def test_fitted_power_of_a_power():
+    sizes = np.array([1.0, 3.0, 10.0, 40.0])
+    fit = fitted_power(sizes, 7 * sizes**1.5)
+    np.testing.assert_allclose(fit, 1.5, rtol=1e-12)
+
+
+def test_the_interval_of_a_power_holds_it_as_often_as_it_says():
+    rng = np.random.default_rng(3)
+    sizes, hits = np.geomspace(10, 1000, 5), 0
+    for _ in range(2000):
+        fit = fitted_power(sizes, sizes**0.5 * np.exp(rng.normal(0, 0.1, 5)))
+        hits += fit.low <= 0.5 <= fit.high
+    assert hits / 2000 == pytest.approx(0.95, abs=0.02)  # four standard errors of the count
+
+
+@pytest.mark.parametrize(
+    ("sizes", "values"),
+    [([1, 2], [1, 2]), ([1, 2, 2], [1, 2, 3]), ([1, 2, 3], [1, 0, 3]), ([1, 2, 3], [1, 2])],
+)
+def test_no_power_to_fit(sizes, values):
+    with pytest.raises(ProblemError, match="sizes"):
+        fitted_power(sizes, values)
