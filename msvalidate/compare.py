@@ -11,7 +11,6 @@ from scipy.special import stdtrit
 from msvalidate.evidence import Observed
 from msvalidate.problem import Array, ProblemError, finite, numbers
 
-
 CONFIDENCE = 0.95
 """Of the interval in which the true exponent of a fitted power lies, were its scatter random."""
 

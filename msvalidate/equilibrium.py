@@ -120,7 +120,7 @@ def is_stable(network: Network, position: Array) -> bool:
 def _linear(network: Network) -> Equilibrium:
     K = tangent(network, network.points)
     load = spring_force(network, network.points) + network.force
-    move, stable = _solve(network, network.points, K, load, network.displacement)
+    move, stable = tangent_move(network, network.points, K, load, network.displacement)
     if not stable:
         raise SolverError(
             "linear equilibrium: the network is unstable at its reference points (its tangent "
@@ -172,7 +172,7 @@ def _newton(network: Network, position: Array, fraction: float) -> tuple[Array |
         try:
             balance = spring_force(network, x) + fraction * network.force
             small = TOLERANCE * force_scale(network, x) + floor
-            move, stable = _solve(network, x, tangent(network, x), balance, ahead)
+            move, stable = tangent_move(network, x, tangent(network, x), balance, ahead)
         except SolverError:
             if iteration == 0:  # singular where we stand: smaller steps cannot help
                 raise
@@ -181,13 +181,13 @@ def _newton(network: Network, position: Array, fraction: float) -> tuple[Array |
         arrived = _largest(ahead[network.held]) <= _rounding(x)
         if arrived and (np.abs(balance) <= small)[~network.held].all():
             return (x if stable else None), iteration + 1
-        if _turn(network, x, move) > LARGEST_TURN:
+        if largest_turn(network, x, move) > LARGEST_TURN:
             return None, iteration + 1
         x = x + move
     return None, ITERATIONS
 
 
-def _turn(network: Network, x: Array, move: Array) -> float:
+def largest_turn(network: Network, x: Array, move: Array) -> float:
     """Largest change of a spring's vector in a move, relative to its length; infinite for NaN."""
     i, j = network.springs.T
     length = np.linalg.norm(x[j] - x[i], axis=1)
@@ -196,10 +196,18 @@ def _turn(network: Network, x: Array, move: Array) -> float:
     return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
 
 
-def _solve(
+def tangent_move(
     network: Network, x: Array, K: csr_array, load: Array, held: Array
 ) -> tuple[Array, bool]:
-    """Move (n, d) that balances `load`, held components moving by `held`; is K positive."""
+    """Move (n, d) in m from `x` that balances `load` (n, d) in N to first order; is K positive.
+
+    `K` is the tangent at `x`, `held` the move of the held components.
+
+    Raises
+    ------
+    SolverError
+        If some motion meets no stiffness.
+    """
     free = np.flatnonzero(~network.held.ravel())
     move = np.where(network.held, held, 0.0).ravel()
     if not len(free):

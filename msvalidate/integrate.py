@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate import kernels
-from msvalidate.integrators import EULER_CROMER, Integrator, Moving, stability_limit
+from msvalidate.integrators import EULER_CROMER, Integrator, Moving, factors_of, stability_limit
 from msvalidate.network import Network, spring_force, tangent
 from msvalidate.problem import (
     LONGEST,
@@ -28,6 +28,10 @@ from msvalidate.problem import (
     whole,
 )
 from msvalidate.spectrum import extreme_frequencies
+
+
+class StabilityWarning(UserWarning):
+    """A run is about to start with a time step beyond its stability limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +184,7 @@ def euler_cromer(
     u = np.array(state.position, dtype=float) - network.points
     v = np.where(network.held, 0.0, state.velocity)
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
-        kernels.euler_cromer(network, u, v, rate, dt, steps)
+        kernels.advance(network, u, v, *factors_of(EULER_CROMER)(dt, rate), dt, steps)
         return _finite_motion(State(network.points + u, v), dt, EULER_CROMER.name)
 
 

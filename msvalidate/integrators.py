@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,8 @@ class Moving(NamedTuple):
 
 Step = Callable[[Acceleration, Moving, float, Array | float], Moving]
 """One step of `h` (s) with damping `c` (1/s), a number or one a component."""
+Factors = Callable[[float, Array], tuple[Array, Array]]
+"""(keep, push) of a step of `h` (s) with damping `c` (1/s): v = keep·v + push·a, x += h·v."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,8 @@ class Integrator:
         range below it is stable.
     variant
         Whether it is kept for comparison: a scheme as it was misprinted or is mistaken.
+    factors
+        Of a scheme that moves with one new velocity: what `kernels.advance` needs of it.
     """
 
     name: str
@@ -64,6 +69,7 @@ class Integrator:
     limit: Callable[[float], float]
     staggered: bool = False
     variant: bool = False
+    factors: Factors | None = None
 
 
 def _explicit_euler(acceleration: Acceleration, now: Moving, h: float, c: Array | float) -> Moving:
@@ -71,10 +77,23 @@ def _explicit_euler(acceleration: Acceleration, now: Moving, h: float, c: Array 
     return Moving(x, now.v + h * (now.a - c * now.v), acceleration(x))
 
 
-def _euler_cromer(acceleration: Acceleration, now: Moving, h: float, c: Array | float) -> Moving:
-    v = now.v + h * (now.a - c * now.v)
+def _with_one_velocity(
+    factors: Factors, acceleration: Acceleration, now: Moving, h: float, c: Array | float
+) -> Moving:
+    """A step whose position moves with the new velocity."""
+    keep, push = factors(h, np.asarray(c))
+    v = keep * now.v + push * now.a
     x = now.x + h * v
     return Moving(x, v, acceleration(x))
+
+
+def _euler_cromer(h: float, c: Array) -> tuple[Array, Array]:
+    return 1 - h * c, np.full_like(c, h, dtype=float)
+
+
+def _leapfrog(h: float, c: Array) -> tuple[Array, Array]:
+    half = 0.5 * h * c
+    return (1 - half) / (1 + half), h / (1 + half)
 
 
 def _euler_cromer_as_printed(
@@ -83,13 +102,6 @@ def _euler_cromer_as_printed(
     # The report's section 5.4 (2): velocity first, but the position moves with the old one.
     v = now.v + h * (now.a - c * now.v)
     x = now.x + h * now.v
-    return Moving(x, v, acceleration(x))
-
-
-def _leapfrog(acceleration: Acceleration, now: Moving, h: float, c: Array | float) -> Moving:
-    half = 0.5 * h * np.asarray(c)
-    v = ((1 - half) * now.v + h * now.a) / (1 + half)
-    x = now.x + h * v
     return Moving(x, v, acceleration(x))
 
 
@@ -155,15 +167,24 @@ INTEGRATORS = {
     scheme.name: scheme
     for scheme in (
         Integrator("explicit_euler", 1, False, _explicit_euler, OLD, _explicit_euler_limit),
-        Integrator("euler_cromer", 1, True, _euler_cromer, OLD, _euler_cromer_limit),
+        Integrator(
+            "euler_cromer",
+            1,
+            True,
+            partial(_with_one_velocity, _euler_cromer),
+            OLD,
+            _euler_cromer_limit,
+            factors=_euler_cromer,
+        ),
         Integrator(
             "leapfrog",
             2,
             True,
-            _leapfrog,
+            partial(_with_one_velocity, _leapfrog),
             "from the mean of the old and the new velocity",
             _leapfrog_limit,
             staggered=True,
+            factors=_leapfrog,
         ),
         Integrator(
             "velocity_verlet",
@@ -198,6 +219,21 @@ INTEGRATORS = {
 }
 """Name -> scheme: the report's four in their true forms, and variants."""
 EULER_CROMER = INTEGRATORS["euler_cromer"]
+LEAPFROG = INTEGRATORS["leapfrog"]
+
+
+def factors_of(scheme: Integrator) -> Factors:
+    """What `kernels.advance` needs of a scheme.
+
+    Raises
+    ------
+    ProblemError
+        If it does not move with one new velocity.
+    """
+    if scheme.factors is None:
+        able = ", ".join(name for name, one in INTEGRATORS.items() if one.factors)
+        raise ProblemError(f"{scheme.name}: more than one velocity a step; choose from: {able}")
+    return scheme.factors
 
 
 def stability_limit(

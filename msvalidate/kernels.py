@@ -1,4 +1,4 @@
-"""Floor 1: the compiled loop: spring forces, and Euler-Cromer steps with virtual viscosity.
+"""Floor 1: the compiled loops: spring forces, and steps of a network that moves by them.
 
 The only compiled code of the package. Its plain form is `msvalidate.network.spring_force` and the
 plain loop of `msvalidate.integrate`; tests hold the two together on random networks. `axes` is a
@@ -56,6 +56,28 @@ def _force(
 _force = _compiled(_force)
 
 
+def _curvature(
+    axes: Any, u: Any, way: Any, springs: Any, vector: Any, stiffness: Any, rest_length: Any
+) -> Any:
+    total = 0.0
+    for e in range(len(springs)):
+        i, j = springs[e, 0], springs[e, 1]
+        square = apart = along = 0.0
+        for a in range(len(axes)):
+            now = vector[e, a] + (u[j, a] - u[i, a])
+            change = way[j, a] - way[i, a]
+            square += now * now
+            apart += change * change
+            along += now * change
+        stretched = along * along / square
+        slack = 1 - rest_length[e] / np.sqrt(square)
+        total += stiffness[e] * (stretched + slack * (apart - stretched))
+    return total
+
+
+_curvature = _compiled(_curvature)
+
+
 def _advance(
     axes: Any,
     u: Any,
@@ -65,19 +87,29 @@ def _advance(
     stiffness: Any,
     rest_length: Any,
     external: Any,
-    mobility: Any,
-    damping: Any,
+    mass: Any,
+    keep: Any,
+    kick: Any,
     dt: Any,
     steps: Any,
+    kinetic: Any,
+    to_peak: Any,
     f: Any,
-) -> None:
-    for _ in range(steps):
+) -> Any:
+    for step in range(steps):
         _force(axes, u, springs, vector, stiffness, rest_length, f)
+        twice = 0.0
         for i in range(len(u)):
+            square = 0.0
             for a in range(len(axes)):
-                push = mobility[i, a] * (f[i, a] + external[i, a])
-                v[i, a] += dt * (push - damping[i] * v[i, a])
+                v[i, a] = keep[i] * v[i, a] + kick[i, a] * (f[i, a] + external[i, a])
                 u[i, a] += dt * v[i, a]
+                square += v[i, a] * v[i, a]
+            twice += mass[i] * square
+        if to_peak and 0.5 * twice < kinetic:
+            return step + 1, 0.5 * twice
+        kinetic = 0.5 * twice
+    return steps, kinetic
 
 
 _advance = _compiled(_advance)
@@ -89,19 +121,50 @@ def force_and_energy(network: Network, displacement: Array, out: Array) -> float
     return float(_force(axes, displacement, *_laws(network), out))
 
 
-def euler_cromer(
-    network: Network, displacement: Array, velocity: Array, damping: Array, dt: float, steps: int
-) -> None:
-    """Advance displacement (m) and velocity (m/s), both (n, d), in place.
+def curvature(network: Network, displacement: Array, way: Array) -> float:
+    """Second derivative (N·m) of the springs' energy along `way` (n, d) in m: wayᵀ K way."""
+    axes = tuple(range(network.dim))
+    return float(_curvature(axes, displacement, way, *_laws(network)))
 
-    v += dt·((F_spring + F_external)/m - damping·v), then u += dt·v; held components stay.
-    `damping` is (n,) in 1/s.
+
+def advance(
+    network: Network,
+    displacement: Array,
+    velocity: Array,
+    keep: Array,
+    push: Array,
+    dt: float,
+    steps: int,
+    *,
+    kinetic: float = 0.0,
+    to_peak: bool = False,
+) -> tuple[int, float]:
+    """Advance displacement (m) and velocity (m/s), both (n, d), in place; held components stay.
+
+    v = keep·v + push·(F_spring + F_external)/m, then u += dt·v, with `keep` (n,) and `push` (n,) in
+    s: every scheme with one velocity a step and viscosity. Returns the steps done and the kinetic
+    energy (J) of the last; `to_peak` stops after the first step in which it fell, counted from
+    `kinetic`.
     """
     axes = tuple(range(network.dim))
-    mobility = np.where(network.held, 0.0, 1.0 / network.mass[:, None])
+    kick = np.where(network.held, 0.0, (push / network.mass)[:, None])
     velocity[network.held] = 0.0
-    laws, work = _laws(network), np.empty_like(displacement)
-    _advance(axes, displacement, velocity, *laws, network.force, mobility, damping, dt, steps, work)
+    done, energy = _advance(
+        axes,
+        displacement,
+        velocity,
+        *_laws(network),
+        network.force,
+        network.mass,
+        keep,
+        kick,
+        dt,
+        steps,
+        kinetic,
+        to_peak,
+        np.empty_like(displacement),
+    )
+    return int(done), float(energy)
 
 
 def _laws(network: Network) -> tuple[Index, Array, Array, Array]:

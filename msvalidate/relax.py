@@ -1,15 +1,20 @@
-"""Floor 2: relaxation: the rest position found by letting the network move.
+"""Floor 2: relaxation: the rest position found by letting the network move; when a run is at rest.
 
-Algorithm 1 of the report: Euler-Cromer with a virtual viscosity until the body is at rest. The
-report's loop runs ``while max(velocity) > eps``, which never starts from rest and stops wrongly
-wherever a swinging body turns round; here both the residual force and the kinetic energy must be
-small.
+A method is a generator that moves a `Run` step by step; `relax` looks at the run now and then, ends
+it at rest, and refuses one that diverges or does not arrive. Methods are in `relaxations`; here is
+the report's Algorithm 1: Euler-Cromer with a virtual viscosity until the body is at rest. Its loop
+``while max(velocity) > eps`` never starts from rest, and stops wrongly wherever a swinging body
+turns round; here both the residual force and the kinetic energy must be small.
 """
 
 from __future__ import annotations
 
 import math
+import time
+import warnings
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -18,8 +23,8 @@ from tqdm import tqdm
 
 from msvalidate import kernels
 from msvalidate.equilibrium import Equilibrium, at_rest, is_stable
-from msvalidate.integrate import damping_rate
-from msvalidate.integrators import EULER_CROMER, stability_limit
+from msvalidate.integrate import StabilityWarning, damping_rate
+from msvalidate.integrators import EULER_CROMER, Integrator, factors_of, stability_limit
 from msvalidate.network import Network, force_roundoff, force_scale
 from msvalidate.problem import (
     Array,
@@ -48,19 +53,27 @@ LOOSEST = 0.01
 DIVERGED = 1e3
 """Displacement, in sizes of the body, that no equilibrium of interest has."""
 
+Watch = Callable[[int, Array], bool]
+"""Told the steps done and the displacement (n, d) in m at every look; True ends the run there."""
+
 
 @dataclass(frozen=True, eq=False)
 class Relaxation:
-    """A run that came to rest.
+    """A run that came to rest, or that its watcher ended.
 
     Parameters
     ----------
     equilibrium
-        Where it rests; its iterations are the time steps taken.
+        Where it rests; its iterations are the steps taken.
     dt, damping, stability_limit
-        Time step (s), largest damping rate (1/s), and the largest stable step (s) at rest.
+        Largest time step (s), largest damping rate (1/s), and the largest stable step (s) at rest;
+        0, 0 and infinite where a method has none.
     history
         (looks, 3): step, residual force (N), kinetic energy (J).
+    evaluations
+        Times that the forces of all springs, or a product with their tangent, were computed.
+    seconds
+        Wall-clock time of the steps and looks, without what prepares them and what judges the end.
     """
 
     equilibrium: Equilibrium
@@ -68,11 +81,269 @@ class Relaxation:
     damping: float
     stability_limit: float
     history: Array
+    evaluations: int
+    seconds: float
 
     @property
     def steps(self) -> int:
-        """Time steps taken."""
+        """Steps taken: time steps, or iterations of a method without time."""
         return self.equilibrium.iterations
+
+
+class Run:
+    """What a method moves: displacement, velocity, and the counts of its work.
+
+    A method changes `displacement` and `velocity` (n, d) in place, tells `moved` of it, and asks
+    `balance` for forces. Before its first step it may set `dt`, `rate` and `limit`, `inertia`, and
+    `needed`, which predicts its steps to rest.
+    """
+
+    def __init__(self, network: Network, title: str, tolerance: float) -> None:
+        self.network, self.title, self.tolerance = network, title, tolerance
+        self.displacement = np.array(network.displacement)
+        self.velocity = np.zeros_like(self.displacement)
+        self.inertia = network.mass[:, None]
+        self.dt, self.rate, self.limit = 0.0, np.zeros(1), math.inf
+        self.steps, self.evaluations, self.until = 0, 0, 0
+        self.needed = self._critically_damped
+        self.stored = 0.0
+        self._force = np.empty_like(self.displacement)
+        self._known = False
+        self._at_lengths = 4 * force_roundoff(network, 0.0)
+        self._per_metre = 4 * force_roundoff(network, 1.0) - self._at_lengths
+        self._softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
+        self._reach = DIVERGED * float(np.ptp(network.points, axis=0).max())
+
+    @cached_property
+    def frequencies(self) -> tuple[float, float]:
+        """Lowest and highest natural frequency (rad/s) at the reference points."""
+        lowest, highest = extreme_frequencies(self.network, tolerance=SPECTRUM_ERROR)
+        if lowest <= 1e-7 * highest:
+            raise SolverError(
+                f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism and "
+                "never comes to rest; add springs or supports"
+            )
+        return lowest, highest
+
+    def _critically_damped(self) -> int:
+        """Steps in which critical damping brings the slowest mode to rest: ½√κ·ln(1/tolerance)."""
+        lowest, highest = self.frequencies
+        return math.ceil(-0.5 * highest / lowest * math.log(min(self.tolerance, 0.5)))
+
+    @property
+    def position(self) -> Array:
+        """(n, d) in m."""
+        return self.network.points + self.displacement
+
+    @property
+    def block(self) -> int:
+        """Steps that a method may take before the next look."""
+        return self.until - self.steps
+
+    def moved(self, steps: int, evaluations: int) -> None:
+        """Count steps that changed the displacement, and what they evaluated."""
+        self.steps += steps
+        self.evaluations += evaluations
+        self._known = False
+
+    def balance(self) -> Array:
+        """Out-of-balance force (n, d) in N at the present displacement, 0 where it is held."""
+        if not self._known:
+            self.stored = kernels.force_and_energy(self.network, self.displacement, self._force)
+            self._force += self.network.force
+            self._force[self.network.held] = 0.0
+            self.evaluations += 1
+            self._known = True
+        return self._force
+
+    def look(self) -> tuple[int, float, float]:
+        """Step, residual force (N) and kinetic energy (J); raises if the run has diverged."""
+        residual = float(np.abs(self.balance()).max())
+        kinetic = float(0.5 * (self.inertia * self.velocity**2).sum())
+        moved = np.abs(self.displacement).max()
+        self._floor = self._at_lengths + moved * self._per_metre
+        if not (math.isfinite(residual) and math.isfinite(kinetic) and moved < self._reach):
+            raise SolverError(self._diverged)
+        return self.steps, residual, kinetic
+
+    def resting(self, look: tuple[int, float, float]) -> bool:
+        """Whether residual and kinetic energy are both below what the tolerance asks for."""
+        rounding = float(self._floor.max())
+        still = max(self.tolerance**2 * self.stored, rounding / self._softest * rounding)
+        if look[2] > still:  # the usual case, and the cheaper question
+            return False
+        held = self.network.held
+        if (self.displacement[held] != self.network.displacement[held]).any():
+            return False
+        scale = force_scale(self.network, self.position)
+        small = np.maximum(self.tolerance * scale, self._floor)
+        return bool((np.abs(self.balance()) <= small).all())
+
+    def result(self, looks: list[tuple[int, float, float]], seconds: float) -> Relaxation:
+        """The run as it is now."""
+        return Relaxation(
+            equilibrium=at_rest(self.network, self.position, self.steps),
+            dt=self.dt,
+            damping=float(self.rate.max()),
+            stability_limit=self.limit,
+            history=np.array(looks),
+            evaluations=self.evaluations,
+            seconds=seconds,
+        )
+
+    def unfinished(self, look: tuple[int, float, float]) -> str:
+        """What to say of a run that has used up its steps."""
+        return (
+            f"{self.title} is not at rest after {self.steps} steps: {self.time_step}residual "
+            f"{look[1]:.3g} N, kinetic energy {look[2]:.3g} J; "
+            + (
+                "take a smaller dt or leave it out"
+                if self.dt > self.limit
+                else "raise max_steps, leave damping to its default, or loosen tolerance"
+            )
+        )
+
+    @property
+    def _diverged(self) -> str:
+        remedy = "the network stiffens or collapses under this load: reduce dt or the load"
+        if self.dt > self.limit:
+            remedy = "take a smaller dt or leave it out"
+        elif not self.dt:
+            remedy = "the network collapses under this load: reduce it"
+        return f"{self.title} diverged by step {self.steps}: {self.time_step}{remedy}"
+
+    @property
+    def time_step(self) -> str:
+        """Its time step beside the limit, in words; nothing where a method has none."""
+        if not self.dt:
+            return ""
+        return (
+            f"time step {self.dt:.4g} s, stability limit {self.limit:.4g} s at damping "
+            f"{self.rate.max():.4g} 1/s; "
+        )
+
+    def show(self, bar: Any, looks: list[tuple[int, float, float]]) -> None:
+        """Show how far it is on the way to rest, in logarithms of the residual."""
+        largest = looks[0][1]
+        if not largest:
+            return
+        scale = force_scale(self.network, self.position)
+        target = max(self.tolerance * scale, float(self._floor.max()))
+        way = math.log(largest / max(looks[-1][1], target)) / math.log(max(largest / target, 2))
+        bar.n = max(bar.n, min(way, 1.0))
+        bar.set_postfix(step=looks[-1][0], residual=f"{looks[-1][1]:.2g} N", refresh=False)
+        bar.update(0)
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to rest.
+
+    Parameters
+    ----------
+    name, title
+        Its name in tables, and in sentences.
+    source
+        The paper that it and its parameters come from.
+    walk
+        Moves a run for ever, from one `yield` to the next, each where a look may be taken: the
+        first before any step, the others at most `Run.block` steps on.
+    """
+
+    name: str
+    title: str
+    source: str
+    walk: Callable[[Run], Iterator[None]]
+
+
+def relax(
+    network: Network,
+    method: Method,
+    *,
+    tolerance: float = 1e-10,
+    max_steps: int | None = None,
+    watch: Watch | None = None,
+    look_every: int = LOOK_EVERY,
+) -> Relaxation:
+    """Bring a network to rest by any method.
+
+    It starts at rest, with the prescribed displacements imposed at once.
+
+    Parameters
+    ----------
+    network
+        Its supports must hold every rigid motion.
+    method
+        One of `relaxations.RELAXATIONS`.
+    tolerance
+        The run ends when the largest residual force is below `tolerance` times the forces that
+        meet at a point, and the kinetic energy below `tolerance`² times the energy stored in the
+        springs; neither is asked to fall below rounding.
+    max_steps
+        By default 20 times what the slowest mode is predicted to need.
+    watch
+        Told of every look; it may end the run before rest.
+    look_every
+        Steps between two looks.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range or a rigid motion is free.
+    SolverError
+        If the run diverges, is not at rest within `max_steps`, or rests where it is unstable.
+    """
+    instance("network", network, Network)
+    instance("method", method, Method)
+    if positive("tolerance", tolerance) > LOOSEST:
+        raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
+    if max_steps is not None:
+        whole("max_steps", max_steps, 1)
+    whole("look_every", look_every, 1)
+    refuse_free_motions("network", network.points, network.held)
+    run = Run(network, method.title, tolerance)
+    if network.held.all():
+        return run.result([], 0.0)
+    with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
+        found, at_ease = _walked(run, method, (max_steps, look_every), watch)
+    if at_ease and not is_stable(network, found.equilibrium.position):
+        raise SolverError(
+            f"{method.title} came to rest after {found.steps} steps where the network is unstable "
+            "(its tangent stiffness has a negative mode); disturb the symmetry or reduce the load"
+        )
+    return found
+
+
+def _walked(
+    run: Run, method: Method, steps: tuple[int | None, int], watch: Watch | None
+) -> tuple[Relaxation, bool]:
+    """The run at its end, and whether that is rest."""
+    given, look_every = steps
+    walk = method.walk(run)
+    next(walk)  # prepares
+    allowed = given or PATIENCE * max(LOOK_EVERY, run.needed())
+    started = time.perf_counter()
+    looks = [run.look()]
+    with tqdm(
+        total=1.0,
+        desc=method.title,
+        delay=1.0,
+        disable=None,
+        leave=False,
+        bar_format="{desc}: {percentage:3.0f}% of the way to rest{postfix} [{elapsed}]",
+    ) as bar:
+        while True:
+            at_ease = run.resting(looks[-1])
+            if at_ease or (watch is not None and watch(run.steps, run.displacement)):
+                return run.result(looks, time.perf_counter() - started), at_ease
+            if run.steps >= allowed:
+                raise SolverError(run.unfinished(looks[-1]))
+            run.until = min(run.steps + look_every, allowed)
+            while run.block > 0:
+                next(walk)
+            looks.append(run.look())
+            if not bar.disable:
+                run.show(bar, looks)
 
 
 def algorithm1(
@@ -85,77 +356,90 @@ def algorithm1(
 ) -> Relaxation:
     """Relax a network by the report's Algorithm 1: Euler-Cromer with virtual viscosity.
 
-    It starts at rest, with the prescribed displacements imposed at once.
+    Parameters
+    ----------
+    network, tolerance, max_steps
+        As in `relax`.
+    dt, damping
+        As in `viscous`.
+
+    Raises
+    ------
+    ProblemError, SolverError
+        As in `relax`.
+    """
+    instance("network", network, Network)
+    if damping is not None:
+        damping_rate(network, damping)
+    method = viscous(EULER_CROMER, dt=dt, damping=damping, title="Algorithm 1")
+    return relax(network, method, tolerance=tolerance, max_steps=max_steps)
+
+
+def viscous(
+    scheme: Integrator,
+    *,
+    dt: float | None = None,
+    damping: ArrayLike | None = None,
+    title: str | None = None,
+) -> Method:
+    """Relaxation by motion under a virtual viscosity.
 
     Parameters
     ----------
-    network
-        Its supports must hold every rigid motion.
+    scheme
+        An integrator with one velocity a step: Euler-Cromer or leapfrog.
     dt
         Time step (s); by default 0.9 of the stability limit for the network's highest frequency.
     damping
         Rate (1/s), one number or (n,): F = -damping·m·v. A viscosity c in N·s/m is c/m. By default
         twice the lowest frequency, which damps the slowest mode critically.
-    tolerance
-        The run ends when the largest residual force is below `tolerance` times the forces that
-        meet at a point, and the kinetic energy below `tolerance`² times the energy stored in the
-        springs; neither is asked to fall below rounding.
-    max_steps
-        By default 20 times what the slowest mode is predicted to need.
+    title
+        What messages call it.
 
     Raises
     ------
     ProblemError
-        If an argument is out of range or a rigid motion is free.
-    SolverError
-        If the run diverges, or is not at rest within `max_steps`.
+        If the step is not above zero, or the scheme has more than one velocity.
     """
-    instance("network", network, Network)
-    refuse_free_motions("network", network.points, network.held)
-    _refuse_bad_options(network, dt, damping, tolerance, max_steps)
-    if network.held.all():
-        still = at_rest(network, network.start, 0)
-        return Relaxation(still, 0.0, 0.0, math.inf, np.zeros((0, 3)))
-    lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
-    if lowest <= 1e-7 * highest:
-        raise SolverError(
-            f"Algorithm 1: lowest frequency {lowest:g} rad/s: the network is a mechanism and never "
-            "comes to rest; add springs or supports"
-        )
-    rate = damping_rate(network, 2 * lowest if damping is None else damping)
-    strongest = float(rate.max())
-    limit = stability_limit(EULER_CROMER, lowest, highest, strongest)
-    step = SAFETY * limit if dt is None else dt
-    allowed = max_steps or _predicted_steps(lowest, rate, step, tolerance)
-    with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
-        found = _Run(network, rate, step, limit, tolerance).until_rest(allowed)
-    if not is_stable(network, found.equilibrium.position):
-        raise SolverError(
-            f"Algorithm 1 came to rest after {found.steps} steps where the network is unstable "
-            "(its tangent stiffness has a negative mode); disturb the symmetry or reduce the load"
-        )
-    return found
-
-
-def _refuse_bad_options(
-    network: Network,
-    dt: float | None,
-    damping: ArrayLike | None,
-    tolerance: float,
-    max_steps: int | None,
-) -> None:
-    if positive("tolerance", tolerance) > LOOSEST:
-        raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
+    factors_of(scheme)
     if dt is not None:
         positive("time step dt", dt, "s")
+    return Method(
+        scheme.name,
+        title or f"viscous {scheme.name}",
+        "the report's section 4 (Euler-Cromer); Papadrakakis (1981), Comput. Methods Appl. Mech. "
+        "Eng. 25, 217 (leapfrog with centred damping)",
+        partial(_viscous, scheme, dt, damping),
+    )
+
+
+def _viscous(
+    scheme: Integrator, dt: float | None, damping: ArrayLike | None, run: Run
+) -> Iterator[None]:
     if damping is not None:
-        damping_rate(network, damping)
-    if max_steps is not None:
-        whole("max_steps", max_steps, 1)
+        damping_rate(run.network, damping)  # refused before frequencies are solved for
+    lowest, highest = run.frequencies
+    run.rate = damping_rate(run.network, 2 * lowest if damping is None else damping)
+    run.limit = stability_limit(scheme, lowest, highest, float(run.rate.max()))
+    run.dt = SAFETY * run.limit if dt is None else dt
+    if run.dt > run.limit:
+        warnings.warn(
+            f"{run.title}: {run.time_step}the motion will grow", StabilityWarning, stacklevel=2
+        )
+    run.needed = partial(_predicted_steps, lowest, run.rate, run.dt, run.tolerance)
+    if scheme.staggered:  # the velocity of half a step before the start at rest
+        run.velocity[:] = -0.5 * run.dt * run.balance() / run.network.mass[:, None]
+    keep, push = factors_of(scheme)(run.dt, run.rate)
+    while True:
+        yield
+        done, _ = kernels.advance(
+            run.network, run.displacement, run.velocity, keep, push, run.dt, run.block
+        )
+        run.moved(done, done)
 
 
 def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) -> int:
-    """`PATIENCE` times the steps in which the slowest mode decays to `tolerance`."""
+    """Steps in which the slowest mode decays to `tolerance`."""
     slow = float(rate.min()) / 2
     strong = float(rate.max()) / 2
     # The slower root of an overdamped mode, strong - √(strong² - lowest²), without cancellation.
@@ -174,109 +458,4 @@ def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) ->
             f"{MOST_STEPS / PATIENCE:.2g} steps of {dt:.4g} s to die out; leave damping and dt to "
             "their defaults, or set max_steps"
         )
-    return PATIENCE * max(LOOK_EVERY, math.ceil(needed / (decay * dt)))
-
-
-class _Run:
-    """The state of one run. Kept out of sight: `algorithm1` is the function of this module."""
-
-    def __init__(
-        self, network: Network, rate: Array, dt: float, limit: float, tolerance: float
-    ) -> None:
-        self.network, self.rate, self.dt, self.limit = network, rate, dt, limit
-        self.tolerance = tolerance
-        self.displacement = np.array(network.displacement)
-        self.velocity = np.zeros_like(self.displacement)
-        self.force = np.empty_like(self.displacement)
-        self.stored = 0.0
-        self.floor = np.zeros((len(network.points), 1))
-        self.at_lengths = 4 * force_roundoff(network, 0.0)
-        self.per_metre = 4 * force_roundoff(network, 1.0) - self.at_lengths
-        self.softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
-        self.reach = DIVERGED * float(np.ptp(network.points, axis=0).max())
-
-    @property
-    def position(self) -> Array:
-        return self.network.points + self.displacement
-
-    def until_rest(self, allowed: int) -> Relaxation:
-        done, looks = 0, [self.look(0)]
-        with tqdm(
-            total=1.0,
-            desc="Algorithm 1",
-            delay=1.0,
-            disable=None,
-            leave=False,
-            bar_format="{desc}: {percentage:3.0f}% of the way to rest{postfix} [{elapsed}]",
-        ) as bar:
-            while not self.resting(looks[-1]):
-                if done >= allowed:
-                    raise SolverError(self.unfinished(done, looks[-1]))
-                steps = min(LOOK_EVERY, allowed - done)
-                kernels.euler_cromer(
-                    self.network, self.displacement, self.velocity, self.rate, self.dt, steps
-                )
-                done += steps
-                looks.append(self.look(done))
-                if not bar.disable:
-                    self.show(bar, looks)
-        return Relaxation(
-            equilibrium=at_rest(self.network, self.position, done),
-            dt=self.dt,
-            damping=float(self.rate.max()),
-            stability_limit=self.limit,
-            history=np.array(looks),
-        )
-
-    def look(self, step: int) -> tuple[int, float, float]:
-        """Step, residual force (N) and kinetic energy (J); raises if the run has diverged."""
-        self.stored = kernels.force_and_energy(self.network, self.displacement, self.force)
-        balance = np.where(self.network.held, 0.0, self.force + self.network.force)
-        residual = float(np.abs(balance).max())
-        kinetic = float(0.5 * self.network.mass @ (self.velocity**2).sum(axis=1))
-        moved = np.abs(self.displacement).max()
-        self.floor = self.at_lengths + moved * self.per_metre
-        if not (math.isfinite(residual) and math.isfinite(kinetic) and moved < self.reach):
-            raise SolverError(
-                f"Algorithm 1 diverged by step {step}: time step {self.dt:.4g} s, stability limit "
-                f"{self.limit:.4g} s at damping {self.rate.max():.4g} 1/s; "
-                + (
-                    "take a smaller dt or leave it out"
-                    if self.dt > self.limit
-                    else "the network stiffens or collapses under this load: reduce dt or the load"
-                )
-            )
-        return step, residual, kinetic
-
-    def resting(self, look: tuple[int, float, float]) -> bool:
-        rounding = float(self.floor.max())
-        still = max(self.tolerance**2 * self.stored, rounding / self.softest * rounding)
-        if look[2] > still:  # the usual case, and the cheaper question
-            return False
-        scale = force_scale(self.network, self.position)
-        balance = np.where(self.network.held, 0.0, self.force + self.network.force)
-        return bool((np.abs(balance) <= np.maximum(self.tolerance * scale, self.floor)).all())
-
-    def unfinished(self, done: int, look: tuple[int, float, float]) -> str:
-        _, residual, kinetic = look
-        return (
-            f"Algorithm 1 is not at rest after {done} steps of {self.dt:.4g} s (stability limit "
-            f"{self.limit:.4g} s, damping {self.rate.max():.4g} 1/s): residual {residual:.3g} N, "
-            f"kinetic energy {kinetic:.3g} J; "
-            + (
-                "take a smaller dt or leave it out"
-                if self.dt > self.limit
-                else "raise max_steps, leave damping to its default, or loosen tolerance"
-            )
-        )
-
-    def show(self, bar: Any, looks: list[tuple[int, float, float]]) -> None:
-        largest = looks[0][1]
-        if not largest:
-            return
-        scale = force_scale(self.network, self.position)
-        target = max(self.tolerance * scale, float(self.floor.max()))
-        way = math.log(largest / max(looks[-1][1], target)) / math.log(max(largest / target, 2))
-        bar.n = max(bar.n, min(way, 1.0))
-        bar.set_postfix(step=looks[-1][0], residual=f"{looks[-1][1]:.2g} N", refresh=False)
-        bar.update(0)
+    return math.ceil(needed / (decay * dt))

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from msvalidate import kernels
 from msvalidate.integrate import State, euler_cromer
-from msvalidate.network import energy, force_scale, spring_force, spring_network
+from msvalidate.network import energy, force_scale, spring_force, spring_network, tangent
 
 examples = settings(max_examples=25, deadline=None)
 
@@ -56,22 +56,50 @@ def test_no_steps_change_nothing_and_steps_add_up(networks, data):
     network, position = data.draw(networks(stressed=True))
     start = position - network.points
     u, v = start.copy(), np.zeros_like(start)
-    rate = np.full(len(position), 0.1)
-    kernels.euler_cromer(network, u, v, rate, 0.01, 0)
+    keep, push = np.full((2, len(position)), [[0.999], [0.01]])
+    kernels.advance(network, u, v, keep, push, 0.01, 0)
     np.testing.assert_array_equal(u, start)
     for steps in (3, 4):
-        kernels.euler_cromer(network, u, v, rate, 0.01, steps)
+        kernels.advance(network, u, v, keep, push, 0.01, steps)
     once, fast = start.copy(), np.zeros_like(start)
-    kernels.euler_cromer(network, once, fast, rate, 0.01, 7)
+    kernels.advance(network, once, fast, keep, push, 0.01, 7)
     # The same operations in the same order: the same bits.
     np.testing.assert_array_equal(u, once)
     np.testing.assert_array_equal(v, fast)
 
 
+@examples
+@given(data=st.data())
+def test_curvature_is_that_of_the_tangent(networks, data):
+    network, position = data.draw(networks(stressed=True))
+    way = np.random.default_rng(len(position)).normal(size=position.shape)
+    found = kernels.curvature(network, position - network.points, way)
+    K = tangent(network, position)
+    assert found == pytest.approx(way.ravel() @ K @ way.ravel(), rel=0, abs=1e-12 * abs(K).sum())
+
+
+@examples
+@given(data=st.data())
+def test_a_peak_of_the_kinetic_energy_ends_the_steps(networks, data):
+    network, position = data.draw(networks(stressed=True))
+    start, mass = position - network.points, network.mass
+    keep, push = np.ones(len(mass)), np.full(len(mass), 1e-2)
+    u, v = start.copy(), np.zeros_like(start)
+    done, energy_there = kernels.advance(network, u, v, keep, push, 1e-2, 5000, to_peak=True)
+    singly, fast, history = start.copy(), np.zeros_like(start), [0.0]
+    for _ in range(done):
+        kernels.advance(network, singly, fast, keep, push, 1e-2, 1)
+        history.append(0.5 * mass @ (fast**2).sum(axis=1))
+    assert energy_there == pytest.approx(history[-1], rel=1e-12)
+    assert (np.diff(history)[:-1] >= 0).all()
+    assert done == 5000 or history[-1] < history[-2]
+    np.testing.assert_array_equal(u, singly)
+
+
 def test_held_components_stay():
     network = spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0, held=np.ones((2, 2), dtype=bool))
     u, v = np.zeros((2, 2)), np.ones((2, 2))
-    kernels.euler_cromer(network, u, v, np.zeros(2), 0.01, 1)
+    kernels.advance(network, u, v, np.ones(2), np.full(2, 0.01), 0.01, 1)
     np.testing.assert_array_equal(u, 0)
 
 
@@ -81,7 +109,7 @@ def test_the_compiled_code_is_kept_for_the_next_process(tmp_path):
         "import numpy as np; from msvalidate import kernels; "
         "from msvalidate.network import spring_network as s; "
         "n = s([[0, 0], [1, 0]], [[0, 1]], 1.0); "
-        "kernels.euler_cromer(n, np.zeros((2, 2)), np.zeros((2, 2)), np.zeros(2), 0.1, 1)"
+        "kernels.advance(n, np.zeros((2, 2)), np.zeros((2, 2)), np.ones(2), np.ones(2), 0.1, 1)"
     )
     kept = []
     for _ in range(2):
@@ -101,6 +129,6 @@ def test_a_body_far_away_moves_like_one_near():
             near + place, [[0, 1], [1, 2], [2, 0]], 1e4, force=[[0.1, -3.0]] * 3
         )
         u, v = np.zeros((3, 2)), np.zeros((3, 2))
-        kernels.euler_cromer(network, u, v, np.full(3, 0.5), 1e-3, 1000)
+        kernels.advance(network, u, v, np.full(3, 0.9995), np.full(3, 1e-3), 1e-3, 1000)
         moved.append(u)
     np.testing.assert_array_equal(*moved)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from msvalidate.equilibrium import equilibrium
+from msvalidate.integrate import StabilityWarning
 from msvalidate.network import energy, force_scale, spring_force, spring_network
 from msvalidate.problem import (
     BodyForce,
@@ -187,8 +189,10 @@ def test_max_steps_is_reached_and_not_passed():
 
 
 def refused(options, kind, *fragments):
-    with pytest.raises(kind) as caught:
-        algorithm1(oscillator(), **options)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StabilityWarning)
+        with pytest.raises(kind) as caught:
+            algorithm1(oscillator(), **options)
     assert caught.type is kind
     for fragment in fragments:
         assert fragment in str(caught.value)
@@ -202,6 +206,12 @@ def test_a_run_that_diverges_says_at_which_step_and_what_to_do():
         "stability limit 0.8284 s at damping 2 1/s",
         "take a smaller dt or leave it out",
     )
+
+
+def test_a_run_beyond_its_limit_is_warned_of_before_it_starts():
+    message = "Algorithm 1: time step 5 s, stability limit 0.8284 s at damping 2 1/s; the motion"
+    with pytest.warns(StabilityWarning, match=message), pytest.raises(SolverError):
+        algorithm1(oscillator(), dt=5.0)
 
 
 def test_a_run_that_diverges_below_the_limit_blames_the_load(lattice_body):
@@ -232,8 +242,8 @@ def test_too_few_steps_say_what_is_left_and_what_to_do():
     refused(
         {"max_steps": 5},
         SolverError,
-        "Algorithm 1 is not at rest after 5 steps of 0.7456 s",
-        "stability limit 0.8284 s, damping 2 1/s",
+        "Algorithm 1 is not at rest after 5 steps: time step 0.7456 s",
+        "stability limit 0.8284 s at damping 2 1/s",
         "residual 0.00858 N, kinetic energy 0.000166 J",
         "raise max_steps, leave damping to its default, or loosen tolerance",
     )
@@ -243,7 +253,7 @@ def test_an_undamped_run_never_rests():
     refused(
         {"damping": 0.0, "max_steps": 500},
         SolverError,
-        "not at rest after 500 steps of 1.8 s (stability limit 2 s, damping 0 1/s)",
+        "not at rest after 500 steps: time step 1.8 s, stability limit 2 s at damping 0 1/s",
     )
     refused(
         {"damping": 0.0},
