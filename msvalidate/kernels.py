@@ -107,9 +107,9 @@ def _advance(
                 square += v[i, a] * v[i, a]
             twice += mass[i] * square
         if to_peak and 0.5 * twice < kinetic:
-            return step + 1, 0.5 * twice
+            return step + 1, 0.5 * twice, True
         kinetic = 0.5 * twice
-    return steps, kinetic
+    return steps, kinetic, False
 
 
 _advance = _compiled(_advance)
@@ -138,18 +138,18 @@ def advance(
     *,
     kinetic: float = 0.0,
     to_peak: bool = False,
-) -> tuple[int, float]:
+) -> tuple[int, float, bool]:
     """Advance displacement (m) and velocity (m/s), both (n, d), in place; held components stay.
 
     v = keep·v + push·(F_spring + F_external)/m, then u += dt·v, with `keep` (n,) and `push` (n,) in
-    s: every scheme with one velocity a step and viscosity. Returns the steps done and the kinetic
-    energy (J) of the last; `to_peak` stops after the first step in which it fell, counted from
-    `kinetic`.
+    s: every scheme with one velocity a step and viscosity. Returns the steps done, the kinetic
+    energy (J) of the last, and whether it ended there because that fell: `to_peak` stops after the
+    first such step, counted from `kinetic`.
     """
     axes = tuple(range(network.dim))
     kick = np.where(network.held, 0.0, (push / network.mass)[:, None])
     velocity[network.held] = 0.0
-    done, energy = _advance(
+    done, energy, fell = _advance(
         axes,
         displacement,
         velocity,
@@ -164,7 +164,7 @@ def advance(
         to_peak,
         np.empty_like(displacement),
     )
-    return int(done), float(energy)
+    return int(done), float(energy), bool(fell)
 
 
 def _laws(network: Network) -> tuple[Index, Array, Array, Array]:

@@ -248,12 +248,15 @@ class Method:
     walk
         Moves a run for ever, from one `yield` to the next, each where a look may be taken: the
         first before any step, the others at most `Run.block` steps on.
+    look_every
+        Steps between two looks.
     """
 
     name: str
     title: str
     source: str
     walk: Callable[[Run], Iterator[None]]
+    look_every: int = LOOK_EVERY
 
 
 def relax(
@@ -263,7 +266,7 @@ def relax(
     tolerance: float = 1e-10,
     max_steps: int | None = None,
     watch: Watch | None = None,
-    look_every: int = LOOK_EVERY,
+    look_every: int | None = None,
 ) -> Relaxation:
     """Bring a network to rest by any method.
 
@@ -284,7 +287,7 @@ def relax(
     watch
         Told of every look; it may end the run before rest.
     look_every
-        Steps between two looks.
+        Steps between two looks; by default the method's own.
 
     Raises
     ------
@@ -299,13 +302,13 @@ def relax(
         raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
     if max_steps is not None:
         whole("max_steps", max_steps, 1)
-    whole("look_every", look_every, 1)
+    stride = whole("look_every", method.look_every if look_every is None else look_every, 1)
     refuse_free_motions("network", network.points, network.held)
     run = Run(network, method.title, tolerance)
     if network.held.all():
         return run.result([], 0.0)
     with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
-        found, at_ease = _walked(run, method, (max_steps, look_every), watch)
+        found, at_ease = _walked(run, method, (max_steps, stride), watch)
     if at_ease and not is_stable(network, found.equilibrium.position):
         raise SolverError(
             f"{method.title} came to rest after {found.steps} steps where the network is unstable "
@@ -371,7 +374,7 @@ def algorithm1(
     instance("network", network, Network)
     if damping is not None:
         damping_rate(network, damping)
-    method = viscous(EULER_CROMER, dt=dt, damping=damping, title="Algorithm 1")
+    method = viscous(EULER_CROMER, dt=dt, damping=damping, title=ALGORITHM1.title)
     return relax(network, method, tolerance=tolerance, max_steps=max_steps)
 
 
@@ -432,7 +435,7 @@ def _viscous(
     keep, push = factors_of(scheme)(run.dt, run.rate)
     while True:
         yield
-        done, _ = kernels.advance(
+        done, *_ = kernels.advance(
             run.network, run.displacement, run.velocity, keep, push, run.dt, run.block
         )
         run.moved(done, done)
@@ -459,3 +462,6 @@ def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) ->
             "their defaults, or set max_steps"
         )
     return math.ceil(needed / (decay * dt))
+
+
+ALGORITHM1 = viscous(EULER_CROMER, title="Algorithm 1")

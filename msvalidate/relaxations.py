@@ -1,0 +1,307 @@
+"""Floor 2: ways to rest, one generator each, with the papers that they and their numbers are from.
+
+Those that weigh points against each other use the network's own masses: in the coordinates √m·u
+they are what their papers write for equal masses.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import numpy as np
+from scipy.sparse import bsr_matrix, csr_array, diags_array
+
+from msvalidate import kernels
+from msvalidate.equilibrium import LARGEST_TURN, largest_turn, tangent_move
+from msvalidate.integrators import LEAPFROG
+from msvalidate.network import tangent
+from msvalidate.problem import Array, Mask, SolverError, rigid_motions
+from msvalidate.relax import ALGORITHM1, SAFETY, Method, Run, viscous
+
+# FIRE's numbers are the paper's.
+FIRE_DELAY = 5
+"""N_min: steps downhill before the time step grows."""
+FIRE_GROWTH, FIRE_CUT = 1.1, 0.5
+"""f_inc, f_dec: factors on the time step."""
+FIRE_MIX, FIRE_MIX_DECAY = 0.1, 0.99
+"""α_start, f_α: part of the velocity that is turned towards the force, and its decay."""
+FIRE_FIRST = 0.1
+"""First time step over the largest one."""
+FIRE_LARGEST = 1.0
+"""Largest time step times the highest frequency, which the paper leaves to its user. Near 2, the
+limit of stability, stiff modes hardly decay, and their uphill moves stop the slow ones."""
+CUT = 0.9
+"""Factor on kinetic damping's step where it has proved unstable."""
+ROUNDING = 1e-12
+"""Of the stored energy: what its sum over many springs may be off by."""
+STRONGEST = 1.9
+"""Adaptive damping in pseudo-time, whose critical value for the stiffest mode is 2."""
+SLOPE_LEFT = 0.5
+"""Part of the slope that a line search may leave: the second Wolfe condition."""
+HALVINGS = 40
+MULTIGRID_ERROR = 1e-6
+"""Relative residual of a linear solve: Newton then gains six digits a step."""
+MULTIGRID_CYCLES = 300
+NEWTON_STEPS = 50
+"""Linear solves after which Newton's method is given up."""
+_LESS = "reduce the load, or use equilibrium, which raises it in increments"
+
+
+def _kinetic_damping(run: Run) -> Iterator[None]:
+    """Undamped leapfrog; where the kinetic energy has passed a peak, all velocities are zeroed.
+
+    From one standstill to the next the potential energy falls, unless the network has stiffened so
+    much that the step is unstable: then the step is cut.
+    """
+    _, highest = run.frequencies
+    run.limit = 2 / highest
+    run.dt = SAFETY * run.limit
+    keep, once = np.ones(len(run.network.mass)), np.ones(len(run.network.mass))
+    kinetic, potential = 0.0, np.inf
+    while True:
+        yield
+        still = kinetic == 0
+        if still:
+            run.balance()
+            now = run.stored - float((run.network.force * run.displacement).sum())
+            if now > potential + ROUNDING * run.stored:
+                run.dt *= CUT
+            potential = now
+        done, energy, fell = kernels.advance(
+            run.network,
+            run.displacement,
+            run.velocity,
+            keep,
+            # From a standstill the first kick is half as long; a whole one diverges above √2/ω.
+            (0.5 if still else 1.0) * run.dt * once,
+            run.dt,
+            1 if still else run.block,
+            kinetic=kinetic,
+            to_peak=not still,
+        )
+        kinetic = energy
+        if fell:  # the peak lies between the last two velocities, where this step began
+            run.displacement -= run.dt * run.velocity
+            run.velocity[:], kinetic = 0.0, 0.0
+        run.moved(done, done)
+
+
+def _fire(run: Run) -> Iterator[None]:
+    """Semi-implicit Euler steps, the velocity turned towards the force; uphill it is zeroed."""
+    _, highest = run.frequencies
+    run.limit = 2 / highest
+    run.dt = FIRE_LARGEST / highest
+    mass = run.network.mass[:, None]
+    velocity, dt, mix, downhill = run.velocity, FIRE_FIRST * run.dt, FIRE_MIX, 0
+    while True:
+        yield
+        acceleration = run.balance() / mass
+        power = float((mass * acceleration * velocity).sum())
+        if power > 0:
+            downhill += 1
+            speed, push = ((mass * w**2).sum() for w in (velocity, acceleration))
+            velocity *= 1 - mix
+            velocity += mix * np.sqrt(speed / push) * acceleration
+            if downhill > FIRE_DELAY:
+                dt, mix = min(FIRE_GROWTH * dt, run.dt), FIRE_MIX_DECAY * mix
+        elif velocity.any():
+            velocity[:], dt, mix, downhill = 0.0, FIRE_CUT * dt, FIRE_MIX, 0
+        velocity += dt * acceleration
+        run.displacement += dt * velocity
+        run.moved(1, 0)
+
+
+def _adaptive(run: Run) -> Iterator[None]:
+    """Pseudo-time of step 1, masses by Gershgorin's circles, damping by Rayleigh's quotient.
+
+    The local stiffness of a component is the change of its force over its last move; the quotient
+    of the displacement with it estimates the frequency of the motion that is left.
+    """
+    network, free = run.network, ~run.network.held
+    rows = abs(tangent(network, network.points)).sum(axis=1).reshape(network.points.shape)
+    run.inertia = np.where(rows > 0, rows, 1.0) / (2 * SAFETY) ** 2  # ω² ≤ Σ|K|/m = 4·SAFETY²
+    run.dt, run.limit = 1.0, 1 / SAFETY
+    last, damping = np.zeros_like(run.velocity), 0.0
+    while True:
+        yield
+        acceleration = run.balance() / run.inertia
+        if run.steps:
+            damping = min(_critical(run, last - acceleration, free), STRONGEST)
+            run.velocity *= (2 - damping) / (2 + damping)
+            run.velocity += 2 / (2 + damping) * acceleration
+        else:
+            run.velocity += 0.5 * acceleration
+        last = acceleration
+        run.displacement += run.velocity
+        run.moved(1, 0)
+
+
+def _critical(run: Run, change: Array, free: Mask) -> float:
+    """Critical damping 2ω of the motion left, ω² from the change of acceleration over the move."""
+    moving = free & (run.velocity != 0)
+    u, v = run.displacement[moving], run.velocity[moving]
+    stored = float((u * u * change[moving] / v * run.inertia[moving]).sum())
+    moved = float((run.inertia[moving] * u * u).sum())
+    return 2 * np.sqrt(stored / moved) if stored > 0 else 0.0
+
+
+def _conjugate_gradients(run: Run) -> Iterator[None]:
+    """Directions by Polak and Ribière, step lengths by the springs' own curvature along them."""
+    mass = run.network.mass[:, None]
+    way, before = np.zeros_like(run.displacement), 0.0
+    old = np.zeros_like(way)
+    while True:
+        yield
+        force = run.balance().copy()
+        steepest = force / mass
+        squared = float((force * steepest).sum())
+        turned = float(((force - old) * steepest).sum())
+        way = steepest + (max(0.0, turned / before) if before else 0.0) * way
+        if (force * way).sum() <= 0:
+            way = steepest
+        old, before = force, squared
+        _line_search(run, way, float((force * way).sum()))
+
+
+def _line_search(run: Run, way: Array, slope: float) -> None:
+    """Move along `way` to where no more than half of the slope is left."""
+    if slope == 0:  # in balance to the last digit
+        run.moved(1, 0)
+        return
+    bend = kernels.curvature(run.network, run.displacement, way)
+    farthest = 0.5 * float(run.network.rest_length.min()) / float(np.abs(way).max())
+    length = min(slope / bend, farthest) if bend > 0 else farthest
+    start = run.displacement.copy()
+    for _ in range(HALVINGS):
+        run.displacement[:] = start + length * way
+        run.moved(0, 1)  # the curvature, or the trial before
+        left = float((run.balance() * way).sum())
+        if abs(left) <= SLOPE_LEFT * slope or (left > 0 and length == farthest):
+            run.steps += 1
+            return
+        length /= 2
+    raise SolverError(
+        f"{run.title}: no step along the direction of iteration {run.steps + 1} lowers the slope; "
+        "the network collapses under this load: reduce it"
+    )
+
+
+Move = Callable[[Run, csr_array, Array, Array], Array]
+"""Move (n, d) from a run's position by a tangent, an unbalanced load and a move of what is held."""
+
+
+def _newton(move: Move, run: Run) -> Iterator[None]:
+    """Newton's method at full load, shortened where a step would stretch or turn a spring far."""
+    run.needed = lambda: NEWTON_STEPS
+    network = run.network
+    run.displacement[:] = 0.0  # what is held goes along with the first steps
+    run.moved(0, 0)
+    while True:
+        yield
+        x = run.position
+        ahead = network.displacement - run.displacement
+        step = move(run, tangent(network, x), run.balance(), ahead)
+        part = min(1.0, LARGEST_TURN / max(largest_turn(network, x, step), 1e-300))
+        run.displacement += part * step
+        if part == 1:
+            run.displacement[network.held] = network.displacement[network.held]
+        run.moved(1, 0)
+
+
+def _direct(run: Run, K: csr_array, load: Array, ahead: Array) -> Array:
+    move, stable = tangent_move(run.network, run.position, K, load, ahead)
+    if not stable:
+        raise SolverError(
+            f"{run.title}: the tangent has a negative mode at iteration {run.steps + 1}; {_LESS}"
+        )
+    return move
+
+
+def _multigrid(run: Run, K: csr_array, load: Array, ahead: Array) -> Array:
+    """By conjugate gradients with smoothed aggregation, coarse spaces from the rigid motions."""
+    from pyamg import smoothed_aggregation_solver  # noqa: PLC0415  half a second for one method
+
+    free = ~run.network.held.ravel()
+    held = np.where(free, 0.0, ahead.ravel())
+    right = np.where(free, load.ravel() - K @ held, 0.0)
+    inside = diags_array(free.astype(float))
+    # What is held keeps its rows, so that each point has a block.
+    A = inside @ K @ inside + diags_array(np.where(free, 0.0, K.diagonal().max()))
+    centred = run.position - run.position.mean(axis=0)
+    rigid = rigid_motions(centred / np.abs(centred).max()).reshape(free.size, -1)
+    levels = smoothed_aggregation_solver(
+        bsr_matrix(A, blocksize=(run.network.dim,) * 2), B=rigid * free[:, None]
+    )
+    residuals: list[float] = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what it warns of is in `info`
+        move, info = levels.solve(
+            right,
+            tol=MULTIGRID_ERROR,
+            maxiter=MULTIGRID_CYCLES,
+            accel="cg",
+            residuals=residuals,
+            return_info=True,
+        )
+    cycles = len(residuals) - 1
+    run.moved(0, cycles)
+    if info < 0:
+        raise SolverError(f"{run.title}: the tangent is not positive; {_LESS}")
+    if not residuals[-1] <= MULTIGRID_ERROR * residuals[0]:
+        left = residuals[-1] / residuals[0]
+        raise SolverError(
+            f"{run.title}: residual {left:.1g} of the first after {cycles} cycles; {_LESS}"
+        )
+    return np.asarray(move + held).reshape(load.shape)
+
+
+RELAXATIONS = {
+    "algorithm1": ALGORITHM1,
+    "viscous_leapfrog": viscous(LEAPFROG),
+    "kinetic_damping": Method(
+        "kinetic_damping",
+        "kinetic damping",
+        "Cundall (1976), Explicit finite-difference methods in geomechanics; Topping and Khan "
+        "(1994), Eng. Struct. 16, 425",
+        _kinetic_damping,
+    ),
+    "fire": Method(
+        "fire",
+        "FIRE",
+        "Bitzek et al. (2006), Phys. Rev. Lett. 97, 170201; steps as in Guénolé et al. (2020), "
+        "Comput. Mater. Sci. 175, 109584",
+        _fire,
+    ),
+    "adaptive": Method(
+        "adaptive",
+        "adaptive dynamic relaxation",
+        "Underwood (1983), Dynamic relaxation, in: Computational Methods for Transient Analysis; "
+        "Papadrakakis (1981), Comput. Methods Appl. Mech. Eng. 25, 217",
+        _adaptive,
+    ),
+    "conjugate_gradients": Method(
+        "conjugate_gradients",
+        "nonlinear conjugate gradients",
+        "Polak and Ribière (1969), Rev. Fr. Inform. Rech. Opér. 3, 35, restarted as in Nocedal and "
+        "Wright (2006), Numerical Optimization, section 5.2",
+        _conjugate_gradients,
+    ),
+    "newton": Method(
+        "newton",
+        "Newton's method",
+        "Nocedal and Wright (2006), Numerical Optimization, section 11.1; factor by SuperLU",
+        partial(_newton, _direct),
+        look_every=1,
+    ),
+    "newton_multigrid": Method(
+        "newton_multigrid",
+        "Newton's method by multigrid",
+        "Vaněk, Mandel and Brezina (1996), Computing 56, 179; Bell, Olson and Schroder (2022), "
+        "PyAMG, J. Open Source Softw. 7, 4142",
+        partial(_newton, _multigrid),
+        look_every=1,
+    ),
+}
+"""Name -> method."""
