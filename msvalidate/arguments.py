@@ -20,6 +20,7 @@ examples:
   {PROGRAM} poisson                one study, results in reports/latest
   {PROGRAM} all --quick --out new  every study in its small form, results in new
   {PROGRAM} check                  every study against theory, bands and baseline
+  {PROGRAM} check poisson          one study against them
   {PROGRAM} report                 report.html again, from stored results
 
 exit codes:
@@ -31,23 +32,34 @@ exit codes:
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """The command line's options, and `verb` ("run" or one of `VERBS`), `studies` and `form`.
 
-    Wrong usage ends the program with one line and exit code 2.
+    `named` is whether the studies were named one by one. Wrong usage ends the program with one line
+    and exit code 2.
     """
     parser = _parser()
-    args = parser.parse_args(arguments)
-    for alone in (*VERBS, "all"):
-        if alone in args.names and len(args.names) > 1:
-            parser.error(f"{alone!r} stands alone; leave the other names out")
+    args = parser.parse_intermixed_args(arguments)  # names may follow options
     args.verb = args.names[0] if args.names[0] in VERBS else "run"
+    asked = args.names[args.verb != "run" :]
+    _refuse_mixed(parser, args.names, asked)
     known = catalogue.names()
-    everything = args.names == ["all"] or args.verb != "run"
-    args.studies = known if everything else list(dict.fromkeys(args.names))
+    args.named = asked not in ([], ["all"])
+    args.studies = list(dict.fromkeys(asked)) if args.named else known
     for name in args.studies:
         if name not in known:
             parser.error(f"unknown study {name!r}: {catalogue.suggestion(name)}")
     args.form = "quick" if args.quick or (args.verb == "check" and not args.full) else "full"
     _refuse_misplaced(parser, args)
     return args
+
+
+def _refuse_mixed(
+    parser: argparse.ArgumentParser, names: Sequence[str], asked: Sequence[str]
+) -> None:
+    """End the program if a word that is no study stands where it does not belong."""
+    for alone, among in (("list", names), ("report", names), ("all", asked)):
+        if alone in among and len(among) > 1:
+            parser.error(f"{alone!r} stands alone; leave the other names out")
+    if "check" in asked:
+        parser.error("'check' comes first, and once; move it before the studies")
 
 
 def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
@@ -79,8 +91,9 @@ def _parser() -> argparse.ArgumentParser:
         "names",
         nargs="+",
         metavar="NAME",
-        help="studies to run, 'all' of them; 'list' to see what there is, 'check' to judge all by "
-        "theory, agreement bands and the committed baseline, 'report' to make report.html again",
+        help="studies to run, 'all' of them; 'list' to see what there is, 'check' to judge all, or "
+        "those named after it, by theory, agreement bands and the committed baseline, 'report' to "
+        "make report.html again",
     )
     parser.add_argument("--quick", action="store_true", help="the small form: fewer sizes")
     parser.add_argument(
@@ -118,7 +131,9 @@ def _add_check(parser: argparse.ArgumentParser) -> None:
     check = parser.add_argument_group("with check")
     check.add_argument("--full", action="store_true", help="the full form, not the small one")
     check.add_argument(
-        "--update", action="store_true", help="make what is found the baseline, if all holds"
+        "--update",
+        action="store_true",
+        help="make what is found the baseline of the studies that were run, if all holds",
     )
     check.add_argument(
         "--reason", type=_line, metavar="TEXT", help="why it moved, for CHANGELOG.md"

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -52,8 +52,17 @@ def strangers(form: str, studies: list[str]) -> list[str]:
     return sorted(set(found) - set(studies))
 
 
-def changelog(form: str, reason: str) -> bytes:
+def changelog(form: str, reason: str, studies: Sequence[str] = ()) -> bytes:
     """The changelog with one more line that says why the baseline of a form was renewed.
+
+    Parameters
+    ----------
+    form
+        "quick" or "full".
+    reason
+        Why, in one line.
+    studies
+        Those whose baseline was renewed; none for all of them.
 
     Raises
     ------
@@ -66,7 +75,8 @@ def changelog(form: str, reason: str) -> bytes:
     head, unreleased, rest = text.partition(UNRELEASED)
     if not unreleased:
         raise ProblemError(f"CHANGELOG.md: no heading {UNRELEASED.strip()!r}; add it")
-    entry = f"- Baseline ({form}): {reason}\n"
+    what = f"{form}; {', '.join(studies)}" if studies else form
+    entry = f"- Baseline ({what}): {reason}\n"
     if HEADING in rest.partition("\n## ")[0]:
         rest = rest.replace(f"{HEADING}\n", f"{HEADING}\n{entry}", 1)
     else:

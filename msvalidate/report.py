@@ -16,7 +16,7 @@ import secrets
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from msvalidate import catalogue
@@ -179,14 +179,40 @@ def stored(out: Path) -> list[Stored]:
     return [read(out / name) for name in _studies(out)]
 
 
-def replace_folder(folder: Path, files: Mapping[str, Files]) -> None:
-    """Replace a folder of folders whole: name -> files."""
+def replace_folder(folder: Path, files: Mapping[str, Files], *, keep: bool = False) -> None:
+    """Replace a folder of folders whole.
+
+    Parameters
+    ----------
+    folder
+        It is made if it is missing.
+    files
+        Name of a folder in it -> its files.
+    keep
+        Whether all else that lies in it goes into the new one as it is.
+    """
     folder = folder.resolve()
     folder.parent.mkdir(parents=True, exist_ok=True)
     with _alone(folder.parent), _staged(folder.parent) as new:
+        if keep and folder.is_dir():
+            _copy_others(folder, new, files)
         for name, content in files.items():
             _write(new / name, content)
         _replace(new, folder)
+
+
+def _copy_others(old: Path, new: Path, names: Container[str]) -> None:
+    """Copy what lies in a folder, but for some names in it, to the disk itself as `_write` does."""
+
+    def left_out(folder: str, found: list[str]) -> list[str]:
+        return [name for name in found if Path(folder) == old and name in names]
+
+    def copy(source: str, target: str) -> None:
+        _write(Path(target).parent, {Path(target).name: Path(source).read_bytes()})
+
+    shutil.copytree(
+        old, new, symlinks=True, ignore=left_out, copy_function=copy, dirs_exist_ok=True
+    )
 
 
 def replace_file(path: Path, content: bytes) -> None:

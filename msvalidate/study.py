@@ -88,20 +88,20 @@ def _report(args: argparse.Namespace) -> int:
 
 def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     """Run and judge studies, write what they found, and say what failed."""
-    from msvalidate import baseline, report
+    from msvalidate import report
 
     started = datetime.now(UTC)
     report.refuse_unwritable(args.out, args.studies)
     if args.junit:
         report.refuse_place("--junit", args.junit, args.out)
     if args.update:
-        baseline.changelog(args.form, args.reason)  # refuses, if there is none, before the work
+        _changelog(args)  # refuses, if there is none, before the work
     for name in args.studies:
         catalogue.load(name)
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
     results, unfinished, codes = _studied(args)
     if args.verb == "check" and not args.update:
-        results, uncompared = _compared(results, args.form)
+        results, uncompared = _compared(results, args)
         codes += [_error(message, NOTHING) for message in uncompared]
     studies = _written(results, unfinished, args, (arguments, started))
     try:
@@ -185,7 +185,7 @@ def _studied(
     return results, unfinished, codes
 
 
-def _compared(results: list[Result], form: str) -> tuple[list[Result], list[str]]:
+def _compared(results: list[Result], args: argparse.Namespace) -> tuple[list[Result], list[str]]:
     """Results with their tables held to the baseline, and what could not be compared."""
     from dataclasses import replace
 
@@ -193,17 +193,17 @@ def _compared(results: list[Result], form: str) -> tuple[list[Result], list[str]
 
     from msvalidate import baseline
 
-    found = []
+    found, form = [], args.form
+    strangers = [] if args.named else baseline.strangers(form, catalogue.names())
     uncompared = [
-        f"{form} baseline: {name} is no study; check --update leaves it out"
-        for name in baseline.strangers(form, catalogue.names())
+        f"{form} baseline: {name} is no study; check --update leaves it out" for name in strangers
     ]
     for result in results:
         rows = baseline.compare(result.evidence, baseline.home(form) / result.name)
         if not rows:
             uncompared.append(
                 f"study {result.name}: no {form} baseline, nothing compared; make one with "
-                "check --update"
+                f"check {result.name} --update"
             )
         verdict = pd.concat([result.verdict, pd.DataFrame(rows)], ignore_index=True)
         found.append(replace(result, verdict=verdict))
@@ -211,20 +211,27 @@ def _compared(results: list[Result], form: str) -> tuple[list[Result], list[str]
 
 
 def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) -> int:
-    """Make these results the baseline, and say why in the changelog."""
+    """Make these results the baseline, that of other studies staying, and say why."""
     from msvalidate import baseline, report
 
     if failed:
         return _error(
             f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
         )
-    changelog = baseline.changelog(args.form, args.reason)
+    changelog = _changelog(args)
     tables = {result.name: baseline.files(result.evidence) for result in results}
     # The reason first: a number never moves without one.
     report.replace_file(baseline.CHANGELOG, changelog)
-    report.replace_folder(baseline.home(args.form), tables)
-    print(f"{args.form} baseline renewed; CHANGELOG.md says why", file=sys.stderr)
+    report.replace_folder(baseline.home(args.form), tables, keep=args.named)
+    whose = f" of {', '.join(args.studies)}" if args.named else ""
+    print(f"{args.form} baseline{whose} renewed; CHANGELOG.md says why", file=sys.stderr)
     return HELD
+
+
+def _changelog(args: argparse.Namespace) -> bytes:
+    from msvalidate import baseline
+
+    return baseline.changelog(args.form, args.reason, args.studies if args.named else ())
 
 
 def _show(result: Result, args: argparse.Namespace) -> None:

@@ -1,13 +1,17 @@
 """The baseline: what has moved is told, with value, reference, error and limit."""
 
+import errno
 import io
+import os
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from msvalidate import baseline, stored
-from msvalidate.evidence import Evidence
+from msvalidate import baseline, catalogue, report, stored, study
+from msvalidate.evidence import Evidence, Observed, Tolerance
 
 TABLE = pd.DataFrame(
     {
@@ -159,3 +163,133 @@ def test_a_line_in_the_changelog(before, after, tmp_path, monkeypatch):
     place.write_text(before, encoding="utf-8")
     monkeypatch.setattr(baseline, "CHANGELOG", place)
     assert baseline.changelog("quick", "so").decode().endswith(f"## Unreleased\n\n{after}")
+
+
+def test_a_line_in_the_changelog_names_studies(tmp_path, monkeypatch):
+    place = tmp_path / "CHANGELOG.md"
+    place.write_text("## Unreleased\n", encoding="utf-8")
+    monkeypatch.setattr(baseline, "CHANGELOG", place)
+    line = "- Baseline (quick; stability, damping): so\n"
+    assert line in baseline.changelog("quick", "so", ["stability", "damping"]).decode()
+
+
+# --- check of some studies ------------------------------------------------------------------------
+
+STUDIES = ["damping", "poisson", "stability"]
+
+
+class Checkout:
+    """A checkout with three studies of one table; `x` is its value that moves."""
+
+    def __init__(self, folder):
+        self.quick, self.changelog = folder / "base" / "quick", folder / "CHANGELOG.md"
+        self.x, self.ran = 1.0, []
+
+    def load(self, name):
+        def run(setting):
+            if not setting.quick:
+                raise AssertionError("check runs the small form")
+            self.ran.append(name)
+            return Evidence(
+                {"t": pd.DataFrame({"x": [self.x]})},
+                {"gap": Observed(0.0)},
+                (Tolerance("gap", 0.5, "m", "so"),),
+                columns={"x": "m"},
+            )
+
+        return SimpleNamespace(__doc__="?", run=run)
+
+    def check(self, *arguments):
+        """Run a check; its exit code and the studies that it ran."""
+        self.ran = []
+        return study.main(["check", "-q", *arguments]), self.ran
+
+    def files(self):
+        return {p.relative_to(self.quick): p.read_bytes() for p in self.quick.rglob("*.*")}
+
+
+@pytest.fixture
+def checkout(tmp_path, monkeypatch):
+    """With a baseline of its own, renewed by the command itself."""
+    made = Checkout(tmp_path)
+    made.changelog.write_text("## Unreleased\n", encoding="utf-8")
+    (tmp_path / "pyproject.toml").touch()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(catalogue, "names", lambda: STUDIES)
+    monkeypatch.setattr(catalogue, "load", made.load)
+    monkeypatch.setattr(study.gc, "freeze", lambda: None)
+    monkeypatch.setattr(baseline, "HOME", tmp_path / "package")
+    monkeypatch.setattr(baseline, "CHECKOUT", tmp_path / "base")
+    monkeypatch.setattr(baseline, "CHANGELOG", made.changelog)
+    assert made.check("--update", "--reason", "first") == (0, STUDIES)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("names", "run"),
+    [
+        ([], STUDIES),
+        (["all"], STUDIES),
+        (["stability"], ["stability"]),
+        (["stability", "damping", "stability"], ["stability", "damping"]),
+    ],
+)
+def test_check_runs_what_is_named(names, run, checkout, capsys):
+    assert checkout.check(*names) == (0, run)
+    checkout.x = 1.1
+    assert checkout.check(*names) == (1, run)
+    missed = capsys.readouterr().err.splitlines()
+    assert [line.partition(": FAIL t.csv: x")[0] for line in missed] == run
+
+
+def test_update_renews_the_named_studies_only(checkout, capsys):
+    # Not as `files` would write it, beside what is none of its affair.
+    (checkout.quick / "poisson" / "t.csv").write_bytes(b"x\r\n1.00")
+    (checkout.quick / "oldstudy" / "deep").mkdir(parents=True)
+    (checkout.quick / "oldstudy" / "deep" / "t.csv").write_bytes(b"\xff\n")
+    (checkout.quick / "notes.txt").write_bytes(b"mine")
+    (checkout.quick / "damping" / "gone.csv").write_bytes(b"y\n1\n")
+    before, checkout.x = checkout.files(), 2.0
+    done = checkout.check("stability", "--update", "--reason", "so", "damping")
+    assert done == (0, ["stability", "damping"])
+    renewed = {Path(name, "t.csv"): b"x\n2.0\n" for name in ("stability", "damping")}
+    before.pop(Path("damping", "gone.csv"))
+    assert checkout.files() == before | renewed
+    assert "- Baseline (quick; stability, damping): so\n" in checkout.changelog.read_text("utf-8")
+    assert "quick baseline of stability, damping renewed" in capsys.readouterr().err
+
+
+def test_strangers_are_the_affair_of_all_studies_only(checkout, capsys):
+    (checkout.quick / "oldstudy").mkdir()
+    (checkout.quick / "oldstudy" / "t.csv").write_bytes(b"x\n1.0\n")
+    assert checkout.check("poisson") == (0, ["poisson"])
+    assert "oldstudy" not in capsys.readouterr().err
+    assert checkout.check("all") == (4, STUDIES)
+    assert "quick baseline: oldstudy is no study" in capsys.readouterr().err
+    assert checkout.check("all", "--update", "--reason", "so") == (0, STUDIES)
+    assert sorted(p.name for p in checkout.quick.iterdir()) == STUDIES
+    assert "- Baseline (quick): so\n" in checkout.changelog.read_text("utf-8")
+
+
+def test_a_first_baseline_of_one_study(checkout, capsys):
+    report.replace_folder(checkout.quick, {})
+    assert checkout.check("poisson") == (4, ["poisson"])
+    assert "make one with check poisson --update" in capsys.readouterr().err
+    assert checkout.check("poisson", "--update", "--reason", "so") == (0, ["poisson"])
+    assert list(checkout.files()) == [Path("poisson", "t.csv")]
+
+
+def test_a_full_disk_leaves_the_baseline_of_all_as_it_was(checkout, monkeypatch, capsys):
+    before, checkout.x = checkout.files(), 2.0
+    no = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def full(folder, files, write=report._write):
+        if folder.parent.parent == checkout.quick.parent:
+            raise no
+        write(folder, files)
+
+    monkeypatch.setattr(report, "_write", full)
+    assert checkout.check("poisson", "--update", "--reason", "so")[0] == 2
+    assert "No space left on device" in capsys.readouterr().err
+    assert checkout.files() == before
+    assert [p.name for p in checkout.quick.parent.iterdir()] == ["quick"]

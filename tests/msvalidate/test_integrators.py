@@ -15,7 +15,13 @@ from msvalidate.integrate import (
     recommended_time_step,
     staggered,
 )
-from msvalidate.integrators import INTEGRATORS, growth, one_step_matrix, stability_limit
+from msvalidate.integrators import (
+    EULER_CROMER,
+    INTEGRATORS,
+    growth,
+    one_step_matrix,
+    stability_limit,
+)
 from msvalidate.network import energy, spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.spectrum import extreme_frequencies
@@ -155,31 +161,71 @@ def state_of(network, record):
     return State(network.points, velocity)
 
 
+both_records = pytest.mark.parametrize("record_name", ["s1", "s2"])
+STORED_STEPS = [1, 100, 2000]
+"""At which the records have results: with another recipe, the middle one is farthest off."""
+
+
+def same(end, result):
+    """Whether a state is the stored one: positions of 0.1 m and velocities of 1 m/s, rounded."""
+    np.testing.assert_allclose(end.position, result["positions"], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(end.velocity, result["velocities"], rtol=0, atol=1e-11)
+
+
+@both_records
+def test_every_stored_trajectory_is_compared(independent, record_name):
+    _, record = independent(record_name)
+    for recipe in ("results", "results_euler_cromer"):
+        assert [result["steps"] for result in record[recipe]] == STORED_STEPS
+
+
 def test_velocity_verlet_is_that_of_an_independent_program(independent):
     network, record = independent("s1")
     for result in record["results"]:
         scheme = INTEGRATORS["velocity_verlet"]
-        end = motion(network, state_of(network, record), scheme, record["dt"], result["steps"])
+        same(
+            motion(network, state_of(network, record), scheme, record["dt"], result["steps"]),
+            result,
+        )
+
+
+def test_undamped_leapfrog_has_the_positions_of_velocity_verlet(independent):
+    network, record = independent("s1")
+    start = staggered(network, state_of(network, record), record["dt"])
+    for result in record["results"]:
+        end = motion(network, start, INTEGRATORS["leapfrog"], record["dt"], result["steps"])
         np.testing.assert_allclose(end.position, result["positions"], rtol=0, atol=1e-12)
 
 
-def test_its_damped_recipe_is_euler_cromer_after_half_a_kick(independent):
-    """One damping value a point: the record's viscosity over each mass."""
-    network, record = independent("s2")
+@both_records
+def test_euler_cromer_is_that_of_an_independent_program(independent, record_name):
+    network, record = independent(record_name)
     start, rate, dt = state_of(network, record), rates(network, record), record["dt"]
-    # Half a kick less than a whole one, with the old velocity in the viscous force.
-    early = staggered(network, start, dt, rate).velocity
-    kick = start.velocity - early  # (dt/2)(a - c v)
+    for result in record["results_euler_cromer"]:
+        same(motion(network, start, EULER_CROMER, dt, result["steps"], rate), result)
+
+
+@both_records
+def test_its_damped_recipe_is_euler_cromer_after_half_a_kick(independent, record_name):
+    """One damping value a point: the record's viscosity over each mass."""
+    network, record = independent(record_name)
+    start, rate, dt = state_of(network, record), rates(network, record), record["dt"]
     for result in record["results"]:
-        end = motion_after_half_kick(network, start, kick, rate, dt, result["steps"])
-        np.testing.assert_allclose(end, result["positions"], rtol=0, atol=1e-12)
+        same(after_half_kicks(network, start, rate, dt, result["steps"]), result)
 
 
-def motion_after_half_kick(network, start, kick, rate, dt, steps):
-    position = start.position + dt * np.where(network.held, 0.0, start.velocity + kick)
-    velocity = np.where(network.held, 0.0, start.velocity + kick)
-    rest = integrate.euler_cromer(network, State(position, velocity), dt, steps - 1, rate)
-    return rest.position
+def after_half_kicks(network, start, rate, dt, steps):
+    """Half a kick, Euler-Cromer's steps, half a kick."""
+    velocity = start.velocity + half_kick(network, start, rate, dt)
+    first = State(start.position + dt * velocity, velocity)
+    end = integrate.euler_cromer(network, first, dt, steps - 1, rate)
+    return State(end.position, end.velocity + half_kick(network, end, rate, dt))
+
+
+def half_kick(network, state, rate, dt):
+    """(dt/2)(a - c v), none at held points: half a kick less than a whole one, at the old place."""
+    early = staggered(network, state, dt, rate).velocity
+    return np.where(network.held, 0.0, state.velocity - early)
 
 
 @true_schemes
