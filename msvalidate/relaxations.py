@@ -32,10 +32,6 @@ FIRE_FIRST = 0.1
 FIRE_LARGEST = 1.0
 """Largest time step times the highest frequency, which the paper leaves to its user. Near 2, the
 limit of stability, stiff modes hardly decay, and their uphill moves stop the slow ones."""
-CUT = 0.9
-"""Factor on kinetic damping's step where it has proved unstable."""
-ROUNDING = 1e-12
-"""Of the stored energy: what its sum over many springs may be off by."""
 STRONGEST = 1.9
 """Adaptive damping in pseudo-time, whose critical value for the stiffest mode is 2."""
 SLOPE_LEFT = 0.5
@@ -52,40 +48,40 @@ _LESS = "reduce the load, or use equilibrium, which raises it in increments"
 def _kinetic_damping(run: Run) -> Iterator[None]:
     """Undamped leapfrog; where the kinetic energy has passed a peak, all velocities are zeroed.
 
-    From one standstill to the next the potential energy falls, unless the network has stiffened so
-    much that the step is unstable: then the step is cut.
+    The restart is midway between the positions before and after the largest velocity, as by
+    Topping and Khan. From a position of the steps themselves a mode of h·ω = √2, which two steps
+    take from one turning point to the other, would never decay.
     """
     _, highest = run.frequencies
     run.limit = 2 / highest
-    run.dt = SAFETY * run.limit
-    keep, once = np.ones(len(run.network.mass)), np.ones(len(run.network.mass))
-    kinetic, potential = 0.0, np.inf
+    run.dt = h = SAFETY * run.limit
+    mass = run.network.mass[:, None]
+    keep, push = np.ones(len(mass)), np.full(len(mass), h)
+    kinetic = 0.0
     while True:
         yield
         still = kinetic == 0
-        if still:
-            run.balance()
-            now = run.stored - float((run.network.force * run.displacement).sum())
-            if now > potential + ROUNDING * run.stored:
-                run.dt *= CUT
-            potential = now
         done, energy, fell = kernels.advance(
             run.network,
             run.displacement,
             run.velocity,
             keep,
             # From a standstill the first kick is half as long; a whole one diverges above √2/ω.
-            (0.5 if still else 1.0) * run.dt * once,
-            run.dt,
+            push / 2 if still else push,
+            h,
             1 if still else run.block,
             kinetic=kinetic,
             to_peak=not still,
         )
         kinetic = energy
-        if fell:  # the peak lies between the last two velocities, where this step began
-            run.displacement -= run.dt * run.velocity
-            run.velocity[:], kinetic = 0.0, 0.0
         run.moved(done, done)
+        if fell:
+            run.displacement -= h * run.velocity
+            run.moved(0, 0)
+            largest = run.velocity - h * run.balance() / mass
+            run.displacement -= 0.5 * h * largest
+            run.moved(0, 0)
+            run.velocity[:], kinetic = 0.0, 0.0
 
 
 def _fire(run: Run) -> Iterator[None]:
@@ -235,8 +231,7 @@ def _multigrid(run: Run, K: csr_array, load: Array, ahead: Array) -> Array:
         bsr_matrix(A, blocksize=(run.network.dim,) * 2), B=rigid * free[:, None]
     )
     residuals: list[float] = []
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # what it warns of is in `info`
+    with warnings.catch_warnings(record=True):  # what it warns of is in `info`
         move, info = levels.solve(
             right,
             tol=MULTIGRID_ERROR,
