@@ -6,6 +6,8 @@ the viscous force, then the position with the new velocity.
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -14,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate import kernels
 from msvalidate.integrators import EULER_CROMER, Integrator, Moving, factors_of, stability_limit
-from msvalidate.network import Network, spring_force, tangent
+from msvalidate.network import Network, spring_force
 from msvalidate.problem import (
     LONGEST,
     Array,
@@ -28,6 +30,9 @@ from msvalidate.problem import (
     whole,
 )
 from msvalidate.spectrum import extreme_frequencies
+
+SPECTRUM_ERROR = 1e-4
+"""Of the squared frequencies from which limits are told: their last digits cost the most."""
 
 
 class StabilityWarning(UserWarning):
@@ -50,6 +55,8 @@ def motion(
     steps: int,
     damping: ArrayLike = 0.0,
     watch: Callable[[int, State], None] | None = None,
+    *,
+    warn: bool = True,
 ) -> State:
     """State after `steps` steps of `dt` (s) of any scheme; held components do not move.
 
@@ -64,6 +71,9 @@ def motion(
         One of `integrators.INTEGRATORS`.
     watch
         Called after every step with its number and the state.
+    warn
+        Whether to warn, before the first step, that steps are beyond the stability limit at the
+        reference positions (`StabilityWarning`).
 
     Raises
     ------
@@ -73,6 +83,8 @@ def motion(
         If the motion grows beyond all numbers.
     """
     rate = _checked(network, state, dt, steps, damping)[:, None]
+    if warn:
+        _warn_beyond_limit(network, integrator, dt, rate.ravel())
     free = ~network.held
 
     def acceleration(x: Array) -> Array:
@@ -134,18 +146,6 @@ def recommended_time_step(
     return safety * limit
 
 
-def highest_frequency_bound(network: Network) -> float:
-    """Frequency (rad/s) that none exceeds at the reference positions: Gershgorin's circles.
-
-    ω² ≤ max over free components i of Σ_j |K_ij|/m_i: no eigenvalues are solved for.
-    """
-    instance("network", network, Network)
-    free = np.flatnonzero(~network.held.ravel())
-    K = tangent(network, network.points)[free][:, free]
-    mass = np.repeat(network.mass, network.dim)[free]
-    return float(np.sqrt((abs(K).sum(axis=1) / mass).max(initial=0.0)))
-
-
 def euler_cromer(
     network: Network,
     state: State,
@@ -154,6 +154,7 @@ def euler_cromer(
     damping: ArrayLike = 0.0,
     *,
     compiled: bool = True,
+    warn: bool = True,
 ) -> State:
     """State after `steps` Euler-Cromer steps of `dt` (s); held components do not move.
 
@@ -162,7 +163,7 @@ def euler_cromer(
     network, state
         Positions and velocities must have the shape of the network's points.
     dt
-        Time step (s). Stable below `stability_limit`; this function does not check it.
+        Time step (s). Stable below `stability_limit`.
     steps
         Number of steps, 0 or more.
     damping
@@ -170,6 +171,8 @@ def euler_cromer(
         is the rate c/m.
     compiled
         False runs the plain NumPy form, the oracle of the compiled one.
+    warn
+        As in `motion`.
 
     Raises
     ------
@@ -179,8 +182,10 @@ def euler_cromer(
         If the motion grows beyond all numbers.
     """
     if not compiled:
-        return motion(network, state, EULER_CROMER, dt, steps, damping)
+        return motion(network, state, EULER_CROMER, dt, steps, damping, warn=warn)
     rate = _checked(network, state, dt, steps, damping)
+    if warn:
+        _warn_beyond_limit(network, EULER_CROMER, dt, rate)
     u = np.array(state.position, dtype=float) - network.points
     v = np.where(network.held, 0.0, state.velocity)
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
@@ -198,6 +203,33 @@ def _checked(network: Network, state: State, dt: float, steps: int, damping: Arr
         if (shape := coordinates(name, value).shape) != network.points.shape:
             raise ProblemError(f"{name}: shape {shape}; give {network.points.shape}")
     return damping_rate(network, damping)
+
+
+def _warn_beyond_limit(network: Network, scheme: Integrator, dt: float, rate: Array) -> None:
+    """Warn of a step beyond the limit; where Gershgorin's bound allows it, at no cost.
+
+    Says nothing of a network that is unstable or a mechanism: its frequencies set no limit.
+    """
+    damping, bound = float(rate.max()), network.frequency_bound
+    if not (bound > 0 and math.isfinite(bound)):
+        return
+    # Of a scheme that lives without damping, the highest frequency alone decides; of the others
+    # slow modes too, whose own limit is 2/c.
+    slow = math.inf if scheme.limit(0.0) else 2 / damping if damping else 0.0
+    if dt <= min(scheme.limit(damping / (2 * bound)) / bound, slow):
+        return
+    try:
+        lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
+        limit = stability_limit(scheme, lowest or 1e-9 * highest, highest, damping)
+    except (ProblemError, SolverError):
+        return
+    if dt > limit:
+        warnings.warn(
+            f"{scheme.name}: steps of {dt:.4g} s are beyond the stability limit, {limit:.4g} s at "
+            f"damping {damping:.4g} 1/s; the motion will grow",
+            StabilityWarning,
+            stacklevel=3,
+        )
 
 
 def _finite_motion(state: State, dt: float, scheme: str) -> State:

@@ -122,6 +122,17 @@ class Network:
         vector.setflags(write=False)
         return vector
 
+    @cached_property
+    def frequency_bound(self) -> float:
+        """Frequency (rad/s) that none exceeds at the reference positions: Gershgorin's circles.
+
+        ω² ≤ max over free components i of Σ_j |K_ij|/m_i: no eigenvalues are solved for.
+        """
+        free = np.flatnonzero(~self.held.ravel())
+        K = tangent(self, self.points)[free][:, free]
+        mass = np.repeat(self.mass, self.dim)[free]
+        return float(np.sqrt((abs(K).sum(axis=1) / mass).max(initial=0.0)))
+
     def scaled(self, factor: Array | float) -> Network:
         """The same network with every spring's stiffness times `factor`, a number or (m,).
 

@@ -23,7 +23,7 @@ from tqdm import tqdm
 
 from msvalidate import kernels
 from msvalidate.equilibrium import Equilibrium, at_rest, is_stable
-from msvalidate.integrate import StabilityWarning, damping_rate
+from msvalidate.integrate import SPECTRUM_ERROR, StabilityWarning, damping_rate
 from msvalidate.integrators import EULER_CROMER, Integrator, factors_of, stability_limit
 from msvalidate.network import Network, force_roundoff, force_scale
 from msvalidate.problem import (
@@ -39,8 +39,6 @@ from msvalidate.spectrum import extreme_frequencies
 
 SAFETY = 0.9
 """Part of the stability limit used: the tangent stiffens a little as the network deforms."""
-SPECTRUM_ERROR = 1e-4
-"""Of the squared frequencies that set step and damping: a thousandth of what `SAFETY` leaves."""
 LOOK_EVERY = 20
 """Steps between two looks at residual and energy: for all but the smallest networks the looks then
 cost less than the steps."""

@@ -250,6 +250,7 @@ FLOORS = {
     "msvalidate.integrate": 2,
     "msvalidate.integrators": 2,
     "msvalidate.relax": 2,
+    "msvalidate.relaxations": 2,
     "msvalidate.linear": 2,
     "msvalidate.spectrum": 2,
     "reference_fem": 2,

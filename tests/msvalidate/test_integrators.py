@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from msvalidate import integrate
 from msvalidate.integrate import (
+    StabilityWarning,
     State,
-    highest_frequency_bound,
     motion,
     recommended_time_step,
     staggered,
@@ -235,7 +235,7 @@ def test_momentum_is_kept_without_supports(name, networks, data):
     network, position = data.draw(networks(stressed=True))
     network = spring_network(network.points, network.springs, network.stiffness, mass=network.mass)
     velocity = np.random.default_rng(len(position)).normal(size=position.shape)
-    end = motion(network, State(position, velocity), INTEGRATORS[name], 1e-3, 5)
+    end = motion(network, State(position, velocity), INTEGRATORS[name], 1e-3, 5, warn=False)
     moved = network.mass @ (end.velocity - velocity)
     scale = network.mass @ np.abs(velocity) + 1e-2 * network.stiffness.sum()
     assert (np.abs(moved) <= 1e-12 * scale).all()
@@ -336,20 +336,41 @@ def test_recommended_steps_are_stable_and_twice_the_limit_is_not(name):
     end = motion(network, start, INTEGRATORS[name], dt, 400, damping)
     assert energy(network, end.position) < energy(network, network.points + kick) + 1e-5
     with np.errstate(all="ignore"), pytest.raises(SolverError, match=f"{name}: the motion grew"):
-        motion(network, start, INTEGRATORS[name], 4 * dt, 20000, damping)
+        motion(network, start, INTEGRATORS[name], 4 * dt, 20000, damping, warn=False)
+
+
+@every_scheme
+def test_steps_beyond_the_limit_are_warned_of_before_they_are_taken(name):
+    network, scheme, damping = string(), INTEGRATORS[name], 0.2
+    start = State(network.points, np.zeros((12, 2)))
+    limit = recommended_time_step(network, scheme, safety=1.0, damping=damping)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        motion(network, start, scheme, 0.999 * limit, 1, damping)
+        motion(network, start, scheme, 1.01 * limit, 1, damping, warn=False)
+    said = f"{name}: steps of .* s are beyond the stability limit, {limit:.4g} s at damping 0.2"
+    with pytest.warns(StabilityWarning, match=said):
+        motion(network, start, scheme, 1.01 * limit, 1, damping)
+
+
+@pytest.mark.parametrize("name", ["explicit_euler", "verlet_lagged"])
+def test_a_scheme_that_needs_damping_is_warned_of_without(name):
+    start = State(string().points, np.zeros((12, 2)))
+    with pytest.warns(StabilityWarning, match="beyond the stability limit, 0 s at damping 0"):
+        motion(string(), start, INTEGRATORS[name], 1e-6, 1)
 
 
 def test_the_bound_bounds_and_is_near():
     network = string()
     _, highest = extreme_frequencies(network)
-    assert highest <= highest_frequency_bound(network) < 1.2 * highest
+    assert highest <= network.frequency_bound < 1.2 * highest
 
 
 @examples
 @given(data=st.data())
 def test_the_bound_holds_for_any_network(networks, data):
     network, _ = data.draw(networks(stressed=False))
-    assert highest_or_rigid(network) <= highest_frequency_bound(network) * (1 + 1e-12)
+    assert highest_or_rigid(network) <= network.frequency_bound * (1 + 1e-12)
 
 
 def highest_or_rigid(network):
