@@ -317,6 +317,53 @@ def test_motion_runs_backwards(name, networks, data):
     np.testing.assert_allclose(back.position, position, atol=1e-12)
 
 
+@every_scheme
+@examples
+@given(data=st.data(), seed=st.integers(0, 2**32 - 1))
+def test_numbering_place_and_direction_change_nothing(name, networks, data, seed):
+    """In another order of points and springs, moved, turned and mirrored: the same motion."""
+    network, position = data.draw(networks(stressed=True))
+    rng = np.random.default_rng(seed)
+    turn, _ = np.linalg.qr(rng.normal(size=(network.dim, network.dim)))
+    away = rng.uniform(-3, 3, network.dim)
+    order, springs = (rng.permutation(len(rows)) for rows in (position, network.springs))
+    number = np.argsort(order)
+    other = spring_network(
+        network.points[order] @ turn + away,
+        number[network.springs[springs]],
+        network.stiffness[springs],
+        rest_length=network.rest_length[springs],
+        mass=network.mass[order],
+        force=network.force[order] @ turn,
+    )
+    velocity, rate = rng.normal(size=position.shape), rng.uniform(0, 1, len(position))
+    one, two = (
+        motion(n, State(x, v), INTEGRATORS[name], 1e-3, 8, c, warn=False)
+        for n, x, v, c in (
+            (network, position, velocity, rate),
+            (other, position[order] @ turn + away, velocity[order] @ turn, rate[order]),
+        )
+    )
+    np.testing.assert_allclose(two.position, one.position[order] @ turn + away, atol=1e-12)
+    np.testing.assert_allclose(two.velocity, one.velocity[order] @ turn, atol=1e-10)
+
+
+@true_schemes
+@pytest.mark.parametrize("zeta", [0.01, 0.1])
+def test_under_viscosity_the_mean_energy_of_a_cycle_falls(name, zeta):
+    """Cycle after cycle, at the damped motion's own rate, while h·ω ≤ 0.1; a step may rise."""
+    scheme, per_cycle, cycles = INTEGRATORS[name], 100, 20
+    h, damping = 2 * np.pi / OMEGA / per_cycle, 2 * zeta * OMEGA
+    matrix = one_step_matrix(scheme, OMEGA, h, damping)
+    state, found = np.array([1.0, 0.0]), []
+    for _ in range(cycles * per_cycle):
+        state = matrix @ state
+        found.append(0.5 * state[1] ** 2 + 0.5 * (OMEGA * state[0]) ** 2)
+    means = np.array(found).reshape(cycles, per_cycle).mean(axis=1)
+    growing = name == "explicit_euler" and stability_limit(scheme, OMEGA, OMEGA, damping) < h
+    assert (np.diff(means) > 0).all() if growing else (np.diff(means) < 0).all()
+
+
 def string(n=12):
     points = np.column_stack([np.arange(n), np.zeros(n)]).astype(float)
     held = np.ones((n, 2), dtype=bool)
