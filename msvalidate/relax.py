@@ -51,9 +51,6 @@ LOOSEST = 0.01
 DIVERGED = 1e3
 """Displacement, in sizes of the body, that no equilibrium of interest has."""
 
-Watch = Callable[[int, Array], bool]
-"""Told the steps done and the displacement (n, d) in m at every look; True ends the run there."""
-
 
 @dataclass(frozen=True, eq=False)
 class Relaxation:
@@ -69,7 +66,8 @@ class Relaxation:
     history
         (looks, 3): step, residual force (N), kinetic energy (J).
     evaluations
-        Times that the forces of all springs, or a product with their tangent, were computed.
+        Times that the method computed the forces of all springs or a product with their tangent;
+        those of the looks are not counted.
     seconds
         Wall-clock time of the steps and looks, without what prepares them and what judges the end.
     """
@@ -110,6 +108,8 @@ class Run:
         self._at_lengths = 4 * force_roundoff(network, 0.0)
         self._per_metre = 4 * force_roundoff(network, 1.0) - self._at_lengths
         self._softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
+        met = np.bincount(network.springs.ravel(), np.repeat(network.stiffness, 2))
+        self._stiffest, self._loaded = float(met.max()), float(np.abs(network.force).max())
         self._reach = DIVERGED * float(np.ptp(network.points, axis=0).max())
 
     @cached_property
@@ -139,7 +139,7 @@ class Run:
         return self.until - self.steps
 
     def moved(self, steps: int, evaluations: int) -> None:
-        """Count steps that changed the displacement, and what they evaluated."""
+        """Count steps that changed the displacement, and the evaluations that they need."""
         self.steps += steps
         self.evaluations += evaluations
         self._known = False
@@ -150,7 +150,6 @@ class Run:
             self.stored = kernels.force_and_energy(self.network, self.displacement, self._force)
             self._force += self.network.force
             self._force[self.network.held] = 0.0
-            self.evaluations += 1
             self._known = True
         return self._force
 
@@ -169,6 +168,10 @@ class Run:
         rounding = float(self._floor.max())
         still = max(self.tolerance**2 * self.stored, rounding / self._softest * rounding)
         if look[2] > still:  # the usual case, and the cheaper question
+            return False
+        # Forces that meet at a point add up to √(2·energy·Σk) at most, by Cauchy and Schwarz.
+        bound = math.sqrt(2 * self.stored * self._stiffest) + 2 * self._loaded
+        if look[1] > max(self.tolerance * bound, rounding):
             return False
         held = self.network.held
         if (self.displacement[held] != self.network.displacement[held]).any():
@@ -233,6 +236,10 @@ class Run:
         bar.update(0)
 
 
+Watch = Callable[[Run], bool]
+"""Shown the run at every look; True ends it there. It must not change the run."""
+
+
 @dataclass(frozen=True)
 class Method:
     """A way to rest.
@@ -283,7 +290,7 @@ def relax(
     max_steps
         By default 20 times what the slowest mode is predicted to need.
     watch
-        Told of every look; it may end the run before rest.
+        Shown every look; it may end the run before rest.
     look_every
         Steps between two looks; by default the method's own.
 
@@ -335,7 +342,8 @@ def _walked(
     ) as bar:
         while True:
             at_ease = run.resting(looks[-1])
-            if at_ease or (watch is not None and watch(run.steps, run.displacement)):
+            enough = watch is not None and watch(run)
+            if at_ease or enough:
                 return run.result(looks, time.perf_counter() - started), at_ease
             if run.steps >= allowed:
                 raise SolverError(run.unfinished(looks[-1]))
@@ -381,6 +389,7 @@ def viscous(
     *,
     dt: float | None = None,
     damping: ArrayLike | None = None,
+    name: str = "viscous",
     title: str | None = None,
 ) -> Method:
     """Relaxation by motion under a virtual viscosity.
@@ -394,8 +403,8 @@ def viscous(
     damping
         Rate (1/s), one number or (n,): F = -damping·m·v. A viscosity c in N·s/m is c/m. By default
         twice the lowest frequency, which damps the slowest mode critically.
-    title
-        What messages call it.
+    name, title
+        What tables and messages call it.
 
     Raises
     ------
@@ -406,7 +415,7 @@ def viscous(
     if dt is not None:
         positive("time step dt", dt, "s")
     return Method(
-        scheme.name,
+        name,
         title or f"viscous {scheme.name}",
         "the report's section 4 (Euler-Cromer); Papadrakakis (1981), Comput. Methods Appl. Mech. "
         "Eng. 25, 217 (leapfrog with centred damping)",
@@ -462,4 +471,4 @@ def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) ->
     return math.ceil(needed / (decay * dt))
 
 
-ALGORITHM1 = viscous(EULER_CROMER, title="Algorithm 1")
+ALGORITHM1 = viscous(EULER_CROMER, name="algorithm1", title="Algorithm 1")

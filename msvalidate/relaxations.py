@@ -77,7 +77,7 @@ def _kinetic_damping(run: Run) -> Iterator[None]:
         run.moved(done, done)
         if fell:
             run.displacement -= h * run.velocity
-            run.moved(0, 0)
+            run.moved(0, 1)
             largest = run.velocity - h * run.balance() / mass
             run.displacement -= 0.5 * h * largest
             run.moved(0, 0)
@@ -106,7 +106,7 @@ def _fire(run: Run) -> Iterator[None]:
             velocity[:], dt, mix, downhill = 0.0, FIRE_CUT * dt, FIRE_MIX, 0
         velocity += dt * acceleration
         run.displacement += dt * velocity
-        run.moved(1, 0)
+        run.moved(1, 1)
 
 
 def _adaptive(run: Run) -> Iterator[None]:
@@ -131,7 +131,7 @@ def _adaptive(run: Run) -> Iterator[None]:
             run.velocity += 0.5 * acceleration
         last = acceleration
         run.displacement += run.velocity
-        run.moved(1, 0)
+        run.moved(1, 1)
 
 
 def _critical(run: Run, change: Array, free: Mask) -> float:
@@ -164,15 +164,16 @@ def _conjugate_gradients(run: Run) -> Iterator[None]:
 def _line_search(run: Run, way: Array, slope: float) -> None:
     """Move along `way` to where no more than half of the slope is left."""
     if slope == 0:  # in balance to the last digit
-        run.moved(1, 0)
+        run.moved(1, 1)
         return
     bend = kernels.curvature(run.network, run.displacement, way)
+    run.moved(0, 1)
     farthest = 0.5 * float(run.network.rest_length.min()) / float(np.abs(way).max())
     length = min(slope / bend, farthest) if bend > 0 else farthest
     start = run.displacement.copy()
     for _ in range(HALVINGS):
         run.displacement[:] = start + length * way
-        run.moved(0, 1)  # the curvature, or the trial before
+        run.moved(0, 1)
         left = float((run.balance() * way).sum())
         if abs(left) <= SLOPE_LEFT * slope or (left > 0 and length == farthest):
             run.steps += 1
@@ -203,7 +204,7 @@ def _newton(move: Move, run: Run) -> Iterator[None]:
         run.displacement += part * step
         if part == 1:
             run.displacement[network.held] = network.displacement[network.held]
-        run.moved(1, 0)
+        run.moved(1, 1)
 
 
 def _direct(run: Run, K: csr_array, load: Array, ahead: Array) -> Array:
@@ -254,7 +255,7 @@ def _multigrid(run: Run, K: csr_array, load: Array, ahead: Array) -> Array:
 
 RELAXATIONS = {
     "algorithm1": ALGORITHM1,
-    "viscous_leapfrog": viscous(LEAPFROG),
+    "viscous_leapfrog": viscous(LEAPFROG, name="viscous_leapfrog"),
     "kinetic_damping": Method(
         "kinetic_damping",
         "kinetic damping",

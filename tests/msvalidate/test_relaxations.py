@@ -9,7 +9,7 @@ import pytest
 
 from msvalidate.equilibrium import equilibrium, is_stable
 from msvalidate.integrators import INTEGRATORS, LEAPFROG
-from msvalidate.network import force_scale, spring_force, spring_network
+from msvalidate.network import force_scale, spring_network
 from msvalidate.problem import Box, PointForce, ProblemError, Region, SolverError, Support, Traction
 from msvalidate.relax import Method, relax, viscous
 from msvalidate.relaxations import RELAXATIONS
@@ -68,9 +68,9 @@ def test_too_few_steps_are_not_rest(method, lattice_body):
 def test_a_watcher_sees_every_look_and_may_end_the_run(method, lattice_body):
     network, seen = sheet(lattice_body, PUSH), []
 
-    def watch(steps, displacement):
-        assert displacement.shape == network.points.shape
-        seen.append(steps)
+    def watch(run):
+        assert run.displacement.shape == network.points.shape
+        seen.append(run.steps)
         return len(seen) == 3
 
     run = relax(network, method, watch=watch, look_every=1)
@@ -84,7 +84,7 @@ def test_looking_changes_nothing_but_the_count_of_evaluations(method, lattice_bo
     network, places = sheet(lattice_body, PUSH), []
     for every in (1, 7):
         stop = 21 if method.look_every > 1 else 7
-        run = relax(network, method, watch=lambda n, _, s=stop: n >= s, look_every=every)
+        run = relax(network, method, watch=lambda run, s=stop: run.steps >= s, look_every=every)
         places.append(run.equilibrium.position)
     # A compiled block of steps rounds like its steps one by one.
     np.testing.assert_allclose(*places, rtol=0, atol=1e-13)
@@ -182,18 +182,12 @@ def test_steps_of_dynamic_relaxation(lattice_body, n, steps):
     first = float(np.linalg.norm(network.force[~network.held]))
     left = []
 
-    def watch(_, displacement):
-        rest = equilibrium_residual(network, displacement)
-        left.append(rest / first)
+    def watch(run):
+        left.append(np.linalg.norm(run.balance()) / first)
         return left[-1] <= 1e-6
 
     found = relax(network, method, watch=watch, look_every=10).steps
     assert found == pytest.approx(steps, rel=0.05)
-
-
-def equilibrium_residual(network, displacement):
-    balance = spring_force(network, network.points + displacement) + network.force
-    return float(np.linalg.norm(balance[~network.held]))
 
 
 def test_a_scheme_with_two_velocities_is_refused():

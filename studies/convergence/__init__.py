@@ -1,0 +1,39 @@
+"""Convergence: what does it cost to bring a spring network to rest, and how does that grow?
+
+The report claims that a spring network costs O(n) for n nodes, since the time to rest "can be
+limited and constant", against O(n^9) by finite elements. One question a file:
+
+- `steps`: steps and force evaluations of every relaxation to a given error, and their growth;
+- `dynamic_relaxation`: counts of an independent program, and steps against the condition number;
+- `times`: seconds of the same runs, and of a finite element solution of the same body;
+- `frontier`: error against the elastic solution for the time that it takes, springs and elements.
+
+Candidate: the table of relaxations. Reference: the direct solution of the same network, predictions
+from its frequencies, and scikit-fem finite elements. Seconds are told, and never judged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from msvalidate.evidence import Evidence, merged
+from msvalidate.relax import Method
+from msvalidate.relaxations import RELAXATIONS
+from msvalidate.sweep import Setting
+from studies.convergence import dynamic_relaxation, frontier, spoilt, steps, times
+
+METHODS = RELAXATIONS | {dynamic_relaxation.NAME: dynamic_relaxation.METHOD}
+FAULTS = {name: {"candidate": METHODS | methods} for name, methods in spoilt.FAULTS.items()}
+"""Negative controls: arguments of `run` under which a tolerance must fail."""
+
+
+def run(candidate: Mapping[str, Method] = METHODS, setting: Setting | None = None) -> Evidence:
+    """All questions, for one table of relaxations."""
+    setting = setting or Setting()
+    counted = steps.run(candidate, setting)
+    return merged(
+        counted,
+        dynamic_relaxation.run(candidate, setting),
+        times.run(candidate, counted.tables["steps"], setting),
+        frontier.run(candidate, setting),
+    )

@@ -1,0 +1,157 @@
+"""Dynamic relaxation: an independent program's counts, and steps against the condition number.
+
+Question   Does the best explicit relaxation take the steps that another program took, and do they
+           grow as the square root of the condition number kappa = (omega_max/omega_min)^2?
+Candidate  Leapfrog with centred damping at the step 2/sqrt(omega_max^2 + omega_min^2) and the
+           damping 2 omega_min, which minimise the largest spectral radius of all modes.
+Reference  Counts by an independent program on the same networks. The spectral radius
+           1 - 2/sqrt(kappa), which leaves 1/2 sqrt(kappa) ln(1/tolerance) steps at least.
+Expected   The same counts within the looks' spacing. Exponent 1/2 in kappa.
+
+Plates of n x n cells with eight neighbours and shared weights, unit mass on every point, left edge
+clamped, sheared on the right; relative residual 1e-6 in the Euclidean norm, a look every 10 steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate.compare import fitted_power, worst
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.figures import COLOURS, new
+from msvalidate.integrators import LEAPFROG, Integrator
+from msvalidate.problem import SolverError
+from msvalidate.relax import Method, Run, relax, viscous
+from msvalidate.spectrum import extreme_frequencies
+from msvalidate.sweep import Setting
+from studies.convergence import bodies, steps
+
+COUNTED = {8: 240, 16: 440, 32: 830, 64: 1590}
+"""Cells along a side -> steps of an independent program, one count of ten steps apart."""
+NAME = "dynamic_relaxation"
+RESIDUAL = 1e-6
+LOOK_EVERY = 10
+TOLERANCES = (
+    Tolerance(
+        "steps of dynamic relaxation over those of an independent program, worst",
+        0.05,
+        "1",
+        "both look every 10 steps, 4 % of the smallest count",
+    ),
+    Tolerance(
+        "exponent of the steps of dynamic relaxation in kappa",
+        0.05,
+        "1",
+        "1/2 for one mode; ln of the largest residual's share adds a few per cent on small plates",
+    ),
+    Tolerance(
+        "exponent of steps x springs of dynamic relaxation in nodes",
+        0.1,
+        "1",
+        "3/2; boundary springs add 0.04 and the clamped edge takes 0.02 at these sizes",
+    ),
+)
+COLUMNS = {
+    **steps.COLUMNS,
+    "kappa": "ratio of the squares of highest and lowest natural frequency (1)",
+    "independent_steps": "steps of the independent program",
+    "least_steps": "1/2 sqrt(kappa) ln(1/tolerance), from the spectral radius alone",
+}
+
+
+def at_its_best(scheme: Integrator, damping: float, run: Run) -> Iterator[None]:
+    """Steps of a viscous scheme; `damping` in units of the critical one of the slowest mode."""
+    low, high = run.frequencies
+    best = viscous(scheme, dt=2 / math.hypot(low, high), damping=damping * 2 * low)
+    yield from best.walk(run)
+
+
+METHOD = Method(
+    NAME, "dynamic relaxation", "Papadrakakis (1981)", partial(at_its_best, LEAPFROG, 1)
+)
+
+
+def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
+    """Count the steps of the four plates."""
+    rows = setting.sweep(partial(counted, candidate[NAME]), COUNTED, "dynamic relaxation")
+    table = pd.DataFrame(rows)
+    arrived = (table["outcome"] == "reached").all()
+    cost = table["steps"] * table["springs"]
+    exponents = (
+        (fitted_power(table["kappa"], table["steps"]), fitted_power(table["nodes"], cost))
+        if arrived
+        else None
+    )
+    seen = [
+        worst(table["steps"] / table["independent_steps"], 1.0),
+        Observed(exponents[0].exponent if exponents else math.nan, 0.5),
+        Observed(exponents[1].exponent if exponents else math.nan, 1.5),
+    ]
+    return Evidence(
+        tables={"dynamic_relaxation": table},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, seen, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"dynamic_relaxation": draw},
+        columns=COLUMNS,
+    )
+
+
+def counted(method: Method, n: int) -> dict[str, object]:
+    """One plate: steps to the residual, and what was to be expected."""
+    network = bodies.network("plate", n)
+    network = replace(network, mass=np.ones(len(network.points)))
+    low, high = extreme_frequencies(network)
+    first = float(np.linalg.norm(network.force[~network.held]))
+    found: list[int] = []
+
+    def watch(run: Run) -> bool:
+        if np.linalg.norm(run.balance()) <= RESIDUAL * first:
+            found.append(run.steps)
+        return bool(found)
+
+    try:
+        relax(network, method, watch=watch, look_every=LOOK_EVERY)
+    except SolverError:
+        found.append(0)
+    return {
+        "cells_x": n,
+        "cells_y": n,
+        "nodes": len(network.points),
+        "springs": len(network.springs),
+        "kappa": (high / low) ** 2,
+        "outcome": "reached" if found[0] else "failed",
+        "steps": found[0],
+        "independent_steps": COUNTED[n],
+        "least_steps": math.ceil(0.5 * high / low * math.log(1 / RESIDUAL)),
+    }
+
+
+def draw(tables: Tables) -> Figure:
+    """Steps against the condition number: counted here, by the other program, and the least."""
+    table = tables[NAME]
+    figure, (axis,) = new(size=(4.2, 3.2))
+    kappa = table["kappa"]
+    axis.loglog(
+        kappa,
+        table["independent_steps"],
+        "s",
+        color=COLOURS[1],
+        ms=8,
+        mfc="none",
+        label="independent program",
+    )
+    axis.loglog(kappa, table["steps"], "o", color=COLOURS[0], label="this one")
+    axis.loglog(
+        kappa, table["least_steps"], ":", color="black", label="from the spectral radius alone"
+    )
+    axis.set_xlabel("condition number kappa")
+    axis.set_ylabel("steps to a residual of 1e-6")
+    axis.legend()
+    return figure

@@ -1,0 +1,255 @@
+"""Frontier: which error against the elastic solution does a second buy?
+
+Question   Springs and elements with as many nodes are not equally accurate. How does the error
+           against the true elastic solution fall with the time that is spent?
+Candidate  The spring network, relaxed by kinetic damping and by Newton's method with a direct
+           solver; the network is isotropic and stands for the elastic body.
+Reference  scikit-fem with Q1 and Q2 on even meshes of the same cells; the true solution by Q2 on
+           meshes graded to the corners, refined until its own error is known.
+Expected   At equal nodes springs are like linear elements: the same order on a clamped body. Q2
+           pays on the beam, and is held by the corners on the plate. An explicit relaxation takes
+           sqrt(kappa) evaluations where a direct solver takes one factorisation.
+
+Times are from the problem to the displacement: lattice or mesh, assembly, solution.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from statistics import median
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+import reference_fem
+from msvalidate.compare import fitted_power
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.figures import COLOURS, MARKERS, new, shared_legend
+from msvalidate.problem import Array
+from msvalidate.relax import Method, relax
+from msvalidate.sweep import Setting
+from studies.convergence import bodies, steps
+
+FINENESSES = {"plate": (8, 16, 32, 64, 128), "beam": (4, 8, 16, 32)}
+QUICK = {"plate": (8, 16, 32), "beam": (4, 8, 16)}
+ACCURACY = {True: 5e-5, False: 2e-5}
+"""Of the reference, over the largest displacement: for the small form, and for the full one."""
+COARSEST = {"plate": 8, "beam": 4}
+GRADING = {"plate": 3.0, "beam": 2.0}
+"""Towards the corners, where the stress of a clamped edge is singular."""
+REPEATS = 3
+HUNDREDTH = 0.01
+AT_REST = 1e-7
+"""Tolerance of the explicit relaxation: its own error is then far below that of the spacing."""
+TOLERANCES = (
+    Tolerance(
+        "springs over Q1 elements on the same cells, error, worst factor between them",
+        2.5,
+        "1",
+        "both are of first degree along an edge and meet the same corner singularity: the factor "
+        "between their constants is of order one",
+    ),
+    Tolerance(
+        "relaxed springs against Newton's, difference of the errors",
+        1e-4,
+        "1",
+        "stops at 1e-7 of the forces, times a lever of the order of kappa^(1/2), at most 2e3 here",
+    ),
+)
+COLUMNS = {
+    **steps.COLUMNS,
+    "model": "springs and how they came to rest, or the elements",
+    "error": "distance from the elastic solution over its size, root mean squares at probes (1)",
+    "order": "of the error in the cells across, over all sizes (1)",
+    "low_order": "lower end of the order's 95 % interval (1)",
+    "high_order": "upper end of the order's 95 % interval (1)",
+    "reference_error": "estimated error of the elastic solution, in the same measure (1)",
+    "wall_seconds": "median time, of the steps or from the problem to the displacement (s)",
+}
+Answer = Callable[[int], tuple[Array, int]]
+"""Displacement (q, 2) in m at the probes and number of nodes, for a fineness."""
+
+
+def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
+    """Errors and times of each model at each fineness."""
+    sizes = QUICK if setting.quick else FINENESSES
+    accuracy = ACCURACY[setting.quick]
+    truth = dict(
+        zip(
+            bodies.SIZES,
+            setting.sweep(partial(elastic, accuracy), bodies.SIZES, "elastic solution"),
+            strict=True,
+        )
+    )
+    rows = [
+        measured(model, answer, body, fineness, truth[body], 1 if setting.quick else REPEATS)
+        for body in bodies.SIZES
+        for model, answer in models(candidate, body).items()
+        for fineness in sizes[body]
+    ]
+    table = pd.DataFrame(rows)
+    return Evidence(
+        tables={"frontier": table, "frontier_orders": orders(table)},
+        observed=dict(zip((t.quantity for t in TOLERANCES), observed(table), strict=True)),
+        tolerances=TOLERANCES,
+        figures={"frontier": draw},
+        columns=COLUMNS,
+        findings=findings(table),
+    )
+
+
+def elastic(accuracy: float, body: str) -> tuple[Array, float]:
+    """Displacement (q, 2) in m of the elastic body at the probes, and its relative uncertainty."""
+    problem, size = bodies.problem(body), float(np.abs(bodies.at_rest(body, COARSEST[body])).max())
+
+    def displacement(fineness: int) -> Array:
+        mesh = reference_fem.box_discretisation(
+            bodies.box(body), bodies.cells(body, fineness), "Q2", grading=GRADING[body]
+        )
+        return reference_fem.solve_problem(problem, mesh).at(probes(body)).ravel() / size
+
+    estimate = reference_fem.refine(displacement, COARSEST[body], accuracy)
+    value = size * estimate.value.reshape(-1, 2)
+    return value, float(size * np.linalg.norm(estimate.uncertainty) / np.linalg.norm(value))
+
+
+def probes(body: str) -> Array:
+    """Points (q, 2) in m of the coarsest lattice, which every finer one has too."""
+    return bodies.network(body, COARSEST[body]).points
+
+
+def models(candidate: Mapping[str, Method], body: str) -> dict[str, Answer]:
+    """The ways to predict a body's displacement."""
+    return {
+        "springs, kinetic damping": partial(by_springs, candidate["kinetic_damping"], body),
+        "springs, Newton": partial(by_springs, candidate["newton"], body),
+        "Q1 elements": partial(by_elements, "Q1", body),
+        "Q2 elements": partial(by_elements, "Q2", body),
+    }
+
+
+def by_springs(method: Method, body: str, fineness: int) -> tuple[Array, int]:
+    """The network's displacement (q, 2) in m at the probes, and its number of points."""
+    network = bodies.network(body, fineness)
+    found = relax(network, method, tolerance=AT_REST).equilibrium.displacement
+    along, across = bodies.cells(body, fineness)
+    grid = found.reshape(across + 1, along + 1, 2)
+    every = fineness // COARSEST[body]
+    return grid[::every, ::every].reshape(-1, 2), len(network.points)
+
+
+def by_elements(element: str, body: str, fineness: int) -> tuple[Array, int]:
+    """The elements' displacement (q, 2) in m at the probes, and the number of nodes."""
+    problem = bodies.problem(body)
+    mesh = reference_fem.box_discretisation(bodies.box(body), bodies.cells(body, fineness), element)
+    return reference_fem.solve_problem(problem, mesh).at(probes(body)), len(mesh.points)
+
+
+def measured(
+    model: str,
+    answer: Answer,
+    body: str,
+    fineness: int,
+    truth: tuple[Array, float],
+    repeats: int,
+) -> dict[str, object]:
+    """One row: the error of a model, and the median time to have its displacement."""
+    seconds = []
+    for _ in range(repeats):
+        started = time.perf_counter()
+        found, nodes = answer(fineness)
+        seconds.append(time.perf_counter() - started)
+    cells_x, cells_y = bodies.cells(body, fineness)
+    return {
+        "body": body,
+        "model": model,
+        "cells_x": cells_x,
+        "cells_y": cells_y,
+        "nodes": nodes,
+        "error": bodies.relative_distance(found, truth[0]),
+        "reference_error": truth[1],
+        "wall_seconds": median(seconds),
+    }
+
+
+def orders(table: pd.DataFrame) -> pd.DataFrame:
+    """Observed order of each model's error in the cells across."""
+    rows = []
+    for (body, model), part in table.groupby(["body", "model"], sort=False):
+        fit = fitted_power(part["cells_y"], part["error"])
+        rows.append(
+            {
+                "body": body,
+                "model": model,
+                "order": -fit.exponent,
+                "low_order": -fit.high,
+                "high_order": -fit.low,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def observed(table: pd.DataFrame) -> list[Observed]:
+    """What the tolerances judge, in their order."""
+    errors = {str(model): part["error"].to_numpy() for model, part in table.groupby("model")}
+    newton, relaxed = errors["springs, Newton"], errors["springs, kinetic damping"]
+    apart = np.abs(np.log(newton / errors["Q1 elements"]))
+    return [
+        Observed(float(np.exp(apart.max())), 1.0),
+        Observed(float(np.abs(newton - relaxed).max())),
+    ]
+
+
+def findings(table: pd.DataFrame) -> tuple[str, ...]:
+    """What each model reaches on its finest mesh, and the seconds to a hundredth."""
+    said = []
+    for body in bodies.SIZES:
+        part = table[table["body"] == body]
+        models = {str(model): rows for model, rows in part.groupby("model", sort=False)}
+        finest = ", ".join(
+            f"{model} {rows['error'].iloc[-1]:.2g} ({rows['nodes'].iloc[-1]:,} nodes, "
+            f"{rows['wall_seconds'].iloc[-1]:.2g} s)"
+            for model, rows in models.items()
+        )
+        said.append(f"Error of the {body} against elasticity on the finest mesh: {finest}.")
+        needed = {model: seconds_to(HUNDREDTH, rows) for model, rows in models.items()}
+        told = ", ".join(f"{model} {seconds:.2g} s" for model, seconds in needed.items() if seconds)
+        if told:
+            said.append(f"To {HUNDREDTH:.0%} of the {body}'s elastic displacement: {told}.")
+    return tuple(said)
+
+
+def seconds_to(error: float, rows: pd.DataFrame) -> float | None:
+    """Time at which a model reaches an error, in logarithms; None outside its sizes."""
+    falling = np.log(rows["error"].to_numpy())[::-1]
+    if not falling[0] <= np.log(error) <= falling[-1] or (np.diff(falling) <= 0).any():
+        return None
+    seconds = np.log(rows["wall_seconds"].to_numpy())[::-1]
+    return float(np.exp(np.interp(np.log(error), falling, seconds)))
+
+
+def draw(tables: Tables) -> Figure:
+    """Error against the elastic solution for the time spent; each point one fineness."""
+    table = tables["frontier"]
+    figure, axes = new(len(bodies.SIZES), size=(3.6, 3.4))
+    for axis, body in zip(axes, bodies.SIZES, strict=True):
+        part = table[table["body"] == body]
+        for index, (model, rows) in enumerate(part.groupby("model", sort=False)):
+            axis.loglog(
+                rows["wall_seconds"],
+                rows["error"],
+                marker=MARKERS[index],
+                color=COLOURS[index],
+                label=str(model),
+            )
+        axis.axhline(
+            part["reference_error"].iloc[0], ls=":", color="grey", label="the reference's own error"
+        )
+        axis.set_title(body, fontsize=9)
+        axis.set_xlabel("seconds, from the problem to the displacement")
+        axis.set_ylabel("error over the displacement, at probes")
+    shared_legend(figure, axes, columns=2)
+    return figure

@@ -1,0 +1,64 @@
+"""Relaxations with a known fault, for the negative controls of this study."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from msvalidate.integrators import LEAPFROG, factors_of
+from msvalidate.problem import Array
+from msvalidate.relax import SAFETY, Run, viscous
+from msvalidate.relaxations import RELAXATIONS
+from studies.convergence import dynamic_relaxation
+from studies.convergence.dynamic_relaxation import METHOD, at_its_best
+
+Walk = Callable[[Run], Iterator[None]]
+
+
+def _half_damped(run: Run) -> Iterator[None]:
+    lowest, _ = run.frequencies
+    yield from viscous(LEAPFROG, damping=lowest).walk(run)
+
+
+def _half_kick(h: float, c: Array) -> tuple[Array, Array]:
+    keep, push = factors_of(LEAPFROG)(h, c)
+    return keep, push / 2
+
+
+def _lagging(run: Run) -> Iterator[None]:
+    """Leapfrog whose force is that of the position before."""
+    lowest, highest = run.frequencies
+    run.rate, run.dt, run.limit = np.array([2 * lowest]), SAFETY * 2 / highest, 2 / highest
+    keep, push = factors_of(LEAPFROG)(run.dt, run.rate)
+    mass = run.network.mass[:, None]
+    before = run.balance().copy()
+    while True:
+        yield
+        force = run.balance().copy()
+        run.velocity *= keep
+        run.velocity += push * before / mass
+        run.displacement += run.dt * run.velocity
+        run.moved(1, 1)
+        before = force
+
+
+TRUE = {"viscous_leapfrog": RELAXATIONS["viscous_leapfrog"], dynamic_relaxation.NAME: METHOD}
+WALKS: dict[str, tuple[Walk, Walk]] = {
+    "damping halved": (_half_damped, partial(at_its_best, LEAPFROG, 0.5)),
+    "a wrong kick: half the force": (
+        viscous(replace(LEAPFROG, factors=_half_kick)).walk,
+        partial(at_its_best, replace(LEAPFROG, factors=_half_kick), 1),
+    ),
+    "a lagged force": (_lagging, _lagging),
+}
+FAULTS = {
+    name: {
+        method.name: replace(method, walk=walk)
+        for method, walk in zip(TRUE.values(), walks, strict=True)
+    }
+    for name, walks in WALKS.items()
+}
+"""Name of the fault -> the methods that have it, by name."""

@@ -1,0 +1,188 @@
+"""Times: how long do the relaxations run, beside a finite element solution of the same body?
+
+Question   Seconds to a displacement error of 1e-3 and 1e-6, and their growth with the nodes; the
+           report's O(n) for springs against O(n^9) for finite elements.
+Candidate  The table of relaxations, each for the steps that it was counted to need.
+Reference  scikit-fem on the same body and cells (Q1): mesh, assembly and sparse factorisation.
+Expected   Seconds grow as steps x springs: nodes^1.5; nested dissection of a plane mesh as
+           nodes^1.5 at worst, as nodes^1.1 to 1.3 at these sizes. The report's n for elements is
+           nodes along an *edge* (n^3 unknowns in a cube, eliminated as if their matrix were full),
+           its n for springs is *all* nodes.
+
+Each cell of the table runs alone, in this process, on one thread; the median of several runs. The
+seconds depend on the machine and are never judged.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from statistics import median
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+import reference_fem
+from msvalidate.compare import fitted_power
+from msvalidate.evidence import Evidence, Tables
+from msvalidate.figures import COLOURS, MARKERS, new, shared_legend
+from msvalidate.relax import Method, relax
+from msvalidate.sweep import Setting
+from studies.convergence import bodies, steps
+
+REPEATS = 3
+ELEMENTS = "fem_q1"
+BODY = ["body", "cells_x", "cells_y", "nodes", "threshold"]
+COLUMNS = {
+    **steps.COLUMNS,
+    "wall_seconds": "median time, of the steps or from the problem to the displacement (s)",
+    "least_seconds": "shortest of the repeated times (s)",
+    "exponent_of_seconds": "of the nodes in the seconds (1)",
+    "low_of_seconds": "lower end of its 95 % interval (1)",
+    "high_of_seconds": "upper end of its 95 % interval (1)",
+}
+
+
+def run(candidate: Mapping[str, Method], counted: pd.DataFrame, setting: Setting) -> Evidence:
+    """Time each run of the table of steps that came to its end, and the same bodies by elements."""
+    repeats = 1 if setting.quick else REPEATS
+    todo = records(counted[counted["outcome"] == "reached"])
+    silent = None if setting.progress else True
+    bar = tqdm(todo, desc="seconds to rest", delay=0.5, leave=False, disable=silent)
+    rows = [timed(candidate[row["method"]], row, repeats) for row in bar]
+    rows += [by_elements(row, repeats) for row in records(counted[BODY].drop_duplicates())]
+    table = pd.DataFrame(rows)
+    grown = growth(table)
+    return Evidence(
+        tables={"times": table, "growth_of_times": grown},
+        observed={},
+        tolerances=(),
+        figures={"times": draw},
+        columns=COLUMNS,
+        findings=findings(table, grown),
+    )
+
+
+def records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Rows of a table, by column."""
+    return [{str(column): value for column, value in row.items()} for _, row in table.iterrows()]
+
+
+def timed(method: Method, row: Mapping[str, Any], repeats: int) -> dict[str, object]:
+    """One relaxation for as many steps as it needs, several times."""
+    body, fineness, count = str(row["body"]), int(row["cells_y"]), int(row["steps"])
+    network = bodies.network(body, fineness)
+
+    def relaxed() -> float:
+        done = relax(
+            network,
+            method,
+            tolerance=steps.AT_REST,
+            max_steps=2 * count,
+            watch=lambda run: run.steps >= count,
+            look_every=count,
+        )
+        return done.seconds
+
+    return _row(row, method.name, relaxed, repeats)
+
+
+def by_elements(row: Mapping[str, Any], repeats: int) -> dict[str, object]:
+    """The same body by finite elements; one solution serves for any threshold."""
+    body = str(row["body"])
+    cells = (int(row["cells_x"]), int(row["cells_y"]))
+
+    def solved() -> float:
+        started = time.perf_counter()
+        mesh = reference_fem.box_discretisation(bodies.box(body), cells, "Q1")
+        reference_fem.solve_problem(bodies.problem(body), mesh)
+        return time.perf_counter() - started
+
+    return _row(row, ELEMENTS, solved, repeats)
+
+
+def _row(
+    row: Mapping[str, Any], method: str, once: Callable[[], float], repeats: int
+) -> dict[str, object]:
+    seconds = [once() for _ in range(repeats)]
+    return {
+        **{key: row[key] for key in BODY},
+        "method": method,
+        "wall_seconds": median(seconds),
+        "least_seconds": min(seconds),
+    }
+
+
+def growth(table: pd.DataFrame) -> pd.DataFrame:
+    """Exponents of the seconds in the number of nodes, from the larger networks.
+
+    Below a thousandth of a second a run costs what its set-up costs; three sizes are kept at least.
+    """
+    rows = []
+    for (body, method, threshold), part in table.groupby(
+        ["body", "method", "threshold"], sort=False
+    ):
+        if len(part) < 3:
+            continue
+        fit = fitted_power(part["nodes"].iloc[-4:], part["wall_seconds"].iloc[-4:])
+        rows.append(
+            {
+                "body": body,
+                "method": method,
+                "threshold": threshold,
+                "exponent_of_seconds": fit.exponent,
+                "low_of_seconds": fit.low,
+                "high_of_seconds": fit.high,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
+    """Who is fastest on the largest bodies, and how seconds grow."""
+    tight = table[table["threshold"] == min(steps.THRESHOLDS)]
+    said = []
+    for body in bodies.SIZES:
+        part = tight[tight["body"] == body]
+        last = part[part["nodes"] == part["nodes"].max()].sort_values("wall_seconds")
+        ranks = ", ".join(
+            f"{row.method} {row.wall_seconds:.2g} s" for row in last.itertuples(index=False)
+        )
+        said.append(f"On this machine the {body} of {part['nodes'].max():,} nodes took: {ranks}.")
+    plate = grown[(grown["body"] == "plate") & (grown["threshold"] == min(steps.THRESHOLDS))]
+    powers = dict(zip(plate["method"], plate["exponent_of_seconds"], strict=True))
+    said.append(
+        "Seconds on the plate grew as nodes^"
+        f"{powers.get('viscous_leapfrog', np.nan):.2f} by viscous leapfrog, nodes^"
+        f"{powers.get('newton_multigrid', np.nan):.2f} by Newton's method with multigrid and "
+        f"nodes^{powers[ELEMENTS]:.2f} by finite elements. The report's O(n^9) counts nodes along "
+        "an edge and eliminates a full matrix: for sparse elements it is a straw man."
+    )
+    return tuple(said)
+
+
+def draw(tables: Tables) -> Figure:
+    """Seconds to an error of 1e-6 against the nodes."""
+    table = tables["times"]
+    tight = table[table["threshold"] == min(steps.THRESHOLDS)]
+    figure, axes = new(len(bodies.SIZES), size=(3.6, 3.4))
+    for axis, body in zip(axes, bodies.SIZES, strict=True):
+        part = tight[tight["body"] == body]
+        for index, (method, rows) in enumerate(part.groupby("method", sort=False)):
+            elements = method == ELEMENTS
+            axis.loglog(
+                rows["nodes"],
+                rows["wall_seconds"],
+                marker=MARKERS[index % len(MARKERS)],
+                color="black" if elements else COLOURS[index % len(COLOURS)],
+                linestyle="-" if elements or index < len(COLOURS) else "--",
+                label=str(method).replace("_", " "),
+            )
+        axis.set_title(body, fontsize=9)
+        axis.set_xlabel("nodes")
+        axis.set_ylabel("seconds to 1e-6 of the displacement")
+    shared_legend(figure, axes, columns=3)
+    return figure
