@@ -6,6 +6,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 """Told apart by colour-blind readers (Okabe and Ito 2008, Color Universal Design)."""
@@ -40,6 +41,14 @@ def new(
 def plain_powers(axis: Axes) -> None:
     """Label a logarithmic y axis 1e-06, not as mathematics, which takes a third of a second."""
     axis.yaxis.set_major_formatter(lambda value, _: f"{value:.0e}")
+
+
+def one_two_five(axis: Axes, which: str = "x") -> None:
+    """Label a logarithmic axis of few decades at 1, 2 and 5 of each, and nowhere between."""
+    chosen = axis.xaxis if which == "x" else axis.yaxis
+    chosen.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
+    chosen.set_major_formatter(lambda value, _: f"{value:g}")
+    chosen.set_minor_formatter(NullFormatter())
 
 
 def shared_legend(figure: Figure, axes: list[Axes], columns: int = 4) -> None:

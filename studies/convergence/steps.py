@@ -270,7 +270,7 @@ def draw_cost(tables: Tables) -> Figure:
     return _drawn(tables["steps"], "cost", 1.5)
 
 
-LABELS = {"steps": "steps to 1e-6 of the displacement", "cost": "evaluations x springs"}
+LABELS = {"steps": "steps to an error of 1e-6", "cost": "evaluations x springs to 1e-6"}
 
 
 def _drawn(table: pd.DataFrame, quantity: str, slope: float) -> Figure:
@@ -297,6 +297,7 @@ def _drawn(table: pd.DataFrame, quantity: str, slope: float) -> Figure:
             label=f"slope {slope:g}",
         )
         axis.set_title(body, fontsize=9)
+        figures.one_two_five(axis)
         axis.set_xlabel("nodes")
         axis.set_ylabel(LABELS[quantity])
     figures.shared_legend(figure, axes, columns=3)

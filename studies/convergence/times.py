@@ -28,7 +28,7 @@ from tqdm import tqdm
 import reference_fem
 from msvalidate.compare import fitted_power
 from msvalidate.evidence import Evidence, Tables
-from msvalidate.figures import COLOURS, MARKERS, new, shared_legend
+from msvalidate.figures import COLOURS, MARKERS, new, one_two_five, shared_legend
 from msvalidate.relax import Method, relax
 from msvalidate.sweep import Setting
 from studies.convergence import bodies, steps
@@ -182,7 +182,8 @@ def draw(tables: Tables) -> Figure:
                 label=str(method).replace("_", " "),
             )
         axis.set_title(body, fontsize=9)
+        one_two_five(axis)
         axis.set_xlabel("nodes")
-        axis.set_ylabel("seconds to 1e-6 of the displacement")
+        axis.set_ylabel("seconds to an error of 1e-6")
     shared_legend(figure, axes, columns=3)
     return figure

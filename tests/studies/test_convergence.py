@@ -1,0 +1,128 @@
+"""The study `convergence`: its counts by other means, what is judged and what is not."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from msvalidate.baseline import files
+from msvalidate.evidence import UNGATED
+from msvalidate.relax import relax
+from msvalidate.relaxations import RELAXATIONS
+from msvalidate.sweep import Setting
+from studies import convergence
+from studies.convergence import bodies, dynamic_relaxation, frontier, spoilt, steps, times
+
+QUICK = Setting(quick=True)
+
+
+@pytest.fixture(scope="module")
+def evidence():
+    return convergence.run(setting=QUICK)
+
+
+def test_every_relaxation_at_every_size(evidence):
+    table = evidence.tables["steps"]
+    assert set(table["method"]) == set(RELAXATIONS)
+    assert not table.duplicated(["body", "method", "cells_y", "threshold"]).any()
+    for body, sizes in steps.QUICK.items():
+        assert set(table[table["body"] == body]["cells_y"]) == set(sizes)
+
+
+def test_full_sizes_span_two_decades_of_nodes():
+    for body, sizes in steps.FINENESSES.items():
+        assert len(sizes) >= 4
+        nodes = [np.prod(np.add(bodies.cells(body, n), 1)) for n in sizes]
+        assert nodes[-1] / nodes[0] >= 100
+
+
+def test_predicted_steps_are_those_of_a_critically_damped_oscillator():
+    """By stepping the slowest mode itself with the leapfrog of the method."""
+    root_kappa, threshold = 50.0, 1e-3
+    h = 2 * 0.9 / root_kappa  # with omega_min = 1, and so c = 2
+    x, v, count = 1.0, 0.5 * h, 0  # at rest: half a kick before the first whole one
+    while abs(x) > threshold:
+        v = ((1 - h) * v - h * x) / (1 + h)
+        x += h * v
+        count += 1
+    assert steps.predicted(root_kappa, threshold) == pytest.approx(count, abs=2)
+
+
+def test_counts_are_first_times_below_the_threshold(evidence):
+    """Kinetic damping counted again, step by step."""
+    table = evidence.tables["steps"]
+    row = table[
+        (table["body"] == "plate")
+        & (table["cells_y"] == 8)
+        & (table["method"] == "kinetic_damping")
+        & (table["threshold"] == 1e-3)
+    ].iloc[0]
+    network, rest = bodies.network("plate", 8), bodies.at_rest("plate", 8)
+    errors = []
+
+    def watch(run):
+        apart = np.hypot(*(run.displacement - rest).T).max() / np.hypot(*rest.T).max()
+        errors.append(apart)
+        return run.steps >= row["steps"]
+
+    relax(network, RELAXATIONS["kinetic_damping"], tolerance=1e-13, watch=watch, look_every=1)
+    assert errors[-1] <= 1e-3 < min(errors[:-1])
+
+
+def test_growth_of_a_power():
+    table = pd.DataFrame(
+        {
+            "body": "plate",
+            "method": "newton",
+            "threshold": 1e-6,
+            "outcome": ["reached"] * 4 + ["failed"],
+            "nodes": [10, 100, 1000, 10000, 100000],
+            "steps": [1, 10, 100, 1000, 0],
+            "cost": [1, 100, 10000, 1000000, 0],
+        }
+    )
+    grown = steps.growth(table).set_index("quantity")
+    assert grown.loc["steps", "exponent"] == pytest.approx(1)
+    assert grown.loc["cost", "exponent"] == pytest.approx(2)
+
+
+def test_seconds_are_told_and_not_gated(evidence):
+    kept = files(evidence)
+    for name in ("times", "growth_of_times", "frontier"):
+        heading = kept[f"{name}.csv"].decode().splitlines()[0].split(",")
+        assert not [column for column in heading if column.endswith(UNGATED)]
+        assert [column for column in evidence.tables[name] if column.endswith(UNGATED)]
+    assert not [t for t in evidence.tolerances if "second" in t.quantity]
+    assert (evidence.tables["times"]["wall_seconds"] > 0).all()
+
+
+def test_a_method_that_fails_is_a_row_that_says_so():
+    lagged = spoilt.FAULTS["a lagged force"]["viscous_leapfrog"]
+    rows = steps.counted((lagged, "plate", 8))
+    assert [row["outcome"] for row in rows] == ["failed", "failed"]
+    row = dynamic_relaxation.counted(lagged, 8)
+    assert (row["outcome"], row["steps"]) == ("failed", 0)
+
+
+def test_probes_lie_on_every_lattice():
+    for body in bodies.SIZES:
+        coarse = frontier.probes(body)
+        fine = bodies.network(body, 2 * frontier.COARSEST[body])
+        answer, nodes = frontier.by_springs(
+            RELAXATIONS["newton"], body, 2 * frontier.COARSEST[body]
+        )
+        assert nodes == len(fine.points)
+        at = [np.flatnonzero(np.isclose(fine.points, p).all(axis=1))[0] for p in coarse]
+        np.testing.assert_allclose(
+            answer, bodies.at_rest(body, 2 * frontier.COARSEST[body])[at], atol=1e-9
+        )
+
+
+def test_seconds_between_two_sizes():
+    rows = pd.DataFrame({"error": [0.1, 0.01, 0.001], "wall_seconds": [1.0, 10.0, 100.0]})
+    assert frontier.seconds_to(0.0316227766, rows) == pytest.approx(3.16227766)
+    assert frontier.seconds_to(1e-4, rows) is None
+
+
+def test_elements_stand_beside_the_relaxations(evidence):
+    table = evidence.tables["times"]
+    assert set(table["method"]) == {*RELAXATIONS, times.ELEMENTS}
