@@ -1,0 +1,123 @@
+"""Advice: is it better to damp too much than too little?
+
+Question   The report would rather overdamp when the critical value is unknown. What does a wrong
+           guess cost, in steps, to either side?
+Candidate  Algorithm 1's motion to a displacement error of 1e-6.
+Reference  The slowest mode alone: its rate is c/2 below critical damping, so a third of c takes
+           about three times as long; above it is c/2 - √(c²/4 - ω²), 1/5.8 of ω at three times c.
+Expected   Overdamping costs about twice what underdamping by the same factor does, and more where
+           it shortens the stable step as well.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.compare import worst
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.sweep import Setting
+from studies.damping import bodies, rest
+from studies.damping.bodies import Motion
+
+BODIES = (("plate sheared", (8, 8), "across"), ("beam bent", (20, 2), "across"))
+GUESSED = (1 / 10, 1 / 3, 1.0, 3.0, 10.0)
+"""Of the critical damping."""
+ERROR = 1e-6
+WRONG = (1 / 3, 3.0)
+TOLERANCES = (
+    Tolerance(
+        "price of a wrong damping over the predicted, logarithm to base 2",
+        0.3,
+        "1",
+        "steps to rest are within a fifth of those of the slowest mode alone, with either damping",
+    ),
+    Tolerance(
+        "bodies on which a third of the damping costs more than three times it",
+        0.0,
+        "1",
+        "the slowest mode's rates are ω/3 and ω/5.8, and the critical run's own factor 1 + ωt is "
+        "common to both",
+    ),
+)
+COLUMNS = {
+    **bodies.COLUMNS,
+    "guess": "damping over 2ω of the lowest mode (1)",
+    "price": "steps over those at critical damping (1)",
+    "price_predicted": "the same by the slowest mode alone, with the same steps (1)",
+    "rate_price": "ω over the slower mode's rate of decay: the price where no step shrinks and the "
+    "error vanishes (1)",
+}
+
+
+def run(candidate: Motion, setting: Setting) -> Evidence:
+    """Prices of wrong dampings."""
+    found = setting.sweep(partial(priced, candidate), BODIES, "price of a guess")
+    table = pd.DataFrame([row for rows in found for row in rows])
+    for column, steps in (("price", "steps"), ("price_predicted", "steps_slowest")):
+        right = table[table["guess"] == 1].set_index("body")[steps]
+        table[column] = table[steps] / table["body"].map(right)
+    table = table.drop(columns="steps_slowest")
+    under, over = (table[table["guess"] == guess].set_index("body")["price"] for guess in WRONG)
+    values = (
+        worst(np.log2(table["price"] / table["price_predicted"]), 0.0),
+        Observed(float((under > over).sum())),
+    )
+    return Evidence(
+        tables={"advice": table},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"advice": draw},
+        columns=COLUMNS,
+        findings=(finding(under, over),),
+    )
+
+
+def priced(candidate: Motion, shape: tuple[str, tuple[int, int], str]) -> list[dict[str, object]]:
+    """Steps to rest of one body, one row a damping."""
+    body = bodies.loaded(*shape)
+    omega = float(body.frequencies[0])
+    rows: list[dict[str, object]] = []
+    for guess in GUESSED:
+        found = rest.relaxed(candidate, body, guess, (ERROR,))
+        rows.append(
+            {
+                "body": body.name,
+                "guess": guess,
+                "dt_s": found.dt,
+                "steps": found.measured[ERROR],
+                "steps_slowest": found.slowest[ERROR],
+                "rate_price": omega / bodies.decay(omega, 2 * guess * omega),
+            }
+        )
+    return rows
+
+
+def finding(under: pd.Series, over: pd.Series) -> str:
+    """What a wrong guess costs to either side."""
+    return (
+        f"Damping three times too strong costs {over.min():.3g} to {over.max():.3g} times the "
+        f"steps of critical damping, three times too weak {under.min():.3g} to "
+        f"{under.max():.3g}: to an error of {ERROR:g} it is cheaper to damp too little. What "
+        "overdamping buys is that nothing overshoots."
+    )
+
+
+def draw(tables: Tables) -> Figure:
+    """Price of a wrong damping."""
+    table = tables["advice"]
+    figure, (axis,) = figures.new(size=(4.2, 3.4))
+    for place, (name, own) in enumerate(table.groupby("body", sort=False)):
+        colour, marker = figures.COLOURS[place], figures.MARKERS[place]
+        axis.loglog(own["guess"], own["price"], marker, color=colour, label=f"{name} cells")
+        axis.loglog(own["guess"], own["price_predicted"], color=colour, lw=0.9)
+    axis.plot([], [], color="black", lw=0.9, label="slowest mode alone")
+    axis.set_xlabel("damping over the critical one (1)")
+    axis.set_ylabel("steps over those at critical damping (1)")
+    axis.set_title(f"to a displacement error of {ERROR:g}", fontsize=9)
+    axis.legend(fontsize=8)
+    return figure

@@ -1,0 +1,211 @@
+"""The bodies that are let go, their modes, and the closed forms that say how they come to rest.
+
+A small motion about rest is a sum of modes, x'' = -ω²x - c·x' each. Let go at the distance 1 from
+rest with no velocity, with s = c/2 and r = √(s² - ω²), real or imaginary,
+
+    x(t) = [(r + s)·exp(-(s - r)t) + (r - s)·exp(-(s + r)t)] / 2r,
+
+which at the critical c = 2ω is (1 + ωt)·exp(-ωt). Below it the envelope falls with c/2; above it
+the slow root s - r = ω²/(s + r), about ω²/c, is what is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import eigh
+
+from msvalidate.body import lattice_network
+from msvalidate.equilibrium import equilibrium
+from msvalidate.integrate import State
+from msvalidate.integrators import EULER_CROMER, stability_limit
+from msvalidate.lattice import square
+from msvalidate.network import Network, tangent
+from msvalidate.problem import Anisotropic, Array, Box, Problem, Support, Traction
+from msvalidate.stiffness import network_tensor
+
+Motion = Callable[[Network, State, float, int, Any], State]
+"""A candidate: state after so many steps of dt (s) with a damping (1/s)."""
+
+ISOTROPIC = (1.0, 0.5)
+"""Spring constants (N/m), axial and diagonal: the tensor is isotropic, Poisson's ratio 1/3."""
+DENSITY = 1.0
+"""Mass an area (kg/m²), at a thickness of 1 m."""
+LOAD = 1e-6
+"""Displacement (1) of the loaded end over the body's length: the motion is then linear but for
+parts in a million, and rounding is a part in 1e9."""
+SAFETY = 0.9
+"""Part of Euler-Cromer's limit, at the damping in question, that a step takes."""
+COLUMNS = {
+    "body": "which body, how it is loaded, and cells along and across",
+    "omega_rad_s": "frequency of the lowest mode that the load excites (rad/s)",
+    "c_over_critical": "damping over 2ω of the lowest mode that the load excites (1)",
+    "dt_s": "time step (s)",
+    "dt_omega": "time step times the frequency of that mode (1)",
+    "steps": "time steps taken",
+    "time_s": "simulated time (s)",
+}
+"""What columns of several tables mean."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A loaded network, where it comes to rest, and its modes about the reference points.
+
+    Parameters
+    ----------
+    name
+        In tables.
+    network
+        Loaded; it starts at its reference points.
+    rest
+        (n, d) displacement (m) at rest.
+    frequencies
+        (m,) rad/s, ascending.
+    shapes
+        (m, n·d) mass-normalised: shapes · M · shapesᵀ = 1.
+    """
+
+    name: str
+    network: Network
+    rest: Array
+    frequencies: Array
+    shapes: Array
+
+    @property
+    def start(self) -> State:
+        """At rest at the reference points: the load comes suddenly."""
+        return State(self.network.points, np.zeros_like(self.network.points))
+
+    def amplitudes(self, field: Array) -> Array:
+        """Modal amplitudes (m,) of a displacement or velocity (n, d), in its unit times √kg."""
+        return np.asarray(self.shapes @ (self.network.mass[:, None] * field).ravel())
+
+    def norm(self, field: Array) -> float:
+        """√Σ m|u|² of a displacement or velocity (n, d): the amplitudes' length."""
+        return float(np.sqrt(self.network.mass @ (field**2).sum(axis=1)))
+
+    def error(self, state: State) -> float:
+        """Distance from rest over the whole way to rest, in the norm of masses."""
+        return self.norm(state.position - self.network.points - self.rest) / self.size
+
+    def left(self, state: State) -> float:
+        """A bound of `error` from now on.
+
+        Viscosity lets no mode's v² + ω²x² grow, so x² stays below x² + (v/ω)² of now.
+        """
+        swing = self.norm(state.velocity) / (self.frequencies[0] * self.size)
+        return float(np.hypot(self.error(state), swing))
+
+    @cached_property
+    def size(self) -> float:
+        """The way to rest (m·√kg)."""
+        return self.norm(self.rest)
+
+    @cached_property
+    def shares(self) -> Array:
+        """Amplitudes (m,) of the modes in the way to rest, over its size."""
+        return np.abs(self.amplitudes(self.rest)) / self.size
+
+    def lowest_excited(self, visible: float) -> int:
+        """First mode with a share above `visible`: what is below is never seen in an error."""
+        return int(np.flatnonzero(self.shares > visible)[0])
+
+    def time_step(self, damping: float, part: float = SAFETY) -> float:
+        """Time step (s): `part` of Euler-Cromer's limit with a damping (1/s)."""
+        ends = float(self.frequencies[0]), float(self.frequencies[-1])
+        return part * stability_limit(EULER_CROMER, *ends, damping)
+
+
+def loaded(
+    name: str,
+    cells: tuple[int, int],
+    load: str,
+    *,
+    constants: tuple[float, float] = ISOTROPIC,
+    equal: bool = False,
+) -> Body:
+    """A rectangle 1 m high of square cells, clamped at its left and loaded at its right.
+
+    Parameters
+    ----------
+    name, cells
+        In tables; along and across.
+    load
+        "along" pulls at the right end, "across" bends or shears.
+    constants
+        Of axial and diagonal springs (N/m).
+    equal
+        Whether all springs and all masses count alike, as in the report; else by their cells.
+    """
+    weights = "equal" if equal else "shared"
+    box = Box((cells[0] / cells[1], 1.0))
+    grid = square(box, cells)
+    material = Anisotropic(network_tensor(grid, constants, weights), density=DENSITY)
+    wall = Support(box.side("left"), (0.0, 0.0))
+    direction = (1.0, 0.0) if load == "along" else (0.0, 1.0)
+
+    def under(stress: float) -> Network:
+        pull = Traction(box.side("right"), (stress * direction[0], stress * direction[1]))
+        problem = Problem(box, material, (wall,), (pull,), name=name)
+        return lattice_network(
+            problem, grid, constants, weights=weights, mass="equal" if equal else "shared"
+        )
+
+    reach = np.abs(equilibrium(under(1.0)).displacement).max()
+    network = under(LOAD * box.size[0] / reach)
+    rest = equilibrium(network, "nonlinear").displacement
+    frequencies, shapes = modes(network)
+    along, across = cells
+    return Body(f"{name}, {along} x {across}", network, rest, frequencies, shapes)
+
+
+def modes(network: Network) -> tuple[Array, Array]:
+    """All frequencies (m,) in rad/s and mass-normalised shapes (m, n·d), zero where it is held."""
+    free = np.flatnonzero(~network.held.ravel())
+    scale = 1 / np.sqrt(np.repeat(network.mass, network.dim)[free])
+    K = tangent(network, network.points)[free][:, free].toarray()
+    squares, vectors = eigh(scale[:, None] * K * scale)
+    shapes = np.zeros((len(free), network.points.size))
+    shapes[:, free] = (scale[:, None] * vectors).T
+    return np.sqrt(squares), shapes
+
+
+def approach(omega: float, damping: float, times: ArrayLike) -> Array:
+    """Distance from rest (1) of a mode let go at 1 without velocity, at times (s)."""
+    t = np.asarray(times, dtype=float)
+    s, r = damping / 2, np.emath.sqrt(damping**2 / 4 - omega**2)
+    if abs(r) < 1e-6 * omega:
+        return np.asarray((1 + omega * t) * np.exp(-omega * t))
+    slow, fast = omega**2 / (s + r), s + r  # s - r, without cancellation
+    both = (r + s) * np.exp(-slow * t) + (r - s) * np.exp(-fast * t)
+    return np.asarray((both / (2 * r)).real)
+
+
+def decay(omega: float, damping: float) -> float:
+    """Rate (1/s) at which the slower part of a mode dies out."""
+    s = damping / 2
+    if s <= omega:
+        return s
+    return float(omega**2 / (s + np.sqrt(s**2 - omega**2)))
+
+
+def one_step(omegas: Array, dt: float, damping: float) -> Array:
+    """Matrices (m, 2, 2) by which a step of Euler-Cromer takes (x, v) of modes to the next.
+
+    v' = (1 - hc)·v - hω²·x and x' = x + h·v'.
+    """
+    kick, kept = -dt * omegas**2, np.full(len(omegas), 1 - dt * damping)
+    return np.stack(
+        [np.stack([1 + dt * kick, dt * kept], axis=1), np.stack([kick, kept], axis=1)], axis=1
+    )
+
+
+def powered(matrices: Array, steps: int) -> Array:
+    """Matrices (m, 2, 2) of so many steps."""
+    return np.asarray(np.linalg.matrix_power(matrices, steps))

@@ -1,0 +1,144 @@
+"""Controls: faulty motions, and the smallest fault of each kind that this study notices.
+
+Question   Which faults of the motion make a tolerance fail, and how small may they be?
+Candidate  Euler-Cromer with a known fault.
+Reference  The identities: a free velocity is multiplied by 1 - hc a step, and the slowest mode of
+           the report's block follows the scheme's recursion.
+Expected   Errors grow in proportion to small faults, so the smallest fault noticed is the limit of
+           an identity over its error per fault.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import pandas as pd
+
+from msvalidate.compare import worst
+from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.integrate import State, euler_cromer, staggered
+from msvalidate.network import Network
+from studies.damping import direction, figure2
+from studies.damping.bodies import Motion
+
+PROBE = 1e-4
+"""Size of the fault from which the smallest noticed one is extrapolated."""
+RATIO = 0.5
+"""Damping over the critical one at which the block's mode is watched."""
+FACTOR = direction.TOLERANCES[0].limit
+TOLERANCES = (
+    Tolerance(
+        "smallest fault of the motion noticed, largest over the kinds",
+        1e-5,
+        "1",
+        "identities hold to 1e-8 and 1e-7: with levers of at least a hundredth no fault hides",
+    ),
+)
+COLUMNS = {
+    "fault": "what is wrong with the motion",
+    "unit": "how the fault is measured",
+    "smallest_noticed": "smallest fault that an identity notices (in its unit)",
+    "noticed_by": "the identity that fails first",
+}
+Fault = Callable[[float, Network, State, float, int, Any], State]
+
+
+def other_damping(
+    size: float, network: Network, state: State, dt: float, steps: int, damping: Any
+) -> State:
+    """Damping larger by the fraction `size`."""
+    return euler_cromer(network, state, dt, steps, damping * (1 + size))
+
+
+def other_kick(
+    size: float, network: Network, state: State, dt: float, steps: int, damping: Any
+) -> State:
+    """Springs and loads push harder by the fraction `size`: rest is where it was."""
+    return _stepped(1 + size, damping, network, state, dt, steps)
+
+
+def first_kick(
+    size: float, network: Network, state: State, dt: float, steps: int, damping: Any
+) -> State:
+    """The part `size` of the first kick of a run from rest is lost."""
+    if state.velocity.any():
+        return euler_cromer(network, state, dt, steps, damping)
+    behind = staggered(network, state, 2 * size * dt, damping)
+    return euler_cromer(network, behind, dt, steps, damping)
+
+
+def new_velocity(
+    size: float, network: Network, state: State, dt: float, steps: int, damping: Any
+) -> State:
+    """The part `size` of the viscous force comes from the new velocity instead of the old.
+
+    v' = v + h(a - c(1 - p)v - cpv') is v' = v + h(a - cv)/(1 + hcp), and x' = x + hv' as ever.
+    """
+    less = 1 / (1 + dt * damping * size)
+    return _stepped(less, less * damping, network, state, dt, steps)
+
+
+def _stepped(
+    push: float, drag: Any, network: Network, state: State, dt: float, steps: int
+) -> State:
+    """Steps v' = v + h(push·a - drag·v), x' = x + hv'.
+
+    With f = √push it is the scheme's own step in h·f for h, drag/f for c and v/f for v.
+    """
+    f = math.sqrt(push)
+    slower = State(state.position, state.velocity / f)
+    end = euler_cromer(network, slower, dt * f, steps, drag / f)
+    return State(end.position, end.velocity * f)
+
+
+KINDS: dict[str, tuple[Fault, str]] = {
+    "damping": (other_damping, "relative"),
+    "kick": (other_kick, "relative"),
+    "first kick": (first_kick, "part lost"),
+    "viscous force from the new velocity": (new_velocity, "part"),
+}
+
+
+def spoilt(kind: str, size: float) -> Motion:
+    """A candidate with a fault of some kind and size."""
+    return partial(KINDS[kind][0], size)
+
+
+def run() -> Evidence:
+    """State the smallest fault of each kind that the study notices."""
+    table = pd.DataFrame([smallest(kind) for kind in KINDS])
+    return Evidence(
+        tables={"resolution": table},
+        observed={TOLERANCES[0].quantity: worst(table["smallest_noticed"], 0.0)},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        # Rounding of an identity is a part of its limit, over the error that the probe makes.
+        rounding={"smallest_noticed": 1e-9},
+    )
+
+
+def smallest(kind: str) -> dict[str, object]:
+    """The fault's smallest size that some identity notices, and which."""
+    grown = excesses(spoilt(kind, PROBE))
+    quantity = max(grown, key=lambda key: grown[key])
+    return {
+        "fault": kind,
+        "unit": KINDS[kind][1],
+        "smallest_noticed": PROBE / grown[quantity],
+        "noticed_by": quantity,
+    }
+
+
+def excesses(candidate: Motion) -> dict[str, float]:
+    """Errors of the identities over their limits."""
+    free = direction.tried(candidate, 0, ("free", 0.5))
+    factor = float(str(free["factor"])) / float(str(free["factor_predicted"]))
+    body = figure2.block()
+    _, row = figure2.curve(candidate, body, figure2.shared_step(body), (RATIO, 1))
+    return {
+        "free velocity": abs(factor - 1) / FACTOR,
+        "slowest mode by the recursion": row["from_recursion"] / figure2.RECURSION,
+    }

@@ -1,0 +1,179 @@
+"""Decay: does the velocity decrease exponentially, and at which rate?
+
+Question   The report: with F = -c·v the velocity "can decrease exponentially". It does where
+           nothing but viscosity acts; at which rate does that of an elastic body?
+Candidate  Algorithm 1's motion of a free pair of points, and of a plate let go in its lowest mode.
+Reference  c for a free motion; c/2 of the envelope of a mode below critical damping; above it
+           c/2 - √(c²/4 - ω²), about ω²/c: the more viscosity, the slower.
+Expected   All three, to the O(h) of the scheme.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.compare import worst
+from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.integrate import State
+from msvalidate.network import Network, spring_network
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.damping import bodies
+from studies.damping.bodies import LOAD, Motion
+
+PLATE = ("plate", (4, 4), "across")
+RATIOS = (0.1, 0.2, 0.5, 2.0, 5.0, 10.0)
+"""Damping over the critical one."""
+PART = 0.1
+"""Of the stability limit: the time step."""
+LOOK = 0.15
+"""Time between looks times the frequency, or the damping of a free motion."""
+FOLDS = 6.0
+"""E-foldings that are watched; a rate is fitted to the second half, where one root is left."""
+TOLERANCES = (
+    Tolerance(
+        "fitted rate of decay over the predicted, from 1",
+        0.02,
+        "1",
+        "the old velocity damps by -ln(1 - hc)/h instead of c, h·c/2 more: 0.8 % at most where "
+        "it swings; above critical damping that speeds up the fast root instead",
+    ),
+)
+COLUMNS = {
+    **bodies.COLUMNS,
+    "motion": "what moves: a free pair of points, or a body in its lowest mode",
+    "c_omega": 'damping over 2ω of the mode, or "free" (1)',
+    "rate_over_c": "fitted rate of decay of the velocity, of its envelope if it swings, over c (1)",
+    "rate_over_c_predicted": "the same in closed form (1)",
+    "h_c": "time step times damping (1)",
+}
+
+
+def run(candidate: Motion, setting: Setting) -> Evidence:
+    """Fit the rates."""
+    found = setting.sweep(partial(fitted, candidate), (None, *RATIOS), "rates of decay")
+    table = pd.DataFrame(found)
+    values = (worst(table["rate_over_c"] / table["rate_over_c_predicted"], 1.0),)
+    return Evidence(
+        tables={"decay": table},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"decay": draw},
+        columns=COLUMNS,
+        findings=(finding(table),),
+    )
+
+
+def free_pair() -> Network:
+    """Two points joined by a spring of no stiffness: nothing but viscosity acts."""
+    return spring_network([[0.0, 0.0], [1.0, 0.0]], [[0, 1]], 0.0)
+
+
+def fitted(candidate: Motion, ratio: float | None) -> dict[str, object]:
+    """One row: the free pair, or the plate's lowest mode at a damping over the critical one."""
+    if ratio is None:
+        pair, damping, dt = free_pair(), 1.0, 0.01
+        moving = State(pair.points, np.full(pair.points.shape, LOAD))
+        times, speeds = watched(candidate, pair, moving, pair.points / 2 + 0.5, (damping, dt), 1.0)
+        late = times > times[-1] / 2
+        rate, told, name, known = slope(times[late], speeds[late]), damping, "free pair", "free"
+        return row(name, known, damping, dt, rate, told)
+    body = bodies.loaded(*PLATE)
+    omega, shape = float(body.frequencies[0]), body.shapes[0].reshape(body.rest.shape)
+    damping, told = 2 * ratio * omega, bodies.decay(omega, 2 * ratio * omega)
+    dt = body.time_step(damping, PART)
+    network = replace(body.network, force=np.zeros_like(body.network.force))
+    moved = State(network.points + LOAD * shape / np.abs(shape).max(), np.zeros_like(shape))
+    weights = network.mass[:, None] * shape
+    times, speeds = watched(candidate, network, moved, weights, (damping, dt), omega)
+    if ratio < 1:
+        times, speeds = crests(times, speeds)
+    else:
+        late = times > times[-1] / 2
+        times, speeds = times[late], speeds[late]
+    return row(body.name, ratio, damping, dt, slope(times, speeds), told)
+
+
+def row(
+    name: str, ratio: float | str, damping: float, dt: float, rate: float, told: float
+) -> dict[str, object]:
+    """A row of the table."""
+    return {
+        "motion": name,
+        "c_omega": ratio,
+        "h_c": dt * damping,
+        "rate_over_c": rate / damping,
+        "rate_over_c_predicted": told / damping,
+    }
+
+
+def watched(
+    candidate: Motion,
+    network: Network,
+    state: State,
+    weights: Array,
+    rates: tuple[float, float],
+    omega: float,
+) -> tuple[Array, Array]:
+    """Times (s) and |Σ weights·velocity| (k,), to `FOLDS` e-foldings of the slower root.
+
+    `rates`: damping (1/s) and time step (s); `omega` (rad/s) sets how often it is looked at.
+    """
+    damping, dt = rates
+    slow = bodies.decay(omega, damping) if network.held.any() else damping
+    look = max(1, int(LOOK / omega / dt))
+    looks = int(FOLDS / slow / (look * dt)) + 1
+    speeds = []
+    for _ in range(looks):
+        state = candidate(network, state, dt, look, damping)
+        speeds.append(abs(float((weights * state.velocity).sum())))
+    return np.asarray(look * dt * np.arange(1.0, looks + 1)), np.array(speeds)
+
+
+def crests(times: Array, speeds: Array) -> tuple[Array, Array]:
+    """Crests of a swinging speed, each by a parabola through three of its points."""
+    low, top, high = speeds[:-2], speeds[1:-1], speeds[2:]
+    at = np.flatnonzero((low < top) & (top >= high))
+    bend, tilt = (low + high - 2 * top)[at], (high - low)[at] / 2
+    step = times[1] - times[0]
+    return np.asarray(times[1 + at] - step * tilt / bend), np.asarray(top[at] - tilt**2 / bend / 2)
+
+
+def slope(times: Array, speeds: Array) -> float:
+    """Rate of decay (1/s): minus the slope of the logarithm."""
+    return float(-np.polyfit(times, np.log(np.maximum(speeds, 1e-300)), 1)[0])
+
+
+def finding(table: pd.DataFrame) -> str:
+    """Rates of decay over c."""
+    strong = table.iloc[-1]
+    return (
+        f"Velocity dies out at {table['rate_over_c'].iloc[0]:.3g} c where nothing else acts, "
+        f"at {table['rate_over_c'].iloc[1]:.3g} c in a swinging mode, and at only "
+        f"{strong['rate_over_c']:.2g} c at {strong['c_omega']:g} times critical damping."
+    )
+
+
+def draw(tables: Tables) -> Figure:
+    """Rate over c against the damping."""
+    table = tables["decay"]
+    modes = table[table["c_omega"] != "free"]
+    free = table[table["c_omega"] == "free"]["rate_over_c"].iloc[0]
+    figure, (axis,) = figures.new(size=(4.0, 3.3))
+    x = modes["c_omega"].astype(float)
+    axis.loglog(x, modes["rate_over_c"], "o", color=figures.COLOURS[0], label="lowest mode")
+    ratios = np.geomspace(x.min(), x.max(), 100)
+    told = [bodies.decay(1.0, 2 * ratio) / (2 * ratio) for ratio in ratios]
+    axis.loglog(ratios, told, color="black", lw=0.9, label="closed form")
+    axis.axhline(free, color=figures.COLOURS[1], ls="--", label="free motion")
+    axis.set_xlabel("damping c over 2ω (1)")
+    axis.set_ylabel("rate of decay of the velocity over c (1)")
+    figures.plain_powers(axis)
+    axis.legend(fontsize=8)
+    return figure

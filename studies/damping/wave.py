@@ -1,0 +1,313 @@
+"""Wave: how fast does the strain wave run, and what comes back from the held edge?
+
+Question   Does a blow on the right end run through the lattice at elasticity's speed, and is it
+           turned round at the held left end as elasticity says?
+Candidate  Algorithm 1's motion, without damping, of a bar of lattice cells under a smooth pulse of
+           traction.
+Reference  √(C11/ρ) where no point may move across (plane strain waves), √(E2/ρ) in a slender bar
+           with free sides, and the dispersion of both; ρ is the mass an area.
+Expected   ω = c0·k·(1 - β·k²) with β = (a² - c0²h²)/24 from spacing and time step: the chain of
+           columns has ω = (2c0/a)·sin(ka/2), and the scheme sin(ωh/2)/(h/2) in the place of ω.
+           Free sides add (nu·κ)²/2, the inertia of moving across (Love), κ² the mean square height
+           of the masses: H²/12, times 1 + 2/N² on N cells; and they take off nu²a²/(8(1 + nu)),
+           because a diagonal sees the strain across at its two ends, half a spacing from its
+           middle, as cos(ka/2) of it. A Gaussian pulse of standard deviation s then loses the part
+           3β/s² of the speed of its peak, which sinks by 3(βd/s³)² on a way d. A held end returns
+           the velocity inverted and feels twice the stress.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.body import lattice_network
+from msvalidate.compare import observed_order, worst
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.integrate import State
+from msvalidate.lattice import square
+from msvalidate.network import Network, spring_force
+from msvalidate.problem import Anisotropic, Array, Box, Problem, Support
+from msvalidate.stiffness import plane_moduli, square_tensor
+from msvalidate.sweep import Setting
+from studies.damping import bodies
+from studies.damping.bodies import DENSITY, ISOTROPIC, Motion
+
+LENGTH = 1.0
+HEIGHT = 0.02
+"""Of the slender bar (m)."""
+DEVIATION = 0.05
+"""Standard deviation of the pulse along the bar (m)."""
+QUICK_CELLS, CELLS = (100, 200), (100, 200, 400)
+"""Cells along the bar."""
+SIDES = ("held", "free")
+BLOCKS = 8
+"""Blocks of constant traction in the time in which the pulse runs one standard deviation."""
+CELLS_A_STEP = 50
+"""Cells along the bar for each step of a block: h is then 0.31 of a/c0, a third of the limit."""
+DELAY = 5.0
+"""Standard deviations by which the blow's peak follows the start: it begins with 4e-6 of it."""
+STRENGTH = 1e-6
+"""Strain of the pulse: the wave is then linear."""
+STATIONS = (0.7, 0.3)
+"""Where the peak is timed (m): clear of the blow, and of what has come back from the wall."""
+MIRROR = 0.3
+"""Where the pulse is measured on its way to the wall and back (m)."""
+SHOWN = (40, 40)
+"""Columns and times in the picture of the wave, at most."""
+TOLERANCES = (
+    Tolerance(
+        "loss of speed over 3β/s², from 1",
+        0.1,
+        "1",
+        "the next terms of the dispersion are smaller by the order of (a/s)², at most 0.04, and "
+        "(H/s)² = 0.16, with factors below one half",
+    ),
+    Tolerance(
+        "order in the spacing of the loss of speed, sides held",
+        0.1,
+        "1",
+        "the loss is 3(a² - c0²h²)/24s², h in proportion to a; the next term is of order four, on "
+        "the coarsest bar a fiftieth of it",
+    ),
+    Tolerance(
+        "speed extrapolated to no spacing against c0, sides held",
+        2e-4,
+        "1",
+        "what the line through the two finest, in a², leaves of the fourth order",
+    ),
+    Tolerance(
+        "velocity returned from the held end, over what came, from -1",
+        0.01,
+        "1",
+        "a held end inverts every frequency whole; the peak has sunk by 3(β/s³)²(1.3² - 0.7²) m², "
+        "0.3 % on the coarsest chain and twice that on the coarsest slender bar",
+    ),
+    Tolerance(
+        "stress at the held end over ρ·c0·v of what came, from 2",
+        0.02,
+        "1",
+        "both waves add there; the peak sinks as above, c0 is the speed of long waves only, and a "
+        "clamped end of a slender bar cannot narrow, over a length of the order of H",
+    ),
+)
+COLUMNS = {
+    **bodies.COLUMNS,
+    "sides": "whether points may move across the bar: held or free",
+    "cells": "cells along the bar",
+    "cells_across": "cells across",
+    "spacing_m": "lattice spacing (m)",
+    "spacing_over_s": "spacing over the pulse's standard deviation (1)",
+    "speed_m_s": "speed of the pulse's peak between two stations (m/s)",
+    "c0_m_s": "speed of long waves by elasticity (m/s)",
+    "loss": "1 - speed/c0 (1)",
+    "loss_predicted": "3β/s² from spacing, time step and the inertia of moving across (1)",
+    "returned": "velocity of the peak come back from the held end over that gone there (1)",
+    "wall_stress": "largest stress at the held end over ρ·c0·v of the peak gone there (1)",
+    "x": "place along the bar (m)",
+    "velocity": "velocity along the bar over the largest of the pulse as struck (1)",
+}
+
+
+class Bar(NamedTuple):
+    """A bar at rest: its network, long-wave speed (m/s), β (m²) but for the step, and moduli."""
+
+    network: Network
+    speed: float
+    beta: float
+    modulus: float
+    spacing: float
+    height: float
+
+
+class Flight(NamedTuple):
+    """What was seen at each look (k): time (s), mid-line velocity (k, columns), wall force (N)."""
+
+    time: Array
+    velocity: Array
+    wall: Array
+    dt: float
+
+
+def run(candidate: Motion, setting: Setting) -> Evidence:
+    """Strike both bars at every resolution."""
+    cells = QUICK_CELLS if setting.quick else CELLS
+    cases = list(product(SIDES, cells))
+    found = setting.sweep(partial(struck, candidate), cases, "strain wave")
+    table = pd.DataFrame([row for row, _ in found])
+    held = table[table["sides"] == "held"]
+    values = (
+        worst(table["loss"] / table["loss_predicted"], 1.0),
+        Observed(observed_order(held["spacing_m"], held["loss"]), 2.0),
+        Observed(extrapolated(held), 0.0),
+        worst(table["returned"], -1.0),
+        worst(table["wall_stress"], 2.0),
+    )
+    return Evidence(
+        tables={"wave": table, "wave_xt": found[len(cells) - 1][1]},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"wave": draw},
+        columns=COLUMNS,
+        findings=(finding(table),),
+        rounding={"loss": 1e-8, "velocity": 1e-8},
+    )
+
+
+def bar(sides: str, cells: int) -> Bar:
+    """A bar held at its left end; one cell high where nothing may move across."""
+    spacing = LENGTH / cells
+    across = max(1, round(HEIGHT / spacing)) if sides == "free" else 1
+    box = Box((LENGTH, across * spacing))
+    tensor = square_tensor(*ISOTROPIC)
+    left = Support(box.side("left"), (0.0, 0.0))
+    problem = Problem(box, Anisotropic(tensor, density=DENSITY), (left,), name="bar")
+    network = lattice_network(problem, square(box, (cells, across)), ISOTROPIC)
+    beta, modulus = spacing**2 / 24, float(tensor[0, 0])
+    if sides == "held":
+        held = np.array(network.held)
+        held[:, 1] = True
+        network = replace(network, held=held)
+    else:
+        moduli = plane_moduli(tensor)
+        modulus = moduli.E
+        middle = network.points[:, 1] - network.points[:, 1].mean()
+        square_height = float(network.mass @ middle**2 / network.mass.sum())
+        beta += moduli.nu**2 * (square_height / 2 - spacing**2 / (8 * (1 + moduli.nu)))
+    speed = float(np.sqrt(modulus / DENSITY))
+    return Bar(network, speed, beta, modulus, spacing, box.size[1])
+
+
+def struck(candidate: Motion, case: tuple[str, int]) -> tuple[dict[str, object], pd.DataFrame]:
+    """One row, and the wave in place and time."""
+    sides, cells = case
+    body = bar(sides, cells)
+    flight = flown(candidate, body)
+    x = np.unique(body.network.points[:, 0])
+    v = STRENGTH * body.speed
+    there, back = (passing(flight, x, MIRROR, way) for way in (-1, 1))
+    first, second = (passing(flight, x, place, -1) for place in STATIONS)
+    speed = (STATIONS[0] - STATIONS[1]) / (second[0] - first[0])
+    beta = body.beta - (body.speed * flight.dt) ** 2 / 24
+    row = {
+        "sides": sides,
+        "cells": cells,
+        "cells_across": round(body.height / body.spacing),
+        "spacing_m": body.spacing,
+        "spacing_over_s": body.spacing / DEVIATION,
+        "dt_s": flight.dt,
+        "speed_m_s": speed,
+        "c0_m_s": body.speed,
+        "loss": 1 - speed / body.speed,
+        "loss_predicted": 3 * beta / DEVIATION**2,
+        "returned": -back[1] / there[1],
+        "wall_stress": peak(flight.time, flight.wall)[1]
+        / (body.height * DENSITY * body.speed * there[1]),
+    }
+    return row, picture(flight, x, v)
+
+
+def flown(candidate: Motion, body: Bar) -> Flight:
+    """Strike the bar's right end and watch until the wave has come back to the middle."""
+    network = body.network
+    block = DEVIATION / body.speed / BLOCKS
+    steps = round(LENGTH / body.spacing) // CELLS_A_STEP
+    dt = block / steps
+    end = network.points[:, 0] > LENGTH - body.spacing / 2
+    share = network.mass * end / network.mass[end].sum()
+    row = network.points[:, 1] < body.spacing / 2
+    wall = network.points[:, 0] < body.spacing / 2
+    state = State(network.points, np.zeros_like(network.points))
+    looks = int(np.ceil((LENGTH + STATIONS[0] + 2 * DELAY * DEVIATION) / DEVIATION * BLOCKS))
+    velocity, wall_force = [], []
+    for look in range(looks):
+        # The mean of the block: at its middle, with the Gaussian's own curvature left out.
+        late = (look + 0.5) / BLOCKS - DELAY
+        total = body.modulus * STRENGTH * body.height * np.exp(-(late**2) / 2)
+        force = np.column_stack([-total * share, np.zeros(len(share))])
+        loaded = replace(network, force=force) if late < DELAY else network
+        state = candidate(loaded, state, dt, steps, 0.0)
+        velocity.append(state.velocity[row, 0])
+        wall_force.append(-float(spring_force(network, state.position)[wall, 0].sum()))
+    time = block * np.arange(1.0, looks + 1)
+    return Flight(np.asarray(time), np.array(velocity), np.array(wall_force), dt)
+
+
+def passing(flight: Flight, x: Array, place: float, way: int) -> tuple[float, float]:
+    """Time (s) and speed (m/s) of the peak that passes a place to the left (-1) or right (1)."""
+    at = int(np.abs(x - place).argmin())
+    return peak(flight.time, way * flight.velocity[:, at])
+
+
+def peak(time: Array, values: Array) -> tuple[float, float]:
+    """Time and height of the highest peak: a Gaussian through three points."""
+    i = int(np.clip(values.argmax(), 1, len(values) - 2))
+    low, top, high = np.log(np.maximum(values[i - 1 : i + 2], 1e-300))
+    bend, tilt = low + high - 2 * top, (high - low) / 2
+    step = time[1] - time[0]
+    return float(time[i] - step * tilt / bend), float(np.exp(top - tilt**2 / bend / 2))
+
+
+def extrapolated(held: pd.DataFrame) -> float:
+    """Loss of speed at no spacing, by a line in its square through the two finest bars."""
+    finest = held.nsmallest(2, "spacing_m")
+    square, loss = finest["spacing_m"].to_numpy() ** 2, finest["loss"].to_numpy()
+    return float(loss[0] - square[0] * (loss[1] - loss[0]) / (square[1] - square[0]))
+
+
+def picture(flight: Flight, x: Array, unit: float) -> pd.DataFrame:
+    """Velocity in place and time, at no more than `SHOWN` of each."""
+    columns, times = (
+        np.arange(0, size, max(1, size // most))
+        for size, most in zip((len(x), len(flight.time)), SHOWN, strict=True)
+    )
+    grid = flight.velocity[np.ix_(times, columns)] / unit
+    t, places = np.meshgrid(flight.time[times], x[columns], indexing="ij")
+    return pd.DataFrame({"time_s": t.ravel(), "x": places.ravel(), "velocity": grid.ravel()})
+
+
+def finding(table: pd.DataFrame) -> str:
+    """Speeds on the finest bars."""
+    finest = table[table["cells"] == table["cells"].max()].set_index("sides")
+    speed, c0 = finest["speed_m_s"], finest["c0_m_s"]
+    return (
+        f"The wave runs at {speed['held']:.5g} m/s with the sides held (√(C11/ρ) = "
+        f"{c0['held']:.5g}) and at {speed['free']:.5g} m/s along a slender bar (√(E2/ρ) = "
+        f"{c0['free']:.5g}); the held end returns {finest['returned']['held']:.4g} of its "
+        f"velocity, and the wall feels {finest['wall_stress']['held']:.4g} times its stress."
+    )
+
+
+def draw(tables: Tables) -> Figure:
+    """The wave in place and time, and the loss of speed against the spacing."""
+    wave, table = tables["wave_xt"], tables["wave"]
+    figure, (diagram, losses) = figures.new(2, size=(3.9, 3.3))
+    grid = wave.pivot_table(index="time_s", columns="x", values="velocity")
+    shades = diagram.pcolormesh(
+        grid.columns, grid.index, grid, cmap="RdBu", vmin=-1, vmax=1, rasterized=True
+    )
+    bar_ = figure.colorbar(shades, ax=diagram)
+    bar_.set_label("velocity over that struck (1)")
+    diagram.set_title("struck at the right, held at the left", fontsize=9)
+    diagram.set_xlabel("place along the bar (m)")
+    diagram.set_ylabel("time (s)")
+    for place, (sides, own) in enumerate(table.groupby("sides", sort=False)):
+        colour, marker = figures.COLOURS[place], figures.MARKERS[place]
+        fineness = own["spacing_over_s"] ** 2
+        losses.plot(fineness, own["loss"], marker, color=colour, label=f"sides {sides}")
+        losses.plot(fineness, own["loss_predicted"], color=colour, lw=0.9)
+    losses.plot([], [], color="black", lw=0.9, label="3β/s², predicted")
+    losses.set_xlim(left=0)
+    losses.set_ylim(bottom=0)
+    losses.set_title("speed lost to dispersion", fontsize=9)
+    losses.set_xlabel("(spacing over the pulse's deviation s)² (1)")
+    losses.set_ylabel("1 - speed/c0 (1)")
+    losses.legend(fontsize=8)
+    return figure

@@ -1,0 +1,342 @@
+"""The study `damping`: its closed forms, its public tables, its resolution."""
+
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import eigh
+
+from msvalidate.equilibrium import equilibrium
+from msvalidate.integrate import State, euler_cromer, motion
+from msvalidate.integrators import EULER_CROMER, INTEGRATORS, one_step_matrix
+from msvalidate.problem import SolverError
+from msvalidate.sweep import Setting
+from studies import damping
+from studies.damping import (
+    bodies,
+    controls,
+    cycles,
+    decay,
+    direction,
+    figure2,
+    rest,
+    stop_rule,
+    wave,
+)
+
+QUICK = Setting(quick=True)
+FIGURE2 = ["c_over_critical", "step", "time_s", "x_particle", "x_mode", "x_predicted"]
+REST = [
+    "body",
+    "c_over_critical",
+    "error",
+    "dt_s",
+    "steps",
+    "steps_slowest",
+    "steps_modes",
+    "time_s",
+]
+
+
+@pytest.fixture(scope="module")
+def evidence():
+    return damping.run(setting=QUICK)
+
+
+@pytest.fixture(scope="module")
+def plate():
+    return bodies.loaded("plate", (3, 3), "across")
+
+
+def test_public_columns(evidence):
+    assert list(evidence.tables["figure2"]) == FIGURE2
+    assert list(evidence.tables["rest"]) == REST
+
+
+def test_full_range_of_dampings():
+    assert rest.RANGE == (0.05, 20.0)
+    assert rest.POINTS >= 17
+    assert len(rest.BODIES) == 6
+
+
+# --- closed forms ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.999999, 1.0, 1.000001, 3.0, 40.0])
+def test_approach_is_the_oscillator(ratio):
+    omega = 1.7
+    c = 2 * ratio * omega
+    times = np.linspace(0, 6, 30)
+    solved = solve_ivp(
+        lambda _, y: [y[1], -(omega**2) * y[0] - c * y[1]],
+        (0, 6),
+        [1.0, 0.0],
+        method="Radau",
+        t_eval=times,
+        rtol=1e-10,
+        atol=1e-12,
+    )
+    assert np.abs(bodies.approach(omega, c, times) - solved.y[0]).max() < 1e-7
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.9, 1.1, 5.0, 1e6])
+def test_decay_is_the_slower_root(ratio):
+    omega = 0.6
+    roots = np.roots([1, 2 * ratio * omega, omega**2])
+    if ratio < 1e3:
+        assert bodies.decay(omega, 2 * ratio * omega) == pytest.approx(-roots.real.max())
+    assert bodies.decay(omega, 2 * ratio * omega) > 0
+
+
+def test_one_step_is_the_schemes_own():
+    omegas, dt, c = np.array([0.3, 1.0, 2.5]), 0.3, 0.7
+    found = bodies.one_step(omegas, dt, c)
+    for matrix, omega in zip(found, omegas, strict=True):
+        assert matrix == pytest.approx(one_step_matrix(EULER_CROMER, omega, dt, c), abs=1e-14)
+    third = bodies.powered(found, 3)
+    assert third[1] == pytest.approx(found[1] @ found[1] @ found[1])
+
+
+def test_critical_damping_of_the_scheme_is_lower():
+    # The double root of λ² - (2 - hc - h²ω²)λ + 1 - hc, which the reasons of `rest` speak of.
+    omega, dt = 1.0, 0.16
+    c = 2 * omega * (1 - dt * omega / 2)
+    discriminant = (2 - dt * c - (dt * omega) ** 2) ** 2 - 4 * (1 - dt * c)
+    assert discriminant == pytest.approx(0, abs=1e-14)
+
+
+# --- bodies ---------------------------------------------------------------------------------------
+
+
+def test_modes_diagonalise(plate):
+    M = np.repeat(plate.network.mass, 2)
+    assert plate.shapes * M @ plate.shapes.T == pytest.approx(
+        np.eye(len(plate.frequencies)), abs=1e-9
+    )
+    assert np.linalg.norm(plate.shares) == pytest.approx(1)
+    assert plate.norm(plate.rest) == pytest.approx(np.linalg.norm(plate.amplitudes(plate.rest)))
+    assert plate.error(plate.start) == 1
+
+
+def test_rest_is_the_equilibrium_and_small(plate):
+    linear = equilibrium(plate.network).displacement
+    assert np.abs(plate.rest - linear).max() < 1e-5 * np.abs(linear).max()
+    assert np.abs(linear).max() == pytest.approx(bodies.LOAD)
+
+
+def test_symmetric_load_hides_the_lowest_mode():
+    pulled = bodies.loaded("plate", (4, 4), "along")
+    assert pulled.lowest_excited(rest.VISIBLE) == 1
+    assert pulled.shares[0] < 1e-8
+    assert bodies.loaded("plate", (4, 4), "across").lowest_excited(rest.VISIBLE) == 0
+
+
+def test_left_bounds_what_is_to_come(plate):
+    omega = float(plate.frequencies[0])
+    state, c = plate.start, 0.2 * omega
+    dt = plate.time_step(c, 0.2)
+    bounds, errors = [], []
+    for _ in range(300):
+        state = euler_cromer(plate.network, state, dt, 1, c)
+        bounds.append(plate.left(state))
+        errors.append(plate.error(state))
+    worst_to_come = np.maximum.accumulate(errors[::-1])[::-1]
+    assert (worst_to_come <= np.array(bounds) * (1 + 1e-2)).all()
+
+
+# --- rest -----------------------------------------------------------------------------------------
+
+
+def test_steps_are_counted_to_the_look(plate):
+    omega = float(plate.frequencies[0])
+    c, look = 2 * omega, 3
+    dt = plate.time_step(c)
+    found = rest.counted(euler_cromer, plate, c, dt, look, (1e-2,))[1e-2]
+    state = euler_cromer(plate.network, plate.start, dt, found, c)
+    before = euler_cromer(plate.network, plate.start, dt, found - look, c)
+    assert plate.error(state) <= 1e-2 < plate.error(before)
+    assert found == rest.steps_of_modes(plate, c, dt, look, (1e-2,))[1e-2]
+
+
+def test_a_run_that_never_rests_is_refused(plate):
+    def frozen(_network, state, _dt, _steps, _damping):
+        return state
+
+    with pytest.raises(SolverError, match="no rest"):
+        rest.counted(frozen, plate, 1.0, 0.01, 1000, (1e-2,))
+
+
+def test_optimum_follows_the_excited_mode(evidence):
+    best = evidence.tables["optimum"].set_index(["body", "error"])
+    pulled = best.loc["plate pulled, 8 x 8"]
+    assert (pulled["mode"] > 1).all()
+    assert (pulled["omega_rad_s"] > 2 * pulled["omega_min_rad_s"]).all()
+    assert pulled["best"].between(0.5, 1.0).all()
+
+
+# --- figure 2, stop rule --------------------------------------------------------------------------
+
+
+def test_peaks_of_a_known_curve():
+    t = np.arange(60)
+    way = pd.Series(1 - np.exp(-0.02 * t) * np.cos(0.2 * t))
+    found = figure2.peaks(way)
+    first = (np.pi - np.arctan(0.02 / 0.2)) / 0.2
+    assert found[0][0] == pytest.approx(first, abs=0.05)
+    assert found[1][0] - found[0][0] == pytest.approx(2 * np.pi / 0.2, abs=0.05)
+    assert figure2.peaks(pd.Series(1 - np.exp(-0.1 * t))) == []
+
+
+def test_overshoots_in_theory():
+    assert figure2.theory(1.0, 0.1, 1000) == []
+    (step, height), *_ = figure2.theory(0.2, 0.1, 1000)
+    omega = figure2.block().frequencies[0]
+    assert step * 0.1 == pytest.approx(np.pi / (omega * np.sqrt(0.96)))
+    assert height == pytest.approx(np.exp(-0.2 * np.pi / np.sqrt(0.96)))
+
+
+def test_printed_loop_never_starts(plate):
+    assert stop_rule.as_printed(euler_cromer, plate, 0.01, 1.0, 1e-9) == 0
+
+
+def test_wrong_stops_are_counted_once_each():
+    seen = stop_rule.Watch(
+        speed=np.array([1.0, 0.05, 0.05, 1.0, 0.05, 1.0, 0.01]),
+        error=np.array([2.0, 1.0, 1.0, 0.9, 0.1, 0.5, 0.01]),
+        way=np.zeros(7),
+        moving=np.zeros(7),
+        pulling=np.zeros(7),
+    )
+    # At index 4 the error itself is small, but larger than three times 0.1 soon after.
+    assert stop_rule.wrong_stops(seen, 0.1) == 2
+
+
+# --- waves ----------------------------------------------------------------------------------------
+
+
+def strip(cells, k):
+    """Lowest symmetric frequency of a wave e^(ikx) on a strip of unit spacing, by its columns."""
+    k1, k2 = bodies.ISOTROPIC
+    rows = cells + 1
+    K = np.zeros((2 * rows, 2 * rows), dtype=complex)
+    M = np.ones(2 * rows)
+    M[[0, 1, -2, -1]] = 0.5
+
+    def spring(i, j, step, direction, stiffness):
+        n = np.array(direction) / np.linalg.norm(direction)
+        row = np.zeros(2 * rows, dtype=complex)
+        row[2 * j : 2 * j + 2] += n * np.exp(1j * k * step)
+        row[2 * i : 2 * i + 2] -= n
+        K.__iadd__(stiffness * np.outer(row.conj(), row))
+
+    for i in range(rows):
+        spring(i, i, 1, (1, 0), k1 * (0.5 if i in (0, rows - 1) else 1))
+        if i < cells:
+            spring(i, i + 1, 0, (0, 1), k1)
+            spring(i, i + 1, 1, (1, 1), k2)
+            spring(i + 1, i, 1, (1, -1), k2)
+    squares, vectors = eigh(K, np.diag(M))
+    along = np.abs(M[::2] @ vectors[::2])
+    return np.sqrt(squares[along.argmax()])
+
+
+@pytest.mark.parametrize("cells", [1, 2, 4])
+def test_dispersion_of_the_slender_bar(cells):
+    # The terms that `wave` predicts, against the exact waves of the strip's columns.
+    k = 0.02
+    body = wave.bar("free", wave.CELLS_A_STEP * cells)
+    assert round(body.height / body.spacing) == cells
+    exact = strip(cells, k) / (body.speed * k)
+    beta = body.beta / body.spacing**2
+    assert (1 - exact) / k**2 == pytest.approx(beta, rel=2e-3)
+
+
+def test_dispersion_of_the_held_bar():
+    body = wave.bar("held", 100)
+    k = 0.02
+    exact = 2 * np.sin(k / 2) / k
+    assert (1 - exact) / k**2 == pytest.approx(body.beta / body.spacing**2, rel=1e-4)
+
+
+def test_peak_of_a_gaussian():
+    t = np.linspace(0, 10, 41)
+    assert wave.peak(t, 3 * np.exp(-((t - 4.33) ** 2) / 2)) == pytest.approx((4.33, 3.0))
+
+
+def test_wave_returns_inverted(evidence):
+    grid = evidence.tables["wave_xt"].pivot_table(index="time_s", columns="x", values="velocity")
+    middle = grid.iloc[:, grid.shape[1] // 2]
+    assert middle.min() == pytest.approx(-1, abs=0.05)
+    assert middle.max() == pytest.approx(1, abs=0.05)
+    assert middle.idxmin() < middle.idxmax()
+
+
+# --- controls -------------------------------------------------------------------------------------
+
+
+def test_new_velocity_is_what_it_says(plate):
+    dt, c = 0.01, 3.0
+    kicked = State(plate.network.points, 1e-6 * (1.0 - plate.network.held))
+    found = controls.spoilt("viscous force from the new velocity", 1.0)(
+        plate.network, kicked, dt, 1, c
+    )
+    undamped = motion(plate.network, kicked, INTEGRATORS["euler_cromer"], dt, 1, 0.0)
+    wanted = undamped.velocity / (1 + dt * c)
+    assert found.velocity == pytest.approx(wanted, rel=1e-9)
+    assert found.position - plate.network.points == pytest.approx(dt * wanted, abs=1e-15)
+
+
+def test_other_kick_is_lighter_masses(plate):
+    found = controls.spoilt("kick", 0.2)(plate.network, plate.start, 0.02, 7, 0.5)
+    lighter = replace(plate.network, mass=plate.network.mass / 1.2)
+    wanted = euler_cromer(lighter, plate.start, 0.02, 7, 0.5)
+    assert found.position - plate.network.points == pytest.approx(
+        wanted.position - plate.network.points, rel=1e-6, abs=1e-14
+    )
+    assert found.velocity == pytest.approx(wanted.velocity, rel=1e-6, abs=1e-13)
+
+
+@pytest.mark.parametrize("kind", controls.KINDS)
+def test_stated_resolution_is_the_real_one(kind):
+    noticed = controls.smallest(kind)["smallest_noticed"]
+
+    def largest(size):
+        return max(controls.excesses(controls.spoilt(kind, size)).values())
+
+    # Rounding is a tenth of a limit: what the extrapolation from a large fault cannot know.
+    assert largest(1.3 * noticed) > 1
+    assert largest(0.7 * noticed) < 1
+
+
+# --- other questions ------------------------------------------------------------------------------
+
+
+def test_free_pair_moves_as_one():
+    pair = decay.free_pair()
+    start = State(pair.points, np.full(pair.points.shape, 1e-3))
+    end = euler_cromer(pair, start, 0.1, 3, 2.0)
+    assert end.velocity == pytest.approx(1e-3 * 0.8**3)
+
+
+def test_seed_changes_the_random_start_only():
+    rows = [direction.tried(euler_cromer, seed, ("plate", 0.5)) for seed in (0, 1)]
+    assert rows[0]["factor"] != rows[1]["factor"]
+    for row in rows:
+        assert row["factor"] == pytest.approx(row["factor_predicted"], rel=1e-7)
+
+
+def test_energy_rises_in_steps_but_not_in_the_mean(evidence):
+    table = evidence.tables["cycles"]
+    assert (table["single_rises"] > 0).tolist()[0]
+    assert (table["mean_rises"] == 0).all()
+    assert cycles.rises(np.array([1.0, 0.5, 0.6, 0.6, 0.7])) == 2
+
+
+def test_numbers_do_not_depend_on_workers():
+    with ProcessPoolExecutor(2) as pool:
+        apart = decay.run(euler_cromer, Setting(quick=True, executor=pool))
+    here = decay.run(euler_cromer, QUICK)
+    pd.testing.assert_frame_equal(apart.tables["decay"], here.tables["decay"], check_exact=True)
