@@ -94,8 +94,15 @@ class Run:
     `needed`, which predicts its steps to rest.
     """
 
-    def __init__(self, network: Network, title: str, tolerance: float) -> None:
+    def __init__(
+        self,
+        network: Network,
+        title: str,
+        tolerance: float,
+        frequencies: tuple[float, float] | None = None,
+    ) -> None:
         self.network, self.title, self.tolerance = network, title, tolerance
+        self._given = frequencies
         self.displacement = np.array(network.displacement)
         self.velocity = np.zeros_like(self.displacement)
         self.inertia = network.mass[:, None]
@@ -115,7 +122,7 @@ class Run:
     @cached_property
     def frequencies(self) -> tuple[float, float]:
         """Lowest and highest natural frequency (rad/s) at the reference points."""
-        lowest, highest = extreme_frequencies(self.network, tolerance=SPECTRUM_ERROR)
+        lowest, highest = self._given or extreme_frequencies(self.network, tolerance=SPECTRUM_ERROR)
         if lowest <= 1e-7 * highest:
             raise SolverError(
                 f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism and "
@@ -272,6 +279,7 @@ def relax(
     max_steps: int | None = None,
     watch: Watch | None = None,
     look_every: int | None = None,
+    frequencies: tuple[float, float] | None = None,
 ) -> Relaxation:
     """Bring a network to rest by any method.
 
@@ -293,6 +301,9 @@ def relax(
         Shown every look; it may end the run before rest.
     look_every
         Steps between two looks; by default the method's own.
+    frequencies
+        Lowest and highest natural frequency (rad/s), where they are known; else they are solved for
+        if the method asks for them.
 
     Raises
     ------
@@ -309,7 +320,11 @@ def relax(
         whole("max_steps", max_steps, 1)
     stride = whole("look_every", method.look_every if look_every is None else look_every, 1)
     refuse_free_motions("network", network.points, network.held)
-    run = Run(network, method.title, tolerance)
+    if frequencies is not None:
+        low, high = (positive("natural frequency", omega, "rad/s") for omega in frequencies)
+        if low > high:
+            raise ProblemError(f"natural frequencies: {low:g} and {high:g} rad/s; lowest first")
+    run = Run(network, method.title, tolerance, frequencies)
     if network.held.all():
         return run.result([], 0.0)
     with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such

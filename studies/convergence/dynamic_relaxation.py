@@ -117,7 +117,7 @@ def counted(method: Method, n: int) -> dict[str, object]:
         return bool(found)
 
     try:
-        relax(network, method, watch=watch, look_every=LOOK_EVERY)
+        relax(network, method, watch=watch, look_every=LOOK_EVERY, frequencies=(low, high))
     except SolverError:
         found.append(0)
     return {

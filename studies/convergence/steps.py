@@ -138,6 +138,7 @@ def counted(case: tuple[Method, str, int]) -> list[dict[str, object]]:
             max_steps=BUDGET * predicted(high / low, min(THRESHOLDS)),
             watch=watch,
             look_every=stride(method.name, high / low),
+            frequencies=(low, high),
         )
     rows: list[dict[str, object]] = []
     for threshold in THRESHOLDS:

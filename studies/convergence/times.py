@@ -84,6 +84,7 @@ def timed(method: Method, row: Mapping[str, Any], repeats: int) -> dict[str, obj
             max_steps=2 * count,
             watch=lambda run: run.steps >= count,
             look_every=count,
+            frequencies=bodies.frequencies(body, fineness),
         )
         return done.seconds
 

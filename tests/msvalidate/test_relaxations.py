@@ -190,6 +190,13 @@ def test_steps_of_dynamic_relaxation(lattice_body, n, steps):
     assert found == pytest.approx(steps, rel=0.05)
 
 
+def test_frequencies_that_are_known_serve(lattice_body):
+    network = sheet(lattice_body, PUSH)
+    for method in RELAXATIONS.values():
+        known = relax(network, method, frequencies=extreme_frequencies(network))
+        assert known.steps == pytest.approx(relax(network, method).steps, rel=0.05)
+
+
 def test_a_scheme_with_two_velocities_is_refused():
     with pytest.raises(ProblemError, match="velocity_verlet: more than one velocity a step"):
         viscous(INTEGRATORS["velocity_verlet"])
@@ -203,6 +210,8 @@ def test_a_scheme_with_two_velocities_is_refused():
         ({"max_steps": 0}, "max_steps: 0; give a whole number, 1 or more"),
         ({"look_every": 0}, "look_every: 0; give a whole number, 1 or more"),
         ({"method": "fire"}, "method: 'fire'"),
+        ({"frequencies": (2.0, 1.0)}, "natural frequencies: 2 and 1 rad/s; lowest first"),
+        ({"frequencies": (0.0, 1.0)}, "natural frequency: 0.0 rad/s; it must be above zero"),
     ],
 )
 def test_bad_options_are_refused(lattice_body, options, message):
