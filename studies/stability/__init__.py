@@ -1,0 +1,101 @@
+"""Stability: how large may a time step be, and what does each scheme make of a motion?
+
+The report compares four ways to step in time and prints two of them wrongly. One question a file:
+
+- `limits`: the largest stable step against the damping, measured, for an oscillator and networks;
+- `growth`: how fast a scheme grows that no step makes stable;
+- `nonlinear`: whether the limit holds for the network as it is;
+- `misprints`: which motions the formulas follow as they are printed;
+- `order`: how fast the error falls with the step, without and with damping;
+- `drift`: whether the energy stays over ten thousand periods, and how far it fluctuates;
+- `figure3`: the report's Figure 3 drawn again, and its words about it put to numbers;
+- `passing`: whether underdamped motion pushes particles past each other;
+- `cost`: which accuracy for how many force evaluations;
+- `controls`: the smallest fault that this study notices.
+
+Candidate: the table of schemes, name -> record, by default `integrators.INTEGRATORS`: each is held
+to what it claims. Reference: closed forms. `networks` has the bodies, `runs` and `oscillator` move
+them, `bounded` searches for a limit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from msvalidate.evidence import Evidence, merged
+from msvalidate.integrators import INTEGRATORS
+from msvalidate.problem import ProblemError
+from msvalidate.sweep import Setting
+from studies.stability import (
+    controls,
+    cost,
+    drift,
+    figure3,
+    growth,
+    limits,
+    misprints,
+    nonlinear,
+    order,
+    passing,
+)
+from studies.stability.common import Schemes
+
+ASKED = {
+    "limits": limits.run,
+    "growth": growth.run,
+    "nonlinear": nonlinear.run,
+    "misprints": misprints.run,
+    "order": order.run,
+    "drift": drift.run,
+    "figure3": figure3.run,
+    "passing": passing.run,
+    "cost": cost.run,
+}
+"""Question -> who answers it for a candidate."""
+QUESTIONS = (*ASKED, "controls")
+VERLET = INTEGRATORS["velocity_verlet"]
+LAGGED = replace(VERLET, step=INTEGRATORS["verlet_lagged"].step)
+FAULTS = {
+    "Verlet without its second kick": {
+        "candidate": INTEGRATORS | {VERLET.name: controls.with_weak_kick(1.0)},
+        "questions": ("limits",),
+    },
+    "half of Verlet's second kick": {
+        "candidate": INTEGRATORS | {VERLET.name: controls.with_weak_kick(0.5)},
+        "questions": ("order",),
+    },
+    "Verlet with the old force in both kicks": {
+        "candidate": INTEGRATORS | {VERLET.name: LAGGED},
+        "questions": ("drift",),
+    },
+    "a thousandth of Verlet's second kick missing": {
+        "candidate": INTEGRATORS | {VERLET.name: controls.with_weak_kick(0.001)},
+        "questions": ("cost",),
+    },
+    "Euler-Cromer with half the damping": {
+        "candidate": INTEGRATORS
+        | {"euler_cromer": controls.with_weak_damping("euler_cromer", 0.5)},
+        "questions": ("limits",),
+    },
+    "leapfrog with 1 % less damping": {
+        "candidate": INTEGRATORS | {"leapfrog": controls.with_weak_damping("leapfrog", 0.01)},
+        "questions": ("order",),
+    },
+}
+"""Negative controls: arguments of `run` under which a tolerance must fail. One question that
+notices is enough, so the rest is left out."""
+
+
+def run(
+    candidate: Schemes = INTEGRATORS,
+    setting: Setting | None = None,
+    questions: tuple[str, ...] = QUESTIONS,
+) -> Evidence:
+    """All questions, or those named, for one table of schemes."""
+    setting = setting or Setting()
+    if not questions or not set(questions) <= set(QUESTIONS):
+        raise ProblemError(f"questions: {questions!r}; choose from {', '.join(QUESTIONS)}")
+    parts = [ask(candidate, setting) for name, ask in ASKED.items() if name in questions]
+    if "controls" in questions:
+        parts.append(controls.run(setting))
+    return merged(*parts)

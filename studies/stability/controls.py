@@ -1,0 +1,131 @@
+"""Resolution: what is the smallest fault of a scheme that the study notices?
+
+Question   How wrong may a kick or a damping be before a tolerance fails?
+Candidate  Schemes with a known fault put into their step.
+Reference  The tolerances of `cost` (the leading term of the error) and `order` (under damping), met
+           on one oscillator, which gives the network's linear motion without its rounding.
+Expected   A kick that is wrong by a part ε moves the frequency by ε/4, and is noticed once that is
+           2 % of the frequency's own error, (h·ω)²/24: ε = (h·ω)²/300, 8e-9 at the finest step of
+           the small form. A wrong damping leaves an error that does not fall with the step, where
+           a scheme's own error does: the smaller that is, the smaller the fault noticed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.compare import observed_order, worst
+from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.integrators import INTEGRATORS, Acceleration, Integrator, Moving, Step
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.stability import cost, order, oscillator
+
+CLOSE = 1e-6
+"""Relative width at which the search for the smallest fault ends."""
+LEAST, MOST = 1e-12, 0.5
+TOLERANCES = (
+    Tolerance(
+        "smallest fault noticed, largest over the kinds",
+        0.02,
+        "1",
+        "a hundredth of the fault that a user would make, a factor of two",
+    ),
+)
+COLUMNS = {
+    "fault": "what is wrong with the scheme's step, by which part of it",
+    "smallest_noticed": "smallest fault that makes a tolerance fail, as a part (1)",
+    "noticed_by": "the quantity that fails",
+}
+
+
+def weak_kick(
+    size: float, acceleration: Acceleration, now: Moving, h: float, c: Array | float
+) -> Moving:
+    """Velocity Verlet whose second half kick lacks the part `size`."""
+    half = now.v + 0.5 * h * (now.a - c * now.v)
+    x = now.x + h * half
+    a = acceleration(x)
+    return Moving(x, half + (1 - size) * 0.5 * h * (a - c * half), a)
+
+
+def weak_damping(
+    step: Step, size: float, acceleration: Acceleration, now: Moving, h: float, c: Array | float
+) -> Moving:
+    """A step whose damping lacks the part `size`."""
+    return step(acceleration, now, h, (1 - size) * c)
+
+
+def with_weak_kick(size: float) -> Integrator:
+    """Velocity Verlet, by its claims, with a weak second kick."""
+    return replace(INTEGRATORS["velocity_verlet"], step=partial(weak_kick, size))
+
+
+def with_weak_damping(name: str, size: float) -> Integrator:
+    """A scheme, by its claims, with too little damping."""
+    scheme = INTEGRATORS[name]
+    return replace(scheme, step=partial(weak_damping, scheme.step, size))
+
+
+def leading(scheme: Integrator) -> float:
+    """Error of Verlet's leading term, over its tolerance."""
+    steps = cost.QUICK_EVALUATIONS[-1]
+    power, coefficient = cost.LEADING[scheme.name]
+    error = abs(oscillator.swing(scheme, steps, cost.ANGLE) - math.cos(cost.ANGLE))
+    return abs(error / (coefficient * (cost.ANGLE / steps) ** power) - 1) / cost.LEADS
+
+
+def damped_order(scheme: Integrator) -> float:
+    """Error of the order under damping, over its tolerance."""
+    ratio, steps = order.RATIOS[1], np.array(order.QUICK_STEPS)
+    exact = order.swung(1.0, ratio)
+    errors = [oscillator.swing(scheme, int(n), order.ANGLE, ratio) - exact for n in steps]
+    expected = order.DAMPED_ORDER.get(scheme.name, 1)
+    return abs(observed_order(order.ANGLE / steps, errors) - expected) / order.ORDER
+
+
+FAULTS: dict[str, tuple[Callable[[float], Integrator], Callable[[Integrator], float], str]] = {
+    "velocity Verlet's second kick": (with_weak_kick, leading, "leading term of the error"),
+    "Euler-Cromer's damping": (
+        partial(with_weak_damping, "euler_cromer"),
+        damped_order,
+        "order under damping",
+    ),
+    "leapfrog's damping": (
+        partial(with_weak_damping, "leapfrog"),
+        damped_order,
+        "order under damping",
+    ),
+}
+"""Fault -> the scheme that has it in some size, what notices it, and that in words."""
+
+
+def run(setting: Setting | None = None) -> Evidence:
+    """State the smallest fault of each kind that the study notices."""
+    setting = setting or Setting()
+    table = pd.DataFrame(setting.sweep(smallest, FAULTS, "smallest faults"))
+    said = ", ".join(f"{row.fault} by {row.smallest_noticed:.1g}" for row in table.itertuples())
+    return Evidence(
+        tables={"resolution": table},
+        observed={TOLERANCES[0].quantity: worst(table["smallest_noticed"], 0.0)},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        findings=(f"Smallest faults that this study notices, as parts: {said}.",),
+        rounding={"smallest_noticed": 1e-11},
+    )
+
+
+def smallest(name: str) -> dict[str, object]:
+    """The smallest size of a fault from which the tolerance fails, by halving in logarithms."""
+    faulty, error, quantity = FAULTS[name]
+    low, high = LEAST, MOST
+    while high > (1 + CLOSE) * low:
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if error(faulty(middle)) > 1 else (middle, high)
+    return {"fault": name, "smallest_noticed": high, "noticed_by": quantity}

@@ -1,0 +1,286 @@
+"""Drift: does the energy stay over ten thousand periods?
+
+Question   Does a scheme's energy drift, how far does it fluctuate within a period, and does a step
+           keep areas in phase space, as symplectic schemes do?
+Candidate  Each scheme's own step on an undamped oscillator, with plain numbers; leapfrog's velocity
+           is taken in the middle between two halves of steps.
+Reference  A period of exactly 63 steps at h·ω = 2 sin(π/63), after which a symplectic scheme is
+           where it was; explicit Euler's (1 + h²ω²)^63 a period.
+Expected   The mean energy of a period does not change but by rounding. The fluctuation falls as h²
+           (Verlet, leapfrog) or as h (Euler-Cromer).
+"""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from itertools import islice
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.compare import fitted_power
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.integrators import INTEGRATORS, Integrator, one_step_matrix
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.stability import common, oscillator
+from studies.stability.common import Schemes
+
+STEPS_A_PERIOD = 63
+PERIODS = 10_000
+QUICK_PERIODS = 1000
+EULER_PERIODS = 20
+"""In which explicit Euler's energy grows some hundred thousand times."""
+KEPT = ("euler_cromer", "leapfrog", "velocity_verlet")
+"""The report's schemes that keep areas."""
+FINENESS = (16, 32, 64, 128, 256)
+"""Steps a period of the fluctuation."""
+FLUCTUATES = {"euler_cromer": 1, "leapfrog": 2, "velocity_verlet": 2}
+"""Scheme -> power of the step with which its energy fluctuates."""
+SHOWN = 40
+"""Periods of each line in the figure."""
+AREA = 1e-12
+"""Change of an area in a step that is rounding."""
+AREA_SIZE = 0.3
+"""h·ω of the steps whose areas are measured."""
+DRIFT = 1e-10
+DRIFTS = "relative drift of the energy in 10⁴ periods: "
+FLUCTUATION = "exponent of the step in the energy's fluctuation: "
+TOLERANCES = (
+    *(
+        Tolerance(
+            DRIFTS + common.title(name),
+            DRIFT,
+            "1",
+            "none but rounding: 6e5 steps of 2e-16 are 1e-10 if all on one side",
+        )
+        for name in KEPT
+    ),
+    Tolerance(
+        "explicit Euler's growth of the energy in a period, over closed form",
+        1e-9,
+        "1",
+        "an identity: the energy times 1 + h²ω² a step, to the rounding of 1260 steps",
+    ),
+    *(
+        Tolerance(
+            FLUCTUATION + common.title(name),
+            0.1,
+            "1",
+            "the next term is smaller by (h·ω)², at most 0.15, at the coarsest of the steps only",
+        )
+        for name in KEPT
+    ),
+    Tolerance(
+        "schemes that say they keep areas and do not, or the reverse",
+        0.0,
+        "1",
+        "the determinant of a linear step's matrix, to rounding",
+    ),
+)
+COLUMNS = {
+    **common.COLUMNS,
+    "periods": "periods of the motion that were run",
+    "steps_a_period": "time steps in a period",
+    "growth_a_period": "factor by which the mean energy changes in a period, less 1 (1)",
+    "drift": "change of the mean energy in 10⁴ periods at the slope of a straight line through all "
+    'periods, over the energy (1); "grows" where it is no line',
+    "period": "number of the period",
+    "energy_change": "mean energy of the period over that of the first, less 1 (1)",
+    "step": "time step number",
+    "energy_over_first": "energy over that of the first step (1)",
+    "fluctuation": "half the range of the energy in a period over its mean (1)",
+    "exponent": "exponent of the step that fits the fluctuation (1)",
+    "exponent_low": "lower end of its 95 % confidence interval (1)",
+    "exponent_high": "upper end of its 95 % confidence interval (1)",
+    "area_change": "factor of an area of positions and velocities in a step, less 1 (1)",
+    "keeps_areas": "yes or no: whether that is rounding",
+    "claims": "yes or no: whether the scheme says it is symplectic",
+    "exponent_expected": "the exponent that theory gives (1)",
+}
+
+
+def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+    """Drift and fluctuation of the energy of the report's four schemes."""
+    setting = setting or Setting()
+    schemes = common.chosen(candidate)
+    periods = QUICK_PERIODS if setting.quick else PERIODS
+    means = dict(
+        zip(
+            schemes,
+            setting.sweep(partial(long_run, periods), schemes.items(), "drift"),
+            strict=True,
+        )
+    )
+    table = pd.DataFrame([drift_row(name, mean) for name, mean in means.items()])
+    fluctuation = pd.DataFrame(
+        [fluctuation_row(name, schemes[name], steps) for name in KEPT for steps in FINENESS]
+    )
+    powers = pd.DataFrame([fitted(name, fluctuation) for name in KEPT])
+    areas = pd.DataFrame([area(name, scheme) for name, scheme in candidate.items()])
+    drifts = table.set_index("scheme")["drift"]
+    euler = table[table["scheme"] == "explicit_euler"].iloc[0]
+    growth = (1 + size(STEPS_A_PERIOD) ** 2) ** STEPS_A_PERIOD
+    values = (
+        *(Observed(float(drifts[name])) for name in KEPT),
+        Observed((1 + euler["growth_a_period"]) / growth, 1.0),
+        *map(Observed, powers["exponent"], powers["exponent_expected"]),
+        Observed(float((areas["keeps_areas"] != areas["claims"]).sum())),
+    )
+    return Evidence(
+        tables={
+            "drift": table,
+            "energy": pd.concat([shown(name, mean) for name, mean in means.items()]),
+            "energy_in_a_period": pd.concat([within(name, s) for name, s in schemes.items()]),
+            "fluctuation": fluctuation,
+            "fluctuation_powers": powers,
+            "areas": areas,
+        },
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"drift": draw},
+        columns=COLUMNS,
+        findings=(finding(table, powers),),
+        rounding={
+            "drift": 1e-10,
+            "growth_a_period": 1e-13,
+            "energy_change": 1e-10,
+            "area_change": 1e-15,
+        },
+    )
+
+
+def size(steps: int) -> float:
+    """h·ω with which a period takes so many steps of a scheme with trace 2 - h²ω²."""
+    return 2 * math.sin(math.pi / steps)
+
+
+def energies(scheme: Integrator, steps: int, periods: int) -> Array:
+    """Energy (periods, steps) of an oscillator of frequency and amplitude 1, period by period."""
+    count = steps * periods
+    path = islice(oscillator.states(scheme, size(steps)), count)
+    energy = np.fromiter((0.5 * (v * v + x * x) for x, v in path), float, count)
+    return energy.reshape(periods, steps)
+
+
+def long_run(periods: int, case: tuple[str, Integrator]) -> Array:
+    """Mean energies (periods,) of a scheme, period by period."""
+    name, scheme = case
+    run_for = periods if name in KEPT else EULER_PERIODS
+    return np.asarray(energies(scheme, STEPS_A_PERIOD, run_for).mean(axis=1))
+
+
+def drift_row(name: str, means: Array) -> dict[str, object]:
+    """Row of one scheme."""
+    slope = float(np.polyfit(np.arange(len(means)), means / means[0] - 1, 1)[0])
+    return {
+        "scheme": name,
+        "periods": len(means),
+        "steps_a_period": STEPS_A_PERIOD,
+        "growth_a_period": math.expm1(math.log(means[-1] / means[0]) / (len(means) - 1)),
+        "drift": abs(slope) * PERIODS if name in KEPT else "grows",
+    }
+
+
+def shown(name: str, means: Array) -> pd.DataFrame:
+    """Lines of the figure: change of the mean energy, some periods of many."""
+    at = np.unique(np.geomspace(1, len(means), SHOWN).round().astype(int)) - 1
+    change = means[at] / means[0] - 1
+    return pd.DataFrame({"scheme": name, "period": at + 1, "energy_change": change})
+
+
+def within(name: str, scheme: Integrator) -> pd.DataFrame:
+    """Energy step by step through the first period."""
+    energy = energies(scheme, STEPS_A_PERIOD, 1)[0]
+    change = {"step": np.arange(len(energy)), "energy_over_first": energy / energy[0]}
+    return pd.DataFrame({"scheme": name} | change)
+
+
+def fluctuation_row(name: str, scheme: Integrator, steps: int) -> dict[str, object]:
+    """Row of one scheme at so many steps a period."""
+    energy = energies(scheme, steps, 1)[0]
+    return {
+        "scheme": name,
+        "steps_a_period": steps,
+        "h_omega": size(steps),
+        "fluctuation": 0.5 * np.ptp(energy) / energy.mean(),
+    }
+
+
+def fitted(name: str, fluctuation: pd.DataFrame) -> dict[str, object]:
+    """Row of the fitted exponents."""
+    rows = fluctuation[fluctuation["scheme"] == name]
+    power = fitted_power(rows["h_omega"], rows["fluctuation"])
+    return {
+        "scheme": name,
+        "exponent": power.exponent,
+        "exponent_low": power.low,
+        "exponent_high": power.high,
+        "exponent_expected": FLUCTUATES[name],
+    }
+
+
+def area(name: str, scheme: Integrator) -> dict[str, object]:
+    """Row: what a step makes of areas."""
+    change = float(np.linalg.det(one_step_matrix(scheme, 1.0, AREA_SIZE))) - 1
+    return {
+        "scheme": name,
+        "h_omega": AREA_SIZE,
+        "area_change": change,
+        "keeps_areas": "yes" if abs(change) < AREA else "no",
+        "claims": "yes" if scheme.symplectic else "no",
+    }
+
+
+def finding(table: pd.DataFrame, powers: pd.DataFrame) -> str:
+    """Drift and fluctuation in a sentence."""
+    kept = table[table["scheme"].isin(KEPT)]
+    # The orbit closes after 63 steps, so that even rounding may repeat itself: no drift is claimed
+    # to be smaller than that.
+    drift = max(kept["drift"].max(), np.finfo(float).eps)
+    euler = table[table["scheme"] == "explicit_euler"].iloc[0]
+    exponents = ", ".join(
+        f"{common.title(name)} {exponent:.2f}"
+        for name, exponent in zip(powers["scheme"], powers["exponent"], strict=True)
+    )
+    return (
+        f"Over {kept['periods'].max()} periods of {STEPS_A_PERIOD} steps the energy of the "
+        f"schemes that keep areas drifts by no more than {drift:.0e} in 10⁴ periods; "
+        f"explicit Euler's grows {1 + euler['growth_a_period']:.2f}-fold in each. Exponent of the "
+        f"step in the fluctuation: {exponents}."
+    )
+
+
+def draw(tables: Tables) -> Figure:
+    """Mean energy against time, energy within a period, and its fluctuation against the step."""
+    figure, (mean, inside, falls) = figures.new(3, size=(3.4, 3.0))
+    for axis, name, x, y in (
+        (mean, "energy", "period", "energy_change"),
+        (inside, "energy_in_a_period", "step", "energy_over_first"),
+        (falls, "fluctuation", "h_omega", "fluctuation"),
+    ):
+        for scheme, rows in tables[name].groupby("scheme", sort=False):
+            axis.plot(
+                rows[x],
+                rows[y] + 1 if axis is mean else rows[y],
+                marker="" if axis is inside else common.marker(str(scheme)),
+                markevery=4 if axis is mean else 1,
+                color=common.colour(str(scheme)),
+                mfc="none",
+                label=common.title(str(scheme)),
+            )
+    for axis in (mean, falls):
+        axis.set(xscale="log", yscale="log")
+        figures.plain_powers(axis)
+    mean.set(xlabel="period", ylabel="mean energy over the first (1)", title="over many periods")
+    mean.set_xticks([1, 10, 100, 1000, 10000], ["1", "10", "100", "1000", "10000"])
+    inside.set(xlabel="time step", ylabel="energy over the first (1)", title="in the first period")
+    ticks = sorted(set(tables["fluctuation"]["h_omega"]))
+    falls.set_xticks(ticks, [f"{tick:.2g}" for tick in ticks])
+    falls.minorticks_off()
+    falls.set(xlabel="h·ω (rad)", ylabel="fluctuation of the energy (1)", title="against the step")
+    figures.shared_legend(figure, [mean])
+    return figure

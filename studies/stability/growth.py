@@ -1,0 +1,105 @@
+"""Growth: by how much does a scheme grow that no step makes stable?
+
+Question   Explicit Euler without damping, and Verlet with the old force in both kicks: have they a
+           small step that is stable, or do they only grow slowly?
+Candidate  Each scheme's own step on an oscillator; growth from the energy over many steps.
+Reference  |λ| of the step's matrix in closed form: √(1 + h²ω²) and √(1 + h²ω²/2).
+Expected   Equal, and above 1 at every step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.compare import worst
+from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.integrators import INTEGRATORS, Integrator, Moving
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.stability import common
+from studies.stability.bounded import energy
+from studies.stability.common import Schemes
+from studies.stability.networks import OSCILLATOR, linear
+
+SHARE = {"explicit_euler": 1.0, "euler_cromer_as_printed": 1.0, "verlet_lagged": 0.5}
+"""Scheme -> what (hω)² enters the determinant of its step's matrix with: the square of |λ|, since
+its eigenvalues are a conjugate pair."""
+STEPS = 1000
+SIZES = (0.05, 0.1, 0.2, 0.5)
+"""h·ω; the energy grows by (1 + h²ω²)^steps at most, less than a number holds."""
+TOLERANCES = (
+    Tolerance(
+        "growth a step of schemes that are never stable undamped, measured over closed form",
+        0.01,
+        "1",
+        "the energy wavers by h·ω/2 on its way; over the steps of a run a line through its "
+        "logarithm is within 1 % of growth's own",
+    ),
+    Tolerance(
+        "undamped limits claimed where every step grows",
+        0.0,
+        "rad",
+        "a growth factor above 1 at every step: the limit is 0",
+    ),
+)
+COLUMNS = {
+    **common.COLUMNS,
+    "growth_measured": "factor by which the amplitude grows in a step, less 1, by running it (1)",
+    "growth_predicted": "the same in closed form (1)",
+    "steps_to_double": "steps in which the amplitude doubles, by the measured factor",
+}
+
+
+def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+    """Run the schemes that no step makes stable without damping."""
+    schemes = common.chosen(candidate, tuple(SHARE))
+    rows = []
+    for name, scheme in schemes.items():
+        for size, factor in zip(SIZES, growth_factors(scheme, np.array(SIZES)), strict=True):
+            rows.append(
+                {
+                    "scheme": name,
+                    "h_omega": size,
+                    "growth_measured": factor - 1,
+                    "growth_predicted": np.sqrt(1 + SHARE[name] * size**2) - 1,
+                    "steps_to_double": np.log(2) / np.log(factor),
+                }
+            )
+    table = pd.DataFrame(rows)
+    claimed = max(scheme.limit(0.0) for scheme in schemes.values())
+    values = (
+        worst(table["growth_measured"] / table["growth_predicted"], 1.0),
+        Observed(claimed if (table["growth_measured"] > 0).all() else np.nan),
+    )
+    return Evidence(
+        tables={"growth": table},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        findings=(finding(table),),
+    )
+
+
+def growth_factors(scheme: Integrator, sizes: Array) -> Array:
+    """Factors (n,) by which the amplitude of an undamped oscillator grows in a step of h·ω (n,)."""
+    body = linear(OSCILLATOR)
+    x = np.ones((1, len(sizes)))
+    now = Moving(x, np.zeros_like(x), body.acceleration(x))
+    history = [energy(body, now)]
+    for _ in range(STEPS):
+        now = scheme.step(body.acceleration, now, sizes, 0.0)  # type: ignore[arg-type]
+        history.append(energy(body, now))
+    rate = np.polyfit(np.arange(STEPS + 1), np.log(history), 1)[0]
+    return np.asarray(np.exp(0.5 * rate))
+
+
+def finding(table: pd.DataFrame) -> str:
+    """How soon explicit Euler doubles."""
+    euler = table[table["scheme"] == "explicit_euler"]
+    first, last = euler.iloc[0], euler.iloc[-1]
+    return (
+        "Explicit Euler without damping grows at every step: its amplitude doubles in "
+        f"{first['steps_to_double']:.0f} steps at h·ω = {first['h_omega']:g}, in "
+        f"{last['steps_to_double']:.1f} at {last['h_omega']:g}."
+    )

@@ -1,0 +1,212 @@
+"""Order: how fast does the error fall with the step?
+
+Question   Order of accuracy of each scheme on a smooth motion, without and with damping.
+Candidate  `integrate.motion` on a network of 6 x 6 points that swings in its lowest mode, so little
+           that it is linear; leapfrog starts from `staggered`.
+Reference  The mode's motion in closed form. As printed, Verlet follows half of all forces: see
+           `misprints`.
+Expected   The order that each scheme claims, undamped. Under damping leapfrog keeps its second
+           order, for its viscous force is centred; velocity Verlet falls to the first: two half
+           kicks leave (1 - ch/2)² = 1 - ch + c²h²/4 of the velocity, where exp(-ch) has c²h²/2.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.compare import fitted_power
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.integrate import State, motion, staggered
+from msvalidate.integrators import INTEGRATORS, Integrator
+from msvalidate.network import Network
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.stability import common
+from studies.stability.common import Schemes
+from studies.stability.networks import Body, clamped, free_components, linear
+
+BODY = Body("square", 6)
+ANGLE = 2.0
+"""ω times the time of the motion (rad): at no turning point, where first-order errors hide."""
+AMPLITUDE = 1e-8
+"""Over the side: the error of linearity and that of rounding positions are both near 1e-7 of it."""
+STEPS = (100, 200, 400, 800)
+QUICK_STEPS = (100, 200, 400)
+RATIOS = (0.0, 0.3)
+"""Damping ratio of the mode."""
+DAMPED_ORDER = {"leapfrog": 2}
+"""Order under damping, where it is not 1."""
+ORDER = 0.1
+BECAUSE = (
+    "the next term of the error is smaller by h·ω, at most 0.02, times a factor of order 1 to 3; "
+    "rounding is below 1 % of the smallest error"
+)
+COLUMNS = {
+    **common.COLUMNS,
+    "motion": "the motion that it follows: under the force, or as printed under half of it, viscous"
+    " force included",
+    "mode_error": "distance to the exact motion at its end, after 2 rad, over the amplitude (1)",
+    "order": "exponent of the step that fits the errors (1)",
+    "order_low": "lower end of its 95 % confidence interval (1)",
+    "order_high": "upper end of its 95 % confidence interval (1)",
+    "order_expected": "order that theory gives (1)",
+}
+
+
+def quantity(name: str, ratio: float) -> str:
+    """What is judged of one scheme."""
+    return f"order of accuracy, {'damped' if ratio else 'undamped'}: {common.title(name)}"
+
+
+def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+    """Errors of every scheme at a row of steps, and the orders fitted to them."""
+    setting = setting or Setting()
+    numbers = QUICK_STEPS if setting.quick else STEPS
+    cases = list(product(candidate.items(), RATIOS))
+    found = setting.sweep(partial(errors, numbers), cases, "orders")
+    table = pd.DataFrame([row for rows in found for row in rows])
+    orders = pd.DataFrame([fitted(name, ratio, table, candidate) for (name, _), ratio in cases])
+    judged = {
+        quantity(name, ratio): Observed(found, expected)
+        for name, ratio, found, expected in zip(
+            *(orders[c] for c in ("scheme", "damping_ratio", "order", "order_expected")),
+            strict=True,
+        )
+    }
+    return Evidence(
+        tables={"errors": table, "orders": orders},
+        observed=judged,
+        tolerances=tuple(Tolerance(name, ORDER, "1", BECAUSE) for name in judged),
+        figures={"order": draw},
+        columns=COLUMNS,
+        findings=(finding(orders),),
+        rounding={"mode_error": 3e-8, "order": 0.03, "order_low": 0.1, "order_high": 0.1},
+    )
+
+
+def errors(
+    numbers: tuple[int, ...], case: tuple[tuple[str, Integrator], float]
+) -> list[dict[str, object]]:
+    """Rows of one scheme at one damping ratio."""
+    (name, scheme), ratio = case
+    share = 0.5 if name == "verlet_as_printed" else 1.0
+    exact, moving = swung(share, ratio), lowest_mode()
+    return [
+        {
+            "scheme": name,
+            "damping_ratio": ratio,
+            "motion": "under half the force" if share < 1 else "under the force",
+            "steps": steps,
+            "h_omega": ANGLE / steps,
+            "mode_error": abs(swing(moving, scheme, steps, ratio) - exact),
+        }
+        for steps in numbers
+    ]
+
+
+def swung(share: float, ratio: float) -> float:
+    """Exact motion from 1 at rest, under a share of all forces, viscous too: 2 rad later."""
+    # Roots of s² + 2·decay·s + share, in units of ω.
+    decay = share * ratio
+    root = np.sqrt(share - decay**2)
+    swing = np.cos(root * ANGLE) + decay / root * np.sin(root * ANGLE)
+    return float(np.exp(-decay * ANGLE) * swing)
+
+
+class Mode(NamedTuple):
+    """A network, its lowest mode (n, d), 1 at the most, and the mode's frequency (rad/s)."""
+
+    network: Network
+    shape: Array
+    omega: float
+
+
+def lowest_mode() -> Mode:
+    """The lowest mode of the body."""
+    _, network = clamped(BODY)
+    moving = linear(BODY)
+    components = np.zeros(network.points.size)
+    components[free_components(network)] = moving.lowest[:, 0]
+    shape = components.reshape(network.points.shape)
+    return Mode(network, shape / np.abs(shape).max(), moving.omega[0])
+
+
+def swing(moving: Mode, scheme: Integrator, steps: int, ratio: float = 0.0) -> float:
+    """Position of the mode after `ANGLE`, started at rest from 1."""
+    network, shape, omega = moving
+    dt, damping = ANGLE / steps / omega, 2 * ratio * omega
+    state = State(network.points + AMPLITUDE * shape, np.zeros_like(shape))
+    if scheme.staggered:
+        state = staggered(network, state, dt, damping)
+    end = motion(network, state, scheme, dt, steps, damping)
+    moved = (end.position - network.points) / AMPLITUDE
+    return float((moved * shape).sum() / (shape**2).sum())
+
+
+def fitted(name: str, ratio: float, table: pd.DataFrame, schemes: Schemes) -> dict[str, object]:
+    """Row of orders."""
+    rows = table[(table["scheme"] == name) & (table["damping_ratio"] == ratio)]
+    power = fitted_power(rows["h_omega"], rows["mode_error"])
+    expected = DAMPED_ORDER.get(name, 1) if ratio else schemes[name].order
+    return {
+        "scheme": name,
+        "damping_ratio": ratio,
+        "motion": rows["motion"].iloc[0],
+        "order": power.exponent,
+        "order_low": power.low,
+        "order_high": power.high,
+        "order_expected": expected,
+    }
+
+
+def finding(orders: pd.DataFrame) -> str:
+    """Orders of the report's four, in a sentence."""
+    said = []
+    for name in common.REPORTED:
+        rows = orders[orders["scheme"] == name]
+        free, damped = (rows[rows["damping_ratio"] == ratio]["order"].iloc[0] for ratio in RATIOS)
+        said.append(f"{common.title(name)} {free:.2f} ({damped:.2f})")
+    return (
+        f"Order of accuracy without damping, and in brackets at a damping ratio of {RATIOS[1]:g}: "
+        + ", ".join(said)
+        + "."
+    )
+
+
+def draw(tables: Tables) -> Figure:
+    """Error against the step, without and with damping."""
+    table = tables["errors"]
+    figure, axes = figures.new(2, size=(3.6, 3.2), sharey=True)
+    for axis, ratio in zip(axes, RATIOS, strict=True):
+        rows = table[table["damping_ratio"] == ratio]
+        for name, line in rows.groupby("scheme", sort=False):
+            scheme = str(name)
+            axis.loglog(
+                line["h_omega"],
+                line["mode_error"],
+                marker=common.marker(scheme),
+                color=common.colour(scheme),
+                mfc="none",
+                ls="--" if scheme not in common.REPORTED else "-",
+                label=common.title(scheme),
+            )
+        ends = np.array([rows["h_omega"].min(), rows["h_omega"].max()])
+        for power, style, top in ((1, ":", 3.0), (2, "-.", 0.02)):
+            line = top * rows["mode_error"].max() * (ends / ends[1]) ** power
+            axis.loglog(ends, line, style, color="grey", lw=1, label=f"order {power}")
+        axis.set_title("undamped" if not ratio else f"damping ratio {ratio:g}")
+        axis.set_xlabel("h·ω (rad)")
+        ticks = sorted(set(rows["h_omega"]))
+        axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        axis.minorticks_off()
+        figures.plain_powers(axis)
+    axes[0].set_ylabel("error over amplitude (1)")
+    figures.shared_legend(figure, axes, columns=3)
+    return figure

@@ -1,0 +1,170 @@
+"""Passing: does underdamped motion push particles past each other?
+
+Question   "Usually, underdamped system with over-shots will cause further unstable effect, for
+           example, one particle pass another particle": how many cells of the lattice turn inside
+           out on the way, against damping and time step?
+Candidate  Euler-Cromer, the report's loop, on its 6 x 6 particles with k2 = 2 k1, clamped on one
+           side and sheared suddenly on the other.
+Reference  The static solution under the same load, whose cells are all the right way round.
+Expected   Overshoot to about twice the static displacement folds cells that the load at rest does
+           not. Overdamped, nothing does; critical damping of the lowest mode leaves all others
+           underdamped. The step, below its limit, changes little.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.equilibrium import equilibrium
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.integrators import INTEGRATORS, Integrator, stability_limit
+from msvalidate.lattice import Lattice
+from msvalidate.problem import Array
+from msvalidate.spectrum import extreme_frequencies
+from msvalidate.sweep import Setting
+from studies.stability import common, runs
+from studies.stability.common import Schemes
+
+LOADS = (0.2, 0.3, 0.4)
+QUICK_LOADS = (0.3,)
+"""Shear traction (N/m²)."""
+DAMPINGS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0)
+QUICK_DAMPINGS = (0.1, 1.0, 2.0)
+"""Over critical damping of the lowest mode."""
+PARTS = (0.3, 0.5, 0.7, 0.9, 1.2)
+QUICK_PARTS = (0.5, 1.2)
+"""Step over the limit."""
+PERIODS = 1.0
+"""Of the lowest mode: the first overshoot is the largest."""
+REACH = 10.0
+"""Displacement (m) of a point beyond which a motion counts as growing."""
+TOLERANCES = (
+    Tolerance(
+        "cells inside out at twice critical damping, most of all runs",
+        0.0,
+        "1",
+        "nothing overshoots, and the cells of the static solution are the right way round",
+        layer="agreement",
+    ),
+    Tolerance(
+        "runs above the limit that do not grow, or below it that do",
+        0.0,
+        "1",
+        "the largest step below is 0.9, the smallest above 1.2 of the limit at rest, which strain "
+        "changes by less",
+        layer="agreement",
+    ),
+)
+COLUMNS = {
+    **common.COLUMNS,
+    "traction": "shear traction, suddenly applied (N/m²)",
+    "damping_over_critical": "damping over critical damping of the lowest mode, 2ω_min (1)",
+    "cells_inverted": "most cells inside out, their area negative, at one moment of the first "
+    'period; "grows" where the motion does',
+    "cells_inverted_static": "cells inside out in the static solution",
+    "largest_over_static": "largest displacement on the way over that of the static solution; "
+    '"grows" where the motion does (1)',
+}
+
+
+def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+    """Count the cells turned inside out at every load, damping and step."""
+    setting = setting or Setting()
+    loads = QUICK_LOADS if setting.quick else LOADS
+    dampings = QUICK_DAMPINGS if setting.quick else DAMPINGS
+    parts = QUICK_PARTS if setting.quick else PARTS
+    scheme = common.chosen(candidate, ("euler_cromer",))["euler_cromer"]
+    cases = list(product(loads, dampings, parts))
+    table = pd.DataFrame(setting.sweep(partial(counted, scheme), cases, "particles that pass"))
+    grows = table["cells_inverted"] == "grows"
+    calm = table[~grows & (table["damping_over_critical"] > 1)]
+    values = (
+        Observed(float(calm["cells_inverted"].max()) if len(calm) else float("nan")),
+        Observed(float((grows != (table["step_over_limit"] > 1)).sum())),
+    )
+    return Evidence(
+        tables={"passing": table},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"passing": draw},
+        columns=COLUMNS,
+        findings=(finding(table),),
+        rounding={"largest_over_static": 1e-4},
+    )
+
+
+def areas(grid: Lattice, position: Array) -> Array:
+    """Signed areas (..., c) in m² of a square lattice's cells at positions (..., n, 2) in m."""
+    low_left, low_right, high_left, high_right = (
+        position[..., corner, :] for corner in grid.cells.T
+    )
+    rising, falling = high_right - low_left, high_left - low_right
+    return np.asarray(0.5 * (rising[..., 0] * falling[..., 1] - rising[..., 1] * falling[..., 0]))
+
+
+def counted(scheme: Integrator, case: tuple[float, float, float]) -> dict[str, object]:
+    """Row of one load, damping and step."""
+    load, over_critical, part = case
+    grid, network = runs.block((0.0, load))
+    omega = extreme_frequencies(network)
+    damping = 2 * over_critical * omega[0]
+    dt = part * stability_limit(scheme, *omega, damping)
+    steps = int(PERIODS * 2 * np.pi / omega[0] / dt)
+    done = runs.released(network, scheme, dt, steps, damping, REACH)
+    static = equilibrium(network)
+    at_rest = np.linalg.norm(static.displacement, axis=1).max()
+    farthest = np.linalg.norm(done.positions - network.points, axis=2).max()
+    inverted = (areas(grid, done.positions) < 0).sum(axis=1).max()
+    return {
+        "traction": load,
+        "damping_over_critical": over_critical,
+        "step_over_limit": part,
+        "cells_inverted": "grows" if done.left else int(inverted),
+        "cells_inverted_static": int((areas(grid, static.position) < 0).sum()),
+        "largest_over_static": "grows" if done.left else float(farthest / at_rest),
+    }
+
+
+def finding(table: pd.DataFrame) -> str:
+    """Whether the report is right, with the numbers of the largest load."""
+    stays = table[(table["cells_inverted"] != "grows")]
+    most = stays[stays["traction"] == stays["traction"].max()]
+    worst = most.groupby("damping_over_critical")["cells_inverted"].max()
+    over = most.groupby("damping_over_critical")["largest_over_static"].max()
+    said = ", ".join(f"{n} at {d:g} (farthest {over[d]:.2f} of rest)" for d, n in worst.items())
+    under, above = worst[worst.index < 1].max(), worst[worst.index > 1].max()
+    return (
+        f"Most cells of 25 turned inside out under {most['traction'].max():g} N/m², by damping "
+        f"over critical: {said}; at rest {most['cells_inverted_static'].max()}. The report is "
+        f"{'right' if under > 0 == above else 'not right'} that underdamped particles pass each "
+        "other and overdamped ones do not."
+    )
+
+
+def draw(tables: Tables) -> Figure:
+    """Cells turned inside out against damping, a line a step, a panel a load."""
+    table = tables["passing"]
+    loads = sorted(set(table["traction"]))
+    figure, axes = figures.new(len(loads), size=(3.3, 3.0), sharey=True)
+    for axis, load in zip(axes, loads, strict=True):
+        rows = table[(table["traction"] == load) & (table["cells_inverted"] != "grows")]
+        for i, (part, line) in enumerate(rows.groupby("step_over_limit")):
+            axis.plot(
+                line["damping_over_critical"],
+                line["cells_inverted"].astype(float),
+                marker=figures.MARKERS[i],
+                color=figures.COLOURS[i],
+                mfc="none",
+                label=f"step {part:g} of the limit",
+            )
+        axis.axvline(1, color="grey", lw=0.8, ls="--", label="critical damping")
+        axis.set(title=f"traction {load:g} N/m²", xlabel="damping over critical (1)")
+    axes[0].set_ylabel("cells inside out, of 25")
+    figures.shared_legend(figure, axes, columns=5)
+    return figure

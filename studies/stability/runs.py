@@ -1,0 +1,56 @@
+"""A network that is loaded suddenly, run until it leaves a box around itself: no NaN comes out."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from msvalidate.integrate import State, motion, staggered
+from msvalidate.integrators import Integrator
+from msvalidate.lattice import Lattice
+from msvalidate.network import Network
+from msvalidate.problem import Array, SolverError
+from studies.stability.networks import REPORTED, Body, clamped
+
+BODY = Body("square", 6)
+
+
+class Run(NamedTuple):
+    """Positions (steps + 1, n, d) in m while all are inside; the step that left, 0 if none."""
+
+    positions: Array
+    left: int
+
+
+class LeftError(Exception):
+    """A point has gone farther than the picture reaches; carries nothing, ends a run."""
+
+
+def block(traction: tuple[float, float]) -> tuple[Lattice, Network]:
+    """The report's 6 x 6 particles, k2 = 2 k1, all springs of a kind alike; traction in N/m²."""
+    return clamped(BODY, REPORTED, weights="equal", traction=traction)
+
+
+def released(
+    network: Network, scheme: Integrator, dt: float, steps: int, damping: float, reach: float
+) -> Run:
+    """Motion from rest under the network's load until a point is farther away than `reach` (m)."""
+    start = State(network.points, np.zeros_like(network.points))
+    seen = [start.position]
+
+    def watch(_: int, now: State) -> None:
+        if np.abs(now.position - network.points).max() > reach:
+            raise LeftError
+        seen.append(now.position)
+
+    if scheme.staggered:
+        start = staggered(network, start, dt, damping)
+    try:
+        motion(network, start, scheme, dt, steps, damping, watch)
+    except (
+        LeftError,
+        SolverError,
+    ):  # the latter where one step went from inside beyond all numbers
+        return Run(np.array(seen), len(seen))
+    return Run(np.array(seen), 0)

@@ -1,0 +1,309 @@
+"""The study `stability`: its public tables, the search for limits, its controls."""
+
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from msvalidate.evidence import held, judge
+from msvalidate.integrators import INTEGRATORS, Moving, growth
+from msvalidate.network import tangent
+from msvalidate.problem import ProblemError
+from msvalidate.spectrum import extreme_frequencies
+from msvalidate.sweep import Setting
+from studies import stability
+from studies.stability import (
+    bounded,
+    controls,
+    cost,
+    drift,
+    figure3,
+    limits,
+    networks,
+    order,
+    oscillator,
+    passing,
+    runs,
+)
+from studies.stability.networks import OSCILLATOR, Body, clamped, linear
+
+QUICK = Setting(quick=True)
+TRUE = [name for name, scheme in INTEGRATORS.items() if not scheme.variant]
+COLUMNS = {
+    "limits": [
+        "scheme",
+        "body",
+        "points_a_side",
+        "damping_ratio",
+        "limit_measured",
+        "limit_predicted",
+        "limit_error",
+    ],
+    "orders": [
+        "scheme",
+        "damping_ratio",
+        "motion",
+        "order",
+        "order_low",
+        "order_high",
+        "order_expected",
+    ],
+    "drift": ["scheme", "periods", "steps_a_period", "growth_a_period", "drift"],
+    "passing": [
+        "traction",
+        "damping_over_critical",
+        "step_over_limit",
+        "cells_inverted",
+        "cells_inverted_static",
+        "largest_over_static",
+    ],
+    "cost_needed": ["scheme", "wanted", "evaluations_needed", "beyond"],
+}
+
+
+@pytest.fixture(scope="module")
+def evidence():
+    return stability.run(setting=QUICK)
+
+
+@pytest.mark.parametrize("table", COLUMNS)
+def test_public_columns(evidence, table):
+    assert list(evidence.tables[table]) == COLUMNS[table]
+
+
+def test_every_scheme_body_and_damping_has_a_limit(evidence):
+    table = evidence.tables["limits"]
+    assert not table.duplicated(["scheme", "body", "points_a_side", "damping_ratio"]).any()
+    assert set(table["scheme"]) == set(INTEGRATORS)
+    for name, rows in table.groupby("scheme"):
+        never = INTEGRATORS[name].limit(0.0) == 0
+        one = rows[rows["body"] == "oscillator"]
+        assert len(one) == len(limits.QUICK_ATLAS) - never
+        assert len(rows) - len(one) == 2 * (len(limits.RATIOS) - never)
+
+
+def test_full_form_is_the_atlas():
+    assert set(limits.RATIOS) <= set(limits.ATLAS)
+    assert limits.ATLAS[0] == 0
+    assert limits.ATLAS[-1] == 3
+    assert {6, 40} <= set(limits.SIDES)
+    assert drift.PERIODS >= 10_000
+    assert len(order.STEPS) > len(order.QUICK_STEPS)
+
+
+def test_same_numbers_whatever_the_workers():
+    questions = ("limits", "passing")
+    here = stability.run(setting=QUICK, questions=questions)
+    with ProcessPoolExecutor(2) as workers:
+        there = stability.run(setting=Setting(quick=True, executor=workers), questions=questions)
+    for name, table in here.tables.items():
+        pd.testing.assert_frame_equal(table, there.tables[name], check_exact=True)
+
+
+def test_seed_changes_the_start_and_no_limit():
+    body = linear(Body("square", 6))
+    assert (body.start(0) != body.start(1)).any()
+    assert held(judge(stability.run(setting=Setting(quick=True, seed=1), questions=("limits",))))
+
+
+@pytest.mark.parametrize("questions", [(), ("limit",), ("limits", "all")])
+def test_unknown_questions_are_refused(questions):
+    with pytest.raises(ProblemError, match="choose from limits, growth"):
+        stability.run(setting=QUICK, questions=questions)
+
+
+@pytest.mark.parametrize("question", ["limits", "growth", "misprints", "drift", "cost"])
+def test_a_missing_scheme_is_refused(question):
+    with pytest.raises(ProblemError, match="no scheme explicit_euler"):
+        stability.run({"leapfrog": INTEGRATORS["leapfrog"]}, QUICK, (question,))
+
+
+def test_another_scheme_is_held_to_its_claims():
+    """A user's scheme beside ours: judged, and drawn."""
+    mine = replace(INTEGRATORS["leapfrog"], name="mine")
+    boastful = replace(mine, limit=lambda _: 2.1)
+    for scheme, passes in ((mine, True), (boastful, False)):
+        found = stability.run(INTEGRATORS | {"mine": scheme}, QUICK, ("limits",))
+        assert held(judge(found)) == passes
+        assert found.figures["atlas"](found.tables)
+
+
+# --- the search for a limit -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", INTEGRATORS)
+def test_search_finds_the_limit_from_any_bracket(name):
+    scheme, body = INTEGRATORS[name], linear(OSCILLATOR)
+    zetas = np.array([z for z in (0.0, 0.05, 0.47, 0.56, 1.0, 2.0) if scheme.limit(z) > 0])
+    expected = [scheme.limit(z) for z in zetas]
+    for search in (bounded.Search(), bounded.Search(0.07, 5.0), bounded.Search(0.03, 9, 7, 4)):
+        found = bounded.measured_limit(scheme, body, 2 * zetas, search, 0)
+        np.testing.assert_allclose(found, expected, rtol=4 * search.resolution)
+        for h, zeta in zip(found, zetas, strict=True):
+            assert growth(scheme, 1.0, 1.01 * h, 2 * zeta) > 1
+
+
+def test_search_ends_at_its_bracket_when_nothing_or_everything_grows():
+    scheme, body = INTEGRATORS["leapfrog"], linear(OSCILLATOR)
+    for low, high, end in ((0.1, 1.0, 1.0), (3.0, 5.0, 3.0)):
+        search = bounded.Search(low, high)
+        found = bounded.measured_limit(scheme, body, np.array([0.2]), search, 0)
+        assert found[0] == pytest.approx(end, rel=2 * search.resolution)
+
+
+def test_resolution_is_half_the_last_gap():
+    assert bounded.Search(1.0, np.e, 3, 2).resolution == pytest.approx(1 / 32)
+
+
+@pytest.mark.parametrize("lattice", ["square", "triangular"])
+def test_linear_motion_is_the_networks(lattice):
+    body = Body(lattice, 6)
+    _, network = clamped(body)
+    moving = linear(body)
+    free = networks.free_components(network)
+    assert moving.omega == pytest.approx(extreme_frequencies(network), rel=1e-6)
+    x = np.random.default_rng(0).normal(size=(len(free), 1))
+    whole = np.zeros((network.points.size, 1))
+    whole[free] = x
+    force = -(tangent(network, network.points) @ whole)[free, 0]
+    mass = np.repeat(network.mass, 2)[free]
+    np.testing.assert_allclose(moving.acceleration(x)[:, 0], force / mass, rtol=1e-9, atol=1e-12)
+    for mode, omega in zip((moving.lowest, moving.highest), moving.omega, strict=True):
+        np.testing.assert_allclose(
+            moving.acceleration(mode), -(omega**2) * mode, atol=1e-6 * np.abs(mode).max()
+        )
+        still = Moving(mode, np.zeros_like(mode), moving.acceleration(mode))
+        assert bounded.energy(moving, still)[0] == pytest.approx(1.0)
+
+
+def test_dense_and_sparse_modes_agree(monkeypatch):
+    _, network = clamped(Body("square", 6))
+    free = networks.free_components(network)
+    stiffness = tangent(network, network.points)[free][:, free]
+    mass = np.repeat(network.mass, 2)[free]
+    dense = networks.modes(stiffness, mass)
+    monkeypatch.setattr(networks, "DENSE", 0)
+    for one, other in zip(dense, networks.modes(stiffness, mass), strict=True):
+        np.testing.assert_allclose(np.abs(one), np.abs(other), atol=1e-5 * np.abs(one).max())
+
+
+# --- closed forms of the study's own --------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ratio", order.RATIOS)
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_exact_motion(share, ratio):
+    """Against leapfrog with small steps, under a share of spring and viscous force."""
+    scheme = INTEGRATORS["leapfrog"]
+    root = np.sqrt(share)
+    found = oscillator.swing(scheme, 20_000, order.ANGLE * root, ratio * root)
+    assert order.swung(share, ratio) == pytest.approx(found, abs=1e-7)
+
+
+def test_verlet_loses_its_order_under_damping_and_leapfrog_keeps_it(evidence):
+    orders = evidence.tables["orders"].set_index(["scheme", "damping_ratio"])["order"]
+    assert orders["velocity_verlet", 0.0] == pytest.approx(2, abs=0.1)
+    assert orders["velocity_verlet", 0.3] == pytest.approx(1, abs=0.1)
+    assert orders["leapfrog", 0.3] == pytest.approx(2, abs=0.1)
+
+
+def test_oscillator_is_the_network_in_its_mode():
+    for name in ("leapfrog", "velocity_verlet"):
+        scheme = INTEGRATORS[name]
+        assert order.swing(order.lowest_mode(), scheme, 100, 0.3) == pytest.approx(
+            oscillator.swing(scheme, 100, order.ANGLE, 0.3), abs=1e-6
+        )
+
+
+@pytest.mark.parametrize("name", TRUE)
+def test_leading_terms_are_leading(name):
+    """What is left beside the leading term falls with the step."""
+    power, coefficient = cost.LEADING[name]
+    left = []
+    for steps in (2000, 8000):
+        error = abs(oscillator.swing(INTEGRATORS[name], steps, cost.ANGLE) - np.cos(cost.ANGLE))
+        left.append(abs(error / (coefficient * (cost.ANGLE / steps) ** power) - 1))
+    assert left[1] < 0.3 * left[0]
+
+
+@pytest.mark.parametrize("name", drift.KEPT)
+def test_a_period_is_whole(name):
+    states = oscillator.states(INTEGRATORS[name], drift.size(63))
+    path = np.array([next(states) for _ in range(64)])
+    np.testing.assert_allclose(path[63], path[0], atol=1e-12)
+
+
+# --- runs of the block ----------------------------------------------------------------------------
+
+
+def test_areas_are_signed():
+    grid, network = runs.block((0.0, 0.1))
+    np.testing.assert_allclose(passing.areas(grid, network.points), 0.04)
+    np.testing.assert_allclose(passing.areas(grid, network.points * [-1, 1]), -0.04)
+    assert passing.areas(grid, np.array([network.points] * 3)).shape == (3, 25)
+
+
+def test_a_run_ends_where_it_leaves():
+    _, network = runs.block((0.1, 0.0))
+    scheme = INTEGRATORS["explicit_euler"]
+    gone = runs.released(network, scheme, 2.0, 500, 0.0, 0.5)
+    assert 0 < gone.left == len(gone.positions) < 500
+    assert np.abs(gone.positions - network.points).max() <= 0.5
+    calm = runs.released(network, INTEGRATORS["leapfrog"], 0.5, 20, 0.0, 0.5)
+    assert calm.left == 0
+    assert len(calm.positions) == 21
+
+
+def test_figure_3_says_who_leaves(evidence):
+    table = evidence.tables["figure3"].set_index(["scheme", "step_over_limit"])
+    for name in TRUE:
+        assert table.loc[(name, 1.05), "leaves_at_step"] != "stays"
+        stays = table.loc[(name, 0.5), "leaves_at_step"] == "stays"
+        assert stays == (name != "explicit_euler")
+    assert any("explicit Euler leaves the picture" in said for said in evidence.findings)
+
+
+def test_no_number_is_missing_where_schemes_leave():
+    """With the report's "Euler-Cromer", which is explicit Euler, in the place of the true one."""
+    printed = replace(INTEGRATORS["euler_cromer"], step=INTEGRATORS["euler_cromer_as_printed"].step)
+    for question in ("figure3", "passing"):
+        found = stability.run(INTEGRATORS | {"euler_cromer": printed}, QUICK, (question,))
+        assert not held(judge(found))
+        for draw in found.figures.values():
+            assert draw(found.tables)
+
+
+# --- controls -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", controls.FAULTS)
+def test_stated_resolution_is_the_real_one(name):
+    """On the questions themselves, of which two run a network."""
+    noticed = controls.smallest(name)["smallest_noticed"]
+    question = cost if "kick" in name else order
+    for part, passes in ((1.1, False), (0.9, True)):
+        scheme = controls.FAULTS[name][0](part * noticed)
+        found = question.run(INTEGRATORS | {scheme.name: scheme}, QUICK)
+        assert held(judge(found)) == passes
+
+
+def test_no_fault_is_the_scheme_itself():
+    for name in ("euler_cromer", "leapfrog"):
+        same = controls.with_weak_damping(name, 0.0)
+        assert oscillator.swing(same, 50, 2.0, 0.3) == oscillator.swing(
+            INTEGRATORS[name], 50, 2.0, 0.3
+        )
+    same = controls.with_weak_kick(0.0)
+    assert oscillator.swing(same, 50, 2.0, 0.3) == oscillator.swing(
+        INTEGRATORS["velocity_verlet"], 50, 2.0, 0.3
+    )
+
+
+def test_reference_of_figure_3_is_fine():
+    scheme = INTEGRATORS["velocity_verlet"]
+    block = figure3.pulled()
+    time, x, _ = figure3.displacement(block, scheme, figure3.FINE)
+    finer_time, finer, _ = figure3.displacement(block, scheme, figure3.FINE / 2)
+    assert np.abs(x - np.interp(time, finer_time, finer)).max() < 2e-3 * np.ptp(x)
