@@ -6,6 +6,7 @@ they are what their papers write for equal masses.
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -17,7 +18,7 @@ from msvalidate import kernels
 from msvalidate.equilibrium import LARGEST_TURN, largest_turn, tangent_move
 from msvalidate.integrators import LEAPFROG
 from msvalidate.network import tangent
-from msvalidate.problem import Array, Mask, SolverError, rigid_motions
+from msvalidate.problem import Array, SolverError, rigid_motions
 from msvalidate.relax import ALGORITHM1, SAFETY, Method, Run, viscous
 
 # FIRE's numbers are the paper's.
@@ -89,17 +90,18 @@ def _fire(run: Run) -> Iterator[None]:
     _, highest = run.frequencies
     run.limit = 2 / highest
     run.dt = FIRE_LARGEST / highest
-    mass = run.network.mass[:, None]
+    mass = np.repeat(run.network.mass[:, None], run.network.dim, axis=1)
     velocity, dt, mix, downhill = run.velocity, FIRE_FIRST * run.dt, FIRE_MIX, 0
     while True:
         yield
-        acceleration = run.balance() / mass
-        power = float((mass * acceleration * velocity).sum())
+        force = run.balance()
+        acceleration = force / mass
+        power = np.vdot(force, velocity)
         if power > 0:
             downhill += 1
-            speed, push = ((mass * w**2).sum() for w in (velocity, acceleration))
+            speed = np.vdot(mass * velocity, velocity)
             velocity *= 1 - mix
-            velocity += mix * np.sqrt(speed / push) * acceleration
+            velocity += mix * np.sqrt(speed / np.vdot(force, acceleration)) * acceleration
             if downhill > FIRE_DELAY:
                 dt, mix = min(FIRE_GROWTH * dt, run.dt), FIRE_MIX_DECAY * mix
         elif velocity.any():
@@ -115,16 +117,16 @@ def _adaptive(run: Run) -> Iterator[None]:
     The local stiffness of a component is the change of its force over its last move; the quotient
     of the displacement with it estimates the frequency of the motion that is left.
     """
-    network, free = run.network, ~run.network.held
+    network = run.network
     rows = abs(tangent(network, network.points)).sum(axis=1).reshape(network.points.shape)
     run.inertia = np.where(rows > 0, rows, 1.0) / (2 * SAFETY) ** 2  # ω² ≤ Σ|K|/m = 4·SAFETY²
     run.dt, run.limit = 1.0, 1 / SAFETY
-    last, damping = np.zeros_like(run.velocity), 0.0
+    last = np.zeros_like(run.velocity)
     while True:
         yield
         acceleration = run.balance() / run.inertia
         if run.steps:
-            damping = min(_critical(run, last - acceleration, free), STRONGEST)
+            damping = min(_critical(run, last - acceleration), STRONGEST)
             run.velocity *= (2 - damping) / (2 + damping)
             run.velocity += 2 / (2 + damping) * acceleration
         else:
@@ -134,13 +136,14 @@ def _adaptive(run: Run) -> Iterator[None]:
         run.moved(1, 1)
 
 
-def _critical(run: Run, change: Array, free: Mask) -> float:
+def _critical(run: Run, change: Array) -> float:
     """Critical damping 2ω of the motion left, ω² from the change of acceleration over the move."""
-    moving = free & (run.velocity != 0)
-    u, v = run.displacement[moving], run.velocity[moving]
-    stored = float((u * u * change[moving] / v * run.inertia[moving]).sum())
-    moved = float((run.inertia[moving] * u * u).sum())
-    return 2 * np.sqrt(stored / moved) if stored > 0 else 0.0
+    moving = run.velocity != 0  # never so of what is held
+    local = np.divide(change, run.velocity, out=np.zeros_like(change), where=moving)
+    weight = run.inertia * run.displacement
+    weight *= run.displacement
+    stored = float(np.vdot(weight, local))
+    return 2 * math.sqrt(stored / float(np.vdot(weight, moving))) if stored > 0 else 0.0
 
 
 def _conjugate_gradients(run: Run) -> Iterator[None]:

@@ -20,7 +20,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.evidence import Evidence, held
-from msvalidate.figures import STYLE
+from msvalidate.figures import STYLE, plain_logarithms
 from msvalidate.problem import ProblemError
 
 FORMATS = ("png", "svg")
@@ -209,6 +209,7 @@ def _json(content: object) -> bytes:
 
 def _lay_out(figure: Figure) -> None:
     """Lay out once, not again for each format."""
+    plain_logarithms(figure)
     engine = figure.get_layout_engine()
     if engine is not None:
         engine.execute(figure)

@@ -180,8 +180,8 @@ def metres(name: str, value: float) -> float:
 
 def _refuse(name: str, array: Array, bad: Mask, remedy: str) -> None:
     """Raise `ProblemError` with the first bad value of an array, where it is, and the remedy."""
-    at = np.argwhere(bad)
-    if len(at):
-        where = tuple(int(i) for i in at[0])
-        place = f" at index {where[0] if len(where) == 1 else where}" if where else ""
-        raise ProblemError(f"{name}: {array[where]}{place}; {remedy}")
+    if not bad.any():  # the usual case, asked often
+        return
+    where = tuple(int(i) for i in np.argwhere(bad)[0])
+    place = f" at index {where[0] if len(where) == 1 else where}" if where else ""
+    raise ProblemError(f"{name}: {array[where]}{place}; {remedy}")

@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.compare import fitted_power, worst
 from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.figures import COLOURS, new, one_two_five
+from msvalidate.figures import COLOURS, new
 from msvalidate.integrators import LEAPFROG, Integrator
 from msvalidate.problem import SolverError
 from msvalidate.relax import Method, Run, relax, viscous
@@ -151,7 +151,6 @@ def draw(tables: Tables) -> Figure:
     axis.loglog(
         kappa, table["least_steps"], ":", color="black", label="from the spectral radius alone"
     )
-    one_two_five(axis, "y")
     axis.set_xlabel("condition number kappa")
     axis.set_ylabel("steps to a residual of 1e-6")
     axis.legend()

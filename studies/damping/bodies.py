@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from scipy.linalg import eigh
 
 from msvalidate.body import lattice_network
 from msvalidate.equilibrium import equilibrium
-from msvalidate.integrate import State
+from msvalidate.integrate import State, euler_cromer
 from msvalidate.integrators import EULER_CROMER, stability_limit
 from msvalidate.lattice import square
 from msvalidate.network import Network, tangent
@@ -31,6 +31,8 @@ from msvalidate.stiffness import network_tensor
 
 Motion = Callable[[Network, State, float, int, Any], State]
 """A candidate: state after so many steps of dt (s) with a damping (1/s)."""
+MOTION = partial(euler_cromer, warn=False)
+"""The compiled Euler-Cromer. Steps beyond its limit are asked for on purpose here."""
 
 ISOTROPIC = (1.0, 0.5)
 """Spring constants (N/m), axial and diagonal: the tensor is isotropic, Poisson's ratio 1/3."""

@@ -15,14 +15,15 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Tolerance
-from msvalidate.integrate import State, euler_cromer, staggered
-from msvalidate.network import Network
+from msvalidate.integrate import State, staggered
+from msvalidate.network import Network, spring_force
 from studies.damping import direction, figure2
-from studies.damping.bodies import Motion
+from studies.damping.bodies import MOTION, Motion
 
 PROBE = 1e-4
 """Size of the fault from which the smallest noticed one is extrapolated."""
@@ -50,7 +51,7 @@ def other_damping(
     size: float, network: Network, state: State, dt: float, steps: int, damping: Any
 ) -> State:
     """Damping larger by the fraction `size`."""
-    return euler_cromer(network, state, dt, steps, damping * (1 + size))
+    return MOTION(network, state, dt, steps, damping * (1 + size))
 
 
 def other_kick(
@@ -65,9 +66,9 @@ def first_kick(
 ) -> State:
     """The part `size` of the first kick of a run from rest is lost."""
     if state.velocity.any():
-        return euler_cromer(network, state, dt, steps, damping)
+        return MOTION(network, state, dt, steps, damping)
     behind = staggered(network, state, 2 * size * dt, damping)
-    return euler_cromer(network, behind, dt, steps, damping)
+    return MOTION(network, behind, dt, steps, damping)
 
 
 def new_velocity(
@@ -90,8 +91,21 @@ def _stepped(
     """
     f = math.sqrt(push)
     slower = State(state.position, state.velocity / f)
-    end = euler_cromer(network, slower, dt * f, steps, drag / f)
+    end = MOTION(network, slower, dt * f, steps, drag / f)
     return State(end.position, end.velocity * f)
+
+
+def lagged_force(
+    size: float, network: Network, state: State, dt: float, steps: int, damping: Any
+) -> State:
+    """Forces are taken the part `size` of a step late, at the position x - size·dt·v."""
+    free, mass = ~network.held, network.mass[:, None]
+    x, v = state.position, np.where(free, state.velocity, 0.0)
+    for _ in range(steps):
+        pull = spring_force(network, x - size * dt * v) + network.force
+        v = np.where(free, v + dt * (pull / mass - damping * v), 0.0)
+        x = x + dt * v
+    return State(x, v)
 
 
 KINDS: dict[str, tuple[Fault, str]] = {
@@ -99,6 +113,7 @@ KINDS: dict[str, tuple[Fault, str]] = {
     "kick": (other_kick, "relative"),
     "first kick": (first_kick, "part lost"),
     "viscous force from the new velocity": (new_velocity, "part"),
+    "lagged force": (lagged_force, "part of a step"),
 }
 
 

@@ -174,6 +174,5 @@ def draw(tables: Tables) -> Figure:
     axis.axhline(free, color=figures.COLOURS[1], ls="--", label="free motion")
     axis.set_xlabel("damping c over 2ω (1)")
     axis.set_ylabel("rate of decay of the velocity over c (1)")
-    figures.plain_powers(axis)
     axis.legend(fontsize=8)
     return figure

@@ -145,7 +145,6 @@ def draw(tables: Tables) -> Figure:
     energy.set_ylabel("kinetic energy (J)")
     for axis in (force, energy):
         axis.set_title("equal springs, k2 = 2 k1, strain 1 %", fontsize=9)
-        figures.plain_powers(axis)
         axis.set_xlabel("time step")
     return figure
 

@@ -274,7 +274,6 @@ def draw(tables: Tables) -> Figure:
         axis.set_title(f"{loading}, ratio at the {definition}", fontsize=9)
         axis.set_xscale("log")
         axis.set_xticks(CELLS, [str(n) for n in CELLS])
-        axis.minorticks_off()
     for axis in axes[len(LOADINGS) :]:
         axis.set_xlabel("cells per side N")
     for axis in axes[:: len(LOADINGS)]:

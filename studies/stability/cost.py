@@ -155,6 +155,5 @@ def draw(tables: Tables) -> Figure:
     axis.set(xlabel="force evaluations for 20 rad", ylabel="error over amplitude (1)")
     axis.set_ylim(1e-8, 10)
     axis.set_xticks([100, 1000, 10000, 100000], ["100", "1000", "10000", "100000"])
-    figures.plain_powers(axis)
     figures.shared_legend(figure, [axis], columns=3)
     return figure

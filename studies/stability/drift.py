@@ -274,13 +274,11 @@ def draw(tables: Tables) -> Figure:
             )
     for axis in (mean, falls):
         axis.set(xscale="log", yscale="log")
-        figures.plain_powers(axis)
     mean.set(xlabel="period", ylabel="mean energy over the first (1)", title="over many periods")
     mean.set_xticks([1, 10, 100, 1000, 10000], ["1", "10", "100", "1000", "10000"])
     inside.set(xlabel="time step", ylabel="energy over the first (1)", title="in the first period")
     ticks = sorted(set(tables["fluctuation"]["h_omega"]))
     falls.set_xticks(ticks, [f"{tick:.2g}" for tick in ticks])
-    falls.minorticks_off()
     falls.set(xlabel="h·ω (rad)", ylabel="fluctuation of the energy (1)", title="against the step")
     figures.shared_legend(figure, [mean])
     return figure

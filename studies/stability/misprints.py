@@ -124,7 +124,16 @@ def path(network: Network, scheme: Integrator, dt: float, damping: float) -> Arr
     velocity = SPEED / (2 * np.pi * dt) * np.column_stack([x * y, x * (1 - 2 * y)])
     seen: list[Array] = []
     state = State(network.points, np.where(network.held, 0.0, velocity))
-    motion(network, state, scheme, dt, STEPS, damping, lambda _, now: seen.append(now.position))
+    motion(
+        network,
+        state,
+        scheme,
+        dt,
+        STEPS,
+        damping,
+        lambda _, now: seen.append(now.position),
+        warn=False,
+    )
     return np.array(seen)
 
 

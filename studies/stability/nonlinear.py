@@ -106,7 +106,7 @@ def grows(network: Network, scheme: Integrator, away: Array, dt: float, damping:
     state = State(network.points + away, np.zeros_like(away))
     for _ in range(STEPS // CHUNK):
         try:
-            state = motion(network, state, scheme, dt, CHUNK, damping)
+            state = motion(network, state, scheme, dt, CHUNK, damping, warn=False)
         except SolverError:
             return True
         if np.abs(state.position - network.points).max() > GROWN * np.abs(away).max():

@@ -145,7 +145,7 @@ def swing(moving: Mode, scheme: Integrator, steps: int, ratio: float = 0.0) -> f
     state = State(network.points + AMPLITUDE * shape, np.zeros_like(shape))
     if scheme.staggered:
         state = staggered(network, state, dt, damping)
-    end = motion(network, state, scheme, dt, steps, damping)
+    end = motion(network, state, scheme, dt, steps, damping, warn=False)
     moved = (end.position - network.points) / AMPLITUDE
     return float((moved * shape).sum() / (shape**2).sum())
 
@@ -205,8 +205,6 @@ def draw(tables: Tables) -> Figure:
         axis.set_xlabel("h·ω (rad)")
         ticks = sorted(set(rows["h_omega"]))
         axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-        axis.minorticks_off()
-        figures.plain_powers(axis)
     axes[0].set_ylabel("error over amplitude (1)")
     figures.shared_legend(figure, axes, columns=3)
     return figure

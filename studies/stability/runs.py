@@ -47,7 +47,7 @@ def released(
     if scheme.staggered:
         start = staggered(network, start, dt, damping)
     try:
-        motion(network, start, scheme, dt, steps, damping, watch)
+        motion(network, start, scheme, dt, steps, damping, watch, warn=False)
     except (
         LeftError,
         SolverError,
