@@ -88,6 +88,8 @@ def motion(
     free = ~network.held
 
     def acceleration(x: Array) -> Array:
+        if not (np.abs(x) <= LONGEST).all():  # nor where it is NaN
+            raise SolverError(_ran_away(dt, integrator.name))
         return np.where(free, (spring_force(network, x) + network.force) / network.mass[:, None], 0)
 
     x = np.array(state.position, dtype=float)
@@ -236,11 +238,15 @@ def _finite_motion(state: State, dt: float, scheme: str) -> State:
     """The state, refused where the motion has run away: its numbers would be NaN."""
     near = (np.abs(state.position) <= LONGEST).all()  # not so where it is NaN
     if not (near and np.isfinite(state.velocity).all()):
-        raise SolverError(
-            f"{scheme}: the motion grew beyond all numbers with steps of {dt:.4g} s; take steps "
-            "below stability_limit"
-        )
+        raise SolverError(_ran_away(dt, scheme))
     return state
+
+
+def _ran_away(dt: float, scheme: str) -> str:
+    return (
+        f"{scheme}: the motion grew beyond all numbers with steps of {dt:.4g} s; take steps below "
+        "stability_limit"
+    )
 
 
 def damping_rate(network: Network, damping: ArrayLike) -> Array:

@@ -43,7 +43,8 @@ class Integrator:
     Parameters
     ----------
     name, order
-        Its name, and the power of the step with which its error on a smooth motion falls.
+        Its name, and the power of the step with which its error on a smooth motion falls, without
+        damping: a viscous force from an old velocity is of first order.
     symplectic
         Whether it preserves areas in phase space without damping: its energy then only fluctuates.
     step

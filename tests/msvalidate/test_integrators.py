@@ -451,3 +451,12 @@ def test_a_watcher_sees_every_step():
         warnings.simplefilter("error")
         motion(string(), start, INTEGRATORS["leapfrog"], 0.1, 3, watch=lambda n, _: seen.append(n))
     assert seen == [1, 2, 3]
+
+
+@every_scheme
+def test_a_single_step_beyond_all_numbers_is_the_motions_failure(name):
+    """A body that is free to fly, and does: 1e260 m in one step."""
+    pair = spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0)
+    start = State(pair.points, np.full((2, 2), 1e60))
+    with pytest.raises(SolverError, match=f"{name}: the motion grew beyond all numbers"):
+        motion(pair, start, INTEGRATORS[name], 1e200, 3, warn=False)
