@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeVar
 
@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.problem import SolverError
+from msvalidate.problem import ProblemError, SolverError
 
 T = TypeVar("T")
 Tables = Mapping[str, pd.DataFrame]
@@ -144,6 +144,22 @@ def merged(*parts: Evidence) -> Evidence:
         findings=tuple(f for part in parts for f in part.findings),
         rounding=rounding,
     )
+
+
+def answers(
+    study: Mapping[str, Callable[[], Evidence]], questions: Iterable[str] | None = None
+) -> Evidence:
+    """One study's evidence from those of its questions that are asked: by default all.
+
+    Raises
+    ------
+    ProblemError
+        If none is asked, or one that is none of the study's.
+    """
+    asked = set(study) if questions is None else set(questions)
+    if not asked or not asked <= set(study):
+        raise ProblemError(f"questions: {questions!r}; choose from {', '.join(study)}")
+    return merged(*(answer() for name, answer in study.items() if name in asked))
 
 
 def judge(evidence: Evidence) -> pd.DataFrame:

@@ -15,16 +15,15 @@ from its frequencies, and scikit-fem finite elements. Seconds are told, and neve
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache, partial
 
-from msvalidate.evidence import Evidence, merged
-from msvalidate.problem import ProblemError
+from msvalidate.evidence import Evidence, answers
 from msvalidate.relax import Method
 from msvalidate.relaxations import RELAXATIONS
 from msvalidate.sweep import Setting
 from studies.convergence import dynamic_relaxation, frontier, spoilt, steps, times
 
 METHODS = RELAXATIONS | {dynamic_relaxation.NAME: dynamic_relaxation.METHOD}
-QUESTIONS = ("steps", "dynamic_relaxation", "times", "frontier")
 FAULTS = {
     name: {"candidate": METHODS | methods, "questions": (question,)}
     for (name, methods), question in zip(
@@ -38,20 +37,17 @@ notices is enough, so the rest is left out."""
 def run(
     candidate: Mapping[str, Method] = METHODS,
     setting: Setting | None = None,
-    questions: tuple[str, ...] = QUESTIONS,
+    questions: tuple[str, ...] | None = None,
 ) -> Evidence:
-    """All questions, or those named, for one table of relaxations. `times` needs `steps`."""
+    """All questions, or those named, for one table of relaxations."""
     setting = setting or Setting()
-    asked = set(questions)
-    if not asked or not asked <= set(QUESTIONS) or ("times" in asked and "steps" not in asked):
-        raise ProblemError(f"questions: {questions!r}; choose from {', '.join(QUESTIONS)}")
-    parts = []
-    if "steps" in asked:
-        parts.append(steps.run(candidate, setting))
-        if "times" in asked:
-            parts.append(times.run(candidate, parts[0].tables["steps"], setting))
-    if "dynamic_relaxation" in asked:
-        parts.append(dynamic_relaxation.run(candidate, setting))
-    if "frontier" in asked:
-        parts.append(frontier.run(candidate, setting))
-    return merged(*parts)
+    counted = cache(partial(steps.run, candidate, setting))
+    return answers(
+        {
+            "steps": counted,
+            "dynamic_relaxation": partial(dynamic_relaxation.run, candidate, setting),
+            "times": lambda: times.run(candidate, counted().tables["steps"], setting),
+            "frontier": partial(frontier.run, candidate, setting),
+        },
+        questions,
+    )

@@ -20,8 +20,9 @@ mode.
 
 from __future__ import annotations
 
-from msvalidate.evidence import Evidence, merged
-from msvalidate.problem import ProblemError
+from functools import partial
+
+from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
 from studies.damping import (
     advice,
@@ -47,7 +48,6 @@ ASKED = {
     "wave": wave.run,
 }
 """Question -> who answers it for a candidate."""
-QUESTIONS = (*ASKED, "controls")
 
 FAULTS = {
     name: {"candidate": controls.spoilt(kind, size), "questions": (question,)}
@@ -71,13 +71,9 @@ notices is enough, so the rest is left out. (A force a whole step late diverges.
 def run(
     candidate: Motion = MOTION,
     setting: Setting | None = None,
-    questions: tuple[str, ...] = QUESTIONS,
+    questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
-    if not questions or not set(questions) <= set(QUESTIONS):
-        raise ProblemError(f"questions: {questions!r}; choose from {', '.join(QUESTIONS)}")
-    parts = [ask(candidate, setting) for name, ask in ASKED.items() if name in questions]
-    if "controls" in questions:
-        parts.append(controls.run())
-    return merged(*parts)
+    asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
+    return answers(asked | {"controls": controls.run}, questions)

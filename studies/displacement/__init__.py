@@ -15,15 +15,13 @@ and linear equilibrium. Reference: scikit-fem finite elements and closed forms.
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cache, partial
 
 from msvalidate.candidate import Candidate, springs
-from msvalidate.evidence import Evidence, merged
-from msvalidate.problem import ProblemError
+from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
 from studies.displacement import budget, controls, elastic, identities, measuring, shapes, target
 
-QUESTIONS = ("budget", "shapes", "target", "identities", "controls")
 FAULTS = {
     name: {"candidate": controls.candidate_with(kind, size), "questions": ("identities",)}
     for name, (kind, size) in controls.ASKED.items()
@@ -40,27 +38,19 @@ notices is enough, so the rest is left out; the budget, which has no exact answe
 def run(
     candidate: Candidate = springs,
     setting: Setting | None = None,
-    questions: tuple[str, ...] = QUESTIONS,
+    questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
-    if not questions or not set(questions) <= set(QUESTIONS):
-        raise ProblemError(f"questions: {questions!r}; choose from {', '.join(QUESTIONS)}")
-    parts = []
-    if {"budget", "shapes", "controls"} & set(questions):
-        bodies = elastic.solved(setting)
-    if {"budget", "shapes"} & set(questions):
-        todo = measuring.blocks(setting)
-        found = setting.sweep(partial(measuring.measure, candidate), todo, "spring networks")
-        measured = dict(zip(todo, found, strict=True))
-    if "budget" in questions:
-        parts.append(budget.run(measured, bodies))
-    if "shapes" in questions:
-        parts.append(shapes.run(measured, bodies))
-    if "target" in questions:
-        parts.append(target.run(candidate, setting))
-    if "identities" in questions:
-        parts.append(identities.run(candidate, setting))
-    if "controls" in questions:
-        parts.append(controls.run(bodies))
-    return merged(*parts)
+    bodies = cache(partial(elastic.solved, setting))
+    measured = cache(partial(measuring.all_measured, candidate, setting))
+    return answers(
+        {
+            "budget": lambda: budget.run(measured(), bodies()),
+            "shapes": lambda: shapes.run(measured(), bodies()),
+            "target": lambda: target.run(candidate, setting),
+            "identities": lambda: identities.run(candidate, setting),
+            "controls": lambda: controls.run(bodies()),
+        },
+        questions,
+    )

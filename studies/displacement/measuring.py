@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 from msvalidate.body import lattice_network
 from msvalidate.candidate import Answer, Candidate
@@ -45,6 +46,13 @@ def blocks(setting: Setting) -> list[Block]:
 def sizes(setting: Setting, lattice: str) -> tuple[int, ...]:
     """Finenesses of a lattice's bodies, coarsest first."""
     return (QUICK_SIZES if setting.quick else SIZES)[lattice]
+
+
+def all_measured(candidate: Candidate, setting: Setting) -> dict[Block, Measured]:
+    """Every block of the study, measured."""
+    todo = blocks(setting)
+    found = setting.sweep(partial(measure, candidate), todo, "spring networks")
+    return dict(zip(todo, found, strict=True))
 
 
 def measure(candidate: Candidate, block: Block) -> Measured:

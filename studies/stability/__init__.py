@@ -21,10 +21,10 @@ them, `bounded` searches for a limit.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
-from msvalidate.evidence import Evidence, merged
+from msvalidate.evidence import Evidence, answers
 from msvalidate.integrators import INTEGRATORS
-from msvalidate.problem import ProblemError
 from msvalidate.sweep import Setting
 from studies.stability import (
     controls,
@@ -52,7 +52,6 @@ ASKED = {
     "cost": cost.run,
 }
 """Question -> who answers it for a candidate."""
-QUESTIONS = (*ASKED, "controls")
 VERLET = INTEGRATORS["velocity_verlet"]
 LAGGED = replace(VERLET, step=INTEGRATORS["verlet_lagged"].step)
 FAULTS = {
@@ -89,13 +88,9 @@ notices is enough, so the rest is left out."""
 def run(
     candidate: Schemes = INTEGRATORS,
     setting: Setting | None = None,
-    questions: tuple[str, ...] = QUESTIONS,
+    questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one table of schemes."""
     setting = setting or Setting()
-    if not questions or not set(questions) <= set(QUESTIONS):
-        raise ProblemError(f"questions: {questions!r}; choose from {', '.join(QUESTIONS)}")
-    parts = [ask(candidate, setting) for name, ask in ASKED.items() if name in questions]
-    if "controls" in questions:
-        parts.append(controls.run(setting))
-    return merged(*parts)
+    asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
+    return answers(asked | {"controls": partial(controls.run, setting)}, questions)

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from msvalidate.compare import fitted_power, observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance, held, judge, merged
+from msvalidate.evidence import Evidence, Observed, Tolerance, answers, held, judge, merged
 from msvalidate.problem import ProblemError, SolverError
 
 LIMIT = Tolerance("gap", 0.1, "m", "because")
@@ -137,3 +137,18 @@ def test_the_interval_of_a_power_holds_it_as_often_as_it_says():
 def test_no_power_to_fit(sizes, values):
     with pytest.raises(ProblemError, match="sizes"):
         fitted_power(sizes, values)
+
+
+def test_answers_are_those_of_the_questions_asked():
+    one, two = (
+        Evidence(
+            {name: TABLE}, {name: Observed(0.0)}, (Tolerance(name, 1.0, "m", "why"),), {}, COLUMNS
+        )
+        for name in ("one", "two")
+    )
+    study = {"one": lambda: one, "two": lambda: two}
+    assert list(answers(study).tables) == ["one", "two"]
+    assert list(answers(study, ("two",)).tables) == ["two"]
+    for none in ((), ("three",), "one"):
+        with pytest.raises(ProblemError, match=r"questions: .*; choose from one, two"):
+            answers(study, none)
