@@ -8,10 +8,11 @@ import numpy as np
 
 from msvalidate.body import lattice_network
 from msvalidate.equilibrium import equilibrium
-from msvalidate.lattice import square
+from msvalidate.lattice import Lattice, square
 from msvalidate.network import Network
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
 from msvalidate.spectrum import extreme_frequencies
+from msvalidate.stiffness import default_constants, square_tensor
 
 SIZES = {"plate": (1.0, 1.0), "beam": (5.0, 1.0)}
 """m."""
@@ -39,6 +40,16 @@ def problem(body: str) -> Problem:
     )
 
 
+def tensor() -> Array:
+    """Plane stiffness (3, 3) in N/m of the bodies and of their networks."""
+    return square_tensor(*default_constants(problem("plate").material, lattice("plate", 1)))
+
+
+def lattice(body: str, fineness: int) -> Lattice:
+    """Square lattice with eight neighbours."""
+    return square(box(body), cells(body, fineness))
+
+
 def cells(body: str, fineness: int) -> tuple[int, int]:
     """Square cells along x and y, of which `fineness` across the body."""
     width, height = SIZES[body]
@@ -46,8 +57,8 @@ def cells(body: str, fineness: int) -> tuple[int, int]:
 
 
 def network(body: str, fineness: int) -> Network:
-    """Square lattice with eight neighbours and shared weights."""
-    return lattice_network(problem(body), square(box(body), cells(body, fineness)))
+    """The lattice's network, with shared weights."""
+    return lattice_network(problem(body), lattice(body, fineness))
 
 
 @cache
