@@ -76,6 +76,8 @@ def fitted_power(sizes: ArrayLike, values: ArrayLike) -> Power:
     if (x <= 0).any() or (y <= 0).any() or len(set(x)) < len(x):
         raise ProblemError("sizes and values: give each size once, and all above zero")
     u, w = np.log(x) - np.log(x).mean(), np.log(y) - np.log(y).mean()
+    if np.ptp(u) < 1e-9:
+        raise ProblemError(f"sizes: from {x.min():g} to {x.max():g}; too close to fit a power")
     slope = float(u @ w / (u @ u))
     error = float(np.sqrt(((w - slope * u) ** 2).sum() / (len(x) - 2) / (u @ u)))
     reach = float(stdtrit(len(x) - 2, 0.5 + CONFIDENCE / 2)) * error

@@ -218,6 +218,13 @@ def tangent_move(
     return move.reshape(load.shape), factor.negative == 0
 
 
+def refuse_mechanism(network: Network) -> None:
+    """Raise `SolverError` if some motion from the reference points meets no stiffness."""
+    free = np.flatnonzero(~network.held.ravel())
+    if len(free):
+        _regular(network, network.points, tangent(network, network.points)[free][:, free])
+
+
 def _regular(network: Network, x: Array, K: csr_array) -> Factor:
     """Factor of the free part of the tangent at `x`, refused if some motion meets no stiffness.
 

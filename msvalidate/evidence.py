@@ -17,8 +17,9 @@ Tables = Mapping[str, pd.DataFrame]
 Layer = Literal["theory", "agreement", "baseline"]
 """What a judgement holds a value to: formulas, orders, identities and the reference's own accuracy;
 a band between springs and elasticity; or the value as it was."""
-UNGATED = ("_seconds", "_per_second", "_bytes")
-"""Endings of columns that depend on the machine: in the tables, and never judged."""
+UNGATED = ("_seconds", "_per_second", "_bytes", "_here")
+"""Endings of columns that depend on the machine, or on its rounding: in the tables, and not held to
+the baseline."""
 
 
 @dataclass(frozen=True)

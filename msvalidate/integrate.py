@@ -27,9 +27,10 @@ from msvalidate.problem import (
     instance,
     number,
     positive,
+    shown,
     whole,
 )
-from msvalidate.spectrum import extreme_frequencies
+from msvalidate.spectrum import extreme_frequencies, highest_frequency
 
 SPECTRUM_ERROR = 1e-4
 """Of the squared frequencies from which limits are told: their last digits cost the most."""
@@ -82,6 +83,9 @@ def motion(
     SolverError
         If the motion grows beyond all numbers.
     """
+    instance("integrator", integrator, Integrator)
+    if not (watch is None or callable(watch)):
+        raise ProblemError(f"watch: {shown(watch)}; give a function of step and state, or None")
     rate = _checked(network, state, dt, steps, damping)[:, None]
     if warn:
         _warn_beyond_limit(network, integrator, dt, rate.ravel())
@@ -132,6 +136,7 @@ def recommended_time_step(
     """
     if not 0 < number("safety", safety) <= 1:
         raise ProblemError(f"safety: {safety:g}; give a part of the limit, above 0 and at most 1")
+    instance("integrator", integrator, Integrator)
     rate = damping_rate(network, damping)
     if np.ptp(rate) > 0 and integrator.limit(0.0) == 0:
         raise ProblemError(
@@ -139,7 +144,7 @@ def recommended_time_step(
             "damping, so give one rate for all points"
         )
     lowest, highest = extreme_frequencies(network)
-    limit = stability_limit(integrator, lowest, highest, float(rate.max()))
+    limit = stability_limit(integrator, lowest, highest, rate)
     if limit == 0:
         raise ProblemError(
             f"{integrator.name}: unstable at any step with damping {rate.max():g} 1/s; take another"
@@ -201,8 +206,11 @@ def _checked(network: Network, state: State, dt: float, steps: int, damping: Arr
     instance("state", state, State)
     positive("time step dt", dt, "s")
     whole("steps", steps, 0)
-    for name, value in (("position", state.position), ("velocity", state.velocity)):
-        if (shape := coordinates(name, value).shape) != network.points.shape:
+    for name, value, checked in (
+        ("position", state.position, coordinates),
+        ("velocity", state.velocity, finite),
+    ):
+        if (shape := checked(name, value).shape) != network.points.shape:
             raise ProblemError(f"{name}: shape {shape}; give {network.points.shape}")
     return damping_rate(network, damping)
 
@@ -210,25 +218,26 @@ def _checked(network: Network, state: State, dt: float, steps: int, damping: Arr
 def _warn_beyond_limit(network: Network, scheme: Integrator, dt: float, rate: Array) -> None:
     """Warn of a step beyond the limit; where Gershgorin's bound allows it, at no cost.
 
-    Says nothing of a network that is unstable or a mechanism: its frequencies set no limit.
+    Nothing is said of a mechanism under a scheme whose limit depends on the lowest frequency.
     """
-    damping, bound = float(rate.max()), network.frequency_bound
+    bound = network.frequency_bound
     if not (bound > 0 and math.isfinite(bound)):
         return
-    # Of a scheme that lives without damping, the highest frequency alone decides; of the others
-    # slow modes too, whose own limit is 2/c.
-    slow = math.inf if scheme.limit(0.0) else 2 / damping if damping else 0.0
-    if dt <= min(scheme.limit(damping / (2 * bound)) / bound, slow):
-        return
+    alone = scheme.limit(0.0) > 0  # the highest frequency alone decides
     try:
-        lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
-        limit = stability_limit(scheme, lowest or 1e-9 * highest, highest, damping)
+        if alone and dt <= stability_limit(scheme, bound, bound, rate):
+            return
+        if alone:
+            highest = lowest = highest_frequency(network, tolerance=SPECTRUM_ERROR)
+        else:
+            lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
+        limit = stability_limit(scheme, lowest, highest, rate)
     except (ProblemError, SolverError):
         return
     if dt > limit:
         warnings.warn(
             f"{scheme.name}: steps of {dt:.4g} s are beyond the stability limit, {limit:.4g} s at "
-            f"damping {damping:.4g} 1/s; the motion will grow",
+            f"damping {rate.max():.4g} 1/s; the motion will grow",
             StabilityWarning,
             stacklevel=3,
         )

@@ -15,9 +15,21 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from msvalidate.problem import Array, ProblemError, SolverError, number, positive
+from msvalidate.problem import (
+    Array,
+    ProblemError,
+    SolverError,
+    finite,
+    instance,
+    number,
+    positive,
+    shown,
+)
 
+RATIOS = 400
+"""Damping ratios at which the limit is asked for between two: its minimum is flat."""
 Acceleration = Callable[[Array], Array]
 """Acceleration (n, d) in m/s² of springs and loads at positions (n, d) in m."""
 
@@ -231,6 +243,7 @@ def factors_of(scheme: Integrator) -> Factors:
     ProblemError
         If it does not move with one new velocity.
     """
+    instance("scheme", scheme, Integrator)
     if scheme.factors is None:
         able = ", ".join(name for name, one in INTEGRATORS.items() if one.factors)
         raise ProblemError(f"{scheme.name}: more than one velocity a step; choose from: {able}")
@@ -238,12 +251,14 @@ def factors_of(scheme: Integrator) -> Factors:
 
 
 def stability_limit(
-    integrator: Integrator, omega_min: float, omega_max: float, damping: float = 0.0
+    integrator: Integrator, omega_min: float, omega_max: float, damping: ArrayLike = 0.0
 ) -> float:
     """Largest stable time step (s) for all frequencies (rad/s) from one to another; 0 if none is.
 
     The limit of a mode at a given damping (1/s) rises with its frequency, if at all, before it
     falls, so that the two ends bound the rest: explicit Euler needs both, the others the higher.
+    Of rates that differ from point to point, a mode feels some mean: the limit is the least over
+    all rates between the smallest and the largest. (Velocity Verlet's is lowest between.)
 
     Raises
     ------
@@ -252,28 +267,47 @@ def stability_limit(
     SolverError
         If the limit is beyond the largest number or below the smallest.
     """
+    instance("integrator", integrator, Integrator)
     low = positive("lowest frequency", omega_min, "rad/s")
     high = positive("highest frequency", omega_max, "rad/s")
     if low > high:
         raise ProblemError(f"frequencies: from {low:g} to {high:g} rad/s; give the lowest first")
-    c = number("damping", damping)
-    if c < 0:
-        raise ProblemError(f"damping: {damping} 1/s; a negative rate feeds the motion")
-    ends = [integrator.limit(c / (2 * omega)) for omega in (low, high)]
-    limit = min(y / omega for y, omega in zip(ends, (low, high), strict=True))
-    if not limit < math.inf or (limit == 0 and min(ends) > 0):
+    rates = finite("damping", damping).ravel()
+    if not rates.size or rates.min() < 0:
+        raise ProblemError(f"damping: {shown(damping)} 1/s; a negative rate feeds the motion")
+    limit = min(_limit(integrator, omega, rates) for omega in (low, high))
+    if not limit < math.inf:
         raise SolverError(
-            f"stability limit: {limit:g} s from {low:g} to {high:g} rad/s with damping {c:g} 1/s; "
-            "choose a unit of time that gives ordinary numbers"
+            f"stability limit: {limit:g} s from {low:g} to {high:g} rad/s with damping "
+            f"{rates.max():g} 1/s; choose a unit of time that gives ordinary numbers"
         )
     return limit
+
+
+def _limit(integrator: Integrator, omega: float, rates: Array) -> float:
+    """Least limit (s) of a mode over the rates between the smallest and the largest."""
+    least, most = rates.min() / 2 / omega, rates.max() / 2 / omega
+    ratios = [least, most]
+    if most > least:  # beyond a ratio of 2 every limit falls
+        ratios += list(np.linspace(least, min(most, 2.0), RATIOS)) if least < 2 else []
+    limits = [integrator.limit(float(zeta)) for zeta in ratios]
+    at = min(limits) / omega if math.isfinite(most) else math.inf
+    return math.inf if at == 0 and min(limits) > 0 else at
 
 
 def one_step_matrix(integrator: Integrator, omega: float, h: float, damping: float = 0.0) -> Array:
     """Matrix (2, 2) by which a step takes (x, v) of the mode x'' = -ω²x - c·x' to the next.
 
     Made by two steps of the scheme itself, which is linear in the state.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is not a finite number.
     """
+    omega, h, damping = (
+        number(name, value) for name, value in (("omega", omega), ("h", h), ("damping", damping))
+    )
 
     def acceleration(x: Array) -> Array:
         return np.asarray(-(omega**2) * x)
@@ -290,5 +324,5 @@ def one_step_matrix(integrator: Integrator, omega: float, h: float, damping: flo
 
 def growth(integrator: Integrator, omega: float, h: float, damping: float = 0.0) -> float:
     """Largest factor by which a mode can grow in a step: its one-step matrix's spectral radius."""
-    matrix = one_step_matrix(integrator, omega, h, damping)
+    matrix = finite("one-step matrix", one_step_matrix(integrator, omega, h, damping))
     return float(np.abs(np.linalg.eigvals(matrix)).max())

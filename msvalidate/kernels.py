@@ -147,7 +147,8 @@ def advance(
     first such step, counted from `kinetic`.
     """
     axes = tuple(range(network.dim))
-    kick = np.where(network.held, 0.0, (push / network.mass)[:, None])
+    with np.errstate(over="ignore"):  # the motion that it gives is refused
+        kick = np.where(network.held, 0.0, (push / network.mass)[:, None])
     velocity[network.held] = 0.0
     done, energy, fell = _advance(
         axes,

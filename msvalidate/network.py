@@ -131,7 +131,8 @@ class Network:
         free = np.flatnonzero(~self.held.ravel())
         K = tangent(self, self.points)[free][:, free]
         mass = np.repeat(self.mass, self.dim)[free]
-        return float(np.sqrt((abs(K).sum(axis=1) / mass).max(initial=0.0)))
+        with np.errstate(over="ignore"):  # infinite is a bound too
+            return float(np.sqrt((abs(K).sum(axis=1) / mass).max(initial=0.0)))
 
     def scaled(self, factor: Array | float) -> Network:
         """The same network with every spring's stiffness times `factor`, a number or (m,).

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from msvalidate import kernels
-from msvalidate.equilibrium import Equilibrium, at_rest, is_stable
+from msvalidate.equilibrium import Equilibrium, at_rest, is_stable, refuse_mechanism
 from msvalidate.integrate import SPECTRUM_ERROR, StabilityWarning, damping_rate
 from msvalidate.integrators import EULER_CROMER, Integrator, factors_of, stability_limit
 from msvalidate.network import Network, force_roundoff, force_scale
@@ -30,9 +30,11 @@ from msvalidate.problem import (
     Array,
     ProblemError,
     SolverError,
+    finite,
     instance,
     positive,
     refuse_free_motions,
+    shown,
     whole,
 )
 from msvalidate.spectrum import extreme_frequencies
@@ -50,6 +52,8 @@ LOOSEST = 0.01
 """Largest tolerance: above it a start under full load would soon count as rest."""
 DIVERGED = 1e3
 """Displacement, in sizes of the body, that no equilibrium of interest has."""
+SLOWEST = 1e-7
+"""Of the highest frequency: below it a lowest one may be the rounding of none at all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,12 +66,14 @@ class Relaxation:
         Where it rests; its iterations are the steps taken.
     dt, damping, stability_limit
         Largest time step (s), largest damping rate (1/s), and the largest stable step (s) at rest;
-        0, 0 and infinite where a method has none.
+        0, 0 and infinite where a method has none, or changes it as it goes.
     history
-        (looks, 3): step, residual force (N), kinetic energy (J).
+        (looks, 3): step, residual force (N), kinetic energy (J), which by a staggered velocity is
+        that of half a step before.
     evaluations
-        Times that the method computed the forces of all springs or a product with their tangent;
-        those of the looks are not counted.
+        Times that the method computed the forces of all springs, or their curvature along a
+        direction; a cycle of multigrid, though several products, counts as one, and a factor as
+        none. Those of the looks are not counted.
     seconds
         Wall-clock time of the steps and looks, without what prepares them and what judges the end.
     """
@@ -90,8 +96,9 @@ class Run:
     """What a method moves: displacement, velocity, and the counts of its work.
 
     A method changes `displacement` and `velocity` (n, d) in place, tells `moved` of it, and asks
-    `balance` for forces. Before its first step it may set `dt`, `rate` and `limit`, `inertia`, and
-    `needed`, which predicts its steps to rest.
+    `balance` for forces. Before its first `yield` it may set `dt`, `rate` and `limit`, in seconds,
+    that messages name; `inertia` (n, 1) or (n, d), if its masses are not the network's; and
+    `most_steps`, after how many it has failed, if frequencies do not say so.
     """
 
     def __init__(
@@ -108,7 +115,7 @@ class Run:
         self.inertia = network.mass[:, None]
         self.dt, self.rate, self.limit = 0.0, np.zeros(1), math.inf
         self.steps, self.evaluations, self.until = 0, 0, 0
-        self.needed = self._critically_damped
+        self.most_steps = self._critically_damped
         self.stored = 0.0
         self._force = np.empty_like(self.displacement)
         self._known = False
@@ -117,23 +124,36 @@ class Run:
         self._softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
         met = np.bincount(network.springs.ravel(), np.repeat(network.stiffness, 2))
         self._stiffest, self._loaded = float(met.max()), float(np.abs(network.force).max())
+        self._floor = self._at_lengths
         self._reach = DIVERGED * float(np.ptp(network.points, axis=0).max())
 
     @cached_property
     def frequencies(self) -> tuple[float, float]:
         """Lowest and highest natural frequency (rad/s) at the reference points."""
-        lowest, highest = self._given or extreme_frequencies(self.network, tolerance=SPECTRUM_ERROR)
-        if lowest <= 1e-7 * highest:
-            raise SolverError(
-                f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism and "
-                "never comes to rest; add springs or supports"
-            )
+        if self._given is not None:
+            return self._given
+        lowest, highest = extreme_frequencies(self.network, tolerance=SPECTRUM_ERROR)
+        if lowest <= SLOWEST * highest:  # a mechanism, or masses far apart
+            try:
+                refuse_mechanism(self.network)
+            except SolverError as error:
+                raise SolverError(
+                    f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism "
+                    "and never comes to rest; add springs or supports"
+                ) from error
         return lowest, highest
 
     def _critically_damped(self) -> int:
         """Steps in which critical damping brings the slowest mode to rest: ½√κ·ln(1/tolerance)."""
         lowest, highest = self.frequencies
-        return math.ceil(-0.5 * highest / lowest * math.log(min(self.tolerance, 0.5)))
+        needed = -0.5 * highest / max(lowest, 1e-300) * math.log(min(self.tolerance, 0.5))
+        if PATIENCE * needed > MOST_STEPS:
+            raise SolverError(
+                f"{self.title}: natural frequencies from {lowest:.3g} to {highest:.3g} rad/s: the "
+                f"slowest mode takes more than {MOST_STEPS / PATIENCE:.2g} steps; bring masses or "
+                "stiffnesses closer together, take Newton's method, or set max_steps"
+            )
+        return patiently(needed)
 
     @property
     def position(self) -> Array:
@@ -145,8 +165,8 @@ class Run:
         """Steps that a method may take before the next look."""
         return self.until - self.steps
 
-    def moved(self, steps: int, evaluations: int) -> None:
-        """Count steps that changed the displacement, and the evaluations that they need."""
+    def moved(self, steps: int = 0, evaluations: int = 0) -> None:
+        """Say that the displacement has changed; count its steps and the evaluations they need."""
         self.steps += steps
         self.evaluations += evaluations
         self._known = False
@@ -172,7 +192,7 @@ class Run:
 
     def resting(self, look: tuple[int, float, float]) -> bool:
         """Whether residual and kinetic energy are both below what the tolerance asks for."""
-        rounding = float(self._floor.max())
+        rounding = self.rounding
         still = max(self.tolerance**2 * self.stored, rounding / self._softest * rounding)
         if look[2] > still:  # the usual case, and the cheaper question
             return False
@@ -208,6 +228,8 @@ class Run:
                 "take a smaller dt or leave it out"
                 if self.dt > self.limit
                 else "raise max_steps, leave damping to its default, or loosen tolerance"
+                if self.rate.any()
+                else "raise max_steps or loosen tolerance"
             )
         )
 
@@ -219,6 +241,11 @@ class Run:
         elif not self.dt:
             remedy = "the network collapses under this load: reduce it"
         return f"{self.title} diverged by step {self.steps}: {self.time_step}{remedy}"
+
+    @property
+    def rounding(self) -> float:
+        """Largest force (N) on a point that is rounding, as of the last look."""
+        return float(self._floor.max())
 
     @property
     def time_step(self) -> str:
@@ -236,7 +263,7 @@ class Run:
         if not largest:
             return
         scale = force_scale(self.network, self.position)
-        target = max(self.tolerance * scale, float(self._floor.max()))
+        target = max(self.tolerance * scale, self.rounding)
         way = math.log(largest / max(looks[-1][1], target)) / math.log(max(largest / target, 2))
         bar.n = max(bar.n, min(way, 1.0))
         bar.set_postfix(step=looks[-1][0], residual=f"{looks[-1][1]:.2g} N", refresh=False)
@@ -283,7 +310,8 @@ def relax(
 ) -> Relaxation:
     """Bring a network to rest by any method.
 
-    It starts at rest, with the prescribed displacements imposed at once.
+    It starts at rest, with the prescribed displacements imposed at once; Newton's method imposes
+    them with its first steps.
 
     Parameters
     ----------
@@ -320,11 +348,9 @@ def relax(
         whole("max_steps", max_steps, 1)
     stride = whole("look_every", method.look_every if look_every is None else look_every, 1)
     refuse_free_motions("network", network.points, network.held)
-    if frequencies is not None:
-        low, high = (positive("natural frequency", omega, "rad/s") for omega in frequencies)
-        if low > high:
-            raise ProblemError(f"natural frequencies: {low:g} and {high:g} rad/s; lowest first")
-    run = Run(network, method.title, tolerance, frequencies)
+    if not (watch is None or callable(watch)):
+        raise ProblemError(f"watch: {shown(watch)}; give a function of the run, or None")
+    run = Run(network, method.title, tolerance, _known(frequencies))
     if network.held.all():
         return run.result([], 0.0)
     with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
@@ -337,6 +363,24 @@ def relax(
     return found
 
 
+def _known(frequencies: tuple[float, float] | None) -> tuple[float, float] | None:
+    """Frequencies that a caller gives, checked."""
+    if frequencies is None:
+        return None
+    given = finite("natural frequencies", frequencies)
+    if given.shape != (2,) or not 0 < given[0] <= given[1]:
+        raise ProblemError(
+            f"natural frequencies: {shown(frequencies)}; give the lowest and the highest in rad/s, "
+            "above zero"
+        )
+    return float(given[0]), float(given[1])
+
+
+def patiently(needed: float) -> int:
+    """Steps after which a run that should need so many has failed."""
+    return PATIENCE * max(LOOK_EVERY, math.ceil(needed))
+
+
 def _walked(
     run: Run, method: Method, steps: tuple[int | None, int], watch: Watch | None
 ) -> tuple[Relaxation, bool]:
@@ -344,7 +388,7 @@ def _walked(
     given, look_every = steps
     walk = method.walk(run)
     next(walk)  # prepares
-    allowed = given or PATIENCE * max(LOOK_EVERY, run.needed())
+    allowed = given or run.most_steps()
     started = time.perf_counter()
     looks = [run.look()]
     with tqdm(
@@ -433,7 +477,7 @@ def viscous(
         name,
         title or f"viscous {scheme.name}",
         "the report's section 4 (Euler-Cromer); Papadrakakis (1981), Comput. Methods Appl. Mech. "
-        "Eng. 25, 217 (leapfrog with centred damping)",
+        "Eng. 25, 35 (leapfrog with centred damping)",
         partial(_viscous, scheme, dt, damping),
     )
 
@@ -445,13 +489,13 @@ def _viscous(
         damping_rate(run.network, damping)  # refused before frequencies are solved for
     lowest, highest = run.frequencies
     run.rate = damping_rate(run.network, 2 * lowest if damping is None else damping)
-    run.limit = stability_limit(scheme, lowest, highest, float(run.rate.max()))
+    run.limit = stability_limit(scheme, lowest, highest, run.rate)
     run.dt = SAFETY * run.limit if dt is None else dt
     if run.dt > run.limit:
         warnings.warn(
             f"{run.title}: {run.time_step}the motion will grow", StabilityWarning, stacklevel=2
         )
-    run.needed = partial(_predicted_steps, lowest, run.rate, run.dt, run.tolerance)
+    run.most_steps = partial(_predicted_steps, lowest, run.rate, run.dt, run.tolerance)
     if scheme.staggered:  # the velocity of half a step before the start at rest
         run.velocity[:] = -0.5 * run.dt * run.balance() / run.network.mass[:, None]
     keep, push = factors_of(scheme)(run.dt, run.rate)
@@ -464,13 +508,14 @@ def _viscous(
 
 
 def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) -> int:
-    """Steps in which the slowest mode decays to `tolerance`."""
+    """`PATIENCE` times the steps in which the slowest mode decays to `tolerance`."""
     slow = float(rate.min()) / 2
     strong = float(rate.max()) / 2
     # The slower root of an overdamped mode, strong - √(strong² - lowest²), without cancellation.
     decay = slow
     if strong > lowest:
-        decay = min(slow, lowest**2 / (strong + math.sqrt(strong**2 - lowest**2)))
+        part = lowest / strong
+        decay = min(slow, lowest * part / (1 + math.sqrt(1 - part * part)))
     if decay <= 0:
         raise ProblemError(
             f"damping: {2 * slow:g} 1/s with no max_steps: the motion never ends, or none can say "
@@ -483,7 +528,7 @@ def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) ->
             f"{MOST_STEPS / PATIENCE:.2g} steps of {dt:.4g} s to die out; leave damping and dt to "
             "their defaults, or set max_steps"
         )
-    return math.ceil(needed / (decay * dt))
+    return patiently(needed / (decay * dt))
 
 
 ALGORITHM1 = viscous(EULER_CROMER, name="algorithm1", title="Algorithm 1")

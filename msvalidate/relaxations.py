@@ -15,11 +15,11 @@ import numpy as np
 from scipy.sparse import bsr_matrix, csr_array, diags_array
 
 from msvalidate import kernels
-from msvalidate.equilibrium import LARGEST_TURN, largest_turn, tangent_move
+from msvalidate.equilibrium import LARGEST_TURN, largest_turn, refuse_mechanism, tangent_move
 from msvalidate.integrators import LEAPFROG
 from msvalidate.network import tangent
 from msvalidate.problem import Array, SolverError, rigid_motions
-from msvalidate.relax import ALGORITHM1, SAFETY, Method, Run, viscous
+from msvalidate.relax import ALGORITHM1, SAFETY, Method, Run, patiently, viscous
 
 # FIRE's numbers are the paper's.
 FIRE_DELAY = 5
@@ -33,11 +33,17 @@ FIRE_FIRST = 0.1
 FIRE_LARGEST = 1.0
 """Largest time step times the highest frequency, which the paper leaves to its user. Near 2, the
 limit of stability, stiff modes hardly decay, and their uphill moves stop the slow ones."""
+STEPS_A_POINT = 50
+"""Adaptive relaxation's own estimate of its steps, over the points: √κ is at most of their number,
+but for beams of one row of cells."""
 STRONGEST = 1.9
 """Adaptive damping in pseudo-time, whose critical value for the stiffest mode is 2."""
 SLOPE_LEFT = 0.5
-"""Part of the slope that a line search may leave: the second Wolfe condition."""
-HALVINGS = 40
+"""Part of the slope that a line search may leave: the second Wolfe condition. The first, a fall of
+the energy, is not asked for: near rest it is lost in rounding."""
+TRIALS = 40
+ROUNDED = 100
+"""Multiple of the rounding of forces at which a search that finds no better place has arrived."""
 MULTIGRID_ERROR = 1e-6
 """Relative residual of a linear solve: Newton then gains six digits a step."""
 MULTIGRID_CYCLES = 300
@@ -49,8 +55,8 @@ _LESS = "reduce the load, or use equilibrium, which raises it in increments"
 def _kinetic_damping(run: Run) -> Iterator[None]:
     """Undamped leapfrog; where the kinetic energy has passed a peak, all velocities are zeroed.
 
-    The restart is midway between the positions before and after the largest velocity, as by
-    Topping and Khan. From a position of the steps themselves a mode of h·ω = √2, which two steps
+    The restart is midway between the positions before and after the largest velocity, as in
+    Barnes. From a position of the steps themselves a mode of h·ω = √2, which two steps
     take from one turning point to the other, would never decay.
     """
     _, highest = run.frequencies
@@ -81,7 +87,7 @@ def _kinetic_damping(run: Run) -> Iterator[None]:
             run.moved(0, 1)
             largest = run.velocity - h * run.balance() / mass
             run.displacement -= 0.5 * h * largest
-            run.moved(0, 0)
+            run.moved()
             run.velocity[:], kinetic = 0.0, 0.0
 
 
@@ -115,9 +121,11 @@ def _adaptive(run: Run) -> Iterator[None]:
     """Pseudo-time of step 1, masses by Gershgorin's circles, damping by Rayleigh's quotient.
 
     The local stiffness of a component is the change of its force over its last move; the quotient
-    of the displacement with it estimates the frequency of the motion that is left.
+    of the displacement with it estimates the frequency of the motion that is left. No frequencies
+    are solved for: it is given up after the steps of a slender chain of as many points.
     """
     network = run.network
+    run.most_steps = partial(patiently, STEPS_A_POINT * len(network.points))
     rows = abs(tangent(network, network.points)).sum(axis=1).reshape(network.points.shape)
     run.inertia = np.where(rows > 0, rows, 1.0) / (2 * SAFETY) ** 2  # ω² ≤ Σ|K|/m = 4·SAFETY²
     run.dt, run.limit = 1.0, 1 / SAFETY
@@ -147,45 +155,57 @@ def _critical(run: Run, change: Array) -> float:
 
 
 def _conjugate_gradients(run: Run) -> Iterator[None]:
-    """Directions by Polak and Ribière, step lengths by the springs' own curvature along them."""
-    mass = run.network.mass[:, None]
+    """Directions by Polak and Ribière, step lengths by the springs' own curvature along them.
+
+    Scaled by the tangent's diagonal at the reference points: rest does not depend on masses.
+    """
+    network = run.network
+    run.most_steps = partial(patiently, network.points.size)  # in exact arithmetic, so many
+    stiffness = np.abs(tangent(network, network.points).diagonal()).reshape(network.points.shape)
+    stiffness[stiffness == 0] = 1.0
     way, before = np.zeros_like(run.displacement), 0.0
     old = np.zeros_like(way)
     while True:
         yield
         force = run.balance().copy()
-        steepest = force / mass
-        squared = float((force * steepest).sum())
-        turned = float(((force - old) * steepest).sum())
+        steepest = force / stiffness
+        turned = float(np.vdot(force - old, steepest))
         way = steepest + (max(0.0, turned / before) if before else 0.0) * way
-        if (force * way).sum() <= 0:
+        if np.vdot(force, way) <= 0 or not _searched(run, way):
             way = steepest
-        old, before = force, squared
-        _line_search(run, way, float((force * way).sum()))
+            if not _searched(run, way) and np.abs(force).max() > ROUNDED * run.rounding:
+                raise SolverError(
+                    f"{run.title}: no step along the force lowers its slope at iteration "
+                    f"{run.steps + 1}; the network collapses under this load: reduce it"
+                )
+        old, before = force, float(np.vdot(force, steepest))
+        run.moved(1)
 
 
-def _line_search(run: Run, way: Array, slope: float) -> None:
-    """Move along `way` to where no more than half of the slope is left."""
-    if slope == 0:  # in balance to the last digit
-        run.moved(1, 1)
-        return
+def _searched(run: Run, way: Array) -> bool:
+    """Move along `way` to where no more than half of the slope is left; else stay, and say so.
+
+    No point moves by more than half of the shortest spring.
+    """
+    slope = float(np.vdot(run.balance(), way))
+    if slope == 0:
+        return False
     bend = kernels.curvature(run.network, run.displacement, way)
-    run.moved(0, 1)
+    run.moved(evaluations=1)
     farthest = 0.5 * float(run.network.rest_length.min()) / float(np.abs(way).max())
     length = min(slope / bend, farthest) if bend > 0 else farthest
-    start = run.displacement.copy()
-    for _ in range(HALVINGS):
+    start, near, far = run.displacement.copy(), 0.0, math.inf
+    for _ in range(TRIALS):
         run.displacement[:] = start + length * way
-        run.moved(0, 1)
-        left = float((run.balance() * way).sum())
+        run.moved(evaluations=1)
+        left = float(np.vdot(run.balance(), way))
         if abs(left) <= SLOPE_LEFT * slope or (left > 0 and length == farthest):
-            run.steps += 1
-            return
-        length /= 2
-    raise SolverError(
-        f"{run.title}: no step along the direction of iteration {run.steps + 1} lowers the slope; "
-        "the network collapses under this load: reduce it"
-    )
+            return True
+        near, far = (length, far) if left > 0 else (near, length)
+        length = 0.5 * (near + far) if math.isfinite(far) else min(2 * length, farthest)
+    run.displacement[:] = start
+    run.moved()
+    return False
 
 
 Move = Callable[[Run, csr_array, Array, Array], Array]
@@ -194,10 +214,10 @@ Move = Callable[[Run, csr_array, Array, Array], Array]
 
 def _newton(move: Move, run: Run) -> Iterator[None]:
     """Newton's method at full load, shortened where a step would stretch or turn a spring far."""
-    run.needed = lambda: NEWTON_STEPS
+    run.most_steps = lambda: NEWTON_STEPS
     network = run.network
     run.displacement[:] = 0.0  # what is held goes along with the first steps
-    run.moved(0, 0)
+    run.moved()
     while True:
         yield
         x = run.position
@@ -248,6 +268,8 @@ def _multigrid(run: Run, K: csr_array, load: Array, ahead: Array) -> Array:
     run.moved(0, cycles)
     if info < 0:
         raise SolverError(f"{run.title}: the tangent is not positive; {_LESS}")
+    if not math.isfinite(residuals[-1]):
+        refuse_mechanism(run.network)
     if not residuals[-1] <= MULTIGRID_ERROR * residuals[0]:
         left = residuals[-1] / residuals[0]
         raise SolverError(
@@ -262,22 +284,21 @@ RELAXATIONS = {
     "kinetic_damping": Method(
         "kinetic_damping",
         "kinetic damping",
-        "Cundall (1976), Explicit finite-difference methods in geomechanics; Topping and Khan "
-        "(1994), Eng. Struct. 16, 425",
+        "Cundall (1976), Explicit finite-difference methods in geomechanics; Barnes (1999), Int. "
+        "J. Space Struct. 14, 89",
         _kinetic_damping,
     ),
     "fire": Method(
         "fire",
         "FIRE",
-        "Bitzek et al. (2006), Phys. Rev. Lett. 97, 170201; steps as in Guénolé et al. (2020), "
-        "Comput. Mater. Sci. 175, 109584",
+        "Bitzek et al. (2006), Phys. Rev. Lett. 97, 170201, with semi-implicit Euler steps",
         _fire,
     ),
     "adaptive": Method(
         "adaptive",
         "adaptive dynamic relaxation",
         "Underwood (1983), Dynamic relaxation, in: Computational Methods for Transient Analysis; "
-        "Papadrakakis (1981), Comput. Methods Appl. Mech. Eng. 25, 217",
+        "Papadrakakis (1981), Comput. Methods Appl. Mech. Eng. 25, 35",
         _adaptive,
     ),
     "conjugate_gradients": Method(
@@ -286,6 +307,7 @@ RELAXATIONS = {
         "Polak and Ribière (1969), Rev. Fr. Inform. Rech. Opér. 3, 35, restarted as in Nocedal and "
         "Wright (2006), Numerical Optimization, section 5.2",
         _conjugate_gradients,
+        look_every=1,
     ),
     "newton": Method(
         "newton",

@@ -92,6 +92,17 @@ def extreme_frequencies(
     return float(lowest[0]), highest
 
 
+def highest_frequency(network: Network, *, tolerance: float = 0.0) -> float:
+    """Highest natural frequency (rad/s) at the reference points; see `natural_frequencies`.
+
+    It needs no factor and no stability, and sets the limit of most time steps by itself.
+    """
+    matrix = _dynamical_matrix(network, network.points)
+    if matrix.shape[0] <= DENSE:
+        return float(np.sqrt(max(eigvalsh(matrix.toarray())[-1], 0.0)))
+    return float(np.sqrt(_largest(matrix, tolerance)))
+
+
 def _dynamical_matrix(network: Network, position: Array) -> csr_array:
     """M^(-1/2) K M^(-1/2) on the free components."""
     free = np.flatnonzero(~network.held.ravel())

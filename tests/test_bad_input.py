@@ -389,10 +389,10 @@ BAD = [
         "damping: expected numb",
     ),
     (
-        "limit of a row",
-        lambda: stability_limit(EULER_CROMER, 1.0, 1.0, [0.0, 1.0]),
+        "limit of no rates",
+        lambda: stability_limit(EULER_CROMER, 1.0, 1.0, []),
         ProblemError,
-        "give one number",
+        "a negative rate feeds the motion",
     ),
     (
         "limit of nothing",

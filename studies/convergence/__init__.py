@@ -46,7 +46,9 @@ def run(
         {
             "steps": counted,
             "dynamic_relaxation": partial(dynamic_relaxation.run, candidate, setting),
-            "times": lambda: times.run(candidate, counted().tables["steps"], setting),
+            "times": lambda: times.run(
+                candidate, steps.together("steps", counted().tables), setting
+            ),
             "frontier": partial(frontier.run, candidate, setting),
         },
         questions,

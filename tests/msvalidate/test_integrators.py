@@ -18,6 +18,7 @@ from msvalidate.integrate import (
 from msvalidate.integrators import (
     EULER_CROMER,
     INTEGRATORS,
+    Moving,
     growth,
     one_step_matrix,
     stability_limit,
@@ -442,6 +443,27 @@ def test_no_step_to_recommend(change, message):
     usual = {"integrator": INTEGRATORS["leapfrog"]} | change
     with pytest.raises(ProblemError, match=message):
         recommended_time_step(string(), **usual)
+
+
+@pytest.mark.parametrize("name", ["euler_cromer", "leapfrog", "velocity_verlet"])
+@pytest.mark.parametrize("most", [1.1, 1.6, 3.0])
+def test_recommended_steps_are_stable_with_a_rate_a_point(name, most):
+    """By the spectral radius of the whole network's step; Verlet's limit is lowest in between."""
+    network = string()
+    rates = np.linspace(0.0, most * 2.0, 12)
+    free = np.flatnonzero(~network.held.ravel())
+    K = tangent(network, network.points).toarray()[np.ix_(free, free)]
+    mass, c = np.repeat(network.mass, 2)[free], np.repeat(rates, 2)[free]
+    h = recommended_time_step(network, INTEGRATORS[name], safety=1.0, damping=rates)
+    size = len(free)
+    columns = []
+    for unit in np.eye(2 * size):
+        x, v = unit[:size], unit[size:]
+        end = INTEGRATORS[name].step(
+            lambda x: -(K @ x) / mass, Moving(x, v, -(K @ x) / mass), 0.999 * h, c
+        )
+        columns.append(np.concatenate([end.x, end.v]))
+    assert np.abs(np.linalg.eigvals(np.array(columns).T)).max() <= 1 + 1e-9
 
 
 def test_a_watcher_sees_every_step():
