@@ -36,6 +36,11 @@ SPECTRUM_ERROR = 1e-4
 """Of the squared frequencies from which limits are told: their last digits cost the most."""
 
 
+RUNAWAY = 1e6
+"""Times the body's size, and the distance that a free point would go in a run: a motion that is
+farther from its start has blown up."""
+
+
 class StabilityWarning(UserWarning):
     """A run is about to start with a time step beyond its stability limit."""
 
@@ -97,11 +102,12 @@ def motion(
         return np.where(free, (spring_force(network, x) + network.force) / network.mass[:, None], 0)
 
     x = np.array(state.position, dtype=float)
-    now = Moving(x, np.where(free, state.velocity, 0.0), acceleration(x))
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
+        now = Moving(x, np.where(free, state.velocity, 0.0), acceleration(x))
+        reach = _reach(network, now, dt * steps)
         for step in range(1, steps + 1):
             now = integrator.step(acceleration, now, dt, rate)
-            reached = _finite_motion(State(now.x, now.v), dt, integrator.name)
+            reached = _finite_motion(State(now.x, now.v), x, reach, (dt, integrator.name))
             if watch is not None:
                 watch(step, reached)
     return State(now.x, now.v)
@@ -195,9 +201,14 @@ def euler_cromer(
         _warn_beyond_limit(network, EULER_CROMER, dt, rate)
     u = np.array(state.position, dtype=float) - network.points
     v = np.where(network.held, 0.0, state.velocity)
+    force, start = np.empty_like(u), network.points + u
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
+        kernels.force_and_energy(network, u, force)
+        pushed = np.where(network.held, 0.0, (force + network.force) / network.mass[:, None])
+        reach = _reach(network, Moving(start, v, pushed), dt * steps)
         kernels.advance(network, u, v, *factors_of(EULER_CROMER)(dt, rate), dt, steps)
-        return _finite_motion(State(network.points + u, v), dt, EULER_CROMER.name)
+        end = State(network.points + u, v)
+        return _finite_motion(end, start, reach, (dt, EULER_CROMER.name))
 
 
 def _checked(network: Network, state: State, dt: float, steps: int, damping: ArrayLike) -> Array:
@@ -243,17 +254,24 @@ def _warn_beyond_limit(network: Network, scheme: Integrator, dt: float, rate: Ar
         )
 
 
-def _finite_motion(state: State, dt: float, scheme: str) -> State:
-    """The state, refused where the motion has run away: its numbers would be NaN."""
-    near = (np.abs(state.position) <= LONGEST).all()  # not so where it is NaN
+def _reach(network: Network, start: Moving, time: float) -> float:
+    """Distance (m) from the start beyond which a motion has blown up."""
+    size = float(np.ptp(network.points, axis=0).max())
+    flight = time * (float(np.abs(start.v).max()) + time * float(np.abs(start.a).max()))
+    return float(np.nanmin([RUNAWAY * (size + flight), LONGEST]))
+
+
+def _finite_motion(state: State, start: Array, reach: float, run: tuple[float, str]) -> State:
+    """The state, refused where the motion has run away, before its numbers are NaN."""
+    near = (np.abs(state.position - start) <= reach).all()  # not so where it is NaN
     if not (near and np.isfinite(state.velocity).all()):
-        raise SolverError(_ran_away(dt, scheme))
+        raise SolverError(_ran_away(*run))
     return state
 
 
 def _ran_away(dt: float, scheme: str) -> str:
     return (
-        f"{scheme}: the motion grew beyond all numbers with steps of {dt:.4g} s; take steps below "
+        f"{scheme}: the motion grew beyond all bounds with steps of {dt:.4g} s; take steps below "
         "stability_limit"
     )
 

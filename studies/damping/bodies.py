@@ -46,7 +46,8 @@ SAFETY = 0.9
 COLUMNS = {
     "body": "which body, how it is loaded, and cells along and across",
     "omega_rad_s": "frequency of the lowest mode that the load excites (rad/s)",
-    "c_over_critical": "damping over 2ω of the lowest mode that the load excites (1)",
+    "c_over_critical": "damping over 2ω of the lowest mode that is excited, or "
+    '"free" where none is (1)',
     "dt_s": "time step (s)",
     "dt_omega": "time step times the frequency of that mode (1)",
     "steps": "time steps taken",

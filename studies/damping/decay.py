@@ -48,7 +48,6 @@ TOLERANCES = (
 COLUMNS = {
     **bodies.COLUMNS,
     "motion": "what moves: a free pair of points, or a body in its lowest mode",
-    "c_omega": 'damping over 2ω of the mode, or "free" (1)',
     "rate_over_c": "fitted rate of decay of the velocity, of its envelope if it swings, over c (1)",
     "rate_over_c_predicted": "the same in closed form (1)",
     "h_c": "time step times damping (1)",
@@ -106,7 +105,7 @@ def row(
     """A row of the table."""
     return {
         "motion": name,
-        "c_omega": ratio,
+        "c_over_critical": ratio,
         "h_c": dt * damping,
         "rate_over_c": rate / damping,
         "rate_over_c_predicted": told / damping,
@@ -156,17 +155,17 @@ def finding(table: pd.DataFrame) -> str:
     return (
         f"Velocity dies out at {table['rate_over_c'].iloc[0]:.3g} c where nothing else acts, "
         f"at {table['rate_over_c'].iloc[1]:.3g} c in a swinging mode, and at only "
-        f"{strong['rate_over_c']:.2g} c at {strong['c_omega']:g} times critical damping."
+        f"{strong['rate_over_c']:.2g} c at {strong['c_over_critical']:g} times critical damping."
     )
 
 
 def draw(tables: Tables) -> Figure:
     """Rate over c against the damping."""
     table = tables["decay"]
-    modes = table[table["c_omega"] != "free"]
-    free = table[table["c_omega"] == "free"]["rate_over_c"].iloc[0]
+    modes = table[table["c_over_critical"] != "free"]
+    free = table[table["c_over_critical"] == "free"]["rate_over_c"].iloc[0]
     figure, (axis,) = figures.new(size=(4.0, 3.3))
-    x = modes["c_omega"].astype(float)
+    x = modes["c_over_critical"].astype(float)
     axis.loglog(x, modes["rate_over_c"], "o", color=figures.COLOURS[0], label="lowest mode")
     ratios = np.geomspace(x.min(), x.max(), 100)
     told = [bodies.decay(1.0, 2 * ratio) / (2 * ratio) for ratio in ratios]

@@ -3,10 +3,11 @@
 Question   `while max(velocity) > eps` ends at the start, where nothing moves yet, and may end at
            turning points. When it ends, how far is the body still from rest?
 Candidate  Algorithm 1's motion, watched at every step from the first on.
-Reference  The static solution; the slowest mode, which at a speed v is v/ω·(ζ + √(ζ² - 1)) from
-           rest when overdamped, and about v/ω when critically damped. Beside it a rule on residual
-           force and kinetic energy: |M⁻¹r| <= τω²|u| and |v| <= τω|u| in the norm of masses bound
-           the error by τ, whatever the damping.
+Reference  The static solution; the step of the stop by the recursion of all modes; the slowest
+           mode, which at a speed v is v/ω·(ζ + √(ζ² - 1)) from rest when overdamped, and about v/ω
+           when critically damped. Beside it, not judged, a rule on residual force and kinetic
+           energy: |M⁻¹r| <= τω²|u| and |v| <= τω|u| in the norm of masses bound the error by τ,
+           whatever the damping and whoever moves.
 Expected   With eps = τ·ω·max|u| an error of τ is asked for. The printed rule gives it near critical
            damping, stops with an error near 2ζτ above it, and at turning points below.
 """
@@ -24,9 +25,9 @@ from matplotlib.figure import Figure
 
 from msvalidate import figures
 from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.evidence import Evidence, Tables, Tolerance
 from msvalidate.network import spring_force
-from msvalidate.problem import Array, Mask
+from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.sweep import Setting
 from studies.damping import bodies
 from studies.damping.bodies import Body, Motion
@@ -43,12 +44,16 @@ JUDGED = 1e-2
 WRONG = 3.0
 """Error over what was asked for beyond which a stop is wrong."""
 MOST_STEPS = 200_000
+ROUNDED = ("stop_error", "error_over_asked", "residual_error_over_asked")
+ROUNDING = 1e-6
+"""Over the largest value of such a column: what another machine may give instead."""
 TOLERANCES = (
     Tolerance(
-        "steps of the loop as printed, started from rest",
-        0.0,
+        "step of the printed rule's stop, from that of the recursion of all modes",
+        1.0,
         "steps",
-        "nothing moves before the first step, so the condition is false at once",
+        "the motion is linear to a part in a million, by which a speed may miss eps at one step "
+        "and not at the next",
     ),
     Tolerance(
         "error at the printed rule's stop over that asked for, critical damping, log to base 2",
@@ -64,18 +69,13 @@ TOLERANCES = (
         "the slow root alone is left; its speed is that of the middle of a step, and points where "
         "the mode is largest need not be those where it started",
     ),
-    Tolerance(
-        "wrong stops of the rule on residual force and kinetic energy",
-        0.0,
-        "1",
-        "its error is bounded by what was asked for, in the norm of masses",
-    ),
 )
 COLUMNS = {
     **bodies.COLUMNS,
     "asked": "error asked for, τ: eps is τ·ω·max|u| with the displacement u at rest (1)",
     "printed_steps": "steps of the loop as printed, from rest",
     "stop_step": "first step after the start at which max(velocity) <= eps",
+    "stop_step_modes": "the same by the recursion of all modes",
     "stop_error": "largest distance from rest then, over the largest displacement at rest (1)",
     "error_over_asked": "that over what was asked for (1)",
     "predicted": 'the same by the slowest mode, or "turning point" where it swings (1)',
@@ -110,10 +110,9 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     late = table[table["asked"] <= JUDGED]
     over, critical = late[late["c_over_critical"] > 1], late[late["c_over_critical"] == 1]
     values = (
-        worst(table["printed_steps"], 0.0),
+        worst(table["stop_step"] - table["stop_step_modes"], 0.0),
         worst(np.log2(critical["error_over_asked"]), 0.0),
         worst((over["error_over_asked"] / over["predicted"]).astype(float), 1.0),
-        Observed(float((table["residual_error_over_asked"] > 1).sum())),
     )
     return Evidence(
         tables={"stop_rule": table},
@@ -122,6 +121,9 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
         figures={"stop_rule": draw},
         columns=COLUMNS,
         findings=(finding(table),),
+        # A displacement of 1e-6 m from a place near 1 m is known to 1e-10 of itself, and the
+        # thousandth of it that is left at a stop to 1e-7.
+        rounding={column: ROUNDING * float(table[column].max()) for column in ROUNDED},
     )
 
 
@@ -133,10 +135,12 @@ def stopped(candidate: Motion, case: Case) -> list[dict[str, object]]:
     omega = float(body.frequencies[mode])
     damping = 2 * ratio * omega
     dt = body.time_step(damping)
+    swiftest = omega * largest(body.rest)
     seen = watched(candidate, body, omega, damping, dt)
+    told = stops_of_modes(body, damping, dt, [asked * swiftest for asked in ASKED])
     slow = omega / bodies.decay(omega, damping)
     rows = []
-    for asked in ASKED:
+    for asked, told_stop in zip(ASKED, told, strict=True):
         stop = first(seen.speed <= asked)
         quiet = (seen.pulling <= asked) & (seen.moving <= asked)
         calm = first(quiet)
@@ -145,8 +149,9 @@ def stopped(candidate: Motion, case: Case) -> list[dict[str, object]]:
                 "body": body.name,
                 "c_over_critical": ratio,
                 "asked": asked,
-                "printed_steps": as_printed(candidate, body, dt, damping, asked),
+                "printed_steps": as_printed(candidate, body, dt, damping, asked * swiftest),
                 "stop_step": stop + 1,
+                "stop_step_modes": told_stop,
                 "stop_error": seen.error[stop],
                 "error_over_asked": seen.error[stop] / asked,
                 "predicted": slow if ratio >= 1 else "turning point",
@@ -161,7 +166,7 @@ def stopped(candidate: Motion, case: Case) -> list[dict[str, object]]:
 def watched(candidate: Motion, body: Body, omega: float, damping: float, dt: float) -> Watch:
     """Both rules' quantities after every step, until the least error asked for is out of sight."""
     network, state = body.network, body.start
-    largest = np.linalg.norm(body.rest, axis=1).max()
+    farthest = largest(body.rest)
     rows: list[Sequence[float]] = []
     while body.left(state) > min(ASKED) / WRONG and len(rows) < MOST_STEPS:
         state = candidate(network, state, dt, 1, damping)
@@ -169,8 +174,8 @@ def watched(candidate: Motion, body: Body, omega: float, damping: float, dt: flo
         pull = np.where(network.held, 0.0, spring_force(network, state.position) + network.force)
         rows.append(
             (
-                np.linalg.norm(state.velocity, axis=1).max() / (omega * largest),
-                np.linalg.norm(off, axis=1).max() / largest,
+                largest(state.velocity) / (omega * farthest),
+                largest(off) / farthest,
                 body.error(state),
                 body.norm(state.velocity) / (omega * body.size),
                 body.norm(pull / network.mass[:, None]) / (omega**2 * body.size),
@@ -179,19 +184,54 @@ def watched(candidate: Motion, body: Body, omega: float, damping: float, dt: flo
     return Watch(*np.array(rows).T)
 
 
-def as_printed(candidate: Motion, body: Body, dt: float, damping: float, asked: float) -> int:
-    """Steps of the report's loop: its condition comes before its first step."""
+def largest(field: Array) -> float:
+    """Largest length of a displacement (m) or velocity (m/s), over points (n, d)."""
+    return float(np.linalg.norm(field, axis=1).max())
+
+
+def as_printed(candidate: Motion, body: Body, dt: float, damping: float, eps: float) -> int:
+    """Steps of the report's loop to a speed of eps (m/s): its condition comes before a step."""
     state, steps = body.start, 0
-    eps = asked * body.frequencies[0] * np.abs(body.rest).max()
-    while np.abs(state.velocity).max() > eps and steps < MOST_STEPS:
+    while largest(state.velocity) > eps and steps < MOST_STEPS:
         state = candidate(body.network, state, dt, 1, damping)
         steps += 1
     return steps
 
 
+def stops_of_modes(body: Body, damping: float, dt: float, speeds: Sequence[float]) -> list[int]:
+    """First steps after the start at which no point of the sum of all modes is above a speed (m/s).
+
+    Speeds descend.
+
+    Raises
+    ------
+    SolverError
+        If one is not reached.
+    """
+    jump = bodies.one_step(body.frequencies, dt, damping)
+    state = np.stack([-body.amplitudes(body.rest), np.zeros(len(jump))], axis=1)[:, :, None]
+    stops: list[int] = []
+    for step in range(1, MOST_STEPS + 1):
+        state = jump @ state
+        swiftest = largest((state[:, 1, 0] @ body.shapes).reshape(body.rest.shape))
+        while swiftest <= speeds[len(stops)]:
+            stops.append(step)
+            if len(stops) == len(speeds):
+                return stops
+    raise SolverError(f"{body.name}: no stop of all modes in {MOST_STEPS} steps")
+
+
 def first(holds: Mask) -> int:
-    """Index of the first step at which a rule holds; the last if none does."""
-    return int(holds.argmax()) if holds.any() else len(holds) - 1
+    """Index of the first step at which a rule holds.
+
+    Raises
+    ------
+    SolverError
+        If it never does.
+    """
+    if not holds.any():
+        raise SolverError(f"a stop rule does not hold in {len(holds)} steps")
+    return int(holds.argmax())
 
 
 def wrong_stops(seen: Watch, asked: float) -> int:
@@ -202,19 +242,22 @@ def wrong_stops(seen: Watch, asked: float) -> int:
 
 
 def finding(table: pd.DataFrame) -> str:
-    """How wrong the printed rule is."""
+    """How wrong the printed rule is, and the other one."""
     bad = table["error_over_asked"] > WRONG
-    at_once = (bad & (table["stop_step"] == 1)).sum()
+    at_once = int((bad & (table["stop_step"] == 1)).sum())
     swinging = table[table["c_over_critical"] < 1]
     overdamped = table[table["c_over_critical"] > 1]
+    wrong = int((table["residual_error_over_asked"] > 1).sum())
     return (
         f"Started from rest the printed loop takes {table['printed_steps'].max()} steps. Checked "
         f"after a step first, it stops with more than {WRONG:g} times the error asked for in "
-        f"{bad.sum()} of {len(table)} runs, {at_once} of them after that step: up to "
-        f"{swinging['error_over_asked'].max():.2g} times when underdamped, "
+        f"{bad.sum()} of {len(table)} runs"
+        + (f", {at_once} of them after that step" if at_once else "")
+        + f": up to {swinging['error_over_asked'].max():.2g} times when underdamped, "
         f"{overdamped['error_over_asked'].max():.2g} times when overdamped. The "
-        "rule on residual force and kinetic energy stops at no more than "
-        f"{table['residual_error_over_asked'].max():.2g} times it."
+        f"rule on residual force and kinetic energy stops {wrong or 'no'} "
+        f"run{'' if wrong == 1 else 's'} with more than the error asked for, at most "
+        f"{table['residual_error_over_asked'].max():.4g} times it."
     )
 
 

@@ -97,9 +97,13 @@ def growth_factors(scheme: Integrator, sizes: Array) -> Array:
 def finding(table: pd.DataFrame) -> str:
     """How soon explicit Euler doubles."""
     euler = table[table["scheme"] == "explicit_euler"]
-    first, last = euler.iloc[0], euler.iloc[-1]
+    growing = euler[euler["growth_measured"] > 0]
+    if growing.empty:
+        return f"Explicit Euler without damping grows at none of {len(euler)} steps."
+    first, last = growing.iloc[0], growing.iloc[-1]
+    at = "every step" if len(growing) == len(euler) else f"{len(growing)} of {len(euler)} steps"
     return (
-        "Explicit Euler without damping grows at every step: its amplitude doubles in "
+        f"Explicit Euler without damping grows at {at}: its amplitude doubles in "
         f"{first['steps_to_double']:.0f} steps at h·ω = {first['h_omega']:g}, in "
         f"{last['steps_to_double']:.1f} at {last['h_omega']:g}."
     )

@@ -141,8 +141,10 @@ def finding(table: pd.DataFrame) -> str:
     """What the misprints are, in numbers."""
     euler = table[table["compared_with"].str.startswith("explicit")]["difference"].max()
     half, whole = table["difference"].iloc[-2:]
+    same, halved = euler <= TOLERANCES[0].limit, half <= TOLERANCES[1].limit
     return (
-        "As printed, Euler-Cromer is explicit Euler (largest difference of a network's motion "
-        f"{euler:.1g}), and velocity Verlet moves under half the force: after 2 rad it is "
+        f"As printed, Euler-Cromer is {'' if same else 'not '}explicit Euler (largest difference "
+        f"of a network's motion {euler:.1g}), and velocity Verlet "
+        f"{'moves' if halved else 'does not move'} under half the force: after 2 rad it is "
         f"{half:.1e} of the amplitude from that motion, and {whole:.2f} from the right one."
     )

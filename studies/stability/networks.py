@@ -160,5 +160,7 @@ def modes(stiffness: csr_array, mass: Array) -> tuple[Array, Array]:
     for vector in found:
         shape = vector / np.sqrt(mass)
         shape = shape / np.sqrt(0.5 * shape @ (stiffness @ shape))
-        scaled.append((shape * np.sign(shape[np.abs(shape).argmax()]))[:, None])
+        # The first large component, not the largest: points of a symmetric body share that.
+        large = int((np.abs(shape) > 0.5 * np.abs(shape).max()).argmax())
+        scaled.append((shape * np.sign(shape[large]))[:, None])
     return scaled[0], scaled[1]

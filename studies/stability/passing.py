@@ -64,7 +64,7 @@ TOLERANCES = (
 COLUMNS = {
     **common.COLUMNS,
     "traction": "shear traction, suddenly applied (N/m²)",
-    "damping_over_critical": "damping over critical damping of the lowest mode, 2ω_min (1)",
+    "c_over_critical": "damping over critical damping of the lowest mode, 2ω_min (1)",
     "cells_inverted": "most cells inside out, their area negative, at one moment of the first "
     'period; "grows" where the motion does',
     "cells_inverted_static": "cells inside out in the static solution",
@@ -83,7 +83,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     cases = list(product(loads, dampings, parts))
     table = pd.DataFrame(setting.sweep(partial(counted, scheme), cases, "particles that pass"))
     grows = table["cells_inverted"] == "grows"
-    calm = table[~grows & (table["damping_over_critical"] > 1)]
+    calm = table[~grows & (table["c_over_critical"] > 1)]
     values = (
         Observed(float(calm["cells_inverted"].max()) if len(calm) else float("nan")),
         Observed(float((grows != (table["step_over_limit"] > 1)).sum())),
@@ -123,7 +123,7 @@ def counted(scheme: Integrator, case: tuple[float, float, float]) -> dict[str, o
     inverted = (areas(grid, done.positions) < 0).sum(axis=1).max()
     return {
         "traction": load,
-        "damping_over_critical": over_critical,
+        "c_over_critical": over_critical,
         "step_over_limit": part,
         "cells_inverted": "grows" if done.left else int(inverted),
         "cells_inverted_static": int((areas(grid, static.position) < 0).sum()),
@@ -135,8 +135,8 @@ def finding(table: pd.DataFrame) -> str:
     """Whether the report is right, with the numbers of the largest load."""
     stays = table[(table["cells_inverted"] != "grows")]
     most = stays[stays["traction"] == stays["traction"].max()]
-    worst = most.groupby("damping_over_critical")["cells_inverted"].max()
-    over = most.groupby("damping_over_critical")["largest_over_static"].max()
+    worst = most.groupby("c_over_critical")["cells_inverted"].max()
+    over = most.groupby("c_over_critical")["largest_over_static"].max()
     said = ", ".join(f"{n} at {d:g} (farthest {over[d]:.2f} of rest)" for d, n in worst.items())
     under, above = worst[worst.index < 1].max(), worst[worst.index > 1].max()
     return (
@@ -156,7 +156,7 @@ def draw(tables: Tables) -> Figure:
         rows = table[(table["traction"] == load) & (table["cells_inverted"] != "grows")]
         for i, (part, line) in enumerate(rows.groupby("step_over_limit")):
             axis.plot(
-                line["damping_over_critical"],
+                line["c_over_critical"],
                 line["cells_inverted"].astype(float),
                 marker=figures.MARKERS[i],
                 color=figures.COLOURS[i],

@@ -480,5 +480,15 @@ def test_a_single_step_beyond_all_numbers_is_the_motions_failure(name):
     """A body that is free to fly, and does: 1e260 m in one step."""
     pair = spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0)
     start = State(pair.points, np.full((2, 2), 1e60))
-    with pytest.raises(SolverError, match=f"{name}: the motion grew beyond all numbers"):
+    with pytest.raises(SolverError, match=f"{name}: the motion grew beyond all bounds"):
         motion(pair, start, INTEGRATORS[name], 1e200, 3, warn=False)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_run_a_little_beyond_its_limit_stops_where_it_has_blown_up(compiled):
+    """Five per cent beyond, it doubles in a step or two: a million times its size is refused."""
+    network, kick = string(), np.zeros((12, 2))
+    kick[3, 0] = 1e-9
+    start, dt = State(network.points, kick), recommended_time_step(string(), EULER_CROMER, safety=1)
+    with pytest.raises(SolverError, match="euler_cromer: the motion grew beyond all bounds"):
+        integrate.euler_cromer(network, start, 1.05 * dt, 400, compiled=compiled, warn=False)

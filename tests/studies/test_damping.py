@@ -16,6 +16,7 @@ from msvalidate.problem import SolverError
 from msvalidate.sweep import Setting
 from studies import damping
 from studies.damping import (
+    advice,
     bodies,
     controls,
     cycles,
@@ -202,6 +203,36 @@ def test_printed_loop_never_starts(plate):
     assert stop_rule.as_printed(euler_cromer, plate, 0.01, 1.0, 1e-9) == 0
 
 
+def test_stops_of_modes_are_those_of_the_run(plate):
+    omega = float(plate.frequencies[0])
+    dt, c = plate.time_step(omega), omega
+    speeds = [part * omega * stop_rule.largest(plate.rest) for part in (0.1, 0.01)]
+    for eps, told in zip(speeds, stop_rule.stops_of_modes(plate, c, dt, speeds), strict=True):
+        state, steps = euler_cromer(plate.network, plate.start, dt, 1, c), 1
+        while stop_rule.largest(state.velocity) > eps:
+            state, steps = euler_cromer(plate.network, state, dt, 1, c), steps + 1
+        assert told == steps
+
+
+def test_stop_step_notices_another_damping():
+    faulty = stop_rule.run(controls.spoilt("damping", 0.05), QUICK)
+    quantity = stop_rule.TOLERANCES[0].quantity
+    assert faulty.observed[quantity].error > stop_rule.TOLERANCES[0].limit
+
+
+def test_a_rule_that_never_holds_is_refused():
+    assert stop_rule.first(np.array([False, True, False])) == 1
+    with pytest.raises(SolverError, match="does not hold"):
+        stop_rule.first(np.array([False, False]))
+
+
+def test_findings_name_no_empty_part(evidence):
+    (said,) = [f for f in evidence.findings if "printed loop" in f]
+    assert "0 of them" not in said
+    worse = evidence.tables["stop_rule"].assign(residual_error_over_asked=2.0)
+    assert f"stops {len(worse)} runs with more" in stop_rule.finding(worse)
+
+
 def test_wrong_stops_are_counted_once_each():
     seen = stop_rule.Watch(
         speed=np.array([1.0, 0.05, 0.05, 1.0, 0.05, 1.0, 0.01]),
@@ -312,6 +343,14 @@ def test_stated_resolution_is_the_real_one(kind):
 
 
 # --- other questions ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("under", "said"),
+    [([1.0, 1.5], "too little"), ([3.0, 4.0], "too much"), ([1.0, 3.0], "depends on the body")],
+)
+def test_advice_follows_the_prices(under, said):
+    assert said in advice.finding(pd.Series(under), pd.Series([2.0, 2.0]))
 
 
 def test_free_pair_moves_as_one():

@@ -21,11 +21,15 @@ from studies.stability import (
     drift,
     figure3,
     limits,
+    misprints,
     networks,
     order,
     oscillator,
     passing,
     runs,
+)
+from studies.stability import (
+    growth as growing,
 )
 from studies.stability.networks import OSCILLATOR, Body, clamped, linear
 
@@ -53,7 +57,7 @@ COLUMNS = {
     "drift": ["scheme", "periods", "steps_a_period", "growth_a_period", "drift"],
     "passing": [
         "traction",
-        "damping_over_critical",
+        "c_over_critical",
         "step_over_limit",
         "cells_inverted",
         "cells_inverted_static",
@@ -254,6 +258,17 @@ def test_a_run_ends_where_it_leaves():
     calm = runs.released(network, INTEGRATORS["leapfrog"], 0.5, 20, 0.0, 0.5)
     assert calm.left == 0
     assert len(calm.positions) == 21
+
+
+def test_findings_follow_the_tables(evidence):
+    table = evidence.tables["growth"]
+    assert "grows at every step" in growing.finding(table)
+    assert "grows at none" in growing.finding(table.assign(growth_measured=0.0))
+    table = evidence.tables["misprints"]
+    assert "Euler-Cromer is explicit Euler" in misprints.finding(table)
+    other = misprints.finding(table.assign(difference=0.5))
+    assert "is not explicit Euler" in other
+    assert "does not move" in other
 
 
 def test_figure_3_says_who_leaves(evidence):
