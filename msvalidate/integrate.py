@@ -258,7 +258,8 @@ def _reach(network: Network, start: Moving, time: float) -> float:
     """Distance (m) from the start beyond which a motion has blown up."""
     size = float(np.ptp(network.points, axis=0).max())
     flight = time * (float(np.abs(start.v).max()) + time * float(np.abs(start.a).max()))
-    return float(np.nanmin([RUNAWAY * (size + flight), LONGEST]))
+    reach = RUNAWAY * (size + flight)
+    return reach if reach < LONGEST else LONGEST  # nor is it NaN
 
 
 def _finite_motion(state: State, start: Array, reach: float, run: tuple[float, str]) -> State:

@@ -26,7 +26,7 @@ from studies.stability.networks import REPORTED, Body, clamped, linear
 STEPS = 50
 RATIOS = (0.0, 0.3)
 """Damping ratio at the highest frequency."""
-PART = 0.5
+PART = 0.2
 """Step over Euler-Cromer's limit."""
 SPEED = 0.05
 """Largest start velocity, in sides a period of the fastest mode: springs turn and stretch."""

@@ -101,8 +101,11 @@ def test_the_stability_limit_holds_within_one_percent(omega, zeta):
     below = [abs(run(network, SMALL, 0.99 * limit, n, damping)[0]) for n in range(1, 2000, 7)]
     assert max(below) < 8 * SMALL
     # Just above, a step of the worst of these cases grows by 2 %.
-    with pytest.raises(SolverError, match="the motion grew beyond all bounds"):
-        run(network, SMALL, 1.01 * limit, 5000, damping)
+    try:
+        above = [abs(run(network, SMALL, 1.01 * limit, n, damping)[0]) for n in (100, 400, 700)]
+    except SolverError:  # it has blown up
+        return
+    assert max(above) > 1e4 * SMALL
 
 
 @examples
