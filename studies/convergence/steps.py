@@ -18,6 +18,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from functools import partial
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -314,6 +315,17 @@ def draw_cost(tables: Tables) -> Figure:
     return _drawn(table.assign(cost=table["evaluations"] * table["springs"]), "cost", 1.5)
 
 
+def style(method: str) -> dict[str, Any]:
+    """How a method is drawn, in every figure the same."""
+    index = list(RELAXATIONS).index(method)
+    return {
+        "marker": MARKERS[index % len(MARKERS)],
+        "color": COLOURS[index % len(COLOURS)],
+        "linestyle": "-" if index < len(COLOURS) else "--",
+        "label": method.replace("_", " "),
+    }
+
+
 LABELS = {"steps": "steps to an error of 1e-6", "cost": "evaluations x springs to 1e-6"}
 
 
@@ -322,15 +334,8 @@ def _drawn(table: pd.DataFrame, quantity: str, slope: float) -> Figure:
     figure, axes = figures.new(len(bodies.SIZES), size=(3.6, 3.4))
     for axis, body in zip(axes, bodies.SIZES, strict=True):
         part = tight[tight["body"] == body]
-        for index, (method, rows) in enumerate(part.groupby("method", sort=False)):
-            axis.loglog(
-                rows["nodes"],
-                rows[quantity],
-                marker=MARKERS[index % len(MARKERS)],
-                color=COLOURS[index % len(COLOURS)],
-                linestyle="-" if index < len(COLOURS) else "--",
-                label=str(method).replace("_", " "),
-            )
+        for method, rows in part.groupby("method", sort=False):
+            axis.loglog(rows["nodes"], rows[quantity], **style(str(method)))
         nodes = np.array([part["nodes"].min(), part["nodes"].max()], dtype=float)
         start = 0.6 * part[part["method"] == part["method"].iloc[0]][quantity].iloc[0]
         axis.loglog(

@@ -30,7 +30,7 @@ from tqdm import tqdm
 import reference_fem
 from msvalidate.compare import fitted_power
 from msvalidate.evidence import Evidence, Tables
-from msvalidate.figures import COLOURS, MARKERS, new, shared_legend
+from msvalidate.figures import new, shared_legend
 from msvalidate.integrate import SPECTRUM_ERROR
 from msvalidate.relax import Method, relax
 from msvalidate.spectrum import extreme_frequencies
@@ -44,6 +44,7 @@ PER_EDGE = 9
 """The report's exponent for finite elements, in nodes along an edge of a cube: n³ unknowns, cubed;
 in nodes of any body it is 3."""
 ELEMENTS = "fem_q1"
+ELEMENTS_DRAWN: dict[str, Any] = {"marker": "^", "color": "black", "label": "fem q1"}
 BY_FREQUENCIES = ("algorithm1", "viscous_leapfrog", "kinetic_damping", "fire")
 """Methods whose step or damping is set by natural frequencies."""
 BODY = ["body", "cells_x", "cells_y", "nodes", "threshold"]
@@ -211,18 +212,12 @@ def draw(tables: Tables) -> Figure:
     figure, axes = new(len(bodies.SIZES), size=(3.6, 3.4))
     for axis, body in zip(axes, bodies.SIZES, strict=True):
         part = tight[tight["body"] == body]
-        for index, (method, rows) in enumerate(part.groupby("method", sort=False)):
-            elements = method == ELEMENTS
-            axis.loglog(
-                rows["nodes"],
-                rows["wall_seconds"] + rows["setup_seconds"],
-                marker=MARKERS[index % len(MARKERS)],
-                color="black" if elements else COLOURS[index % len(COLOURS)],
-                linestyle="-" if elements or index < len(COLOURS) else "--",
-                label=str(method).replace("_", " "),
-            )
+        for method, rows in part.groupby("method", sort=False):
+            seconds = rows["wall_seconds"] + rows["setup_seconds"]
+            how = ELEMENTS_DRAWN if method == ELEMENTS else steps.style(str(method))
+            axis.loglog(rows["nodes"], seconds, **how)
         axis.set_title(body, fontsize=9)
         axis.set_xlabel("nodes")
-        axis.set_ylabel("seconds to an error of 1e-6, set-up included")
+        axis.set_ylabel("seconds to an error of 1e-6")
     shared_legend(figure, axes, columns=3)
     return figure
