@@ -8,7 +8,7 @@ from typing import Literal, get_args
 from msvalidate.equilibrium import equilibrium
 from msvalidate.network import Network
 from msvalidate.problem import Array, Problem, chosen
-from msvalidate.relax import algorithm1
+from msvalidate.viscous import algorithm1
 
 AT_REST = 3e-11
 """Residual over the forces that meet at a point: a slow mode makes up to a hundred times as much

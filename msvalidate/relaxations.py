@@ -19,7 +19,8 @@ from msvalidate.equilibrium import LARGEST_TURN, largest_turn, refuse_mechanism,
 from msvalidate.integrators import LEAPFROG
 from msvalidate.network import tangent
 from msvalidate.problem import Array, SolverError, rigid_motions
-from msvalidate.relax import ALGORITHM1, SAFETY, Method, Run, patiently, viscous
+from msvalidate.relax import SAFETY, Method, Run, patiently
+from msvalidate.viscous import ALGORITHM1, viscous
 
 # FIRE's numbers are the paper's.
 FIRE_DELAY = 5

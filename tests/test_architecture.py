@@ -251,6 +251,7 @@ FLOORS = {
     "msvalidate.integrators": 2,
     "msvalidate.relax": 2,
     "msvalidate.relaxations": 2,
+    "msvalidate.viscous": 2,
     "msvalidate.linear": 2,
     "msvalidate.spectrum": 2,
     "reference_fem": 2,

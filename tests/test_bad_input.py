@@ -51,7 +51,6 @@ from msvalidate.problem import (
     vectors_at,
     whole,
 )
-from msvalidate.relax import algorithm1
 from msvalidate.singularity import clamped_free_exponent, free_free_exponent
 from msvalidate.spectrum import natural_frequencies
 from msvalidate.stiffness import (
@@ -65,6 +64,7 @@ from msvalidate.stiffness import (
     square_tensor,
 )
 from msvalidate.sweep import Setting
+from msvalidate.viscous import algorithm1
 from reference_fem import body as fem_body
 from reference_fem import elasticity
 

@@ -28,9 +28,10 @@ from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.figures import COLOURS, new
 from msvalidate.integrators import LEAPFROG, Integrator
 from msvalidate.problem import SolverError
-from msvalidate.relax import Method, Run, relax, viscous
+from msvalidate.relax import Method, Run, relax
 from msvalidate.spectrum import extreme_frequencies
 from msvalidate.sweep import Setting
+from msvalidate.viscous import viscous
 from studies.convergence import bodies, steps
 
 COUNTED = {8: 240, 16: 440, 32: 830, 64: 1590}

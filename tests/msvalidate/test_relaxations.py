@@ -13,9 +13,10 @@ from msvalidate.equilibrium import equilibrium, is_stable
 from msvalidate.integrators import INTEGRATORS, LEAPFROG
 from msvalidate.network import force_scale, spring_force, spring_network, tangent
 from msvalidate.problem import Box, PointForce, ProblemError, Region, SolverError, Support, Traction
-from msvalidate.relax import Method, relax, viscous
+from msvalidate.relax import Method, relax
 from msvalidate.relaxations import RELAXATIONS
 from msvalidate.spectrum import extreme_frequencies
+from msvalidate.viscous import viscous
 
 NAN = float("nan")
 SHEET = Box((2.0, 1.0))

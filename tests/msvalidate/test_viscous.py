@@ -21,7 +21,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.relax import algorithm1
+from msvalidate.viscous import algorithm1
 
 NAN = float("nan")
 SHEET = Box((2.0, 1.0))
