@@ -213,7 +213,7 @@ def _lay_out(figure: Figure) -> None:
     engine = figure.get_layout_engine()
     if engine is not None:
         engine.execute(figure)
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)  # "none" would still draw every figure twice a format
 
 
 def _rendered(figure: Figure, kind: str) -> bytes:
