@@ -319,7 +319,8 @@ def relax(
         meet at a point, and the kinetic energy below `tolerance`² times the energy stored in the
         springs; neither is asked to fall below rounding.
     max_steps
-        By default 20 times what the slowest mode is predicted to need.
+        By default 20 times what the slowest mode is predicted to need; a number of their own where
+        methods ask for no frequencies.
     watch
         Shown every look; it may end the run before rest.
     look_every
