@@ -352,7 +352,8 @@ def _pair(name: str, cells: tuple[int, int], both: str) -> tuple[int, int]:
     """Two counts of different things, for which one number cannot serve."""
     if not isinstance(cells, tuple | list):
         raise ProblemError(f"{name}: cells {shown(cells)}; give two whole numbers, {both}")
-    return counts("cells", cells)
+    first, second = counts("cells", cells)
+    return first, second
 
 
 def _pairs(start: Index, end: Index) -> Index:

@@ -142,12 +142,15 @@ def whole(name: str, value: object, least: int, most: int = MOST_COUNTED) -> int
     return int(value)
 
 
-def counts(name: str, cells: object) -> tuple[int, int]:
-    """Return the number of cells along x and y, of which one whole number may serve both."""
-    pair = cells if isinstance(cells, tuple | list) else (cells, cells)
-    if len(pair) != 2:
-        raise ProblemError(f"{name}: {shown(cells)}; give one or two whole numbers, 1 or more")
-    return whole(name, pair[0], 1), whole(name, pair[1], 1)
+def counts(name: str, cells: object, axes: int = 2) -> tuple[int, ...]:
+    """Return the number of cells along each axis, of which one whole number may serve all."""
+    each = cells if isinstance(cells, tuple | list) else (cells,) * axes
+    if len(each) != axes:
+        several = {2: "two", 3: "three"}[axes]
+        raise ProblemError(
+            f"{name}: {shown(cells)}; give one or {several} whole numbers, 1 or more"
+        )
+    return tuple(whole(name, count, 1) for count in each)
 
 
 def refuse_too_many(name: str, count: float, most: int = MOST_POINTS, what: str = "points") -> None:
