@@ -71,7 +71,7 @@ def lattice_network(
     return spring_network(
         lattice.points,
         lattice.springs,
-        k[lattice.kind] * boundary_weights(lattice, weights),
+        k[lattice.kind] * lattice.factor * boundary_weights(lattice, weights),
         mass=masses,
         held=held,
         displacement=displacement,
@@ -115,18 +115,40 @@ def _traction_force(load: Traction, lattice: Lattice) -> Array:
     facets = lattice.facets[inside[lattice.facets].all(axis=1)]
     corners = points[facets]
     edges = corners[:, [2**axis for axis in range(body.dim - 1)]] - corners[:, [0]]
-    area = np.linalg.norm(edges, axis=2).prod(axis=1)
+    if facets.shape[1] == 3:
+        area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1) / 2
+    else:
+        area = np.linalg.norm(edges, axis=2).prod(axis=1)
     wanted = load.region.measure(body.span)
     if abs(area.sum() - wanted) > 1e-9 * wanted:
         raise ProblemError(
             f"traction on {load.region}: covers no whole number of cell edges; "
             "choose cells whose edges end where the loaded part ends"
         )
-    line = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
-    shape = line if body.dim == 2 else np.kron(line, line)
     name = f"traction on {load.region}"
     traction = vectors_at(name, load.traction, corners.reshape(-1, body.dim)).reshape(corners.shape)
-    shares = area[:, None, None] * np.einsum("ab,fbc->fac", shape, traction)
+    shares = area[:, None, None] * np.einsum("fab,fbc->fac", _facet_shares(corners), traction)
     force = np.zeros(points.shape)
     np.add.at(force, facets, shares)
     return force
+
+
+def _facet_shares(corners: Array) -> Array:
+    """Parts (1 or f, corners, corners) of tractions at a facet's corners that go to each of them.
+
+    Along an edge and over a rectangle: the consistent ones of a traction that varies linearly. Over
+    a triangle: what of it lies nearest to a corner, by the way to its circumcentre, so that points
+    that are alike in a lattice take alike parts of a uniform traction.
+    """
+    if corners.shape[1] != 3:
+        line = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
+        return np.asarray(line if corners.shape[1] == 2 else np.kron(line, line))[None]
+    opposite = np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1)
+    square = (opposite**2).sum(axis=2)
+    # Corner a takes (b² cot B + c² cot C)/8 of a triangle with sides a, b, c; 4 area cot A is
+    # b² + c² - a², and 16 area² = 2 Σ a²b² - Σ a⁴.
+    cotangent = square.sum(axis=1, keepdims=True) - 2 * square
+    sixteen = square.sum(axis=1) ** 2 - 2 * (square**2).sum(axis=1)
+    both = square * cotangent
+    part = (both.sum(axis=1, keepdims=True) - both) / (2 * sixteen[:, None])
+    return np.asarray(part[:, :, None] * np.eye(3))

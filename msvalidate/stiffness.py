@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.lattice import WEIGHTS, Lattice, boundary_weights
+from msvalidate.lattice import WEIGHTS, Constants, Lattice, Pattern, boundary_weights
 from msvalidate.problem import (
     Array,
     Isotropic,
@@ -24,6 +24,7 @@ from msvalidate.problem import (
     direction,
     finite,
     instance,
+    metres,
     number,
     positive,
     shown,
@@ -34,12 +35,19 @@ CAUCHY_PLANE = 1 / 3
 (Cauchy's relation), and isotropy C11 = C12 + 2·C66."""
 
 
-@dataclass(frozen=True)
-class PlaneModuli:
-    """Elastic constants of a plane tensor along its axes.
+VOIGT = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}
+"""Pairs of axes of Voigt's components: xx, yy, xy, or xx, yy, zz, yz, xz, xy."""
+AXES_OF = {3: 2, 6: 3}
+"""Number of axes, by that of Voigt components."""
+UNIT = {2: "N/m", 3: "Pa"}
 
-    ``E`` (N/m) and ``nu`` in uniaxial stress along x; ``zener`` = 2·C66/(C11 - C12) is 1 for an
-    isotropic tensor.
+
+@dataclass(frozen=True)
+class Moduli:
+    """Elastic constants of a tensor along its axes.
+
+    ``E`` (N/m in the plane, Pa in space) and ``nu`` in uniaxial stress along x; ``zener`` =
+    2·C44/(C11 - C12), in the plane 2·C66/(C11 - C12), is 1 for an isotropic tensor.
     """
 
     E: float
@@ -47,19 +55,28 @@ class PlaneModuli:
     zener: float
 
 
-def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
-    """Homogenised tensor (3, 3) of springs under affine motion, each spring listed once.
+def voigt_directions(normals: Array) -> Array:
+    """Voigt vectors (m, 3) or (m, 6) of n⊗n for unit vectors n (m, 2) or (m, 3).
 
-    C = (1/V) Σ k L² v vᵀ with v = (nx², ny², nx·ny) and n the spring's direction: the energy of a
-    uniform strain. Exact where every point is a centre of symmetry, an upper bound elsewhere (Born
-    and Huang, *Dynamical Theory of Crystal Lattices*, 1954, for central forces).
+    Contracted with engineering strains they give the elongation along n: nᵀεn.
+    """
+    first, second = np.array(VOIGT[normals.shape[1]]).T
+    return np.asarray(normals[:, first] * normals[:, second])
+
+
+def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
+    """Homogenised tensor, (3, 3) or (6, 6), of springs under affine motion, each listed once.
+
+    C = (1/V) Σ k L² v vᵀ with v the Voigt vector of n⊗n and n the spring's direction: the energy of
+    a uniform strain. Exact where every point is a centre of symmetry, an upper bound elsewhere
+    (Born and Huang, *Dynamical Theory of Crystal Lattices*, 1954, for central forces).
 
     Parameters
     ----------
     vectors, stiffness
-        (m, 2) in m and (m,) in N/m.
+        (m, d) in m and (m,) in N/m.
     volume
-        Area (m²) that the springs stand for.
+        Area (m²) or volume (m³) that the springs stand for.
 
     Raises
     ------
@@ -67,25 +84,25 @@ def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
         If an array does not fit, a value is not finite, or a spring has no length.
     """
     d, k = coordinates("vectors", vectors), finite("stiffness", stiffness)
-    if d.shape[1:] != (2,) or k.shape != d.shape[:1]:
+    if d.ndim != 2 or d.shape[1] not in VOIGT or k.shape != d.shape[:1]:
         raise ProblemError(
-            f"spring tensor: vectors {d.shape}, stiffness {k.shape}; give (m, 2) and (m,)"
+            f"spring tensor: vectors {d.shape}, stiffness {k.shape}; give (m, 2) or (m, 3), and "
+            "(m,)"
         )
     length = np.linalg.norm(d, axis=1)
     if not length.all():
         raise ProblemError(f"vectors: spring {int(length.argmin())} has no length; leave it out")
-    x, y = (d / length[:, None]).T
-    v = np.stack([x**2, y**2, x * y])
+    v = voigt_directions(d / length[:, None]).T
     with np.errstate(over="ignore", invalid="ignore"):  # refused as infinite
         tensor = (v * (k * length**2)) @ v.T / positive("volume", volume, "m²")
     return np.array(finite("spring tensor", tensor))
 
 
 def network_tensor(lattice: Lattice, constants: tuple[float, ...], weights: str) -> Array:
-    """Tensor (3, 3) in N/m of the *interior* of the lattice, as built under a weight rule.
+    """Tensor, (3, 3) in N/m or (6, 6) in Pa, of the *interior* of the lattice, as built by a rule.
 
-    A `diagonal_square` has lost the springs that its boundary cut, and comes near its interior's
-    tensor only as it grows.
+    Of a piece of a pattern it is the affine tensor of what repeats. A `diagonal_square` has lost
+    the springs that its boundary cut, and comes near its interior's tensor only as it grows.
 
     Raises
     ------
@@ -101,9 +118,34 @@ def network_tensor(lattice: Lattice, constants: tuple[float, ...], weights: str)
     chosen("boundary weights", weights, WEIGHTS)
     if weights == "per_cell":  # inside, every cell that a spring borders brings one of its own
         k = k * lattice.sharing
+    if lattice.pattern is not None:
+        return pattern_tensor(lattice.pattern, tuple(k), lattice.spacing)
     # With shared boundary springs the whole lattice is made of interior cells, none of them cut.
-    per_spring = k[lattice.kind] * boundary_weights(lattice, "shared")
+    per_spring = k[lattice.kind] * lattice.factor * boundary_weights(lattice, "shared")
     return spring_tensor(lattice.vectors, per_spring, lattice.domain.volume)
+
+
+def pattern_tensor(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Array:
+    """Tensor, (3, 3) in N/m or (6, 6) in Pa, of an endless lattice under affine motion.
+
+    Parameters
+    ----------
+    pattern
+        What repeats.
+    constants
+        Spring constants (N/m), one a kind.
+    spacing
+        Length (m) of the pattern's unit; a plane tensor does not depend on it.
+
+    Raises
+    ------
+    ProblemError
+        If the constants are not one a kind, or the spacing is no length.
+    """
+    instance("pattern", pattern, Pattern)
+    a = metres("spacing", spacing)
+    volume = math.prod(pattern.size) * a**pattern.dim
+    return spring_tensor(a * pattern.vectors, pattern.stiffness(constants), volume)
 
 
 def square_tensor(k1: float, k2: float) -> Array:
@@ -211,46 +253,116 @@ def in_plane(material: Isotropic) -> tuple[float, float]:
     raise ProblemError("in-plane constants: the material is a solid; take plane stress or strain")
 
 
-def plane_moduli(tensor: Array) -> PlaneModuli:
-    """E (N/m), nu along the axes and Zener ratio of a tensor with C11 = C22, C16 = C26 = 0.
+def moduli(tensor: Array) -> Moduli:
+    """E, nu along x and Zener ratio of a tensor of cubic (in the plane square) symmetry.
 
     Raises
     ------
     ProblemError
-        If it is no plane tensor, or a uniaxial stress has no one strain (C11 = 0 or C11 = C12).
+        If it is no such tensor, or a uniaxial stress has no one strain (C11 = 0 or C11 = C12).
     """
-    C = _plane(tensor)
-    C11, C12, C66 = C[0, 0], C[0, 1], C[2, 2]
+    C = _voigt(tensor)
+    d = AXES_OF[len(C)]
+    C11, C12, C44 = C[0, 0], C[0, 1], C[-1, -1]
     if C11 in (0.0, C12):
         raise ProblemError(
-            f"plane moduli: C11 = {C11:g}, C12 = {C12:g} N/m; some strain costs no energy"
+            f"moduli: C11 = {C11:g}, C12 = {C12:g} {UNIT[d]}; some strain costs no energy"
         )
     with np.errstate(over="ignore", invalid="ignore"):
-        found = (C11 - C12**2 / C11, C12 / C11, 2 * C66 / (C11 - C12))
-    E, nu, zener = finite("plane moduli E, nu and zener", found).tolist()
-    return PlaneModuli(E=E, nu=nu, zener=zener)
+        nu = C12 / (C11 + (d - 2) * C12)
+        found = (C11 - (d - 1) * C12 * nu, nu, 2 * C44 / (C11 - C12))
+    E, nu, zener = finite("moduli E, nu and zener", found).tolist()
+    return Moduli(E=E, nu=nu, zener=zener)
 
 
-def rotated(tensor: Array, angle: float) -> Array:
-    """Tensor (3, 3) of the material turned counter-clockwise by `angle` (rad).
+def isotropic_moduli(tensor: Array) -> Moduli:
+    """E and nu of the isotropic tensor nearest to a tensor, and how far the tensor is from it.
+
+    Nearest in the sum of squares of all components: the mean over all rotations (Voigt 1889). From
+    the invariants a = C_iijj and b = C_ijij, in d axes: bulk modulus a/d², and shear modulus
+    (b - a/d)/((d - 1)(d + 2)), in Pa, or N/m in the plane.
+
+    Returns
+    -------
+    Moduli
+        Its `zener` is 2·C44/(C11 - C12) with C11, C12, C44 the means over the axes: it shows an
+        anisotropy of cubic kind along them, and 1 of an isotropic tensor.
 
     Raises
     ------
     ProblemError
-        If it is no plane tensor, or the angle is not one finite number.
+        If it is no Voigt tensor, or a uniform strain costs no energy.
     """
-    C, turn = _plane(tensor), direction("angle", angle)
-    c, s = np.cos(turn), np.sin(turn)
+    C = _voigt(tensor)
+    d = AXES_OF[len(C)]
+    normal, shear = C[:d, :d], np.diag(C)[d:]
+    bulk = normal.sum() / d**2
+    mu = (np.trace(normal) + 2 * shear.sum() - d * bulk) / ((d - 1) * (d + 2))
+    mean11 = np.trace(normal) / d
+    mean12 = (normal.sum() - np.trace(normal)) / (d * (d - 1))
+    if not (bulk > 0 and mu > 0 and mean11 != mean12):
+        raise ProblemError(
+            f"moduli: bulk {bulk:g}, shear {mu:g} {UNIT[d]}; some strain costs no energy"
+        )
+    lame = bulk - 2 * mu / d
+    nu = lame / ((d - 1) * lame + 2 * mu)
+    return Moduli(E=2 * mu * (1 + nu), nu=nu, zener=2 * shear.mean() / (mean11 - mean12))
+
+
+def rotated(tensor: Array, turn: float | Array) -> Array:
+    """Tensor of the material turned counter-clockwise by an angle (rad), or by a rotation (d, d).
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor, an angle is given in space, or a matrix is no rotation.
+    """
+    C = _voigt(tensor)
+    Q = _rotation(turn, AXES_OF[len(C)])
     # Stress of the turned body from its own stress: the Bond matrix for Voigt stress vectors.
-    bond = np.array(
-        [[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]]
-    )
+    first, second = np.array(VOIGT[len(Q)]).T
+    B = Q[np.ix_(first, first)] * Q[np.ix_(second, second)]
+    swapped = Q[np.ix_(first, second)] * Q[np.ix_(second, first)]
+    bond = np.where(first == second, B, B + swapped)
     with np.errstate(over="ignore", invalid="ignore"):
         return np.array(finite("turned tensor", bond @ C @ bond.T))
 
 
+def _rotation(turn: float | Array, d: int) -> Array:
+    """Rotation matrix (d, d)."""
+    if d == 2 and np.shape(turn) == ():
+        angle = direction("angle", np.asarray(turn))
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([[c, -s], [s, c]])
+    given = finite("rotation", turn)
+    if given.shape != (d, d) or np.abs(given @ given.T - np.eye(d)).max() > 1e-12:
+        need = "an angle (rad) or a matrix (2, 2)" if d == 2 else "a matrix (3, 3)"
+        raise ProblemError(f"rotation: {shown(turn)}; give {need} with orthonormal rows")
+    return given
+
+
+def directional_modulus(tensor: Array, directions: Array) -> Array:
+    """Young's modulus (q,), in Pa or N/m, of a body pulled along unit vectors (q, d).
+
+    1/E = v S v, v the Voigt vector of n⊗n and S the compliance (Nye, *Physical Properties of
+    Crystals*, 1957).
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor, is singular, or the directions are not unit vectors.
+    """
+    C = _voigt(tensor)
+    n = finite("directions", directions)
+    d = AXES_OF[len(C)]
+    if n.ndim != 2 or n.shape[1] != d or np.abs((n**2).sum(axis=1) - 1).max(initial=0) > 1e-9:
+        raise ProblemError(f"directions: shape {n.shape}; give unit vectors (q, {d})")
+    v = voigt_directions(n)
+    return np.asarray(1 / (v * _strained(C, v.T).T).sum(axis=1))
+
+
 def directional_ratio(tensor: Array, angle: float) -> float:
-    """Poisson's ratio when the body is pulled along the direction at `angle` (rad) to x.
+    """Poisson's ratio when a plane body is pulled along the direction at `angle` (rad) to x.
 
     Stress n⊗n gives strain S:(n⊗n); nu is minus its part across, m⊗m, over its part along, n⊗n.
 
@@ -259,18 +371,26 @@ def directional_ratio(tensor: Array, angle: float) -> float:
     ProblemError
         If it is no plane tensor, is singular, or the angle is not one finite number.
     """
-    C, turn = _plane(tensor), direction("angle", angle)
+    C, turn = _voigt(tensor, 2), direction("angle", angle)
     c, s = np.cos(turn), np.sin(turn)
     along, across = np.array([c * c, s * s, c * s]), np.array([s * s, c * c, -c * s])
-    if np.linalg.matrix_rank(C) < len(along):
-        raise ProblemError("directional ratio: the tensor is singular; some strain costs no energy")
+    strain = _strained(C, along)
     with np.errstate(all="ignore"):
-        strain = np.linalg.solve(C, along)
         return number("directional ratio", -(across @ strain) / (along @ strain))
 
 
-def _plane(tensor: Array) -> Array:
+def _strained(C: Array, stress: Array) -> Array:
+    """Voigt strain under a Voigt stress, columns (3 or 6, q)."""
+    if np.linalg.matrix_rank(C) < len(C):
+        raise ProblemError("directional moduli: the tensor is singular; some strain costs nothing")
+    with np.errstate(all="ignore"):
+        return np.asarray(np.linalg.solve(C, stress))
+
+
+def _voigt(tensor: Array, dim: int | None = None) -> Array:
+    """The tensor as an array, of the plane or of space, or as said."""
     C = finite("tensor", tensor)
-    if C.shape != (3, 3):
-        raise ProblemError(f"tensor: shape {C.shape}; give a plane one, (3, 3)")
+    if C.shape not in {(3, 3), (6, 6)} or dim not in (None, AXES_OF[len(C)]):
+        need = "a plane one, (3, 3)" if dim == 2 else "a plane one, (3, 3), or a solid's, (6, 6)"
+        raise ProblemError(f"tensor: shape {C.shape}; give {need}")
     return C

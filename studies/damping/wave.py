@@ -35,7 +35,7 @@ from msvalidate.integrate import State
 from msvalidate.lattice import square
 from msvalidate.network import Network, spring_force
 from msvalidate.problem import Anisotropic, Array, Box, Problem, Support
-from msvalidate.stiffness import plane_moduli, square_tensor
+from msvalidate.stiffness import moduli, square_tensor
 from msvalidate.sweep import Setting
 from studies.damping import bodies
 from studies.damping.bodies import DENSITY, ISOTROPIC, Motion
@@ -178,11 +178,11 @@ def bar(sides: str, cells: int) -> Bar:
         held[:, 1] = True
         network = replace(network, held=held)
     else:
-        moduli = plane_moduli(tensor)
-        modulus = moduli.E
+        found = moduli(tensor)
+        modulus = found.E
         middle = network.points[:, 1] - network.points[:, 1].mean()
         square_height = float(network.mass @ middle**2 / network.mass.sum())
-        beta += moduli.nu**2 * (square_height / 2 - spacing**2 / (8 * (1 + moduli.nu)))
+        beta += found.nu**2 * (square_height / 2 - spacing**2 / (8 * (1 + found.nu)))
     speed = float(np.sqrt(modulus / DENSITY))
     return Bar(network, speed, beta, modulus, spacing, box.size[1])
 

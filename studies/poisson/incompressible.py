@@ -22,7 +22,7 @@ from msvalidate import figures
 from msvalidate.candidate import Candidate, springs
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Tables, Tolerance
-from msvalidate.stiffness import directional_ratio, plane_moduli, square_tensor
+from msvalidate.stiffness import directional_ratio, moduli, square_tensor
 from msvalidate.sweep import Setting
 from studies.poisson import block
 from studies.poisson.block import K1, RATIOS
@@ -149,12 +149,12 @@ def reading(candidate: Candidate, name: str, wanted: float, k2: float | None) ->
     else:
         tensor = square_tensor(K1, k2)
         problem, network = block.spring_block("slide", k2, CELLS, "shared")
-        moduli = plane_moduli(tensor)
+        found = moduli(tensor)
         given = {
             "k2_over_k1": k2,
-            "nu_axis": moduli.nu,
+            "nu_axis": found.nu,
             "nu_diagonal": directional_ratio(tensor, np.pi / 4),
-            "zener": moduli.zener,
+            "zener": found.zener,
             "nu_springs": block.ratio(
                 network.points, candidate(problem, network, "linear"), "edges"
             ),

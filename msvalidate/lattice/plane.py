@@ -1,23 +1,21 @@
-"""Floor 1: where the points sit, which of them are joined, and which cells the springs border."""
+"""Lattices of the plane: squares along the axes and at 45 degrees, triangles in an outline."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
 
 import numpy as np
 
+from msvalidate.lattice import patterns
+from msvalidate.lattice.filled import Lattice, fill
 from msvalidate.problem import (
     MOST_VERTICES,
     Array,
     Box,
-    Domain,
     Index,
     Polygon,
     ProblemError,
-    chosen,
     counts,
-    instance,
     metres,
     place_name,
     refuse_too_many,
@@ -25,72 +23,6 @@ from msvalidate.problem import (
 )
 
 SIN60 = math.sin(math.pi / 3)
-WEIGHTS = ("shared", "equal", "per_cell")
-"""Rules for the weight of a spring on the boundary: see `boundary_weights`."""
-
-
-@dataclass(frozen=True, eq=False)
-class Lattice:
-    """Points, springs and cells of a regular lattice that fills a body.
-
-    Parameters
-    ----------
-    name
-        The lattice's name in tables.
-    domain
-        The body that it fills.
-    points
-        (n, d) positions (m).
-    springs
-        (m, 2) pairs of points, the lower index first.
-    kind
-        (m,) class of each spring: an index into the spring constants (0 axial, 1 diagonal).
-    cells
-        (c, corners) points of each cell, all of one size: a square's x fastest.
-    facets
-        (f, 2^(d-1)) points of each boundary facet.
-    borders
-        (m,) number of cells that each spring borders.
-    sharing
-        (kinds,) number of cells that an interior spring of each kind borders.
-    shares
-        Part of a cell that belongs to each of its corners; by default an equal one.
-    """
-
-    name: str
-    domain: Domain
-    points: Array
-    springs: Index
-    kind: Index
-    cells: Index
-    facets: Index
-    borders: Index
-    sharing: Index
-    shares: tuple[float, ...] | None = None
-
-    def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
-
-    @property
-    def vectors(self) -> Array:
-        """Vector (m, d) in m along each spring."""
-        return np.asarray(self.points[self.springs[:, 1]] - self.points[self.springs[:, 0]])
-
-    @property
-    def cell_volume(self) -> float:
-        """Area (m²) or volume (m³) of one cell."""
-        return self.domain.volume / len(self.cells)
-
-    @property
-    def point_volume(self) -> Array:
-        """Area or volume (n,) of each point: its share of every cell that it borders."""
-        cells, corners = self.cells.shape
-        part = np.full(corners, 1 / corners) if self.shares is None else np.array(self.shares)
-        parts = np.bincount(self.cells.ravel(), np.tile(part, cells), len(self.points))
-        return np.asarray(parts * self.cell_volume)
 
 
 def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
@@ -106,42 +38,9 @@ def square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     Raises
     ------
     ProblemError
-        If the box is not plane, a count is not a positive integer, the cells are not square, or
-        they are too many.
+        As for `fill`.
     """
-    _refuse_no_plane_box(box)
-    nx, ny = counts("cells", cells)
-    refuse_too_many(f"square lattice of {nx} x {ny} cells", (nx + 1) * (ny + 1))
-    (width, height), (dx, dy) = box.size, (box.size[0] / nx, box.size[1] / ny)
-    if abs(dx - dy) > 1e-9 * dx:
-        raise ProblemError(
-            f"square lattice: {nx} x {ny} cells of {dx:g} m x {dy:g} m; "
-            f"choose counts in the ratio {width:g} : {height:g}"
-        )
-    y, x = np.meshgrid(np.linspace(0, height, ny + 1), np.linspace(0, width, nx + 1), indexing="ij")
-    number = np.arange(x.size).reshape(ny + 1, nx + 1)
-    corners = [number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]]
-    low_left, low_right, high_left, high_right = (corner.ravel() for corner in corners)
-
-    along_x = _pairs(number[:, :-1], number[:, 1:])
-    along_y = _pairs(number[:-1, :], number[1:, :])
-    rising, falling = _pairs(low_left, high_right), _pairs(low_right, high_left)
-    inner_row = np.pad(np.full(ny - 1, 2), 1, constant_values=1)
-    inner_column = np.pad(np.full(nx - 1, 2), 1, constant_values=1)
-    borders = [np.repeat(inner_row, nx), np.tile(inner_column, ny), np.ones(2 * nx * ny, int)]
-    axial = len(along_x) + len(along_y)
-    sides = (number[0], number[-1], number[:, 0], number[:, -1])
-    return Lattice(
-        name="square",
-        domain=box,
-        points=np.column_stack([x.ravel(), y.ravel()]),
-        springs=np.concatenate([along_x, along_y, rising, falling]),
-        kind=np.repeat([0, 1], [axial, 2 * nx * ny]),
-        cells=np.column_stack([low_left, low_right, high_left, high_right]),
-        facets=np.concatenate([_pairs(side[:-1], side[1:]) for side in sides]),
-        borders=np.concatenate(borders),
-        sharing=np.array([2, 1]),
-    )
+    return fill(patterns.square(), box, cells)
 
 
 def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
@@ -180,18 +79,19 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     quarters = [
         np.column_stack([a, b, middle]) for a, b in zip(ring, (*ring[1:], ring[0]), strict=True)
     ]
+    quarter_cells = np.concatenate(quarters)
     return Lattice(
         name="square at 45°",
         domain=box,
         points=np.concatenate([grid.points, grid.points[grid.cells].mean(axis=1)]),
         springs=springs,
         kind=np.repeat([0, 1], [4 * nx * ny, len(springs) - 4 * nx * ny]),
-        cells=np.concatenate(quarters),
+        cells=quarter_cells,
         facets=grid.facets,
-        borders=np.concatenate([*whole_cells, np.full(sum(map(len, between)), 2)]),
+        share=np.concatenate([*whole_cells, np.full(sum(map(len, between)), 2)]) / 2,
         sharing=np.array([2, 2]),
         # Inside, every point is alike: a corner of squares has eight quarters, a middle only four.
-        shares=(0.25, 0.25, 0.5),
+        point_volume=_shares(quarter_cells, (0.25, 0.25, 0.5)) * (box.volume / len(quarter_cells)),
     )
 
 
@@ -245,8 +145,9 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
         kind=np.zeros(len(springs), dtype=int),
         cells=cells,
         facets=springs[borders == 1],
-        borders=borders,
+        share=borders / 2,
         sharing=np.array([2]),
+        point_volume=_shares(cells, (1 / 3,) * 3) * (outline.volume / len(cells)),
     )
 
 
@@ -303,27 +204,9 @@ def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
     return Polygon(((0.0, 0.0), (length, 0.0), (length - slant, height), (slant, height)))
 
 
-def boundary_weights(lattice: Lattice, rule: str) -> Array:
-    """Weight (m,) that each spring's constant takes from the cells that it borders.
-
-    ``shared``: a cell gives each of its edges half, so a spring on the boundary counts 1/2. Every
-    cell then carries the energy of the interior cell, and uniform strain costs the same everywhere:
-    the consistent rule. ``equal``: every spring counts 1, the report's code. ``per_cell``: every
-    cell brings springs of its own, so an inner axial spring counts 2, which is what the report's
-    formula k2/(2k1 + k2) assumes.
-
-    Raises
-    ------
-    ProblemError
-        If the rule is none of `WEIGHTS`.
-    """
-    instance("lattice", lattice, Lattice)
-    chosen("boundary weights", rule, WEIGHTS)
-    if rule == "shared":
-        return lattice.borders / lattice.sharing[lattice.kind]
-    if rule == "equal":
-        return np.ones(len(lattice.springs))
-    return lattice.borders.astype(float)
+def _shares(cells: Index, parts: tuple[float, ...]) -> Array:
+    """Cells (n,) that each point has, when it takes such parts of those that it is a corner of."""
+    return np.asarray(np.bincount(cells.ravel(), np.tile(parts, len(cells))), dtype=float)
 
 
 def _refuse_no_plane_box(box: Box) -> None:

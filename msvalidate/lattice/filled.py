@@ -1,0 +1,324 @@
+"""A body filled with a lattice: points, springs, cells, facets, and what a boundary shares."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from itertools import product
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import Delaunay
+
+from msvalidate.lattice.pattern import Pattern
+from msvalidate.problem import (
+    Array,
+    Box,
+    Domain,
+    Index,
+    Mask,
+    ProblemError,
+    chosen,
+    counts,
+    instance,
+    refuse_too_many,
+    shown,
+)
+
+Kind = TypeVar("Kind", bound=np.generic)
+WEIGHTS = ("shared", "equal", "per_cell")
+"""Rules for the weight of a spring on the boundary: see `boundary_weights`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lattice:
+    """Points, springs and cells of a lattice that fills a body.
+
+    Parameters
+    ----------
+    name
+        The lattice's name in tables.
+    domain
+        The body that it fills.
+    points
+        (n, d) positions (m).
+    springs
+        (m, 2) pairs of points, the lower index first.
+    kind
+        (m,) class of each spring: an index into the spring constants.
+    cells
+        (c, corners) points of each cell, all of one shape: a box's x fastest.
+    facets
+        (f, corners) points of each boundary facet: 2 in the plane; in space 3, or 4 with the first
+        axis fastest.
+    share
+        (m,) part of each spring that belongs to the body: 1 inside, 1/2 on a side, 1/4 on an edge
+        of a solid, and so on. The rest stands for what lies beyond.
+    sharing
+        (kinds,) number of cells that an interior spring of each kind borders.
+    point_volume
+        (n,) area (m²) or volume (m³) of each point.
+    factor
+        (m,) stiffness of each spring inside relative to the constant of its kind, by default 1.
+    pattern, spacing
+        What repeats and the length of its unit (m), where the lattice is a piece of one.
+    """
+
+    name: str
+    domain: Domain
+    points: Array
+    springs: Index
+    kind: Index
+    cells: Index
+    facets: Index
+    share: Array
+    sharing: Index
+    point_volume: Array
+    factor: Array = field(default_factory=lambda: np.ones(0))
+    pattern: Pattern | None = None
+    spacing: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not len(self.factor):
+            object.__setattr__(self, "factor", np.ones(len(self.springs)))
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+
+    @property
+    def vectors(self) -> Array:
+        """Vector (m, d) in m along each spring."""
+        return np.asarray(self.points[self.springs[:, 1]] - self.points[self.springs[:, 0]])
+
+    @property
+    def borders(self) -> Array:
+        """Number (m,) of the body's cells that each spring borders."""
+        return np.asarray(self.share * self.sharing[self.kind])
+
+
+def boundary_weights(lattice: Lattice, rule: str) -> Array:
+    """Weight (m,) that each spring's constant takes from the cells that it borders.
+
+    ``shared``: a cell gives each of its edges its part, in the plane half, so a spring on the
+    boundary counts 1/2. Every cell then carries the energy of the interior cell, and uniform strain
+    costs the same everywhere: the consistent rule. ``equal``: every spring counts 1, the report's
+    code. ``per_cell``: every cell brings springs of its own, so an inner axial spring of the plane
+    counts 2, which is what the report's formula k2/(2k1 + k2) assumes.
+
+    Raises
+    ------
+    ProblemError
+        If the rule is none of `WEIGHTS`.
+    """
+    instance("lattice", lattice, Lattice)
+    chosen("boundary weights", rule, WEIGHTS)
+    if rule == "shared":
+        return lattice.share
+    if rule == "equal":
+        return np.ones(len(lattice.springs))
+    return lattice.borders
+
+
+def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> Lattice:
+    """Whole cells of a pattern in a box along the axes.
+
+    Springs that would leave the box are left out; a spring in a side counts the half that lies
+    inside, one in two sides a quarter. Where every spring of the pattern runs inside a cell or
+    along its sides, uniform strain is then exact at any size. Where some run from a cell to the
+    next across a side (triangular, BCC, second neighbours in FCC), those are missing at the
+    boundary, an error of first order in the spacing.
+
+    Parameters
+    ----------
+    pattern
+        With a point in the corner of its cell.
+    box
+        Of the pattern's dimension.
+    cells
+        Number of cells along each axis; one number serves all.
+
+    Raises
+    ------
+    ProblemError
+        If the box does not fit the pattern, a count is not a positive integer, the cells do not
+        come out in the pattern's proportions, or the points are too many.
+    """
+    instance("pattern", pattern, Pattern)
+    d = pattern.dim
+    if not isinstance(box, Box) or box.dim != d:
+        need = "a plane box" if d == 2 else "a box of three lengths"
+        raise ProblemError(f"{pattern.name} lattice: a {shown(box)}; give {need}")
+    n = counts("cells", cells, d)
+    counted = " x ".join(map(str, n))
+    refuse_too_many(
+        f"{pattern.name} lattice of {counted} cells",
+        len(pattern.points) * float(np.prod(np.add(n, 1, dtype=float))),
+    )
+    _refuse_other_proportions(pattern, box, n)
+    number, points = _numbered(pattern, box, n)
+    springs, kind, factor, share = _springs(pattern, n, number)
+    on_sides = _sides_met(pattern, n)[number >= 0]
+    return Lattice(
+        name=pattern.name,
+        domain=box,
+        points=points,
+        springs=springs,
+        kind=kind,
+        cells=_corners(number[..., _at_corner(pattern)], d),
+        facets=_facets(pattern, number, points),
+        share=share,
+        sharing=_sharing(pattern),
+        point_volume=_volumes(pattern, box, n)[number >= 0] * 0.5**on_sides,
+        factor=factor,
+        pattern=pattern,
+        spacing=box.size[0] / n[0] / pattern.size[0],
+    )
+
+
+def _refuse_other_proportions(pattern: Pattern, box: Box, n: tuple[int, ...]) -> None:
+    spacing = np.array(box.size) / n / pattern.size
+    if np.abs(spacing - spacing[0]).max() <= 1e-9 * spacing[0]:
+        if not _at_corner(pattern).any():
+            raise ProblemError(
+                f"{pattern.name} lattice: no point in the corner of its cell, so none would lie in "
+                "the corners of a box; shift the pattern"
+            )
+        return
+    cell = " x ".join(f"{edge:g} m" for edge in np.array(box.size) / n)
+    if np.ptp(pattern.size):
+        proportions = " : ".join(f"{edge:g}" for edge in pattern.size)
+        remedy = f"its cells are as {proportions}: choose a box and counts that make them so"
+    else:
+        remedy = f"choose counts in the ratio {' : '.join(f'{edge:g}' for edge in box.size)}"
+    raise ProblemError(
+        f"{pattern.name} lattice: {' x '.join(map(str, n))} cells of {cell}; {remedy}"
+    )
+
+
+def _numbered(pattern: Pattern, box: Box, n: tuple[int, ...]) -> tuple[Index, Array]:
+    """Numbers (.., n_y + 1, n_x + 1, points a cell) of all places, -1 outside, and positions."""
+    d = pattern.dim
+    grids = [np.linspace(0, length, count + 1) for length, count in zip(box.size, n, strict=True)]
+    corner = np.stack(np.meshgrid(*reversed(grids), indexing="ij")[::-1], axis=-1)
+    spacing = box.size[0] / n[0] / pattern.size[0]
+    place = corner[..., None, :] + spacing * pattern.points
+    inside = np.ones(place.shape[:-1], dtype=bool)
+    for axis in range(d):
+        # Of the last corners, beyond which there is no cell, only what lies in the side itself.
+        last = _layer(inside, d, axis, n[axis])
+        last &= _on_low_side(pattern, axis)
+    number = np.full(inside.shape, -1)
+    number[inside] = np.arange(inside.sum())
+    return number, place[inside]
+
+
+def _springs(
+    pattern: Pattern, n: tuple[int, ...], number: Index
+) -> tuple[Index, Index, Array, Array]:
+    """Springs with both ends in the box, their kinds, factors and shares."""
+    d = pattern.dim
+    pairs, shares = [], []
+    sides = [_on_low_side(pattern, axis) for axis in range(d)]
+    for (i, j), image in zip(pattern.springs, pattern.image, strict=True):
+        start = [
+            slice(max(0, -t), count + 1 - max(0, t)) for t, count in zip(image, n, strict=True)
+        ]
+        end = [slice(max(0, t), count + 1 + min(0, t)) for t, count in zip(image, n, strict=True)]
+        a, b = number[(*reversed(start), i)], number[(*reversed(end), j)]
+        share = np.ones(a.shape)
+        for axis in range(d):
+            if sides[axis][i] and sides[axis][j] and image[axis] == 0:
+                for layer in (0, n[axis]):
+                    _layer(share, d, axis, layer)[...] *= 0.5
+        there = (a >= 0) & (b >= 0)
+        pairs.append(np.sort(np.column_stack([a[there], b[there]]), axis=1))
+        shares.append(share[there])
+    count = [len(pair) for pair in pairs]
+    return (
+        np.concatenate(pairs),
+        np.repeat(pattern.kind, count),
+        np.repeat(pattern.factor, count),
+        np.concatenate(shares),
+    )
+
+
+def _sharing(pattern: Pattern) -> Index:
+    """Cells that an interior spring of each kind borders: two for each side that it runs in."""
+    inside_sides = np.zeros(len(pattern.springs), dtype=int)
+    i, j = pattern.springs.T
+    for axis in range(pattern.dim):
+        side = _on_low_side(pattern, axis)
+        inside_sides += side[i] & side[j] & (pattern.image[:, axis] == 0)
+    first = [int(np.flatnonzero(pattern.kind == kind)[0]) for kind in range(pattern.kinds)]
+    return np.asarray(2 ** inside_sides[first])
+
+
+def _volumes(pattern: Pattern, box: Box, n: tuple[int, ...]) -> Array:
+    """Volume of every place, as if none lay in a side of the box."""
+    cell = box.volume / np.prod(n)
+    return np.broadcast_to(cell * pattern.volume / np.prod(pattern.size), _shape(pattern, n))
+
+
+def _sides_met(pattern: Pattern, n: tuple[int, ...]) -> Index:
+    """Number of sides of the box in which every place lies."""
+    d = pattern.dim
+    met = np.zeros(_shape(pattern, n), dtype=int)
+    for axis in range(d):
+        for layer in (0, n[axis]):
+            _layer(met, d, axis, layer)[...] += _on_low_side(pattern, axis)
+    return met
+
+
+def _facets(pattern: Pattern, number: Index, points: Array) -> Index:
+    """Points of all boundary facets: segments, quadrilaterals, or triangles on a crowded face."""
+    d = pattern.dim
+    facets = []
+    for axis in reversed(range(d)):
+        on_side = _on_low_side(pattern, axis)
+        others = [other for other in range(d) if other != axis]
+        for layer in (0, -1):
+            there = _layer(number, d, axis, layer)[..., on_side]
+            if on_side.sum() == 1:
+                facets.append(_corners(there, d - 1))
+                continue
+            found = there[there >= 0]
+            facets.append(_covered(found, points[found][:, others]))
+    return np.concatenate(facets)
+
+
+def _covered(found: Index, places: Array) -> Index:
+    """Segments or triangles between points of one side, at their places (f, d - 1) in it."""
+    if places.shape[1] == 1:
+        found = found[np.argsort(places[:, 0])]
+        return np.column_stack([found[:-1], found[1:]])
+    return np.asarray(found[Delaunay(places).simplices])
+
+
+def _corners(number: Index, axes: int) -> Index:
+    """Corners, x fastest, of all boxes between the places numbered in a grid (.., y, x, 1)."""
+    grid = number[..., 0]
+    low, high = slice(None, -1), slice(1, None)
+    return np.column_stack([grid[corner].ravel() for corner in product((low, high), repeat=axes)])
+
+
+def _layer(grid: NDArray[Kind], dim: int, axis: int, layer: int) -> NDArray[Kind]:
+    """View of the places of a grid (.., n_y + 1, n_x + 1, points) in one layer across an axis."""
+    place: list[slice | int] = [slice(None)] * dim
+    place[dim - 1 - axis] = layer
+    view: NDArray[Kind] = grid[tuple(place)]
+    return view
+
+
+def _on_low_side(pattern: Pattern, axis: int) -> Mask:
+    """Which points (n,) of the pattern lie in the low side of its cell across an axis."""
+    return np.asarray(np.abs(pattern.points[:, axis]) <= 1e-9 * pattern.size[axis])
+
+
+def _at_corner(pattern: Pattern) -> Mask:
+    """Which points (n,) lie in the corner of the cell."""
+    return np.asarray((np.abs(pattern.points) <= 1e-9 * np.array(pattern.size)).all(axis=1))
+
+
+def _shape(pattern: Pattern, n: tuple[int, ...]) -> tuple[int, ...]:
+    return (*(count + 1 for count in reversed(n)), len(pattern.points))

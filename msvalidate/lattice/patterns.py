@@ -1,0 +1,124 @@
+"""The lattices: one function each, found by what it returns.
+
+Closed forms are the affine rule C_ijkl = (1/2V) Σ k L² n_i n_j n_k n_l over all neighbours of a
+point of volume V (Born and Huang, *Dynamical Theory of Crystal Lattices*, 1954, for central
+forces): exact where every point is a centre of symmetry, as it is in all of these. Central forces
+make C12 = C44 (Cauchy), so isotropic means C11 = 3·C12.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from itertools import product
+from math import sqrt
+
+import numpy as np
+
+from msvalidate.lattice.pattern import Constants, Pattern, by_shells
+from msvalidate.problem import Array
+
+
+def known() -> dict[str, Callable[[], Pattern]]:
+    """Every lattice of this module: its public functions that are said to return a `Pattern`."""
+    return {
+        name: item
+        for name, item in vars(sys.modules[__name__]).items()
+        if callable(item)
+        and not name.startswith("_")
+        and name != by_shells.__name__
+        and getattr(item, "__annotations__", {}).get("return") in {"Pattern", Pattern}
+    }
+
+
+def square() -> Pattern:
+    """Square lattice with eight neighbours: k1 along the axes, k2 along the diagonals."""
+    rules = {"isotropic": (1.0, 0.5), "equal": (1.0, 1.0), "report's 2 k1": (1.0, 2.0)}
+
+    def tensor(k: Constants) -> Array:
+        return cubic_tensor(2, k[0] + k[1], k[1])
+
+    return by_shells("square", (1.0, 1.0), [(0, 0)], (1.0, sqrt(2)), rules, tensor)
+
+
+def square4() -> Pattern:
+    """Square lattice with four neighbours, what Voronoi cells make of it: no ratio, no shear."""
+
+    def tensor(k: Constants) -> Array:
+        return cubic_tensor(2, k[0], 0.0)
+
+    return by_shells("square 4", (1.0, 1.0), [(0, 0)], (1.0,), {"equal": (1.0,)}, tensor)
+
+
+def triangular() -> Pattern:
+    """Triangular lattice with six neighbours, rows along x: isotropic for every k."""
+
+    def tensor(k: Constants) -> Array:
+        return cubic_tensor(2, 3 * sqrt(3) / 4 * k[0], sqrt(3) / 4 * k[0])
+
+    points = [(0, 0), (0.5, sqrt(3) / 2)]
+    return by_shells("triangular", (1.0, sqrt(3)), points, (1.0,), {"equal": (1.0,)}, tensor)
+
+
+def cubic6() -> Pattern:
+    """Cubic lattice with six neighbours: no ratio, and it shears freely."""
+
+    def tensor(k: Constants) -> Array:
+        return cubic_tensor(3, k[0], 0.0)
+
+    return by_shells("cubic 6", (1.0,) * 3, [(0, 0, 0)], (1.0,), {"equal": (1.0,)}, tensor)
+
+
+def cubic18() -> Pattern:
+    """Cubic lattice with eighteen neighbours: k1 along edges, k2 along the faces' diagonals."""
+
+    def tensor(k: Constants) -> Array:
+        return cubic_tensor(3, k[0] + 2 * k[1], k[1])
+
+    rules = {"isotropic": (1.0, 1.0), "report's 2 k1": (1.0, 2.0)}
+    return by_shells("cubic 18", (1.0,) * 3, [(0, 0, 0)], (1.0, sqrt(2)), rules, tensor)
+
+
+def cubic26() -> Pattern:
+    """Cubic lattice with twenty-six neighbours: edges k1, faces' diagonals k2, the cube's k3."""
+
+    def tensor(k: Constants) -> Array:
+        return cubic_tensor(3, k[0] + 2 * k[1] + 4 / 3 * k[2], k[1] + 4 / 3 * k[2])
+
+    rules = {"isotropic": (11 / 3, 1.0, 1.0), "equal": (1.0, 1.0, 1.0)}
+    shells = (1.0, sqrt(2), sqrt(3))
+    return by_shells("cubic 26", (1.0,) * 3, [(0, 0, 0)], shells, rules, tensor)
+
+
+def bcc() -> Pattern:
+    """Body-centred cubic lattice, spacing its cubic edge: 8 nearest k1, 6 next k2."""
+
+    def tensor(k: Constants) -> Array:
+        return cubic_tensor(3, 2 / 3 * k[0] + 2 * k[1], 2 / 3 * k[0])
+
+    rules = {"isotropic": (1.0, 2 / 3), "equal": (1.0, 1.0)}
+    points = [(0, 0, 0), (0.5, 0.5, 0.5)]
+    return by_shells("BCC", (1.0,) * 3, points, (sqrt(3) / 2, 1.0), rules, tensor)
+
+
+def fcc() -> Pattern:
+    """Face-centred cubic lattice, spacing its cubic edge: 12 nearest k1, 6 next k2."""
+
+    def tensor(k: Constants) -> Array:
+        return cubic_tensor(3, 2 * k[0] + 4 * k[1], k[0])
+
+    rules = {"isotropic": (1.0, 0.25), "nearest only": (1.0, 0.0)}
+    points = [point for point in product((0, 0.5), repeat=3) if sum(point) in {0, 1}]
+    return by_shells("FCC", (1.0,) * 3, points, (sqrt(0.5), 1.0), rules, tensor)
+
+
+def cubic_tensor(dim: int, C11: float, C12: float, C44: float | None = None) -> Array:
+    """Voigt tensor, (3, 3) or (6, 6), of cubic (in the plane square) symmetry along the axes.
+
+    `C44` defaults to C12, Cauchy's relation for central forces; in the plane it is C66.
+    """
+    shears = dim * (dim - 1) // 2
+    C = np.zeros((dim + shears, dim + shears))
+    C[:dim, :dim] = C12
+    np.fill_diagonal(C, [C11] * dim + [C12 if C44 is None else C44] * shears)
+    return C
