@@ -5,8 +5,8 @@ What that releases lies between the affine tensor, which holds them back, and th
 
     C = C_affine - (1/V) Fᵀ K⁺ F,
 
-K the stiffness of the periodic motions and F the forces that unit strains leave on the points. Where
-every point is a centre of symmetry F is zero and the affine tensor is exact.
+K the stiffness of the periodic motions and F the forces that unit strains leave on the points.
+Where every point is a centre of symmetry F is zero and the affine tensor is exact.
 """
 
 from __future__ import annotations

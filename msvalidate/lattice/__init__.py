@@ -6,7 +6,7 @@ puts whole cells of any pattern in a box.
 
 from msvalidate.lattice import patterns
 from msvalidate.lattice.filled import WEIGHTS, Lattice, boundary_weights, fill
-from msvalidate.lattice.pattern import Constants, Pattern
+from msvalidate.lattice.pattern import Constants, Pattern, repeated
 from msvalidate.lattice.plane import (
     SIN60,
     diagonal_square,
@@ -26,6 +26,7 @@ __all__ = [
     "diagonal_square",
     "fill",
     "patterns",
+    "repeated",
     "square",
     "trapezium",
     "triangular",

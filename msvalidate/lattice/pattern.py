@@ -9,7 +9,17 @@ from itertools import product
 
 import numpy as np
 
-from msvalidate.problem import Array, Index, ProblemError, coordinates, finite, metres, shown
+from msvalidate.problem import (
+    Array,
+    Index,
+    ProblemError,
+    coordinates,
+    finite,
+    instance,
+    metres,
+    shown,
+    whole,
+)
 
 Constants = tuple[float, ...]
 """Spring constants (N/m), one for each kind of spring."""
@@ -190,4 +200,34 @@ def by_shells(
         kind=np.concatenate(kind),
         rules=rules,
         tensor=tensor,
+    )
+
+
+def repeated(pattern: Pattern, times: int) -> Pattern:
+    """The same lattice with a cell of `times` the edges: its points may move apart from each other.
+
+    Raises
+    ------
+    ProblemError
+        If `times` is not a positive integer.
+    """
+    instance("pattern", pattern, Pattern)
+    d, n = pattern.dim, len(pattern.points)
+    cells = np.indices((whole("times", times, 1),) * d).reshape(d, -1).T
+    place = times ** np.arange(d)[::-1]
+    i, j = pattern.springs.T
+    beyond = cells[:, None] + pattern.image
+    image, home = np.divmod(beyond, times)
+    here = np.repeat(cells @ place, len(i)).reshape(len(cells), -1)
+    return Pattern(
+        name=pattern.name,
+        size=tuple(times * edge for edge in pattern.size),
+        points=(cells[:, None] * np.array(pattern.size) + pattern.points).reshape(-1, d),
+        springs=np.stack([here * n + i, home @ place * n + j], axis=2).reshape(-1, 2),
+        image=image.reshape(-1, d),
+        kind=np.tile(pattern.kind, len(cells)),
+        rules=pattern.rules,
+        tensor=pattern.tensor,
+        factor=np.tile(pattern.factor, len(cells)),
+        volume=np.tile(pattern.volume, len(cells)),
     )
