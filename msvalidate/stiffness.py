@@ -27,6 +27,7 @@ from msvalidate.problem import (
     metres,
     number,
     positive,
+    rotation,
     shown,
 )
 
@@ -225,9 +226,38 @@ def default_constants(material: Material, lattice: Lattice) -> tuple[float, ...]
         raise ProblemError("spring constants: the material is a tensor; give the constants")
     if lattice.name == "triangular":
         return triangular_constants(material)
-    if lattice.name.startswith("square"):
+    if lattice.name in ("square", "square at 45°"):
         return square_constants(material)
-    raise ProblemError(f"spring constants: none known for {lattice.name}; give the constants")
+    if lattice.pattern is None:
+        raise ProblemError(f"spring constants: none known for {lattice.name}; give the constants")
+    return _isotropic_constants(material, lattice.pattern, lattice.spacing)
+
+
+def _isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -> Constants:
+    """Those of the pattern's rules that make it isotropic, scaled to the material's modulus."""
+    if pattern.dim == 2:
+        E, nu = in_plane(material)
+    elif material.state == "solid":
+        E, nu = material.E, material.nu
+    else:
+        raise ProblemError(f"{pattern.name} lattice: material in {material.state}; give a solid")
+    for constants in pattern.rules.values():
+        tensor = pattern_tensor(pattern, constants, spacing)
+        C11, C12, C44 = tensor[0, 0], tensor[0, 1], tensor[-1, -1]
+        if abs(C11 - C12 - 2 * C44) < 1e-9 * C11:
+            break
+    else:
+        raise ProblemError(
+            f"{pattern.name} lattice: none of its rules, {', '.join(pattern.rules)}, makes it "
+            "isotropic; give the constants"
+        )
+    found = moduli(tensor)
+    if abs(nu - found.nu) > 1e-9:
+        raise ProblemError(
+            f"{pattern.name} lattice: nu = {nu:.6g}; central springs are isotropic at "
+            f"{found.nu:.6g} only (C12 = C44): take that ratio, or give the constants"
+        )
+    return tuple(k * E / found.E for k in constants)
 
 
 def in_plane(material: Isotropic) -> tuple[float, float]:
@@ -318,7 +348,7 @@ def rotated(tensor: Array, turn: float | Array) -> Array:
         If it is no Voigt tensor, an angle is given in space, or a matrix is no rotation.
     """
     C = _voigt(tensor)
-    Q = _rotation(turn, AXES_OF[len(C)])
+    Q = rotation(turn, AXES_OF[len(C)])
     # Stress of the turned body from its own stress: the Bond matrix for Voigt stress vectors.
     first, second = np.array(VOIGT[len(Q)]).T
     B = Q[np.ix_(first, first)] * Q[np.ix_(second, second)]
@@ -326,19 +356,6 @@ def rotated(tensor: Array, turn: float | Array) -> Array:
     bond = np.where(first == second, B, B + swapped)
     with np.errstate(over="ignore", invalid="ignore"):
         return np.array(finite("turned tensor", bond @ C @ bond.T))
-
-
-def _rotation(turn: float | Array, d: int) -> Array:
-    """Rotation matrix (d, d)."""
-    if d == 2 and np.shape(turn) == ():
-        angle = direction("angle", np.asarray(turn))
-        c, s = np.cos(angle), np.sin(angle)
-        return np.array([[c, -s], [s, c]])
-    given = finite("rotation", turn)
-    if given.shape != (d, d) or np.abs(given @ given.T - np.eye(d)).max() > 1e-12:
-        need = "an angle (rad) or a matrix (2, 2)" if d == 2 else "a matrix (3, 3)"
-        raise ProblemError(f"rotation: {shown(turn)}; give {need} with orthonormal rows")
-    return given
 
 
 def directional_modulus(tensor: Array, directions: Array) -> Array:

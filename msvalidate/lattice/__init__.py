@@ -1,7 +1,8 @@
 """Floor 1: where the points sit, which of them are joined, and what of a spring a body shares.
 
-A lattice is a function that returns a `Pattern`, what repeats; `patterns` has one a lattice. `fill`
-puts whole cells of any pattern in a box.
+A lattice is a function that returns a `Pattern`, what repeats; `patterns` has one a lattice, and
+`voronoi` makes random ones. As a `Lattice`, a body: `fill` puts whole cells of any pattern in a
+box, `turned` cuts one at any angle, `voronoi_box` fills one at random.
 """
 
 from msvalidate.lattice import patterns
@@ -15,9 +16,12 @@ from msvalidate.lattice.plane import (
     triangular,
     zigzag_block,
 )
+from msvalidate.lattice.turned import turned
+from msvalidate.lattice.voronoi import STIFFNESS_RULES, voronoi, voronoi_box
 
 __all__ = [
     "SIN60",
+    "STIFFNESS_RULES",
     "WEIGHTS",
     "Constants",
     "Lattice",
@@ -30,5 +34,8 @@ __all__ = [
     "square",
     "trapezium",
     "triangular",
+    "turned",
+    "voronoi",
+    "voronoi_box",
     "zigzag_block",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields
 from itertools import product
 from typing import TypeVar
@@ -157,20 +158,21 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> Lattice:
     )
     _refuse_other_proportions(pattern, box, n)
     number, points = _numbered(pattern, box, n)
-    springs, kind, factor, share = _springs(pattern, n, number)
-    on_sides = _sides_met(pattern, n)[number >= 0]
+    springs, which = joined(pattern, number)
+    inside = np.nonzero(number >= 0)[-1]
+    volume = box.volume / math.prod(n) * pattern.volume / math.prod(pattern.size)
     return Lattice(
         name=pattern.name,
         domain=box,
         points=points,
         springs=springs,
-        kind=kind,
+        kind=pattern.kind[which],
         cells=_corners(number[..., _at_corner(pattern)], d),
         facets=_facets(pattern, number, points),
-        share=share,
+        share=side_share(points, springs, box),
         sharing=_sharing(pattern),
-        point_volume=_volumes(pattern, box, n)[number >= 0] * 0.5**on_sides,
-        factor=factor,
+        point_volume=volume[inside] * side_share(points, np.arange(len(points))[:, None], box),
+        factor=pattern.factor[which],
         pattern=pattern,
         spacing=box.size[0] / n[0] / pattern.size[0],
     )
@@ -213,34 +215,36 @@ def _numbered(pattern: Pattern, box: Box, n: tuple[int, ...]) -> tuple[Index, Ar
     return number, place[inside]
 
 
-def _springs(
-    pattern: Pattern, n: tuple[int, ...], number: Index
-) -> tuple[Index, Index, Array, Array]:
-    """Springs with both ends in the box, their kinds, factors and shares."""
-    d = pattern.dim
-    pairs, shares = [], []
-    sides = [_on_low_side(pattern, axis) for axis in range(d)]
+def joined(pattern: Pattern, number: Index) -> tuple[Index, Index]:
+    """Springs (m, 2) between numbered places, the lower first, and their numbers in the pattern.
+
+    Parameters
+    ----------
+    pattern
+        What repeats.
+    number
+        (.., cells along y, cells along x, points a cell) numbers of the places, -1 where none is.
+    """
+    n = number.shape[-2::-1]
+    pairs = []
     for (i, j), image in zip(pattern.springs, pattern.image, strict=True):
-        start = [
-            slice(max(0, -t), count + 1 - max(0, t)) for t, count in zip(image, n, strict=True)
-        ]
-        end = [slice(max(0, t), count + 1 + min(0, t)) for t, count in zip(image, n, strict=True)]
+        steps = list(zip(image, n, strict=True))
+        start = [slice(max(0, -t), count - max(0, t)) for t, count in steps]
+        end = [slice(max(0, t), count + min(0, t)) for t, count in steps]
         a, b = number[(*reversed(start), i)], number[(*reversed(end), j)]
-        share = np.ones(a.shape)
-        for axis in range(d):
-            if sides[axis][i] and sides[axis][j] and image[axis] == 0:
-                for layer in (0, n[axis]):
-                    _layer(share, d, axis, layer)[...] *= 0.5
         there = (a >= 0) & (b >= 0)
         pairs.append(np.sort(np.column_stack([a[there], b[there]]), axis=1))
-        shares.append(share[there])
-    count = [len(pair) for pair in pairs]
-    return (
-        np.concatenate(pairs),
-        np.repeat(pattern.kind, count),
-        np.repeat(pattern.factor, count),
-        np.concatenate(shares),
-    )
+    which = np.repeat(np.arange(len(pairs)), [len(pair) for pair in pairs])
+    return np.concatenate(pairs), which
+
+
+def side_share(points: Array, together: Index, box: Box) -> Array:
+    """Part (k,) of what joins some points (k, p) that lies in the box: half for each common side.
+
+    Of single points, p = 1, the part of their volume.
+    """
+    low, high = (points == 0)[together], (points == np.array(box.size))[together]
+    return np.asarray(0.5 ** (low.all(axis=1) | high.all(axis=1)).sum(axis=1))
 
 
 def _sharing(pattern: Pattern) -> Index:
@@ -252,22 +256,6 @@ def _sharing(pattern: Pattern) -> Index:
         inside_sides += side[i] & side[j] & (pattern.image[:, axis] == 0)
     first = [int(np.flatnonzero(pattern.kind == kind)[0]) for kind in range(pattern.kinds)]
     return np.asarray(2 ** inside_sides[first])
-
-
-def _volumes(pattern: Pattern, box: Box, n: tuple[int, ...]) -> Array:
-    """Volume of every place, as if none lay in a side of the box."""
-    cell = box.volume / np.prod(n)
-    return np.broadcast_to(cell * pattern.volume / np.prod(pattern.size), _shape(pattern, n))
-
-
-def _sides_met(pattern: Pattern, n: tuple[int, ...]) -> Index:
-    """Number of sides of the box in which every place lies."""
-    d = pattern.dim
-    met = np.zeros(_shape(pattern, n), dtype=int)
-    for axis in range(d):
-        for layer in (0, n[axis]):
-            _layer(met, d, axis, layer)[...] += _on_low_side(pattern, axis)
-    return met
 
 
 def _facets(pattern: Pattern, number: Index, points: Array) -> Index:
@@ -318,7 +306,3 @@ def _on_low_side(pattern: Pattern, axis: int) -> Mask:
 def _at_corner(pattern: Pattern) -> Mask:
     """Which points (n,) lie in the corner of the cell."""
     return np.asarray((np.abs(pattern.points) <= 1e-9 * np.array(pattern.size)).all(axis=1))
-
-
-def _shape(pattern: Pattern, n: tuple[int, ...]) -> tuple[int, ...]:
-    return (*(count + 1 for count in reversed(n)), len(pattern.points))

@@ -104,13 +104,10 @@ class Pattern:
                 f"{self.springs.max()}; there are 0 to {n - 1}"
             )
         if set(self.kind.tolist()) != set(range(int(self.kind.max()) + 1)):
-            raise ProblemError(
-                f"pattern {self.name}: kinds {set(self.kind.tolist())}; count from 0"
-            )
+            kinds = sorted(set(self.kind.tolist()))
+            raise ProblemError(f"pattern {self.name}: kinds {kinds}; count from 0 without a gap")
         if not np.linalg.norm(self.vectors, axis=1).all():
-            raise ProblemError(
-                f"pattern {self.name}: a spring joins a point to itself; leave it out"
-            )
+            raise ProblemError(f"pattern {self.name}: a spring has no length; leave it out")
 
     @property
     def dim(self) -> int:

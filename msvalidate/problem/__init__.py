@@ -42,6 +42,7 @@ from msvalidate.problem.values import (
     numbers,
     positive,
     refuse_too_many,
+    rotation,
     shown,
     whole,
 )
@@ -90,6 +91,7 @@ __all__ = [
     "refuse_free_motions",
     "refuse_too_many",
     "rigid_motions",
+    "rotation",
     "shown",
     "vectors_at",
     "whole",

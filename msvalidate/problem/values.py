@@ -125,6 +125,26 @@ def direction(name: str, value: ArrayLike) -> float:
     return float(turn)
 
 
+def rotation(turn: ArrayLike, dim: int) -> Array:
+    """Return the rotation matrix (dim, dim) of an angle (rad) in the plane, or one given as such.
+
+    Raises
+    ------
+    ProblemError
+        If it is neither.
+    """
+    if dim == 2 and np.shape(turn) == ():
+        angle = direction("angle", turn)
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([[c, -s], [s, c]])
+    given = finite("rotation", turn)
+    proper = given.shape == (dim, dim) and np.abs(given @ given.T - np.eye(dim)).max() <= 1e-12
+    if not proper or np.linalg.det(given) < 0:
+        need = "an angle (rad) or a rotation matrix (2, 2)" if dim == 2 else "a matrix (3, 3)"
+        raise ProblemError(f"rotation: {shown(turn)}; give {need}, orthonormal and not mirrored")
+    return given
+
+
 def chosen(name: str, value: object, names: Iterable[str]) -> None:
     """Raise `ProblemError` unless `value` is one of some names."""
     known = tuple(names)

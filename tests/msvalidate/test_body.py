@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from msvalidate.body import lattice_network
-from msvalidate.lattice import Lattice, diagonal_square, square, triangular, zigzag_block
+from msvalidate.lattice import diagonal_square, fill, patterns, square, triangular, zigzag_block
 from msvalidate.problem import (
     Anisotropic,
     BodyForce,
@@ -198,23 +198,8 @@ def test_a_problem_that_does_not_fit_the_lattice_is_refused(make, message):
 
 
 def test_a_solid_takes_the_same_loads_on_its_faces():
-    # One cubic cell, edges only: the place of lattices to come, whose loads are written already.
     box = Box((1.0, 1.0, 1.0))
-    points = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
-    apart = np.abs(points[:, None] - points).sum(axis=2)
-    springs = np.argwhere(np.triu(apart == 1.0))
-    faces = [np.flatnonzero(points[:, axis] == end) for axis in range(3) for end in (0.0, 1.0)]
-    lattice = Lattice(
-        name="one cube",
-        domain=box,
-        points=points,
-        springs=springs,
-        kind=np.zeros(len(springs), dtype=int),
-        cells=np.arange(8)[None],
-        facets=np.array(faces),
-        borders=np.ones(len(springs), dtype=int),
-        sharing=np.array([4]),
-    )
+    lattice = fill(patterns.cubic6(), box, 1)
 
     def traction(p):
         return np.stack([1 + p[:, 1] + 2 * p[:, 2], 0 * p[:, 0], 3 - p[:, 2]], axis=1)

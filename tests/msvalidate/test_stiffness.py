@@ -161,7 +161,7 @@ def test_every_lattice_has_the_constants_of_its_material_by_default():
     ("change", "material", "message"),
     [
         ({}, Anisotropic(np.eye(3)), "the material is a tensor; give the constants"),
-        ({"name": "kagome"}, THIRD, "none known for kagome; give the constants"),
+        ({"name": "kagome", "pattern": None}, THIRD, "none known for kagome; give the constants"),
     ],
 )
 def test_constants_that_are_not_known_must_be_given(change, material, message):

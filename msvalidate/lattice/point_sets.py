@@ -1,0 +1,221 @@
+"""Floor 1: irregular sets of points in a periodic cell or a closed box, d = 2 and 3 alike.
+
+Three kinds, from the least to the most even:
+
+- ``uniform``: every point anywhere, independent of the others.
+- ``jittered``: the body is cut into as many parts of equal volume as there are points, nearly
+  cubic, and each part has one point anywhere in it (stratified sampling; Cook 1986,
+  doi:10.1145/8927.8927). The parts are layers, rows in them, and bricks in those: a grid of cubes
+  where the number allows one, and otherwise layers and rows of which some hold a point more and
+  are thicker for it.
+- ``blue_noise``: no two points near each other. Of five times as many uniform points the most
+  crowded is removed until the number is right (weighted sample elimination; Yuksel 2015,
+  doi:10.1111/cgf.12538), so any number can be had and no radius is asked for.
+
+Same arguments and seed, same numbers.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from itertools import combinations, product
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from msvalidate.problem import (
+    Array,
+    Box,
+    Index,
+    chosen,
+    instance,
+    metres,
+    refuse_too_many,
+    whole,
+)
+
+POINT_SETS = ("uniform", "jittered", "blue_noise")
+JITTER = 0.5
+"""Part of its brick's edge by which a jittered point moves from the middle at most: anywhere."""
+CANDIDATES = 5
+"""Uniform points for each blue-noise point that is kept (Yuksel's number)."""
+CROWDING, LIMIT, BLEND = 8, 0.65, 1.5
+"""Yuksel's α, β and γ: the weight's exponent, and where nearer pairs weigh no more."""
+
+
+def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -> Array:
+    """Points of a rectangular periodic cell.
+
+    Parameters
+    ----------
+    kind
+        One of `POINT_SETS`; distances of blue noise are those to the nearest image.
+    count
+        Number of points.
+    size
+        Edge lengths (m) of the cell, 2 or 3.
+    seed
+        Of the random numbers.
+
+    Returns
+    -------
+    Array
+        (count, d) coordinates (m) in [0, size).
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of its range or the points are too many.
+    """
+    chosen("point set", kind, POINT_SETS)
+    edges = np.array(Box(size).size, dtype=float)
+    n = whole("number of points", count, 1)
+    refuse_too_many(f"{kind} point set", n * (CANDIDATES if kind == "blue_noise" else 1))
+    rng = np.random.default_rng(whole("seed", seed, 0))
+    if kind == "blue_noise":
+        return _kept(rng.random((CANDIDATES * n, len(edges))) * edges, n, edges, period=edges)
+    return _strewn(kind, n, edges, rng)
+
+
+def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
+    """Points that fill a closed box: its corners, points on its edges and sides, and inside.
+
+    Each edge, side and the inside has a random set of its own, no nearer than half a spacing to
+    what bounds it. An edge of length L has L/spacing - 1 points between its corners, and a side
+    and the inside the product of that: one point per spacing^d if a point on a side counts half,
+    on an edge a quarter and in a corner an eighth (in the plane, half and a quarter). Where the
+    box is less than one and a half spacings thick, no points lie between those sides.
+
+    Parameters
+    ----------
+    kind
+        One of `POINT_SETS`; blue noise keeps its distance from the points on the boundary too.
+    box
+        The box.
+    spacing
+        Mean distance (m) of neighbours: the root of the volume that a point has.
+    seed
+        Of the random numbers.
+
+    Returns
+    -------
+    Array
+        (n, d) coordinates (m): corners first, then edges, sides and the inside.
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of its range or the points are too many.
+    """
+    chosen("point set", kind, POINT_SETS)
+    instance("box", box, Box)
+    h = metres("point set: spacing", spacing)
+    size = np.array(box.size, dtype=float)
+    each = CANDIDATES if kind == "blue_noise" else 1
+    refuse_too_many(f"{kind} point set", each * math.prod((size / h + 1).tolist()))
+    rng = np.random.default_rng(whole("seed", seed, 0))
+    points = np.array(list(product((0.0, 1.0), repeat=box.dim))) * size
+    for free in range(1, box.dim + 1):
+        placed = [points]
+        for axes in combinations(range(box.dim), free):
+            along = list(axes)
+            across = [axis for axis in range(box.dim) if axis not in axes]
+            count = round(math.prod(np.maximum(size[along] / h - 1, 0).tolist()))
+            if not count:
+                continue
+            room = size[along] - h
+            for ends in product((0.0, 1.0), repeat=len(across)):
+                several = each * count
+                new = np.empty((several, box.dim))
+                new[:, across] = np.array(ends) * size[across]
+                new[:, along] = h / 2 + _strewn(kind, several, room, rng)
+                placed.append(_kept(new, count, room, points) if each > 1 else new)
+        points = np.concatenate(placed)
+    return points
+
+
+def _strewn(kind: str, count: int, size: Array, rng: np.random.Generator) -> Array:
+    """Points (count, d) in [0, size): jittered, or uniform for both other kinds."""
+    if kind != "jittered":
+        return np.asarray(rng.random((count, len(size))) * size)
+    low, edge = _strata(count, size)
+    points = low + edge * (0.5 + JITTER * (2 * rng.random(low.shape) - 1))
+    return np.asarray(np.minimum(points, np.nextafter(size, 0)))
+
+
+def _strata(count: int, size: Array) -> tuple[Array, Array]:
+    """Lowest corners and edges, both (count, d), of equal and nearly cubic parts of a box."""
+    dim = len(size)
+    if dim == 1:
+        low = np.arange(count)[:, None] / count * size
+        return low, np.full((count, 1), size[0] / count)
+    wanted = size[0] * (count / math.prod(size.tolist())) ** (1 / dim)
+    layers = int(np.clip(np.rint(wanted), 1, count))
+    starts = np.arange(layers + 1) * count // layers
+    parts = [_strata(int(number), size[1:]) for number in np.diff(starts)]
+    low = np.repeat(starts[:-1] / count * size[0], np.diff(starts))
+    edge = np.repeat(np.diff(starts) / count * size[0], np.diff(starts))
+    return (
+        np.column_stack([low, np.concatenate([part[0] for part in parts])]),
+        np.column_stack([edge, np.concatenate([part[1] for part in parts])]),
+    )
+
+
+def _kept(
+    candidates: Array,
+    count: int,
+    size: Array,
+    fixed: Array | None = None,
+    period: Array | None = None,
+) -> Array:
+    """Those `count` candidates that are left when the most crowded is removed again and again.
+
+    `size` are the edges of the room they fill. Points in `fixed` crowd them and are not removed.
+    """
+    total = len(candidates)
+    everywhere = candidates if fixed is None else np.concatenate([candidates, fixed])
+    reach = _closest_packing(count, size)
+    pairs = KDTree(everywhere, boxsize=period).query_pairs(reach, output_type="ndarray")
+    pairs = pairs[pairs.min(axis=1) < total]
+    apart = everywhere[pairs[:, 1]] - everywhere[pairs[:, 0]]
+    if period is not None:
+        apart -= period * np.rint(apart / period)
+    least = LIMIT * (1 - (count / total) ** BLEND)
+    distance = np.maximum(np.linalg.norm(apart, axis=1) / reach, least)
+    crowding = np.maximum(1 - distance, 0) ** CROWDING
+    return candidates[_survivors(pairs, crowding, total, count)]
+
+
+def _survivors(pairs: Index, crowding: Array, total: int, count: int) -> Index:
+    """Numbers (count,) of the candidates, the first `total`, that are left."""
+    ends, others = pairs.ravel("F"), pairs[:, ::-1].ravel("F")
+    order = np.argsort(ends, kind="stable")
+    other, share = others[order], np.tile(crowding, 2)[order]
+    weight = np.bincount(ends, np.tile(crowding, 2), max(total, int(ends.max(initial=-1)) + 1))
+    start = np.searchsorted(ends[order], np.arange(total + 1)).tolist()
+    # Weights only fall, so an entry of the heap that is out of date is too high, never too low.
+    heap = [(-w, i) for i, w in enumerate(weight[:total].tolist())]
+    heapq.heapify(heap)
+    left = np.ones(total, dtype=bool)
+    for _ in range(total - count):
+        while -heap[0][0] > (now := float(weight[heap[0][1]])):
+            heapq.heapreplace(heap, (-now, heap[0][1]))
+        _, i = heapq.heappop(heap)
+        left[i] = False
+        beside = slice(start[i], start[i + 1])
+        weight[other[beside]] -= share[beside]
+    return np.flatnonzero(left)
+
+
+def _closest_packing(count: int, size: Array) -> float:
+    """Largest distance (m) that `count` points of a box can all keep, about.
+
+    In a flat or narrow box it is that of a plane or a line of points.
+    """
+    densest = (1.0, math.sqrt(2 / math.sqrt(3)), 2 ** (1 / 6))
+    longest = np.sort(size)[::-1]
+    return max(
+        densest[k] * (math.prod(longest[: k + 1].tolist()) / count) ** (1 / (k + 1))
+        for k in range(len(size))
+    )

@@ -1,0 +1,394 @@
+"""Floor 1: Voronoi cells and Delaunay simplices of points in a periodic cell or a box.
+
+Two points are joined by a spring where their Voronoi cells share a facet. With a the facet's area,
+l the spring's length and V the volume of a cell, the pyramids that stand on its facets make up a
+cell, so the sum of a·l over all springs is d times the volume of all cells.
+
+Both kinds of body come down to points without end: a periodic cell is repeated, a box is reflected
+across its sides, which clips cells exactly to it. Only images within a margin are made; a cell is
+complete if the empty sphere around each of its vertices, through its points, stays within that.
+
+The facets come from a Delaunay triangulation (`msvalidate.lattice.triangulation`), whose circumcentres are
+the vertices of cells.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from itertools import product
+
+import numpy as np
+from scipy.spatial import KDTree, QhullError
+
+from msvalidate.lattice.triangulation import FACES, determinants, dual_areas, triangulation
+from msvalidate.problem import (
+    Array,
+    Box,
+    Index,
+    Mask,
+    ProblemError,
+    SolverError,
+    coordinates,
+    instance,
+    place_name,
+    refuse_too_many,
+    shown,
+)
+
+NEGLIGIBLE = 1e-11
+"""Facets smaller than this part of spacing^(d-1) join no points: a square grid has no diagonals."""
+FIRST_MARGIN, STEP = 2.15, 1.3
+"""Margin tried first, in spacings, and the next in parts of it at most. Even sets need about 2,
+uniform ones 2.5; cells at the end of too small a margin are long and ask for more than they need.
+"""
+MOST_IMAGES = 5_000_000
+"""Points with their images: a long thin cell of few points needs many."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tessellation:
+    """Voronoi cells that fill a body, and the springs across their facets.
+
+    Parameters
+    ----------
+    size
+        Edge lengths (m) of the periodic cell or box.
+    points
+        (n, d) positions (m): wrapped into [0, size) where periodic.
+    springs
+        (m, 2) pairs of points whose cells share a facet, the lower index first. A periodic cell
+        may join two points more than once, and a point to its own image.
+    image
+        (m, d) whole numbers: the second point is at points[j] + image·size. Zeros in a box.
+    area
+        (m,) area of that facet: m in the plane, m² in space.
+    volume
+        (n,) size of each point's cell: m² in the plane, m³ in space.
+    """
+
+    size: tuple[float, ...]
+    points: Array
+    springs: Index
+    image: Index
+    area: Array
+    volume: Array
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+
+    @property
+    def vectors(self) -> Array:
+        """Vector (m, d) in m along each spring."""
+        start, end = self.points[self.springs.T]
+        return np.asarray(end - start + self.image * np.array(self.size))
+
+
+@dataclass(frozen=True, eq=False)
+class BoundedTessellation(Tessellation):
+    """Voronoi cells clipped to a box.
+
+    Parameters
+    ----------
+    side_area
+        (n, 2d) area of each cell on each side of the box, in the order of `SIDES`: low and high
+        end of x, of y, of z.
+    """
+
+    side_area: Array
+
+    @property
+    def side_distance(self) -> Array:
+        """Distance (n, 2d) in m of each point from each side, as `side_area`."""
+        both = np.stack([self.points, np.array(self.size) - self.points], axis=2)
+        return both.reshape(len(self.points), -1)
+
+
+def periodic_tessellation(points: Array, size: tuple[float, ...]) -> Tessellation:
+    """Voronoi cells and springs of a rectangular periodic cell, each spring once.
+
+    Parameters
+    ----------
+    points
+        (n, d) positions (m), n at least 1; those outside the cell are wrapped into it.
+    size
+        Edge lengths (m) of the cell.
+
+    Raises
+    ------
+    ProblemError
+        If the points are not as described, two are one place, or too many images are needed.
+    SolverError
+        If points lie so close that their cells can't be told apart.
+    """
+    box = Box(size)
+    x = _places(points, box.dim)
+    edges = np.array(box.size, dtype=float)
+    x = x - np.floor(x / edges) * edges
+    x[(x >= edges) | (x < 0)] = 0.0
+    _refuse_coincident(x, box, edges)
+    low, high, shift, area, length = _facets(x, edges, mirrored=False)
+    volume = _pyramids(low, high, area * length, len(x)) / box.dim
+    _refuse_wrong_volume(volume, box)
+    real = area > NEGLIGIBLE * _spacing(x, box) ** (box.dim - 1)
+    springs = np.column_stack([low, high])[real]
+    return Tessellation(box.size, x, springs, shift[real], area[real], volume)
+
+
+def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
+    """Voronoi cells clipped to a box, and the springs across their facets.
+
+    Points may lie inside or on the boundary. The facet between two points on one side is halved by
+    it, and between two on one edge of a box in space quartered, as their cells are.
+
+    Parameters
+    ----------
+    points
+        (n, d) positions (m), n at least 1; those within the box's tolerance of a side are put on
+        it.
+    box
+        The box.
+
+    Raises
+    ------
+    ProblemError, SolverError
+        As `periodic_tessellation`; `ProblemError` if a point is outside the box.
+    """
+    x, edges = _boxed(points, box)
+    low, high, shift, area, length = _facets(x, edges, mirrored=True)
+    on_low, on_high = x == 0, x == edges
+    between = high >= 0
+    i, j, across = low[between], high[between], area[between]
+    across *= 0.5 ** ((on_low[i] & on_low[j]) | (on_high[i] & on_high[j])).sum(axis=1)
+    sides = np.zeros((len(x), 2 * box.dim))
+    owner, (axis, way) = low[~between], _axis_and_way(shift[~between])
+    halved = 0.5 ** (on_low | on_high).sum(axis=1)
+    np.add.at(sides, (owner, 2 * axis + (way > 0)), area[~between] * halved[owner])
+    # A point on a side has no image across it: what closes its cell is the area there.
+    pull = across[:, None] * (x[j] - x[i]) / length[between, None]
+    for k in range(box.dim):
+        out = np.bincount(i, pull[:, k], len(x)) - np.bincount(j, pull[:, k], len(x))
+        at_low, at_high = on_low[:, k], on_high[:, k]
+        sides[at_low, 2 * k] = (out + sides[:, 2 * k + 1])[at_low]
+        sides[at_high, 2 * k + 1] = (sides[:, 2 * k] - out)[at_high]
+    noise = NEGLIGIBLE * _spacing(x, box) ** (box.dim - 1)
+    volume = _pyramids(i, j, across * length[between], len(x))
+    volume += (sides * np.stack([x, edges - x], axis=2).reshape(len(x), -1)).sum(axis=1)
+    volume /= box.dim
+    _refuse_wrong_volume(volume, box)
+    sides[np.abs(sides) <= noise] = 0.0
+    real = across > noise
+    springs = np.column_stack([i, j])[real]
+    none = np.zeros_like(shift[between][real])
+    return BoundedTessellation(box.size, x, springs, none, across[real], volume, sides)
+
+
+def simplices(points: Array, box: Box) -> tuple[Index, Index]:
+    """Delaunay simplices that fill a box, and its boundary facets.
+
+    Parameters
+    ----------
+    points
+        (n, d) positions (m) inside the box or on its boundary, all its corners among them.
+    box
+        The box.
+
+    Returns
+    -------
+    cells
+        (c, d+1) corners of each simplex, positively oriented.
+    facets
+        (f, d) corners of each facet on the boundary: counter-clockwise seen from outside; in the
+        plane with the box on the left.
+
+    Raises
+    ------
+    ProblemError
+        If a corner is missing, a point is outside the box or two are one place.
+    SolverError
+        If points lie so close that their simplices can't be told apart.
+    """
+    x, edges = _boxed(points, box)
+    for ends in product((0.0, 1.0), repeat=box.dim):
+        corner = np.array(ends) * edges
+        if not (x == corner).all(axis=1).any():
+            raise ProblemError(
+                f"points: none in the corner {place_name(corner)} of the {box}; add it"
+            )
+    x = x * _unit(x, box)
+    cells, beyond = triangulation(x, len(x), np.arange(len(x)))
+    facets = cells[:, FACES[box.dim]][beyond < 0]
+    on_side = (x[facets] == 0) | (x[facets] == x.max(axis=0))
+    volume = determinants(x[cells]).sum() / math.factorial(box.dim)
+    whole_volume = math.prod(x.max(axis=0).tolist())
+    used = np.unique(cells)
+    if (
+        abs(volume - whole_volume) > 1e-9 * whole_volume
+        or len(used) < len(x)
+        or not on_side.all(axis=1).any(axis=1).all()
+    ):
+        raise SolverError(f"simplices of {len(x)} points do not fill the {box}: some are too close")
+    return cells, facets
+
+
+def _facets(
+    points: Array, size: Array, *, mirrored: bool
+) -> tuple[Index, Index, Index, Array, Array]:
+    """Whole facets of the cells: point, neighbour (-1: its own mirror image), image, area, length.
+
+    Each facet between two points is listed once, the lower index first; lengths are of springs.
+    """
+    box = Box(tuple(size.tolist()))
+    n, dim = points.shape
+    unit = _unit(points, box)
+    x, edges = points * unit, size * unit
+    # No point of the body is further than this from all images of one point.
+    furthest = (2 if mirrored else 1) * float(np.linalg.norm(edges)) * (1 + 1e-9)
+    margin = min(FIRST_MARGIN * (math.prod(edges.tolist()) / n) ** (1 / dim), furthest)
+    while True:
+        everywhere, source, image = _images(x, edges, margin, mirrored=mirrored)
+        found = _cells(everywhere, source, n, regular=mirrored)
+        if found is not None:
+            cells, beyond, centres, radius = found
+            away = np.maximum(-centres, centres - edges).max(axis=1)
+            needed = float((away + radius).max())
+            if needed <= margin:
+                break
+        if margin >= furthest:
+            raise SolverError(f"cells of {n} points in {box}: not told apart, some are too close")
+        # Cells only shrink as images are added, and their spheres' reach with them.
+        step = STEP if found is None else min(STEP, needed / margin * (1 + 1e-9))
+        margin = min(step * margin, furthest)
+    first, second, area = dual_areas(everywhere, cells, beyond, centres, n)
+    # The lower end is a point of the body; keep one of the images of each facet.
+    low, high, shift = first, source[second], image[second]
+    if mirrored:
+        own = (high == low) & (np.abs(shift).sum(axis=1) == 1)
+        kept = (second < n) | own
+        high = np.where(second < n, high, -1)
+    else:
+        ahead = np.take_along_axis(shift, (shift != 0).argmax(axis=1)[:, None], axis=1)[:, 0] > 0
+        kept = (second < n) | (low < high) | ((low == high) & ahead)
+    length = np.linalg.norm(everywhere[second] - everywhere[first], axis=1)
+    low, high, shift, area, length = (a[kept] for a in (low, high, shift, area, length))
+    return low, high, shift, area / unit ** (dim - 1), length / unit
+
+
+def _images(
+    points: Array, size: Array, margin: float, *, mirrored: bool
+) -> tuple[Array, Index, Index]:
+    """Points and images within a margin, the points first; of each its source and image number.
+
+    Image k of a mirrored axis is shifted by k·size if k is even, and else reflected: at -x for
+    k = -1 and 2·size - x for k = 1.
+    """
+    refuse_too_many(
+        f"{len(points)} points in a cell so long and thin",
+        len(points) * math.prod((1 + 2 * margin / size).tolist()),
+        MOST_IMAGES,
+        "images",
+    )
+    source = np.arange(len(points))
+    image = np.zeros(points.shape, dtype=np.intp)
+    for axis, edge in enumerate(size.tolist()):
+        start = points[:, axis]
+        reach = math.ceil(margin / edge) + 1
+        parts = []
+        for k in sorted(range(-reach, reach + 1), key=abs):
+            reflected = mirrored and k % 2 == 1
+            place = (k + 1) * edge - start if reflected else start + k * edge
+            near = (place >= -margin) & (place <= edge + margin)
+            if reflected:  # points on a side are their own image
+                near &= (start != 0) & (start != edge)
+            elif k == 0:
+                near[:] = True
+            which = np.flatnonzero(near)
+            moved, number = points[which], image[which]
+            moved[:, axis], number[:, axis] = place[which], k
+            parts.append((moved, source[which], number))
+        points, source, image = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return points, source, image
+
+
+def _cells(
+    x: Array, source: Index, count: int, *, regular: bool
+) -> tuple[Index, Index, Array, Array] | None:
+    """Simplices at the first `count` points, those beyond their faces, circumcentres and radii.
+
+    None if the cell of one of these points has no end.
+    """
+    try:
+        cells, beyond = triangulation(x, count, source, regular=regular)
+    except QhullError:  # so few images that they lie in a plane
+        return None
+    near = (cells < count).any(axis=1)
+    cells, beyond = cells[near], beyond[near]
+    ending = (beyond < 0) & (cells[:, FACES[x.shape[1]]] < count).any(axis=2)
+    if ending.any() or not np.isin(np.arange(count), cells).all():
+        return None
+    number = np.append(np.where(near, np.cumsum(near) - 1, -1), -1)
+    start = x[cells[:, 0]]
+    sides = x[cells[:, 1:]] - start[:, None]
+    to_centre = np.linalg.solve(sides, 0.5 * (sides**2).sum(axis=2, keepdims=True))[:, :, 0]
+    radius = np.linalg.norm(to_centre, axis=1)
+    return cells, number[beyond], start + to_centre, np.asarray(radius)
+
+
+def _pyramids(i: Index, j: Index, content: Array, count: int) -> Array:
+    """Half of each facet's area times length, summed at both of its points."""
+    return 0.5 * (np.bincount(i, content, count) + np.bincount(j, content, count))
+
+
+def _axis_and_way(shift: Index) -> tuple[Index, Index]:
+    axis = np.abs(shift).argmax(axis=1)
+    return axis, shift[np.arange(len(shift)), axis]
+
+
+def _spacing(points: Array, box: Box) -> float:
+    return float((box.volume / len(points)) ** (1 / box.dim))
+
+
+def _unit(points: Array, box: Box) -> float:
+    """A power of two, exact to multiply by, that makes the spacing about 1."""
+    return float(2.0 ** -round(math.log2(_spacing(points, box))))
+
+
+def _places(points: Array, dim: int) -> Array:
+    x = np.array(coordinates("points", points))
+    if x.ndim != 2 or x.shape[1] != dim or not len(x):
+        raise ProblemError(f"points: shape {x.shape}; give (n, {dim}), n at least 1")
+    return x
+
+
+def _boxed(points: Array, box: Box) -> tuple[Array, Array]:
+    """The points, those near a side on it, and the box's edges."""
+    instance("box", box, Box)
+    x, edges = _places(points, box.dim), np.array(box.size, dtype=float)
+    outside: Mask = ((x < -box.tolerance) | (x > edges + box.tolerance)).any(axis=1)
+    if outside.any():
+        which = int(np.flatnonzero(outside)[0])
+        raise ProblemError(f"points: {which}, at {place_name(x[which])}, is outside the {box}")
+    x[np.abs(x) <= box.tolerance] = 0.0
+    x = np.where(np.abs(x - edges) <= box.tolerance, edges, x)
+    _refuse_coincident(x, box, None)
+    return x, edges
+
+
+def _refuse_coincident(points: Array, box: Box, period: Array | None) -> None:
+    twins = KDTree(points, boxsize=period).query_pairs(box.tolerance)
+    if twins:
+        i, j = min(twins)
+        raise ProblemError(
+            f"points: {i} and {j} are one place, {place_name(points[i])}; leave one out"
+        )
+
+
+def _refuse_wrong_volume(volume: Array, box: Box) -> None:
+    if not abs(volume.sum() - box.volume) <= 1e-9 * box.volume:
+        raise SolverError(
+            f"cells of {len(volume)} points make up {shown(float(volume.sum()))} of {box}: "
+            "some points are too close"
+        )

@@ -1,0 +1,147 @@
+"""A regular lattice in a box along the axes, its own rows at any angle to them."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations, product
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from msvalidate.lattice.filled import Lattice, joined, side_share
+from msvalidate.lattice.pattern import Pattern
+from msvalidate.lattice.tessellation import simplices
+from msvalidate.problem import (
+    Array,
+    Box,
+    Index,
+    ProblemError,
+    instance,
+    metres,
+    refuse_too_many,
+    rotation,
+    shown,
+)
+
+WEAK = 0.4
+"""Least Σ n nᵀ along any direction, over the directions n of a point's springs of the first kind
+(others may have no stiffness), to do without braces: two springs at 60 degrees have 1/2, but a
+point that was moved may be left with springs that all but lie in a plane."""
+REACH = 0.4
+"""Distance to a side, in distances of nearest neighbours, from which a point is moved onto it:
+below 1/2, so that neighbours on either side of it do not meet."""
+
+
+def turned(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> Lattice:
+    """A lattice turned in a box: inside as it is, at the boundary made to fit.
+
+    Points within `REACH` of a side, inside or beyond, are moved onto it, and the nearest one into
+    every corner; what lies further out is left out with its springs. A point that its nearest
+    neighbours no longer hold in every direction gets more springs of the first kind. Springs in a
+    side count half, in two sides a quarter. So loads and supports meet the sides whatever the
+    angle, but uniform strain is not exact: the boundary's error is of first order in the spacing.
+
+    Parameters
+    ----------
+    pattern, box
+        What repeats, and the body, of the same dimension.
+    spacing
+        Length (m) of the pattern's unit.
+    turn
+        Angle (rad) counter-clockwise, or a rotation matrix (d, d).
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of its range, the points are too many, or the box has room for too few.
+    """
+    instance("pattern", pattern, Pattern)
+    if not isinstance(box, Box) or box.dim != pattern.dim:
+        raise ProblemError(
+            f"{pattern.name} lattice: a {shown(box)}; give a box of {pattern.dim} lengths"
+        )
+    a, Q = metres("spacing", spacing), rotation(turn, box.dim)
+    number, points = _sites(pattern, box, a, Q)
+    pairs, which = joined(pattern, number)
+    # Where places were merged, two springs may have become one, or none.
+    springs, first = np.unique(pairs, axis=0, return_index=True)
+    proper = springs[:, 0] < springs[:, 1]
+    springs, which = springs[proper], which[first[proper]]
+    cells, facets = simplices(points, box)
+    braces = _braces(points, springs, springs[pattern.kind[which] == 0], cells)
+    springs = np.concatenate([springs, braces])
+    kind = np.concatenate([pattern.kind[which], np.zeros(len(braces), dtype=np.intp)])
+    corners = points[cells]
+    content = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / math.factorial(box.dim)
+    each = np.repeat(content / cells.shape[1], cells.shape[1])
+    return Lattice(
+        name=f"{pattern.name}, turned",
+        domain=box,
+        points=points,
+        springs=springs,
+        kind=kind,
+        cells=cells,
+        facets=facets,
+        share=side_share(points, springs, box),
+        sharing=np.ones(pattern.kinds, dtype=np.intp),
+        point_volume=np.asarray(np.bincount(cells.ravel(), each, len(points)), dtype=float),
+        factor=np.concatenate([pattern.factor[which], np.ones(len(braces))]),
+    )
+
+
+def _sites(pattern: Pattern, box: Box, a: float, Q: Array) -> tuple[Index, Array]:
+    """Numbers (.., cells y, cells x, points a cell) of the places, -1 left out, and positions."""
+    edges = np.array(box.size)
+    reach = REACH * a * float(np.linalg.norm(pattern.vectors, axis=1).min())
+    ends = np.array(list(product((0.0, 1.0), repeat=box.dim))) * edges
+    cells = ends @ Q / (a * np.array(pattern.size))
+    low, high = np.floor(cells.min(axis=0)) - 1, np.ceil(cells.max(axis=0)) + 2
+    refuse_too_many(
+        f"{pattern.name} lattice, turned", len(pattern.points) * math.prod((high - low).tolist())
+    )
+    axes = [np.arange(*span) for span in zip(low[::-1], high[::-1], strict=True)]
+    cell = np.stack(np.meshgrid(*axes, indexing="ij")[::-1], axis=-1)[..., None, :]
+    place = a * (cell * np.array(pattern.size) + pattern.points) @ Q.T
+    kept = ((place >= -reach) & (place <= edges + reach)).all(axis=-1)
+    points = place[kept]
+    points[points <= reach] = 0.0
+    beyond = points >= edges - reach
+    points[beyond] = np.broadcast_to(edges, points.shape)[beyond]
+    number = np.full(kept.shape, -1)
+    number[kept], points = _merged(points, ends, reach)
+    return number, points
+
+
+def _merged(points: Array, ends: Array, reach: float) -> tuple[Index, Array]:
+    """Numbers of points of which those that met are one, and the points, one in every corner."""
+    _, nearest = KDTree(points).query(ends)
+    if len(set(nearest.tolist())) < len(ends):
+        raise ProblemError(
+            "lattice, turned: two corners of the box share their nearest point; take a smaller "
+            "spacing"
+        )
+    points[nearest] = ends
+    same = np.arange(len(points))
+    pairs = KDTree(points).query_pairs(reach, output_type="ndarray")
+    corner = np.isin(np.arange(len(points)), nearest)
+    for i, j in pairs[np.lexsort(pairs.T[::-1])]:
+        into, gone = (j, i) if corner[j] else (i, j)
+        if same[into] == into and same[gone] == gone:
+            same[gone] = into
+    kept, number = np.unique(same, return_inverse=True)
+    return number, points[kept]
+
+
+def _braces(points: Array, springs: Index, first: Index, cells: Index) -> Index:
+    """Edges (b, 2) of cells that are no springs yet, at points that the first kind holds weakly."""
+    vector = points[first[:, 1]] - points[first[:, 0]]
+    normal = vector / np.linalg.norm(vector, axis=1)[:, None]
+    held = np.zeros((len(points), points.shape[1], points.shape[1]))
+    for end in first.T:
+        np.add.at(held, end, normal[:, :, None] * normal[:, None, :])
+    weak = np.linalg.eigvalsh(held)[:, 0] < WEAK
+    edges = np.concatenate([cells[:, pair] for pair in combinations(range(cells.shape[1]), 2)])
+    edges = np.sort(edges[weak[edges].any(axis=1)], axis=1)
+    known = set(map(tuple, springs.tolist()))
+    new = [pair for pair in np.unique(edges, axis=0).tolist() if tuple(pair) not in known]
+    return np.array(new, dtype=np.intp).reshape(-1, 2)

@@ -1,0 +1,144 @@
+"""Random lattices: springs between points whose Voronoi cells share a facet.
+
+In the plane that joins each point with about six others, in space with about fifteen: the edges of
+the Delaunay triangles and tetrahedra. The report tried it in the plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from msvalidate.lattice.filled import Lattice, side_share
+from msvalidate.lattice.pattern import Constants, Pattern
+from msvalidate.lattice.point_sets import box_points, periodic_points
+from msvalidate.lattice.tessellation import (
+    Tessellation,
+    bounded_tessellation,
+    periodic_tessellation,
+    simplices,
+)
+from msvalidate.problem import Array, Box, chosen, instance, metres, whole
+
+STIFFNESS_RULES = ("1", "1/L", "A/L")
+"""What the stiffness of a spring is proportional to: nothing, or its length L and facet area A."""
+RULES: Mapping[str, Constants] = {"unit": (1.0,)}
+
+
+def voronoi(
+    count: int = 100,
+    *,
+    dim: int = 2,
+    points: str = "jittered",
+    stiffness: str = "A/L",
+    seed: int = 0,
+) -> Pattern:
+    """Random periodic lattice: a cell of `count` points, one in a unit of volume on average.
+
+    Parameters
+    ----------
+    count
+        Number of points in the cell.
+    dim
+        2 or 3.
+    points
+        Kind of point set, one of `point_sets.POINT_SETS`.
+    stiffness
+        One of `STIFFNESS_RULES`, in spacings: of the constant k each spring has k, k/L or k·A/L.
+    seed
+        Of the random numbers.
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of its range.
+    """
+    whole("dim", dim, 2, 3)
+    size = (float(whole("number of points", count, 1)) ** (1 / dim),) * dim
+    return tessellated(
+        periodic_tessellation(periodic_points(points, count, size, seed), size), stiffness
+    )
+
+
+def tessellated(tessellation: Tessellation, stiffness: str) -> Pattern:
+    """The periodic lattice of a tessellation whose mean spacing is the unit of length.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such stiffness.
+    """
+    instance("tessellation", tessellation, Tessellation)
+    m = len(tessellation.springs)
+    return Pattern(
+        name="Voronoi",
+        size=tessellation.size,
+        points=tessellation.points,
+        springs=tessellation.springs,
+        image=tessellation.image,
+        kind=np.zeros(m, dtype=np.intp),
+        rules=RULES,
+        factor=relative_stiffness(tessellation.vectors, tessellation.area, stiffness),
+        volume=tessellation.volume,
+    )
+
+
+def relative_stiffness(vectors: Array, area: Array, rule: str) -> Array:
+    """Stiffness (m,) of springs relative to their constant, from vectors and areas in spacings.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such rule.
+    """
+    chosen("stiffness", rule, STIFFNESS_RULES)
+    length = np.linalg.norm(vectors, axis=1)
+    top = {"1": length, "1/L": np.ones(len(length)), "A/L": area}[rule]
+    return np.asarray(top / length)
+
+
+def voronoi_box(
+    box: Box, spacing: float, *, points: str = "jittered", stiffness: str = "A/L", seed: int = 0
+) -> Lattice:
+    """Random lattice that fills a box: points in its corners, on its edges and sides, and inside.
+
+    A spring in a side has half of its facet inside the box, one in two sides a quarter: its share.
+    Cells are the Delaunay triangles or tetrahedra, facets those of their sides on the boundary.
+
+    Parameters
+    ----------
+    box
+        The body.
+    spacing
+        Mean distance (m) of neighbours: a point has the volume spacing^d.
+    points, stiffness, seed
+        As in `voronoi`.
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of its range.
+    SolverError
+        If points lie so close that their cells can't be told apart.
+    """
+    instance("box", box, Box)
+    h = metres("spacing", spacing)
+    cells = bounded_tessellation(box_points(points, box, h, seed), box)
+    x, springs = cells.points, cells.springs
+    share = side_share(x, springs, box)
+    whole_area = cells.area / share
+    corners, facets = simplices(x, box)
+    return Lattice(
+        name="Voronoi",
+        domain=box,
+        points=x,
+        springs=springs,
+        kind=np.zeros(len(springs), dtype=np.intp),
+        cells=corners,
+        facets=facets,
+        share=share,
+        sharing=np.array([1]),
+        point_volume=cells.volume,
+        factor=relative_stiffness(cells.vectors / h, whole_area / h ** (box.dim - 1), stiffness),
+    )

@@ -1,0 +1,290 @@
+"""The solid that an endless lattice is: closed forms, independent values, and finite strains."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+
+from msvalidate.homogenise import DENSE, highest_frequency, homogenised, periodic
+from msvalidate.lattice import patterns, repeated
+from msvalidate.problem import ProblemError, SolverError
+from msvalidate.stiffness import VOIGT, isotropic_moduli, moduli, pattern_tensor
+
+LATTICES = patterns.known()
+CASES = [(name, rule) for name, make in LATTICES.items() for rule in make().rules]
+DATA = Path(__file__).parents[1] / "data" / "springs"
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+def zener(C):
+    return 2 * C[-1, -1] / (C[0, 0] - C[0, 1])
+
+
+@pytest.mark.parametrize(("name", "rule"), CASES)
+@pytest.mark.parametrize("times", [1, 2])
+def test_the_relaxed_tensor_is_the_closed_form(name, rule, times):
+    pattern = LATTICES[name]()
+    constants = pattern.rules[rule]
+    found = homogenised(repeated(pattern, times), constants)
+    exact = pattern.tensor(constants)
+    np.testing.assert_allclose(found.tensor, exact, atol=1e-13 * np.abs(exact).max())
+    np.testing.assert_allclose(found.affine, exact, atol=1e-13 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("name", LATTICES)
+def test_the_closed_form_holds_for_any_constants_and_spacing(name):
+    pattern = LATTICES[name]()
+    rng = np.random.default_rng(1)
+    constants = tuple(rng.uniform(0.2, 2, pattern.kinds).tolist())
+    found = homogenised(pattern, constants, 0.3)
+    exact = pattern.tensor(constants) * (1 if pattern.dim == 2 else 1 / 0.3)
+    np.testing.assert_allclose(found.tensor, exact, atol=1e-13 * np.abs(exact).max())
+    affine = pattern_tensor(pattern, constants, 0.3)
+    np.testing.assert_allclose(affine, exact, atol=1e-13 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize(
+    ("name", "constants", "ratio", "A"),
+    [
+        ("square", (1.0, 0.5), 1 / 3, 1.0),
+        ("square", (1.0, 2.0), 2 / 3, 4.0),
+        ("triangular", (0.7,), 1 / 3, 1.0),
+        ("cubic18", (1.0, 1.0), 1 / 4, 1.0),
+        ("cubic26", (1.0 + 8 / 3, 1.0, 1.0), 1 / 4, 1.0),
+        ("cubic26", (2.0 + 8 / 3 * 0.3, 2.0, 0.3), 1 / 4, 1.0),
+        ("cubic26", (1.0, 1.0, 1.0), 0.35, 7 / 3),
+        ("bcc", (1.0, 2 / 3), 1 / 4, 1.0),
+        ("fcc", (1.0, 1 / 4), 1 / 4, 1.0),
+        ("fcc", (1.0, 0.0), 1 / 3, 2.0),
+    ],
+)
+def test_ratio_and_anisotropy_of_known_lattices(name, constants, ratio, A):
+    found = moduli(homogenised(LATTICES[name](), constants).tensor)
+    assert (found.nu, found.zener) == pytest.approx((ratio, A), rel=1e-12)
+
+
+@pytest.mark.parametrize("change", [0.99, 1.01])
+def test_lattices_are_isotropic_at_no_other_ratio(change):
+    for name, rule in CASES:
+        constants = np.array(LATTICES[name]().rules[rule])
+        if rule == "isotropic":
+            constants[0] *= change
+            A = zener(homogenised(LATTICES[name](), tuple(constants)).tensor)
+            assert abs(A - 1) > 1e-3, name
+
+
+# Independent values -------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def oracle():
+    return json.loads((DATA / "s5_tensor_periodic2d.json").read_text())
+
+
+def springs_of(oracle):
+    x, pairs = np.array(oracle["points"]), np.array(oracle["springs"])
+    cell = np.array(oracle["cell"])
+    return pairs, x[pairs[:, 1]] + np.array(oracle["image_shift"]) * cell - x[pairs[:, 0]]
+
+
+def test_a_random_network_has_the_tensor_that_another_program_found(oracle):
+    pairs, vectors = springs_of(oracle)
+    volume = float(np.prod(oracle["cell"]))
+    found = periodic(len(oracle["points"]), pairs, vectors, oracle["stiffness"], volume)
+    C, affine = (np.array(oracle["tensor"][key]) for key in ("C", "C_affine"))
+    np.testing.assert_allclose(found.tensor, C, atol=1e-12 * C.max())
+    np.testing.assert_allclose(found.affine, affine, atol=1e-12 * affine.max())
+    assert found.floppy == 0
+
+
+def test_small_and_large_networks_are_solved_alike(oracle, monkeypatch):
+    pairs, vectors = springs_of(oracle)
+    arguments = (len(oracle["points"]), pairs, vectors, oracle["stiffness"], 1.0)
+    dense = periodic(*arguments)
+    monkeypatch.setattr("msvalidate.homogenise.DENSE", 10)
+    sparse = periodic(*arguments)
+    assert (dense.floppy, sparse.floppy) == (0, None)
+    np.testing.assert_allclose(sparse.tensor, dense.tensor, rtol=1e-11, atol=1e-12 * DENSE)
+
+
+def random_network(rng, d, n=5):
+    """A few points, each joined to the nearest images of all others: rigid, far from affine."""
+    x = rng.uniform(0, 1, (n, d))
+    i, j = np.triu_indices(n, 1)
+    steps = np.indices((3,) * d).reshape(d, -1).T - 1
+    vectors = (x[j] - x[i])[:, None] + steps
+    pairs = np.repeat(np.column_stack([i, j]), len(steps), axis=0)
+    near = np.linalg.norm(vectors, axis=2).ravel() < 1.2
+    vectors = vectors.reshape(-1, d)[near]
+    return n, pairs[near], vectors, rng.uniform(0.5, 2, near.sum())
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_tensor_is_the_curvature_of_the_energy_of_finite_strains(d):
+    # A third route: strain the cell by 1e-3, minimise the true energy of large displacements, and
+    # take second differences.
+    n, pairs, vectors, k = random_network(np.random.default_rng(3), d)
+    rest = np.linalg.norm(vectors, axis=1)
+
+    def energy(strain):
+        strained = vectors @ (np.eye(d) + strain)
+
+        def total(u):
+            u = np.concatenate([np.zeros(d), u]).reshape(n, d)
+            now = strained + u[pairs[:, 1]] - u[pairs[:, 0]]
+            length = np.linalg.norm(now, axis=1)
+            pull = (k * (length - rest) / length)[:, None] * now
+            slope = np.zeros((n, d))
+            np.add.at(slope, pairs[:, 1], pull)
+            np.add.at(slope, pairs[:, 0], -pull)
+            return 0.5 * k @ (length - rest) ** 2 * 1e6, slope.ravel()[d:] * 1e6
+
+        start = np.zeros((n - 1) * d)
+        options = {"gtol": 1e-9, "maxiter": 2000}
+        return minimize(total, start, jac=True, method="BFGS", options=options).fun / 1e6
+
+    tensor = periodic(n, pairs, vectors, k, 1.0).tensor
+    size = 1e-3
+    for row, (a, b) in enumerate(VOIGT[d]):
+        strain = np.zeros((d, d))
+        strain[a, b] += size / 2
+        strain[b, a] += size / 2
+        curvature = (energy(strain) + energy(-strain)) / size**2
+        # The energy's fourth-order term and what is left of the minimisation.
+        assert curvature == pytest.approx(tensor[row, row], rel=1e-5)
+
+
+# Properties -----------------------------------------------------------------------------------
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10_000), d=st.sampled_from([2, 3]))
+def test_relaxing_never_stiffens_and_central_forces_obey_cauchy_when_affine(seed, d):
+    network = random_network(np.random.default_rng(seed), d)
+    found = periodic(*network, 1.0)
+    scale = np.abs(found.affine).max()
+    np.testing.assert_allclose(found.tensor, found.tensor.T)
+    assert np.linalg.eigvalsh(found.affine - found.tensor)[0] > -1e-12 * scale
+    assert np.linalg.eigvalsh(found.tensor)[0] > -1e-12 * scale
+    assert found.affine[0, 1] == pytest.approx(
+        found.affine[VOIGT[d].index((0, 1)), VOIGT[d].index((0, 1))], rel=1e-12
+    )
+
+
+@settings(max_examples=10, deadline=None)
+@given(seed=st.integers(0, 10_000), d=st.sampled_from([2, 3]))
+def test_numbering_and_the_choice_of_images_do_not_matter(seed, d):
+    rng = np.random.default_rng(seed)
+    n, pairs, vectors, k = random_network(rng, d)
+    new = rng.permutation(n)
+    order = rng.permutation(len(k))
+    turned = rng.random(len(k)) < 0.5
+    other = np.where(turned[:, None], new[pairs][:, ::-1], new[pairs])[order]
+    sign = np.where(turned, -1, 1)[:, None]
+    again = periodic(n, other, (sign * vectors)[order], k[order], 1.0)
+    here = periodic(n, pairs, vectors, k, 1.0)
+    np.testing.assert_allclose(again.tensor, here.tensor, atol=1e-11 * here.affine.max())
+
+
+def test_motions_that_stretch_no_spring_are_counted_and_do_no_harm():
+    # 3 x 3 points of a square grid: all rows, all columns but one each, shift freely.
+    pattern = repeated(patterns.square4(), 3)
+    found = homogenised(pattern, (1.0,))
+    assert found.floppy == 4
+    np.testing.assert_allclose(found.tensor, np.diag([1.0, 1.0, 0.0]), atol=1e-14)
+
+
+def test_a_large_floppy_network_is_refused():
+    with pytest.raises(SolverError, match="can move without stretching a spring"):
+        homogenised(repeated(patterns.square4(), 13), (1.0,))
+
+
+def test_a_chain_of_unlike_springs_is_as_soft_as_springs_in_series():
+    # Two springs end to end along x, k1 and k2: k = k1 k2/(k1 + k2), C11 = k L for a unit height.
+    vectors = np.array([[0.5, 0.0], [0.5, 0.0]])
+    found = periodic(2, np.array([[0, 1], [1, 0]]), vectors, [1.0, 3.0], 1.0)
+    assert found.tensor[0, 0] == pytest.approx(3 / 4, rel=1e-13)
+    assert found.affine[0, 0] == pytest.approx(1.0, rel=1e-13)
+
+
+def test_isotropic_part_of_a_cubic_tensor_is_the_mean_over_rotations():
+    rng = np.random.default_rng(0)
+    for d in (2, 3):
+        C = patterns.cubic_tensor(d, 3.0, 1.1, 0.7)
+        found = isotropic_moduli(C)
+        T = np.zeros((d,) * 4)
+        for row, (a, b) in enumerate(VOIGT[d]):
+            for column, (e, f) in enumerate(VOIGT[d]):
+                for p, q in {(a, b), (b, a)}:
+                    for r, s in {(e, f), (f, e)}:
+                        T[p, q, r, s] = C[row, column]
+        total = np.zeros_like(T)
+        for _ in range(4000):
+            Q, R = np.linalg.qr(rng.normal(size=(d, d)))
+            Q = Q * np.sign(np.diag(R))
+            total += np.einsum("ai,bj,ck,dl,ijkl->abcd", Q, Q, Q, Q, T) / 4000
+        C11, C12 = total[0, 0, 0, 0], total[0, 0, 1, 1]
+        nu = C12 / (C11 + (d - 2) * C12)
+        # Four thousand random rotations leave about 1 %.
+        assert found.nu == pytest.approx(nu, rel=0.03)
+        assert pytest.approx(C11 - (d - 1) * C12 * nu, rel=0.03) == found.E
+        assert found.zener == pytest.approx(1.4 / 1.9, rel=1e-13)
+
+
+# Frequencies ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "constants", "expected"),
+    [
+        ("square", (1.0, 0.5), 6.0),
+        ("square", (0.8, 0.3), 4.4),
+        ("triangular", (0.7,), 4.2),
+        ("cubic18", (0.6, 0.6), 7.2),
+        ("cubic6", (1.5,), 6.0),
+    ],
+)
+def test_highest_frequency_of_an_endless_lattice(name, constants, expected):
+    assert highest_frequency(LATTICES[name](), constants) == pytest.approx(expected, rel=1e-12)
+
+
+def test_highest_frequency_does_not_depend_on_the_cell():
+    for name in ("square", "triangular", "bcc"):
+        pattern = LATTICES[name]()
+        constants = tuple(1.0 + 0.3 * kind for kind in range(pattern.kinds))
+        twice = highest_frequency(repeated(pattern, 2), constants, 4)
+        assert highest_frequency(pattern, constants) == pytest.approx(twice, rel=1e-12), name
+
+
+# Bad input ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: homogenised(None, (1.0,)), "pattern: None; give a Pattern"),
+        (lambda: homogenised(patterns.square(), (1.0,)), "(1.0,); give 2, one a kind"),
+        (lambda: homogenised(patterns.square(), (1.0, math.nan)), "square: spring constants: nan"),
+        (lambda: homogenised(patterns.square(), (1.0, 1.0), 0.0), "spacing: 0.0 m"),
+        (lambda: periodic(0, [[0, 0]], [[1.0, 0]], [1.0], 1.0), "points of the cell: 0"),
+        (lambda: periodic(1, [[0, 1]], [[1.0, 0]], [1.0], 1.0), "springs: 0 to 1; there are 1"),
+        (lambda: periodic(1, [[0, 0.5]], [[1.0, 0]], [1.0], 1.0), "springs: float64"),
+        (lambda: periodic(1, [[0, 0]], [[0.0, 0]], [1.0], 1.0), "spring 0 has no length"),
+        (lambda: periodic(1, [[0, 0]], [[1.0, 0]], [1.0], 0.0), "volume: 0.0"),
+        (lambda: highest_frequency(patterns.square(), (1.0, 1.0), 3), "steps: 3; give an even"),
+    ],
+)
+def test_bad_input_is_refused(call, message):
+    with refused(message):
+        call()

@@ -1,0 +1,178 @@
+"""Patterns: what repeats, and what every lattice is known by."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from msvalidate.lattice import Pattern, patterns, repeated
+from msvalidate.lattice.pattern import by_shells
+from msvalidate.problem import ProblemError
+
+LATTICES = patterns.known()
+every = pytest.mark.parametrize("name", LATTICES)
+# Neighbours a point in shells, from any textbook on crystals.
+NEIGHBOURS = {
+    "square": [4, 4],
+    "square4": [4],
+    "triangular": [6],
+    "cubic6": [6],
+    "cubic18": [6, 12],
+    "cubic26": [6, 12, 8],
+    "bcc": [8, 6],
+    "fcc": [12, 6],
+}
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+def brute_force(pattern, reach=3):
+    """Vectors between all points and images, sorted; slow and plain."""
+    size = np.array(pattern.size)
+    steps = np.indices((2 * reach + 1,) * pattern.dim).reshape(pattern.dim, -1).T - reach
+    return [
+        pattern.points[j] + step * size - pattern.points[i]
+        for i in range(len(pattern.points))
+        for j in range(len(pattern.points))
+        for step in steps
+    ]
+
+
+def test_the_lattices_are_those_that_the_table_names():
+    assert set(NEIGHBOURS) == set(LATTICES)
+
+
+@every
+def test_every_point_has_the_neighbours_of_its_lattice(name):
+    pattern = LATTICES[name]()
+    for kind, expected in enumerate(NEIGHBOURS[name]):
+        ends = pattern.springs[pattern.kind == kind].ravel()
+        np.testing.assert_array_equal(np.bincount(ends), expected)
+
+
+@every
+def test_springs_are_all_pairs_at_their_distances_each_once(name):
+    pattern = LATTICES[name]()
+    length = np.linalg.norm(pattern.vectors, axis=1)
+    for kind in range(pattern.kinds):
+        ours = length[pattern.kind == kind]
+        np.testing.assert_allclose(ours, ours[0], rtol=1e-14)
+        apart = np.linalg.norm(brute_force(pattern), axis=1)
+        assert 2 * len(ours) == (np.abs(apart - ours[0]) < 1e-9).sum()
+    both = np.concatenate(
+        [
+            np.column_stack([pattern.springs, pattern.image]),
+            np.column_stack([pattern.springs[:, ::-1], -pattern.image]),
+        ]
+    )
+    assert len(np.unique(both, axis=0)) == len(both)
+
+
+@every
+def test_every_point_is_a_centre_of_symmetry(name):
+    pattern = LATTICES[name]()
+    for point in range(len(pattern.points)):
+        away = pattern.vectors[pattern.springs[:, 0] == point]
+        back = -pattern.vectors[pattern.springs[:, 1] == point]
+        around = np.concatenate([away, back]).round(9) + 0.0
+        mirrored = -around + 0.0
+        assert sorted(map(tuple, around)) == sorted(map(tuple, mirrored))
+
+
+@every
+def test_rules_are_one_constant_a_kind(name):
+    pattern = LATTICES[name]()
+    assert pattern.rules
+    for constants in pattern.rules.values():
+        np.testing.assert_array_equal(np.unique(pattern.stiffness(constants)), np.unique(constants))
+
+
+@every
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_a_repeated_cell_is_the_same_lattice(name, times):
+    pattern = LATTICES[name]()
+    larger = repeated(pattern, times)
+    cells = times**pattern.dim
+    assert len(larger.points) == cells * len(pattern.points)
+    np.testing.assert_allclose(larger.size, times * np.array(pattern.size))
+
+    # The same vectors as often, and each joins points that are where it says.
+    def counted(vectors):
+        rounded = np.round(vectors, 9) + 0.0
+        return np.unique(rounded, axis=0, return_counts=True)
+
+    once, many = counted(pattern.vectors), counted(larger.vectors)
+    np.testing.assert_allclose(many[0], once[0], atol=1e-9)
+    np.testing.assert_array_equal(many[1], cells * once[1])
+    assert (larger.points < larger.size).all()
+    assert larger.volume.sum() == pytest.approx(np.prod(larger.size))
+    assert (
+        np.bincount(larger.springs.ravel()).tolist()
+        == np.tile(np.bincount(pattern.springs.ravel()), cells).tolist()
+    )
+
+
+def test_a_new_function_is_a_new_lattice(monkeypatch):
+    def brick() -> Pattern:
+        return by_shells("brick", (1.0, 2.0), [(0, 0)], (1.0, 2.0), {"equal": (1.0, 1.0)})
+
+    brick.__annotations__["return"] = "Pattern"  # as in a module with postponed annotations
+    monkeypatch.setattr(patterns, "brick", brick, raising=False)
+    assert patterns.known()["brick"] is brick
+
+
+def pattern(**change):
+    parts = {
+        "name": "row",
+        "size": (1.0, 1.0),
+        "points": np.zeros((1, 2)),
+        "springs": np.array([[0, 0]]),
+        "image": np.array([[1, 0]]),
+        "kind": np.array([0]),
+        "rules": {"one": (1.0,)},
+    }
+    return Pattern(**(parts | change))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"size": (1.0, 0.0)}, "pattern row: cell edge"),
+        ({"size": (1.0, float("nan"))}, "pattern row: cell edge: nan"),
+        ({"points": np.array([[np.nan, 0.0]])}, "pattern row: points: nan"),
+        ({"springs": np.array([[0, 1]])}, "springs between points 0 and 1; there are 0 to 0"),
+        ({"image": np.array([[0, 0]])}, "pattern row: a spring has no length"),
+        ({"image": np.array([[1, 0, 0]])}, "pattern row: image (1, 3); give (1, 2)"),
+        ({"kind": np.array([1]), "rules": {}}, "pattern row: kinds [1]; count from 0"),
+        ({"kind": np.array([0, 0])}, "pattern row: kind (2,); give (1,)"),
+        ({"springs": np.zeros((0, 2), int)}, "pattern row: springs (0, 2)"),
+        ({"rules": {"one": (1.0, 2.0)}}, "row: spring one (1.0, 2.0); give 1, one a kind"),
+        ({"rules": {"one": (-1.0,)}}, "row: spring one (-1.0,); none may be negative"),
+        ({"rules": {"one": (float("inf"),)}}, "row: spring constants: inf"),
+        ({"factor": np.ones(2)}, "pattern row: factor (2,); give (1,)"),
+    ],
+)
+def test_patterns_that_do_not_fit_together_are_refused(change, message):
+    with refused(message):
+        pattern(**change)
+
+
+def test_a_shell_without_points_is_refused():
+    with refused("pattern gap: no two points are 1.2 spacings apart"):
+        by_shells("gap", (1.0, 1.0), [(0, 0)], (1.2,), {"one": (1.0,)})
+
+
+@pytest.mark.parametrize("times", [0, -1, 1.5, None])
+def test_a_cell_is_repeated_a_whole_number_of_times(times):
+    with refused("times: "):
+        repeated(pattern(), times)
+
+
+def test_arrays_of_a_pattern_cannot_be_changed():
+    for name in ("points", "springs", "image", "kind", "factor", "volume"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(pattern(), name)[0] = 1
