@@ -247,6 +247,7 @@ FLOORS = {
     "msvalidate.singularity": 1,
     "msvalidate.stiffness": 1,
     "msvalidate.equilibrium": 2,
+    "msvalidate.homogenise": 2,
     "msvalidate.integrate": 2,
     "msvalidate.integrators": 2,
     "msvalidate.relax": 2,
@@ -270,7 +271,7 @@ FLOORS = {
     "msvalidate.arguments": 5,
     "msvalidate.study": 5,
 }
-UNITS = ("msvalidate.problem", "reference_fem", "studies")
+UNITS = ("msvalidate.lattice", "msvalidate.problem", "reference_fem", "studies")
 """Packages that stand on one floor as a whole."""
 JUDGE = ("msvalidate.compare", "msvalidate.evidence")
 

@@ -1,0 +1,296 @@
+"""Boxes filled with whole cells of any pattern: shares, facets, and exactness under uniform strain.
+
+Every lattice whose springs run inside a cell or along its sides must carry any uniform strain at
+any size, as the homogenised solid does: that decides whether shares and facets are right.
+"""
+
+from __future__ import annotations
+
+import re
+from itertools import product
+
+import numpy as np
+import pytest
+
+from msvalidate.body import lattice_network
+from msvalidate.equilibrium import equilibrium
+from msvalidate.lattice import Pattern, boundary_weights, fill, patterns
+from msvalidate.lattice.pattern import by_shells
+from msvalidate.problem import (
+    Anisotropic,
+    Box,
+    Isotropic,
+    Problem,
+    ProblemError,
+    Region,
+    Support,
+    Traction,
+)
+from msvalidate.stiffness import default_constants, moduli, network_tensor, spring_tensor
+
+LATTICES = patterns.known()
+every = pytest.mark.parametrize("name", LATTICES)
+SOLID = ("cubic6", "cubic18", "cubic26", "bcc", "fcc")
+SIZES = [(1, 1, 1), (1, 2, 3), (3, 1, 2)]
+SPACING = 0.25
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+def box_of(pattern, cells, spacing=SPACING):
+    return Box(tuple(spacing * edge * n for edge, n in zip(pattern.size, cells, strict=False)))
+
+
+def filled(name, cells):
+    pattern = LATTICES[name]()
+    cells = cells[: pattern.dim]
+    return fill(pattern, box_of(pattern, cells), cells)
+
+
+def sides_of(lattice, places):
+    """Number of the box's sides that each place lies in."""
+    at = (np.abs(places) < 1e-12) | (np.abs(places - lattice.domain.size) < 1e-12)
+    return at.sum(axis=1)
+
+
+# Geometry -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("cells", SIZES)
+@every
+def test_points_are_all_places_of_the_lattice_in_the_closed_box(name, cells):
+    lattice = filled(name, cells)
+    pattern = lattice.pattern
+    steps = np.array(list(product(range(-1, 5), repeat=pattern.dim)))
+    places = SPACING * (steps[:, None] * np.array(pattern.size) + pattern.points)
+    places = places.reshape(-1, pattern.dim)
+    size = np.array(lattice.domain.size)
+    inside = ((places > -1e-9) & (places < size + 1e-9)).all(axis=1)
+
+    def ordered(points):
+        return np.unique(points.round(9), axis=0)
+
+    np.testing.assert_allclose(ordered(lattice.points), ordered(places[inside]), atol=1e-9)
+
+
+@pytest.mark.parametrize("cells", SIZES)
+@every
+def test_springs_are_all_of_the_lattice_that_stay_in_the_box(name, cells):
+    lattice = filled(name, cells)
+    assert (lattice.springs[:, 0] < lattice.springs[:, 1]).all()
+    assert len(np.unique(lattice.springs, axis=0)) == len(lattice.springs)
+    apart = np.linalg.norm(lattice.points[:, None] - lattice.points, axis=2) / SPACING
+    lengths = np.linalg.norm(lattice.pattern.vectors, axis=1)
+    for kind in range(lattice.pattern.kinds):
+        length = lengths[lattice.pattern.kind == kind][0]
+        assert 2 * (lattice.kind == kind).sum() == (np.abs(apart - length) < 1e-9).sum()
+
+
+@pytest.mark.parametrize("cells", SIZES)
+@every
+def test_a_spring_in_sides_counts_half_for_each_and_a_point_too(name, cells):
+    lattice = filled(name, cells)
+    low, high = lattice.points == 0, lattice.points == lattice.domain.size
+    i, j = lattice.springs.T
+    common = ((low[i] & low[j]) | (high[i] & high[j])).sum(axis=1)
+    np.testing.assert_array_equal(lattice.share, 0.5**common)
+    assert lattice.point_volume.sum() == pytest.approx(lattice.domain.volume, rel=1e-13)
+    part = lattice.point_volume * 2.0 ** sides_of(lattice, lattice.points)
+    np.testing.assert_allclose(part, part[0], rtol=1e-13)
+
+
+@pytest.mark.parametrize("cells", SIZES)
+@every
+def test_facets_cover_every_side_once(name, cells):
+    lattice = filled(name, cells)
+    corners = lattice.points[lattice.facets]
+    for axis, end in product(range(lattice.domain.dim), (0, 1)):
+        place = end * lattice.domain.size[axis]
+        here = (np.abs(corners[:, :, axis] - place) < 1e-12).all(axis=1)
+        edges = corners[here][:, 1:] - corners[here][:, :1]
+        if lattice.domain.dim == 2:
+            area = np.abs(edges).max(axis=2).sum()
+        else:
+            normal = np.cross(edges[:, 0], edges[:, 1])
+            area = np.linalg.norm(normal, axis=1).sum() / (1 if corners.shape[1] == 4 else 2)
+        expected = lattice.domain.volume / lattice.domain.size[axis]
+        assert area == pytest.approx(expected, rel=1e-12), (axis, end)
+
+
+@pytest.mark.parametrize("name", ["cubic6", "cubic18", "cubic26"])
+def test_cells_are_cubes_x_fastest(name):
+    lattice = filled(name, (2, 1, 3))
+    corners = lattice.points[lattice.cells]
+    steps = SPACING * np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)])
+    np.testing.assert_allclose(corners - corners[:, :1], np.tile(steps, (6, 1, 1)), atol=1e-14)
+    held = np.zeros((len(lattice.points), 6), dtype=bool)
+    held[lattice.cells.T, np.arange(6)] = True
+    i, j = lattice.springs.T
+    np.testing.assert_array_equal(lattice.borders, (held[i] & held[j]).sum(axis=1))
+
+
+# Uniform strain -------------------------------------------------------------------------------
+
+
+def crosses(pattern):
+    """Whether some spring runs from a cell to another without lying in a side of it."""
+    away = pattern.points[pattern.springs[:, 0]] + pattern.vectors
+    low, high = -1e-9, np.array(pattern.size) + 1e-9
+    start = pattern.points[pattern.springs[:, 0]]
+    # Any cell will do that holds both ends: shift the spring by whole cells.
+    inside = np.zeros(len(away), dtype=bool)
+    for step in product((-1, 0, 1), repeat=pattern.dim):
+        shift = np.array(step) * pattern.size
+        ends = np.stack([start + shift, away + shift])
+        inside |= ((ends >= low) & (ends <= high)).all(axis=(0, 2))
+    return inside
+
+
+def constants_within(pattern):
+    """Constants that leave no spring that runs from a cell to the next with stiffness."""
+    inside = crosses(pattern)
+    kinds = [bool(inside[pattern.kind == kind].all()) for kind in range(pattern.kinds)]
+    return tuple(0.7 + 0.4 * kind if whole else 0.0 for kind, whole in enumerate(kinds))
+
+
+def test_which_springs_stay_in_cells():
+    found = {name: constants_within(make()) for name, make in LATTICES.items()}
+    crossing = {name for name, constants in found.items() if 0.0 in constants}
+    assert crossing == {"triangular", "bcc", "fcc"}
+    assert found["fcc"] == (0.7, 0.0)
+
+
+@pytest.mark.parametrize("cells", SIZES)
+@pytest.mark.parametrize("name", ["square", "cubic18", "cubic26", "fcc"])
+def test_uniform_strain_is_in_equilibrium_with_the_solids_tractions_at_any_size(name, cells):
+    lattice = filled(name, cells)
+    d = lattice.domain.dim
+    constants = constants_within(lattice.pattern)
+    tensor = network_tensor(lattice, constants, "shared")
+    rng = np.random.default_rng(5)
+    strain = rng.normal(size=(d, d))
+    strain += strain.T
+    if name == "cubic26":  # shear leaves forces at the corners of the box: see below
+        strain = np.diag(np.diag(strain))
+    voigt = [(a, a) for a in range(d)] + ([(0, 1)] if d == 2 else [(1, 2), (0, 2), (0, 1)])
+    engineering = np.array([strain[a, b] * (1 if a == b else 2) for a, b in voigt])
+    stress = np.zeros((d, d))
+    for (a, b), value in zip(voigt, tensor @ engineering, strict=True):
+        stress[a, b] = stress[b, a] = value
+    loads = tuple(
+        Traction(lattice.domain.side(side), tuple((sign * stress[axis]).tolist()))
+        for axis, pair in enumerate((("left", "right"), ("bottom", "top"), ("back", "front"))[:d])
+        for side, sign in zip(pair, (-1, 1), strict=True)
+    )
+    corner = Support(Region((0.0,) * d), (0.0,) * d)
+    spin = [
+        Support(Region((lattice.domain.size[0], *(0.0,) * (d - 1))), (None,) + (0.0,) * (d - 1))
+    ]
+    if d == 3:
+        spin.append(Support(Region((0.0, lattice.domain.size[1], 0.0)), (None, None, 0.0)))
+    problem = Problem(lattice.domain, Anisotropic(tensor), (corner, *spin), loads)
+    network = lattice_network(problem, lattice, constants)
+    move = equilibrium(network, "linear").displacement
+    # What is left of the affine motion after the best rigid one: nothing.
+    x = np.column_stack([lattice.points, np.ones(len(lattice.points))])
+    fit, *_ = np.linalg.lstsq(x, move, rcond=None)
+    gradient = fit[:d].T
+    size = np.abs(strain).max() * max(lattice.domain.size)
+    np.testing.assert_allclose(x @ fit, move, atol=1e-11 * size)
+    np.testing.assert_allclose((gradient + gradient.T) / 2, strain, atol=1e-11 * size / SPACING)
+
+
+def test_the_cubes_own_diagonals_leave_forces_at_the_eight_corners_under_shear():
+    # A shear xy pulls a diagonal along ±(sx, sy, sz), signs of its end in the cell, in proportion
+    # to sx sy. Its z part, sx sy sz, cancels between neighbouring cells but not at a box's corners.
+    lattice = filled("cubic26", (3, 2, 4))
+    k = np.where(lattice.kind == 2, 1.0, 0.0) * lattice.share
+    normal = lattice.vectors / np.linalg.norm(lattice.vectors, axis=1)[:, None]
+    tension = k * 2 * normal[:, 0] * normal[:, 1] * np.linalg.norm(lattice.vectors, axis=1)
+    force = np.zeros(lattice.points.shape)
+    np.add.at(force, lattice.springs[:, 0], tension[:, None] * normal)
+    np.add.at(force, lattice.springs[:, 1], -tension[:, None] * normal)
+    (pulled,) = np.nonzero(np.abs(force[:, 2]) > 1e-12)
+    sign = np.sign(lattice.points[pulled] - np.array(lattice.domain.size) / 2)
+    assert sides_of(lattice, lattice.points[pulled]).tolist() == [3] * 8
+    np.testing.assert_allclose(force[pulled, 2], -2 / 3 * SPACING * sign.prod(axis=1))
+
+
+@pytest.mark.parametrize("name", SOLID)
+def test_shared_springs_of_a_filled_box_sum_to_the_solids_energy_where_none_is_cut(name):
+    lattice = filled(name, (2, 1, 3))
+    constants = constants_within(lattice.pattern)
+    k = np.array(constants)[lattice.kind] * boundary_weights(lattice, "shared")
+    found = spring_tensor(lattice.vectors, k, lattice.domain.volume)
+    exact = lattice.pattern.tensor(constants) / SPACING
+    np.testing.assert_allclose(found, exact, atol=1e-13 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("name", SOLID)
+def test_the_rules_of_boundary_weights_in_space(name):
+    lattice = filled(name, (2, 2, 2))
+    np.testing.assert_array_equal(boundary_weights(lattice, "equal"), 1.0)
+    per_cell = boundary_weights(lattice, "per_cell")
+    np.testing.assert_array_equal(per_cell, lattice.share * lattice.sharing[lattice.kind])
+
+
+# Constants ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["cubic18", "cubic26", "bcc", "fcc"])
+def test_a_solid_of_a_quarter_has_isotropic_constants_in_every_lattice(name):
+    lattice = filled(name, (2, 2, 2))
+    constants = default_constants(Isotropic(E=2.5, nu=0.25, state="solid"), lattice)
+    found = moduli(network_tensor(lattice, constants, "shared"))
+    assert (found.E, found.nu, found.zener) == pytest.approx((2.5, 0.25, 1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "material", "message"),
+    [
+        (
+            "cubic18",
+            Isotropic(1.0, 0.3, "solid"),
+            "nu = 0.3; central springs are",
+        ),
+        ("cubic18", Isotropic(1.0, 0.25), "material in plane_stress; give a solid"),
+        ("cubic6", Isotropic(1.0, 0.25, "solid"), "none of its rules, equal, makes it isotropic"),
+        ("square4", Isotropic(1.0, 0.25), "none of its rules, equal, makes it isotropic"),
+    ],
+)
+def test_materials_that_a_lattice_cannot_be_are_refused(name, material, message):
+    with refused(message):
+        default_constants(material, filled(name, (2, 2, 2)))
+
+
+# Bad input ------------------------------------------------------------------------------------
+
+
+def off_corner() -> Pattern:
+    pattern = by_shells("shifted", (1.0, 1.0), [(0.5, 0.5)], (1.0,), {"one": (1.0,)})
+    assert len(pattern.springs) == 2
+    return pattern
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: fill(None, Box((1.0, 1.0)), 2), "pattern: None; give a Pattern"),
+        (
+            lambda: fill(patterns.bcc(), Box((1.0, 1.0)), 2),
+            "BCC lattice: a box 1 x 1 m; give",
+        ),
+        (lambda: fill(patterns.square(), Box((1.0,) * 3), 2), "give a plane box"),
+        (lambda: fill(patterns.fcc(), Box((1.0,) * 3), (2, 2)), "give one or three whole numbers"),
+        (lambda: fill(patterns.fcc(), Box((1.0,) * 3), 0), "cells: 0; give a whole number"),
+        (lambda: fill(patterns.fcc(), Box((1.0,) * 3), (1, 2, 2)), "counts in the ratio 1 : 1 : 1"),
+        (lambda: fill(patterns.triangular(), Box((1.0, 1.0)), 2), "its cells are as 1 : 1.73205"),
+        (lambda: fill(patterns.fcc(), Box((1.0,) * 3), 2000), "points, and the most is"),
+        (lambda: fill(off_corner(), Box((1.0, 1.0)), 2), "no point in the corner of its cell"),
+    ],
+)
+def test_bad_boxes_and_counts_are_refused(make, message):
+    with refused(message):
+        make()

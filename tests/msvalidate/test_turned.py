@@ -1,0 +1,174 @@
+"""Lattices at any angle in a box: made to fit at the sides, themselves inside."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from msvalidate.body import lattice_network
+from msvalidate.equilibrium import equilibrium
+from msvalidate.lattice import fill, patterns, turned
+from msvalidate.problem import Anisotropic, Box, Problem, ProblemError, Region, Support, Traction
+from msvalidate.stiffness import directional_modulus, directional_ratio, pattern_tensor, rotated
+
+LATTICES = patterns.known()
+PLANE, SPACE = Box((1.0, 0.75)), Box((1.0, 0.75, 0.5))
+TILT = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+def made(name, spacing=None, angle=0.4):
+    pattern = LATTICES[name]()
+    if pattern.dim == 2:
+        return turned(pattern, PLANE, spacing or 1 / 16, angle)
+    return turned(pattern, SPACE, spacing or 1 / 8, TILT)
+
+
+@pytest.mark.parametrize("name", LATTICES)
+def test_a_turned_lattice_fills_the_box(name):
+    lattice = made(name)
+    size = np.array(lattice.domain.size)
+    assert (lattice.points >= 0).all()
+    assert (lattice.points <= size).all()
+    corners = np.array(np.meshgrid(*[(0, edge) for edge in size])).reshape(len(size), -1).T
+    for corner in corners:
+        assert (lattice.points == corner).all(axis=1).sum() == 1
+    assert lattice.point_volume.sum() == pytest.approx(lattice.domain.volume, rel=1e-12)
+    assert (lattice.point_volume > 0).all()
+    assert (lattice.springs[:, 0] < lattice.springs[:, 1]).all()
+    assert len(np.unique(lattice.springs, axis=0)) == len(lattice.springs)
+
+
+@pytest.mark.parametrize("name", LATTICES)
+def test_inside_every_point_has_the_springs_of_the_turned_pattern(name):
+    pattern = LATTICES[name]()
+    spacing = 1 / 16 if pattern.dim == 2 else 1 / 12
+    lattice = made(name, spacing)
+    c, s = np.cos(0.4), np.sin(0.4)
+    Q = np.array([[c, -s], [s, c]]) if pattern.dim == 2 else TILT
+    expected = spacing * pattern.vectors @ Q.T
+    both = np.concatenate([expected, -expected])
+    longest = np.linalg.norm(expected, axis=1).max()
+    away = np.minimum(lattice.points, np.array(lattice.domain.size) - lattice.points).min(axis=1)
+    # Beyond the reach of what was moved onto a side, and of the braces of that.
+    inside = np.flatnonzero(away > np.maximum(1.45 * longest, 2 * spacing))
+    assert len(inside) > 0
+    per_point = 2 * len(expected) / len(pattern.points)
+    for point in inside:
+        ours = (lattice.springs == point).any(axis=1)
+        assert ours.sum() == per_point
+        gap = np.linalg.norm(lattice.vectors[ours][:, None] - both, axis=2).min(axis=1)
+        assert gap.max() < 1e-12
+    np.testing.assert_allclose(lattice.share[(lattice.springs == inside[0]).any(axis=1)], 1.0)
+
+
+@pytest.mark.parametrize("name", ["square", "cubic18", "cubic26"])
+def test_turned_by_nothing_is_the_filled_box(name):
+    pattern = LATTICES[name]()
+    box = PLANE if pattern.dim == 2 else SPACE
+    here = turned(pattern, box, 1 / 8, 0.0 if pattern.dim == 2 else np.eye(3))
+    there = fill(pattern, box, tuple(round(8 * edge) for edge in box.size))
+    np.testing.assert_allclose(
+        np.unique(here.points.round(9), axis=0), np.unique(there.points.round(9), axis=0)
+    )
+
+    def strengths(lattice):
+        ends = lattice.points[lattice.springs]
+        rows = np.column_stack([ends.mean(axis=1), np.abs(lattice.vectors), lattice.share])
+        return np.unique(rows.round(9), axis=0)
+
+    np.testing.assert_allclose(strengths(here), strengths(there))
+
+
+def stretched(lattice, tensor, constants):
+    """Modulus and ratio of the box pulled along x between uniform tractions."""
+    box, d = lattice.domain, lattice.domain.dim
+    along = (1.0,) + (0.0,) * (d - 1)
+    supports = [
+        Support(Region((0.0,) * d), (0.0,) * d),
+        Support(Region((box.size[0], *(0.0,) * (d - 1))), (None,) + (0.0,) * (d - 1)),
+    ]
+    if d == 3:
+        supports.append(Support(Region((0.0, box.size[1], 0.0)), (None, None, 0.0)))
+    loads = (
+        Traction(box.side("left"), tuple(-x for x in along)),
+        Traction(box.side("right"), along),
+    )
+    problem = Problem(box, Anisotropic(tensor), tuple(supports), loads)
+    move = equilibrium(lattice_network(problem, lattice, constants), "linear").displacement
+    x = np.column_stack([lattice.points, np.ones(len(move))])
+    gradient = np.linalg.lstsq(x, move, rcond=None)[0][:d]
+    return 1 / gradient[0, 0], -gradient[1, 1] / gradient[0, 0]
+
+
+@pytest.mark.parametrize(("name", "angle"), [("square", 0.4), ("square", 1.2), ("triangular", 0.2)])
+def test_a_turned_block_comes_to_the_turned_solid_at_first_order(name, angle):
+    pattern = LATTICES[name]()
+    constants = (1.0, 2.0)[: pattern.kinds]  # the square one is far from isotropic
+    tensor = rotated(pattern.tensor(constants), angle)
+    E = directional_modulus(tensor, np.array([[1.0, 0.0]]))[0]
+    nu = directional_ratio(tensor, 0.0)
+    errors = []
+    for cells in (12, 24, 48, 96):
+        lattice = turned(pattern, PLANE, 1 / cells, angle)
+        found = stretched(lattice, tensor, constants)
+        errors.append((abs(found[0] / E - 1), abs(found[1] - nu)))
+    error = np.array(errors)
+    # An edge about half a spacing thick that carries less than its part, or more.
+    assert (error * np.array([[12], [24], [48], [96]]) < 0.7).all()
+    order = np.log2(error[0, 0] / error[-1, 0]) / 3
+    assert 0.6 < order < 1.6
+
+
+def test_a_turned_solid_comes_near_the_turned_tensor():
+    pattern = LATTICES["cubic26"]()
+    constants = (1.0, 1.0, 1.0)
+    errors = []
+    for cells in (6, 12):
+        tensor = rotated(pattern_tensor(pattern, constants, 1 / cells), TILT)
+        compliance = np.linalg.inv(tensor)
+        E, nu = stretched(turned(pattern, SPACE, 1 / cells, TILT), tensor, constants)
+        errors.append([E * compliance[0, 0] - 1, nu + compliance[1, 0] / compliance[0, 0]])
+    assert (np.abs(errors[1]) < 0.08).all()
+    assert abs(errors[1][0]) < abs(errors[0][0])
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    angle=st.floats(-4, 4), cells=st.integers(5, 14), name=st.sampled_from(["square", "triangular"])
+)
+def test_any_angle_gives_a_body_that_can_be_held_and_loaded(angle, cells, name):
+    pattern = LATTICES[name]()
+    constants = (1.0, 0.5)[: pattern.kinds]
+    lattice = turned(pattern, PLANE, 1 / cells, angle)
+    E, nu = stretched(lattice, pattern.tensor(constants), constants)
+    assert 0.5 < E / (4 / 3 if name == "square" else 2 / np.sqrt(3)) < 1.3
+    assert 0 < nu < 0.6
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: turned(None, PLANE, 0.1, 0.0), "pattern: None; give a Pattern"),
+        (lambda: turned(patterns.fcc(), PLANE, 0.1, 0.0), "FCC lattice: a box 1 x 0.75 m; give"),
+        (lambda: turned(patterns.square(), PLANE, -0.1, 0.0), "spacing: -0.1 m"),
+        (lambda: turned(patterns.square(), PLANE, 0.1, np.nan), "angle: nan"),
+        (lambda: turned(patterns.square(), PLANE, 0.1, "north"), "angle: "),
+        (lambda: turned(patterns.square(), PLANE, 0.1, np.diag([1.0, -1.0])), "rotation: "),
+        (lambda: turned(patterns.fcc(), SPACE, 0.1, 0.3), "rotation: 0.3; give a matrix (3, 3)"),
+        (lambda: turned(patterns.fcc(), SPACE, 0.1, 2 * np.eye(3)), "rotation: "),
+        (lambda: turned(patterns.square(), PLANE, 1e-6, 0.3), "points, and the most is"),
+        (lambda: turned(patterns.square(), PLANE, 3.0, 0.3), "take a smaller spacing"),
+    ],
+)
+def test_bad_input_is_refused(call, message):
+    with refused(message):
+        call()
