@@ -6,8 +6,10 @@ any size, as the homogenised solid does: that decides whether shares and facets 
 
 from __future__ import annotations
 
+import json
 import re
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -129,6 +131,16 @@ def test_cells_are_cubes_x_fastest(name):
     held[lattice.cells.T, np.arange(6)] = True
     i, j = lattice.springs.T
     np.testing.assert_array_equal(lattice.borders, (held[i] & held[j]).sum(axis=1))
+
+
+def test_a_cubic_bar_is_the_one_that_another_program_moved():
+    data = Path(__file__).parents[1] / "data" / "springs" / "s2_trajectory_cubic18_damped.json"
+    independent = json.loads(data.read_text())
+    points = np.array(independent["points"])
+    lattice = fill(patterns.cubic18(), Box(tuple(points.max(axis=0).tolist())), (5, 3, 3))
+    np.testing.assert_allclose(lattice.points, points, atol=1e-15)
+    expected = np.unique(np.sort(independent["springs"], axis=1), axis=0)
+    np.testing.assert_array_equal(np.unique(lattice.springs, axis=0), expected)
 
 
 # Uniform strain -------------------------------------------------------------------------------
