@@ -5,7 +5,7 @@ Three kinds, from the least to the most even:
 - ``uniform``: every point anywhere, independent of the others.
 - ``jittered``: the body is cut into as many parts of equal volume as there are points, nearly
   cubic, and each part has one point anywhere in it (stratified sampling; Cook 1986,
-  doi:10.1145/8927.8927). The parts are layers, rows in them, and bricks in those: a grid of cubes
+  doi:10.1145/7529.8927). The parts are layers, rows in them, and bricks in those: a grid of cubes
   where the number allows one, and otherwise layers and rows of which some hold a point more and
   are thicker for it.
 - ``blue_noise``: no two points near each other. Of five times as many uniform points the most
@@ -36,12 +36,16 @@ from msvalidate.problem import (
 )
 
 POINT_SETS = ("uniform", "jittered", "blue_noise")
+LARGEST_SEED = 2**64 - 1
 JITTER = 0.5
 """Part of its brick's edge by which a jittered point moves from the middle at most: anywhere."""
 CANDIDATES = 5
 """Uniform points for each blue-noise point that is kept (Yuksel's number)."""
 CROWDING, LIMIT, BLEND = 8, 0.65, 1.5
 """Yuksel's α, β and γ: the weight's exponent, and where nearer pairs weigh no more."""
+RISE = 0.1
+"""Part of the distance that still counts among such pairs: in his rule none does, and next to
+points that stay where they are two may then be left almost in one place."""
 
 
 def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -> Array:
@@ -72,7 +76,7 @@ def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -
     edges = np.array(Box(size).size, dtype=float)
     n = whole("number of points", count, 1)
     refuse_too_many(f"{kind} point set", n * (CANDIDATES if kind == "blue_noise" else 1))
-    rng = np.random.default_rng(whole("seed", seed, 0))
+    rng = np.random.default_rng(whole("seed", seed, 0, LARGEST_SEED))
     if kind == "blue_noise":
         return _kept(rng.random((CANDIDATES * n, len(edges))) * edges, n, edges, period=edges)
     return _strewn(kind, n, edges, rng)
@@ -114,7 +118,7 @@ def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
     size = np.array(box.size, dtype=float)
     each = CANDIDATES if kind == "blue_noise" else 1
     refuse_too_many(f"{kind} point set", each * math.prod((size / h + 1).tolist()))
-    rng = np.random.default_rng(whole("seed", seed, 0))
+    rng = np.random.default_rng(whole("seed", seed, 0, LARGEST_SEED))
     points = np.array(list(product((0.0, 1.0), repeat=box.dim))) * size
     for free in range(1, box.dim + 1):
         placed = [points]
@@ -132,7 +136,7 @@ def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
                 new[:, along] = h / 2 + _strewn(kind, several, room, rng)
                 placed.append(_kept(new, count, room, points) if each > 1 else new)
         points = np.concatenate(placed)
-    return points
+    return np.asarray(points)
 
 
 def _strewn(kind: str, count: int, size: Array, rng: np.random.Generator) -> Array:
@@ -181,9 +185,9 @@ def _kept(
     apart = everywhere[pairs[:, 1]] - everywhere[pairs[:, 0]]
     if period is not None:
         apart -= period * np.rint(apart / period)
-    least = LIMIT * (1 - (count / total) ** BLEND)
-    distance = np.maximum(np.linalg.norm(apart, axis=1) / reach, least)
-    crowding = np.maximum(1 - distance, 0) ** CROWDING
+    distance = np.sqrt((apart**2).sum(axis=1)) / reach
+    nearer = np.maximum(LIMIT * (1 - (count / total) ** BLEND) - distance, 0)
+    crowding = np.maximum(1 - distance - (1 - RISE) * nearer, 0) ** CROWDING
     return candidates[_survivors(pairs, crowding, total, count)]
 
 
@@ -192,7 +196,8 @@ def _survivors(pairs: Index, crowding: Array, total: int, count: int) -> Index:
     ends, others = pairs.ravel("F"), pairs[:, ::-1].ravel("F")
     order = np.argsort(ends, kind="stable")
     other, share = others[order], np.tile(crowding, 2)[order]
-    weight = np.bincount(ends, np.tile(crowding, 2), max(total, int(ends.max(initial=-1)) + 1))
+    most = max(total, int(ends.max(initial=-1)) + 1)
+    weight: Array = np.bincount(ends, np.tile(crowding, 2), most).astype(float)
     start = np.searchsorted(ends[order], np.arange(total + 1)).tolist()
     # Weights only fall, so an entry of the heap that is out of date is too high, never too low.
     heap = [(-w, i) for i, w in enumerate(weight[:total].tolist())]
@@ -215,7 +220,5 @@ def _closest_packing(count: int, size: Array) -> float:
     """
     densest = (1.0, math.sqrt(2 / math.sqrt(3)), 2 ** (1 / 6))
     longest = np.sort(size)[::-1]
-    return max(
-        densest[k] * (math.prod(longest[: k + 1].tolist()) / count) ** (1 / (k + 1))
-        for k in range(len(size))
-    )
+    room = [math.prod(longest[:k].tolist()) / count for k in range(1, len(size) + 1)]
+    return float(max(densest[k] * room[k] ** (1 / (k + 1)) for k in range(len(size))))

@@ -8,8 +8,8 @@ Both kinds of body come down to points without end: a periodic cell is repeated,
 across its sides, which clips cells exactly to it. Only images within a margin are made; a cell is
 complete if the empty sphere around each of its vertices, through its points, stays within that.
 
-The facets come from a Delaunay triangulation (`msvalidate.lattice.triangulation`), whose circumcentres are
-the vertices of cells.
+The facets come from a Delaunay triangulation (`msvalidate.lattice.triangulation`), whose
+circumcentres are the vertices of cells.
 """
 
 from __future__ import annotations
@@ -26,23 +26,21 @@ from msvalidate.problem import (
     Array,
     Box,
     Index,
-    Mask,
     ProblemError,
     SolverError,
     coordinates,
     instance,
     place_name,
-    refuse_too_many,
     shown,
 )
 
 NEGLIGIBLE = 1e-11
 """Facets smaller than this part of spacing^(d-1) join no points: a square grid has no diagonals."""
-FIRST_MARGIN, STEP = 2.15, 1.3
+FIRST_MARGIN, STEP = 2.25, 1.3
 """Margin tried first, in spacings, and the next in parts of it at most. Even sets need about 2,
 uniform ones 2.5; cells at the end of too small a margin are long and ask for more than they need.
 """
-MOST_IMAGES = 5_000_000
+MOST_IMAGES = 2_000_000
 """Points with their images: a long thin cell of few points needs many."""
 
 
@@ -165,8 +163,9 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
     across *= 0.5 ** ((on_low[i] & on_low[j]) | (on_high[i] & on_high[j])).sum(axis=1)
     sides = np.zeros((len(x), 2 * box.dim))
     owner, (axis, way) = low[~between], _axis_and_way(shift[~between])
-    halved = 0.5 ** (on_low | on_high).sum(axis=1)
-    np.add.at(sides, (owner, 2 * axis + (way > 0)), area[~between] * halved[owner])
+    on = on_low | on_high
+    halved = 0.5 ** (on[owner].sum(axis=1) - on[owner, axis])
+    np.add.at(sides, (owner, 2 * axis + (way > 0)), area[~between] * halved)
     # A point on a side has no image across it: what closes its cell is the area there.
     pull = across[:, None] * (x[j] - x[i]) / length[between, None]
     for k in range(box.dim):
@@ -247,7 +246,8 @@ def _facets(
     x, edges = points * unit, size * unit
     # No point of the body is further than this from all images of one point.
     furthest = (2 if mirrored else 1) * float(np.linalg.norm(edges)) * (1 + 1e-9)
-    margin = min(FIRST_MARGIN * (math.prod(edges.tolist()) / n) ** (1 / dim), furthest)
+    spacing = (math.prod(edges.tolist()) / n) ** (1 / dim)
+    margin = min(max(FIRST_MARGIN * spacing, 0.5 * float(edges.max()) / n), furthest)
     while True:
         everywhere, source, image = _images(x, edges, margin, mirrored=mirrored)
         found = _cells(everywhere, source, n, regular=mirrored)
@@ -260,13 +260,14 @@ def _facets(
         if margin >= furthest:
             raise SolverError(f"cells of {n} points in {box}: not told apart, some are too close")
         # Cells only shrink as images are added, and their spheres' reach with them.
-        step = STEP if found is None else min(STEP, needed / margin * (1 + 1e-9))
+        step = STEP if found is None else min(STEP, 1.05 * needed / margin)
         margin = min(step * margin, furthest)
     first, second, area = dual_areas(everywhere, cells, beyond, centres, n)
     # The lower end is a point of the body; keep one of the images of each facet.
     low, high, shift = first, source[second], image[second]
     if mirrored:
-        own = (high == low) & (np.abs(shift).sum(axis=1) == 1)
+        # Across a side, a point inside is image 1 or -1; one on the opposite side is 2 or -2.
+        own = (high == low) & ((shift != 0).sum(axis=1) == 1)
         kept = (second < n) | own
         high = np.where(second < n, high, -1)
     else:
@@ -285,12 +286,12 @@ def _images(
     Image k of a mirrored axis is shifted by k·size if k is even, and else reflected: at -x for
     k = -1 and 2·size - x for k = 1.
     """
-    refuse_too_many(
-        f"{len(points)} points in a cell so long and thin",
-        len(points) * math.prod((1 + 2 * margin / size).tolist()),
-        MOST_IMAGES,
-        "images",
-    )
+    wanted = len(points) * math.prod((1 + 2 * margin / size).tolist())
+    if wanted > MOST_IMAGES:
+        raise ProblemError(
+            f"cells of {len(points)} points: {wanted:.3g} images, and the most is "
+            f"{MOST_IMAGES:.3g}; take fewer points, or a body less long and thin"
+        )
     source = np.arange(len(points))
     image = np.zeros(points.shape, dtype=np.intp)
     for axis, edge in enumerate(size.tolist()):
@@ -339,7 +340,8 @@ def _cells(
 
 def _pyramids(i: Index, j: Index, content: Array, count: int) -> Array:
     """Half of each facet's area times length, summed at both of its points."""
-    return 0.5 * (np.bincount(i, content, count) + np.bincount(j, content, count))
+    halves = np.bincount(i, content, count) + np.bincount(j, content, count)
+    return np.asarray(0.5 * halves, dtype=float)
 
 
 def _axis_and_way(shift: Index) -> tuple[Index, Index]:
@@ -367,9 +369,9 @@ def _boxed(points: Array, box: Box) -> tuple[Array, Array]:
     """The points, those near a side on it, and the box's edges."""
     instance("box", box, Box)
     x, edges = _places(points, box.dim), np.array(box.size, dtype=float)
-    outside: Mask = ((x < -box.tolerance) | (x > edges + box.tolerance)).any(axis=1)
-    if outside.any():
-        which = int(np.flatnonzero(outside)[0])
+    outside = np.flatnonzero(((x < -box.tolerance) | (x > edges + box.tolerance)).any(axis=1))
+    if len(outside):
+        which = int(outside[0])
         raise ProblemError(f"points: {which}, at {place_name(x[which])}, is outside the {box}")
     x[np.abs(x) <= box.tolerance] = 0.0
     x = np.where(np.abs(x - edges) <= box.tolerance, edges, x)

@@ -91,9 +91,9 @@ def dual_areas(
     else:
         part = 0.5 * (np.cross(u, v) * edge).sum(axis=1)
     key, which = np.unique(np.minimum(a, b) * len(x) + np.maximum(a, b), return_inverse=True)
-    return key // len(x), key % len(x), np.bincount(which, part, len(key))
+    return key // len(x), key % len(x), np.asarray(np.bincount(which, part, len(key)), dtype=float)
 
 
 def determinants(corners: Array) -> Array:
-    """D! times the signed volume of simplices (c, d+1, d)."""
+    """Signed volumes times d! of simplices (c, d+1, d)."""
     return np.asarray(np.linalg.det(corners[:, 1:] - corners[:, :1]))
