@@ -101,7 +101,7 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
     ProblemError
         If a point force meets no node, or a loaded part does not end at cell edges.
     SolverError
-        If cells are too thin to be integrated over.
+        If cells in the plane are too thin to be integrated over.
     """
     force = np.zeros(body.points.shape)
     tolerance, thickness = problem.domain.tolerance, problem.material.thickness
@@ -117,6 +117,9 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
         elif isinstance(load, Traction):
             name = f"traction on {load.region}"
             facets = _loaded_facets(problem.domain, load, body)
+            if body.dim == 3:
+                force += _on_faces(name, load.traction, facets, body)
+                continue
             force += thickness * _integrated(name, load.traction, _edges(name, body, facets), body)
         elif isinstance(load, BodyForce):
             order = 2 * body.element.degree + 2
@@ -148,15 +151,49 @@ def _loaded_facets(domain: Domain, load: Traction, body: Discretisation) -> Inde
     inside = load.region.select(mesh.p.T, domain.tolerance)
     boundary = mesh.boundary_facets()
     facets = boundary[inside[mesh.facets[:, boundary]].all(axis=0)]
-    ends = mesh.p[:, mesh.facets[:, facets]]
-    covered = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0).sum()
+    if body.dim == 2:
+        ends = mesh.p[:, mesh.facets[:, facets]]
+        covered = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0).sum()
+    else:  # half the product of the diagonals, or of two sides of a triangle
+        corners = mesh.p.T[mesh.facets[:, facets]]
+        product = np.cross(corners[2] - corners[0], corners[-1] - corners[1])
+        covered = np.linalg.norm(product, axis=1).sum() / 2
     wanted = load.region.measure(domain.span)
     if abs(covered - wanted) > 1e-9 * wanted:
+        sides = "edges" if body.dim == 2 else "faces"
         raise ProblemError(
-            f"traction on {load.region}: covers no whole number of mesh edges; "
-            "choose cells whose edges end where the loaded part ends"
+            f"traction on {load.region}: covers no whole number of mesh {sides}; "
+            f"choose cells whose {sides} end where the loaded part ends"
         )
     return np.asarray(facets)
+
+
+def _on_faces(
+    name: str, vector: tuple[float, ...] | Field, facets: Index, body: Discretisation
+) -> Array:
+    """∫ φ_i f over faces, as (n, 3) by node: the shape functions there are those of the face.
+
+    The library would look for the points of the faces in the cells, as on edges, and not find them
+    in cells that are graded.
+    """
+    mesh = body.basis.mesh
+    vertices = mesh.facets[:, facets].T
+    face = skfem.ElementQuad1() if vertices.shape[1] == 4 else skfem.ElementTriP1()
+    X, weights = skfem.quadrature.get_quadrature(face, 2 * body.element.degree + 2)
+    shapes = [face.lbasis(X, i) for i in range(vertices.shape[1])]
+    value, slope = (
+        np.array([np.broadcast_to(f[k], (*n, len(weights))) for f in shapes])
+        for k, n in ((0, ()), (1, (2,)))
+    )
+    corners = mesh.p.T[vertices]
+    x = np.einsum("kq,fkd->fqd", value, corners)
+    along, across = np.einsum("keq,fkd->efqd", slope, corners)
+    area = np.linalg.norm(np.cross(along, across), axis=2) * weights
+    traction = vectors_at(name, vector, x.reshape(-1, 3)).reshape(x.shape)
+    force = np.zeros(body.points.shape)
+    nodes = body.node[body.basis.nodal_dofs[0, vertices]]
+    np.add.at(force, nodes, np.einsum("kq,fq,fqd->fkd", value, area, traction))
+    return force
 
 
 def _integrated(

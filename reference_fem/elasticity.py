@@ -1,4 +1,4 @@
-"""Linear elasticity: div σ + b = 0 with σ = C:ε, for any constant tensor in the plane."""
+"""Linear elasticity: div σ + b = 0 with σ = C:ε, for any constant tensor, plane or solid."""
 
 from __future__ import annotations
 
@@ -24,13 +24,20 @@ from msvalidate.problem import (
     shown,
 )
 from reference_fem.discretisation import Discretisation, discretise
+from reference_fem.multigrid import in_one_piece, multigrid
 
 RESIDUAL = 1e-9
 """Largest accepted residual relative to the terms that cancel in it; a direct solve of a regular
 system leaves 1e-13."""
 NO_STIFFNESS = 1e-14
 """Strain energy of a mode that is rounding, relative to what its components cost one by one."""
-VOIGT = {2: ((0, 0), (1, 1), (0, 1))}
+MOST_DIRECT = 4000
+"""Unknowns in space beyond which multigrid is faster than a factorisation, whose time grows as
+their square; in the plane it does not, to a million and more."""
+VOIGT = {
+    2: ((0, 0), (1, 1), (0, 1)),
+    3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)),
+}
 
 
 def solve(
@@ -47,9 +54,9 @@ def solve(
     ----------
     points, cells
         (n, d) in m, and (c, nodes) in VTK order: corners counter-clockwise, then mid-sides, then
-        the centre.
+        the centre; in space the first face's corners counter-clockwise as seen from the others.
     element
-        "Q1", "Q2", "P1" or "P2".
+        "Q1", "Q2", "P1" or "P2" in the plane, "H1" or "T1" in space.
     material
         Plane state and thickness are the material's.
     fixed
@@ -107,7 +114,11 @@ def _solved(
     free = np.flatnonzero(~known)
     if len(free):
         rows = K[free]
-        u[free] = _direct(body, free, rows[:, free], load[free] - rows @ u)
+        acting = load[free] - rows @ u
+        if body.dim == 3 and len(free) > MOST_DIRECT and in_one_piece(body):
+            u[free] = multigrid(body, held, K, acting)
+        else:
+            u[free] = _direct(body, free, rows[:, free], acting)
         residual = np.abs(rows @ u - load[free]).max()
         scale = (abs(rows) @ np.abs(u) + np.abs(load[free])).max()
         if not residual <= RESIDUAL * scale:
@@ -137,9 +148,10 @@ def stiffness(body: Discretisation, material: Material) -> csr_matrix:
 
 
 def elastic_tensor(material: Material) -> Array:
-    """Voigt tensor (3, 3) in Pa (xx, yy, xy; engineering shear), from Lamé's constants.
+    """Voigt tensor (3, 3) or (6, 6) in Pa, from Lamé's constants.
 
-    Plane stress replaces λ by 2λμ/(λ + 2μ) = E·nu/(1 - nu²).
+    Order xx, yy, xy or xx, yy, zz, yz, xz, xy, with engineering shear. Plane stress replaces λ by
+    2λμ/(λ + 2μ) = E·nu/(1 - nu²).
 
     Raises
     ------
@@ -149,8 +161,6 @@ def elastic_tensor(material: Material) -> Array:
     instance("material", material, Material)
     if not isinstance(material, Isotropic):
         return material.C
-    if material.state == "solid":
-        raise ProblemError("material: a solid; plane elements need plane stress or plane strain")
     E, nu = material.E, material.nu
     mu = E / (2 * (1 + nu))
     if material.state == "plane_stress":
@@ -161,12 +171,15 @@ def elastic_tensor(material: Material) -> Array:
         raise ProblemError(
             "nu = 1/2: displacement elements need a compressible body; take nu < 1/2"
         )
-    return np.array([[lam + 2 * mu, lam, 0.0], [lam, lam + 2 * mu, 0.0], [0.0, 0.0, mu]])
+    d = material.dim
+    C = np.diag([2 * mu] * d + [mu] * (d * (d - 1) // 2))
+    C[:d, :d] += lam
+    return C
 
 
 def full_tensor(C: Array) -> Array:
     """Fourth-order tensor (d, d, d, d) of a Voigt tensor."""
-    d = 2
+    d = 2 if len(C) == 3 else 3
     T = np.zeros((d, d, d, d))
     for i, (a, b) in enumerate(VOIGT[d]):
         for j, (c, e) in enumerate(VOIGT[d]):

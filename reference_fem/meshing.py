@@ -1,7 +1,10 @@
-"""Meshes: a plane box in quadrilaterals or triangles, an outline of equilateral triangles."""
+"""Meshes: a box in quadrilaterals, triangles, hexahedra or tetrahedra; an outline in triangles."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from itertools import permutations
 from typing import Any, Literal
 
 import numpy as np
@@ -33,46 +36,54 @@ NODES_PER_TRIANGLE = 2
 
 def box_discretisation(
     box: Box,
-    cells: int | tuple[int, int],
+    cells: int | tuple[int, ...],
     element: str = "Q2",
     grading: float = 1.0,
     towards: Literal["both", "high"] = "both",
-    through: tuple[tuple[float, ...], ...] = ((), ()),
+    through: tuple[tuple[float, ...], ...] | None = None,
 ) -> Discretisation:
-    """Mesh of a plane box.
+    """Mesh of a box.
 
     Parameters
     ----------
     box
         The domain.
     cells
-        Number of quadrilaterals along x and y (one number serves both); P1 and P2 cut each in two.
+        Number of quadrilaterals or hexahedra along each axis (one number serves all); P1 and P2
+        cut each in two, T1 in six.
     element
-        "Q1", "Q2", "P1" or "P2".
+        "Q1", "Q2", "P1" or "P2" in the plane, "H1" or "T1" in space.
     grading
         1 spaces the lines evenly; g > 1 draws them to both ends of each axis as s^g, towards the
         corners, where clamped bodies have singular stress.
     towards
-        "both" ends of each axis, or the "high" end alone: the quarter of a symmetric body.
+        "both" ends of each axis, or the "high" end alone: one corner's part of a symmetric body.
     through
-        Coordinates (m) along x and y that mesh lines must pass through, such as the ends of a
-        loaded part. The lines between two of them are spaced as said for the whole; each part
-        takes its share of the cells by its length.
+        Coordinates (m) along each axis that mesh lines must pass through, such as the ends of a
+        loaded part; None asks for none. The lines between two of them are spaced as said for the
+        whole; each part takes its share of the cells by its length.
 
     Raises
     ------
     ProblemError
-        If an argument is out of range, or the cells are too many.
+        If an argument is out of range, the element is not one of the box's dimension, or the cells
+        are too many.
     """
-    plane = isinstance(box, Box) and box.dim == 2
-    if not plane or not isinstance(element, str) or element not in ELEMENTS:
+    if not isinstance(box, Box):
+        raise ProblemError(f"mesh: {_word(element)} in a {shown(box)}; give a Box")
+    fitting = [name for name, kind in ELEMENTS.items() if kind.dim == box.dim]
+    if not isinstance(element, str) or element not in fitting:
         raise ProblemError(
-            f"mesh: {_word(element)} in a {shown(box)}; give two counts, a plane box and one of "
-            f"{', '.join(ELEMENTS)}"
+            f"mesh: {_word(element)} in a {shown(box)}; in {box.dim}D, give one of "
+            f"{', '.join(fitting)}"
         )
-    kind, pair = ELEMENTS[element], counts("mesh cells", cells)
-    nodes = [kind.degree * n + 1 for n in pair]
-    refuse_too_many(f"mesh of {pair[0]} x {pair[1]} cells", nodes[0] * nodes[1])
+    kind, each = ELEMENTS[element], counts("mesh cells", cells, box.dim)
+    refuse_too_many(
+        f"mesh of {' x '.join(map(str, each))} cells",
+        math.prod(kind.degree * n + 1 for n in each),
+    )
+    if through is None:
+        through = ((),) * box.dim
     if not isinstance(through, tuple | list) or len(through) != box.dim:
         raise ProblemError(
             f"mesh lines through {shown(through)}: give coordinates for each axis, as "
@@ -84,7 +95,7 @@ def box_discretisation(
         raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
     lines = [
         _subdivided(_lines(places, length, n, grading, towards), kind.degree)
-        for places, length, n in zip(through, box.size, pair, strict=True)
+        for places, length, n in zip(through, box.size, each, strict=True)
     ]
     closest = min(float(np.diff(line).min()) for line in lines)
     if closest <= 4 * box.tolerance:
@@ -93,10 +104,10 @@ def box_discretisation(
             f"nearer than two places are told apart ({box.tolerance:.2g} m); take less grading or "
             "cells"
         )
-    y, x = np.meshgrid(lines[1], lines[0], indexing="ij")
-    number = np.arange(x.size).reshape(x.shape)
-    cut = _triangles if kind.corners == 3 else _quadrilaterals
-    return discretise(np.column_stack([x.ravel(), y.ravel()]), cut(number, kind.degree), element)
+    grid = np.meshgrid(*reversed(lines), indexing="ij")
+    points = np.column_stack([x.ravel() for x in reversed(grid)])
+    number = np.arange(len(points)).reshape(grid[0].shape)
+    return discretise(points, _CUTS[element[0]](number, kind.degree), element)
 
 
 def polygon_discretisation(
@@ -310,11 +321,34 @@ def _triangles(number: Index, degree: int) -> Index:
     return np.concatenate([_cells(number, degree, lower), _cells(number, degree, upper)])
 
 
-def _cells(number: Index, degree: int, places: list[tuple[int, int]]) -> Index:
-    """Node numbers at the given (row, column) places of every block of `degree` intervals."""
-    rows, columns = number.shape
+def _hexahedra(number: Index, degree: int) -> Index:
+    """Cells in VTK order from the node numbers (layers along z, rows along y) of a grid."""
+    ring = [(0, 0), (0, 1), (1, 1), (1, 0)]
+    return _cells(number, degree, [(layer, *place) for layer in (0, 1) for place in ring])
+
+
+def _tetrahedra(number: Index, degree: int) -> Index:
+    """Each hexahedron cut into the six that share its rising diagonal (Kuhn 1960).
+
+    Each goes from the lowest corner to the highest along three edges, one for each order of axes.
+    """
+    cells = []
+    for first, second, third in permutations(np.eye(3, dtype=int)):
+        path = [0 * first, first, first + second, first + second + third]
+        if np.linalg.det([third, second, first]) < 0:  # places are (z, y, x)
+            path[1], path[2] = path[2], path[1]
+        cells.append(_cells(number, degree, [tuple(place) for place in path]))
+    return np.concatenate(cells)
+
+
+_CUTS = {"Q": _quadrilaterals, "P": _triangles, "H": _hexahedra, "T": _tetrahedra}
+
+
+def _cells(number: Index, degree: int, places: Sequence[tuple[int, ...]]) -> Index:
+    """Node numbers at the given (layer, row, column) of every block of `degree` intervals."""
+    size = [n - degree for n in number.shape]
     nodes = [
-        number[r : rows - degree + r : degree, c : columns - degree + c : degree].ravel()
-        for r, c in places
+        number[tuple(slice(p, n + p, degree) for p, n in zip(place, size, strict=True))].ravel()
+        for place in places
     ]
     return np.column_stack(nodes)

@@ -475,10 +475,35 @@ BAD = [
         "in a None; g",
     ),
     (
-        "mesh lines of None",
-        lambda: reference_fem.box_discretisation(BOX, 2, through=None),
+        "mesh lines of a number",
+        lambda: reference_fem.box_discretisation(BOX, 2, through=0.5),
         ProblemError,
-        "mesh lines through None: give coordinates for each axis",
+        "mesh lines through 0.5: give coordinates for each axis",
+    ),
+    (
+        "solid in plane elements",
+        lambda: reference_fem.box_discretisation(Box((1.0, 1.0, 1.0)), 2, "Q1"),
+        ProblemError,
+        "mesh: Q1 in a box 1 x 1 x 1 m; in 3D, give one of H1, T1",
+    ),
+    (
+        "plane in tetrahedra",
+        lambda: reference_fem.box_discretisation(BOX, 2, "T1"),
+        ProblemError,
+        "mesh: T1 in a box 2 x 1 m; in 2D, give one of Q1, Q2, P1, P2",
+    ),
+    (
+        "solid of two counts",
+        lambda: reference_fem.box_discretisation(Box((1.0, 1.0, 1.0)), (2, 2), "H1"),
+        ProblemError,
+        "mesh cells: (2, 2); give one or three whole numbers, 1 or more",
+    ),
+    ("tetrahedron in the plane", lambda: fem(element="T1"), ProblemError, "T1 needs (n, 3)"),
+    (
+        "tetrahedron inside out",
+        lambda: fem([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1, 3]], "T1"),
+        ProblemError,
+        "cell 0 is inverted, flat or folded; list its corners in VTK order, the first 3 counter-",
     ),
     (
         "points beyond all",

@@ -1,0 +1,648 @@
+"""Bodies in space: patch, manufactured solution, loads, meshes, interpolation, bad input."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+import skfem
+
+import reference_fem
+from msvalidate.problem import (
+    SIDES,
+    Anisotropic,
+    BodyForce,
+    Box,
+    Isotropic,
+    PointForce,
+    Problem,
+    ProblemError,
+    Region,
+    SolverError,
+    Support,
+    Traction,
+)
+from reference_fem.body import nodal_forces
+from reference_fem.discretisation import CUBE, ELEMENTS, discretise
+from reference_fem.elasticity import VOIGT, elastic_tensor, full_tensor, stiffness
+
+# A library's warning on the way to an answer is a failure here.
+pytestmark = pytest.mark.filterwarnings("error")
+
+SOLIDS = ("H1", "T1")
+BOX = Box((1.2, 0.8, 1.0))
+ROUNDING = 1e-12
+"""Relative: a direct solve of a few hundred unknowns leaves 1e-14."""
+# Every strain couples to every stress, each by its own amount: no index can be swapped unseen.
+MIXED = np.random.default_rng(3).uniform(-0.3, 0.3, (6, 6))
+SKEW = np.diag([3.0, 2.0, 2.5, 1.1, 0.9, 1.3]) + MIXED + MIXED.T
+MATERIALS = {"isotropic": Isotropic(2.0, 0.3, "solid"), "anisotropic": Anisotropic(SKEW)}
+
+
+def compliance(E, nu):
+    """Hooke's law as engineers write it: strains (6,) from stresses (6,)."""
+    S = np.diag([1.0, 1, 1, *[2 * (1 + nu)] * 3])
+    S[:3, :3] -= nu * (1 - np.eye(3))
+    return S / E
+
+
+TENSORS = {"isotropic": np.linalg.inv(compliance(2.0, 0.3)), "anisotropic": SKEW}
+# σ = Σ σ_I UNIT[I], and engineering strains are ε : UNIT[I].
+UNIT = np.zeros((6, 3, 3))
+for number, (i, j) in enumerate([(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]):
+    UNIT[number, i, j] = UNIT[number, j, i] = 1
+
+
+def tensor(name):
+    """C_ijkl of a material, by another route than the code."""
+    return np.einsum("IJ,Iij,Jkl->ijkl", TENSORS[name], UNIT, UNIT)
+
+
+def distorted(element, seed=0, n=3, box=BOX):
+    """Points and cells of a box, its inner points moved by up to a sixth of a cell."""
+    body = reference_fem.box_discretisation(box, n, element)
+    points = body.points.copy()
+    inner = ((points > 0) & (points < box.size)).all(axis=1)
+    step = np.array(box.size) / n / 6
+    points[inner] += np.random.default_rng(seed).uniform(-step, step, (inner.sum(), 3))
+    return points, body.cells.copy()
+
+
+# After MacNeal and Harder 1985, doi:10.1016/0168-874X(85)90003-4: a hexahedron and six about it.
+SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+OUTER = [(x, y, z) for z in (0, 1) for x, y in SQUARE]
+INNER = [
+    *[(0.25, 0.34, 0.19), (0.83, 0.29, 0.29), (0.85, 0.65, 0.26), (0.27, 0.75, 0.23)],
+    *[(0.32, 0.26, 0.64), (0.68, 0.30, 0.68), (0.79, 0.69, 0.64), (0.17, 0.74, 0.70)],
+]
+AROUND = [[*(corner + 8 for corner in face), *face] for face in CUBE]
+SEVEN = np.array(OUTER + INNER, dtype=float), np.array([range(8, 16), *AROUND])
+MESHES = {
+    "seven": ("H1", *SEVEN),
+    **{element: (element, *distorted(element)) for element in SOLIDS},
+}
+meshes = pytest.mark.parametrize("mesh", MESHES)
+materials = pytest.mark.parametrize("name", MATERIALS)
+solids = pytest.mark.parametrize("element", SOLIDS)
+
+
+# --- patch ----------------------------------------------------------------------------------------
+
+GRADIENT = 1e-3 * np.array([[1.0, 0.5, 0.3], [-0.2, -0.7, 0.4], [0.1, 0.8, 0.6]])
+"""∂u_k/∂x_l: six strains and three rotations, none of them alike."""
+
+
+def strain_energy(name, volume):
+    C = tensor(name)
+    return volume * np.einsum("ij,ijkl,kl", GRADIENT, C, GRADIENT) / 2
+
+
+@meshes
+@materials
+def test_patch(name, mesh):
+    element, points, cells = MESHES[mesh]
+    exact = points @ GRADIENT.T
+    outside = ((points == points.min(axis=0)) | (points == points.max(axis=0))).any(axis=1)
+    assert (~outside).sum() >= 8  # else nothing is solved
+    fixed = [(n, axis, exact[n, axis]) for n in np.flatnonzero(outside) for axis in range(3)]
+    found = reference_fem.solve(points, cells, element, MATERIALS[name], fixed, [])
+    assert np.abs(found - exact).max() <= ROUNDING * np.abs(exact).max()
+    # Uniform stress: no force inside, and the energy of one strain over the whole volume.
+    K = stiffness(discretise(points, cells, element), MATERIALS[name])
+    u = found.T.ravel()
+    force = (K @ u).reshape(3, -1).T
+    assert np.abs(force[~outside]).max() <= ROUNDING * np.abs(force).max()
+    volume = np.ptp(points, axis=0).prod()
+    assert u @ force.T.ravel() / 2 == pytest.approx(strain_energy(name, volume), rel=ROUNDING)
+
+
+def test_patch_needs_the_stress_that_macneal_and_harder_state():
+    # Under this displacement with E = 1e6 and nu = 1/4: 2000 along each axis, 400 in each shear.
+    points, cells = SEVEN
+    u = 1e-3 * points @ (np.ones((3, 3)) + np.eye(3)) / 2
+    K = stiffness(discretise(points, cells, "H1"), Isotropic(1e6, 0.25, "solid"))
+    force = (K @ u.T.ravel()).reshape(3, -1).T
+    for axis in range(3):
+        total = force[points[:, axis] == 1].sum(axis=0)
+        assert total == pytest.approx(400 + 1600 * np.eye(3)[axis], rel=1e-12)
+
+
+@solids
+@materials
+def test_uniform_stress_from_tractions(name, element):
+    # Any stress, put on all six sides as tractions, must give the strain that it belongs to.
+    stress = np.array([0.7, -0.4, 0.2, 0.15, -0.25, 0.3])
+    matrix = np.einsum("I,Iij->ij", stress, UNIT)
+    loads = tuple(
+        Traction(BOX.side(side), tuple((2 * end - 1) * matrix[axis]))
+        for side, (axis, end) in SIDES.items()
+    )
+    X, Y, _ = BOX.size
+    supports = (
+        Support(Region((0.0, 0.0, 0.0)), (0.0, 0.0, 0.0)),
+        Support(Region((X, 0.0, 0.0)), (None, 0.0, 0.0)),
+        Support(Region((0.0, Y, 0.0)), (None, None, 0.0)),
+    )
+    body = reference_fem.box_discretisation(BOX, (3, 4, 2), element, 1.5)
+    found = reference_fem.solve_problem(Problem(BOX, MATERIALS[name], supports, loads), body)
+    strain = np.linalg.solve(TENSORS[name], stress) * [1, 1, 1, 0.5, 0.5, 0.5]
+    e = np.einsum("I,Iij->ij", strain, UNIT)
+    gradient = np.triu(e) + np.triu(e, 1)  # turned so that the supports stay where they are
+    exact = body.points @ gradient.T
+    assert np.abs(found.displacement - exact).max() <= ROUNDING * np.abs(exact).max()
+
+
+@solids
+def test_bar_under_a_uniform_traction(element):
+    E, nu, p = 7.0, 0.3, 2.0
+    supports = (
+        Support(BOX.side("left"), (0.0, None, None)),
+        Support(BOX.side("bottom"), (None, 0.0, None)),
+        Support(BOX.side("back"), (None, None, 0.0)),
+    )
+    pull = Traction(BOX.side("right"), (p, 0.0, 0.0))
+    problem = Problem(BOX, Isotropic(E, nu, "solid"), supports, (pull,))
+    body = reference_fem.box_discretisation(BOX, 3, element)
+    found = reference_fem.solve_problem(problem, body)
+    places = np.random.default_rng(1).random((50, 3)) * BOX.size
+    exact = p / E * places * [1, -nu, -nu]
+    assert np.abs(found.at(places) - exact).max() <= ROUNDING * p / E
+
+
+# --- stiffness and materials ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mesh", ["seven", "H1", "T1", "one H1", "one T1"])
+@materials
+def test_stiffness_is_symmetric_and_only_rigid_motions_are_free(name, mesh):
+    element, points, cells = MESHES[mesh.removeprefix("one ")]
+    if mesh.startswith("one"):  # what makes a body whose cells hang together by faces no mechanism
+        points, cells = points[cells[0]], np.arange(len(cells[0]))[None]
+    K = stiffness(discretise(points, cells, element), MATERIALS[name]).toarray()
+    assert np.abs(K - K.T).max() <= ROUNDING * np.abs(K).max()
+    energies = np.linalg.eigvalsh(K)
+    assert np.abs(energies[:6]).max() <= ROUNDING * energies[-1]
+    assert energies[6] > 1e-4 * energies[-1]  # an hourglass would be a seventh
+    spin = np.array([[0.0, -0.3, 0.2], [0.3, 0.0, -0.5], [-0.2, 0.5, 0.0]])
+    rigid = (points @ spin.T + [1.0, 2.0, -1.0]).T.ravel()
+    assert np.abs(K @ rigid).max() <= ROUNDING * np.abs(K).max()
+
+
+@pytest.mark.parametrize("nu", [-0.9, 0.0, 0.3, 0.4999])
+def test_tensor_inverts_the_compliance(nu):
+    # By another route than the code: no Lamé constants; 1/(1 - 2 nu) amplifies rounding to 1e-12.
+    wanted = np.linalg.inv(compliance(210.0, nu))
+    found = elastic_tensor(Isotropic(210.0, nu, "solid"))
+    assert found == pytest.approx(wanted, rel=1e-11, abs=1e-11)
+
+
+def test_full_tensor_follows_the_stated_order():
+    assert VOIGT[3] == ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+    np.testing.assert_allclose(full_tensor(SKEW), tensor("anisotropic"), rtol=1e-15)
+
+
+@solids
+def test_a_tensor_turned_with_the_body_gives_the_turned_answer(element):
+    turn, _ = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))
+    turn *= np.linalg.det(turn)  # else a reflection, and cells inside out
+    R = np.einsum("Iij,ik,jl,Jkl->IJ", UNIT, turn, turn, UNIT)  # stresses of turned unit stresses
+    R /= np.array([1, 1, 1, 2, 2, 2])[:, None]
+    points, cells = distorted(element)
+    held = np.flatnonzero(points[:, 0] == 0)
+    fixed = [(node, axis, 0.0) for node in held for axis in range(3)]
+    force = np.random.default_rng(6).normal(size=points.shape)
+
+    def answer(points, C, force):
+        rows = [(n, axis, f) for n, each in enumerate(force) for axis, f in enumerate(each)]
+        return reference_fem.solve(points, cells, element, Anisotropic(C), fixed, rows)
+
+    still = answer(points, SKEW, force)
+    turned = R @ SKEW @ R.T
+    moved = answer(points @ turn.T + 1.0, (turned + turned.T) / 2, force @ turn.T)
+    assert np.abs(SKEW - turned).max() > 0.1  # else it shows nothing
+    assert np.abs(moved - still @ turn.T).max() <= 1e-11 * np.abs(still).max()
+
+
+# --- manufactured solution ------------------------------------------------------------------------
+
+WAVES = np.array([[2.1, -1.3, 0.8], [1.1, 1.9, -0.7], [-0.9, 0.6, 1.7]])
+"""One wave vector (1/m) for each displacement component."""
+PHASES = np.array([0.4, -0.7, 0.2])
+
+
+def exact(x):
+    """Displacement (n, 3)."""
+    return np.sin(x @ WAVES.T + PHASES)
+
+
+def gradient(x):
+    """∂u_k/∂x_l, (n, 3, 3)."""
+    return np.cos(x @ WAVES.T + PHASES)[:, :, None] * WAVES
+
+
+def stress(name, x):
+    return np.einsum("ijkl,nkl->nij", tensor(name), gradient(x))
+
+
+def body_force(name, x):
+    """-div σ, (n, 3): each component differentiates to minus two wave numbers times itself."""
+    return exact(x) @ np.einsum("ijkl,kj,kl->ik", tensor(name), WAVES, WAVES).T
+
+
+@materials
+def test_manufactured_force_is_right(name):
+    # Central differences: an error of h² = 1e-10 and rounding of 1e-16/h = 1e-11.
+    h, x = 1e-5, np.random.default_rng(1).random((50, 3)) * BOX.size
+    steps = h * np.eye(3)
+    slopes = np.stack([(exact(x + s) - exact(x - s)) / (2 * h) for s in steps], axis=2)
+    assert gradient(x) == pytest.approx(slopes, abs=1e-8)
+    by = [(stress(name, x + s) - stress(name, x - s)) / (2 * h) for s in steps]
+    balance = sum(by[axis][:, :, axis] for axis in range(3))
+    assert body_force(name, x) == pytest.approx(-balance, abs=1e-8)
+
+
+def manufactured(name, loaded, fault=0.0):
+    """Problem whose answer is `exact`, loaded on some sides and held on the others."""
+    fields = tuple((lambda x, axis=axis: exact(x)[:, axis]) for axis in range(3))
+    loads = [BodyForce(lambda x: (1 + fault) * body_force(name, x))]
+    for side in loaded:
+        axis, _ = SIDES[side]
+        loads.append(Traction(BOX.side(side), lambda x, axis=axis: stress(name, x)[:, :, axis]))
+    supports = tuple(Support(BOX.side(side), fields) for side in SIDES if side not in loaded)
+    return Problem(BOX, MATERIALS[name], supports, tuple(loads))
+
+
+def errors(body, displacement):
+    """Root mean square error of the displacement and of its gradient, by fine quadrature."""
+    fine = skfem.Basis(body.basis.mesh, body.basis.elem, intorder=5)
+    x = np.asarray(fine.global_coordinates()).reshape(3, -1).T
+    fields = [fine.interpolate(displacement[body.node, axis]) for axis in range(3)]
+    u = np.stack([np.asarray(f).ravel() for f in fields], axis=1)
+    g = np.stack([f.grad.reshape(3, -1).T for f in fields], axis=1)
+    weights = fine.dx.ravel()
+    return tuple(
+        np.sqrt((weights @ ((found - wanted) ** 2).reshape(len(x), -1)).sum())
+        for found, wanted in ((u, exact(x)), (g, gradient(x)))
+    )
+
+
+def convergence(problem, element):
+    """Orders and levels (displacement, gradient); levels in units of the interpolant's error."""
+    found, interpolated = [], []
+    for n in (6, 12):
+        body = reference_fem.box_discretisation(BOX, n, element)
+        found.append(errors(body, reference_fem.solve_problem(problem, body).displacement))
+        interpolated.append(errors(body, exact(body.points)))
+    return np.log2(np.divide(*found)), np.divide(found[-1], interpolated[-1])
+
+
+def verdict(orders, levels, nearest, farthest):
+    """What is wrong: nothing, for a sound solver. Bounded below too: too good is wrong as well."""
+    checks = {
+        "order of the displacement": abs(orders[0] - 2) <= 0.1,
+        "order of the gradient": abs(orders[1] - 1) <= 0.1,
+        "level of the displacement": nearest <= levels[0] <= farthest,
+        "level of the gradient": 0.999 <= levels[1] <= 1.01,
+    }
+    return [name for name, held in checks.items() if not held]
+
+
+ALL_HELD = {"H1": (0.94, 0.955), "T1": (1.0, 1.04)}
+
+
+@pytest.mark.parametrize(
+    ("element", "loaded", "level"),
+    [
+        ("H1", (), ALL_HELD["H1"]),
+        ("H1", ("right", "top", "front"), (0.86, 0.95)),
+        ("T1", (), ALL_HELD["T1"]),
+        # With three loaded sides the order comes from below: 1.73, then 1.89 and 1.93 at 32 cells.
+        ("T1", ("right",), (0.97, 1.02)),
+        ("T1", ("top",), (1.02, 1.09)),
+    ],
+)
+@materials
+def test_manufactured_solution(name, element, loaded, level):
+    orders, levels = convergence(manufactured(name, loaded), element)
+    assert verdict(orders, levels, *level) == [], (orders, levels)
+
+
+@pytest.mark.parametrize("fault", [-0.02, 0.02])
+@solids
+def test_manufactured_solution_notices_a_body_force_a_fiftieth_off(element, fault):
+    orders, levels = convergence(manufactured("anisotropic", (), fault), element)
+    assert verdict(orders, levels, *ALL_HELD[element]) != []
+
+
+# --- loads ----------------------------------------------------------------------------------------
+
+HELD = (Support(BOX.side("left"), (0.0, 0.0, 0.0)),)
+
+
+def forces(load, element, cells=(3, 4, 2), grading=1.5):
+    """Points and nodal forces of one load on the box."""
+    body = reference_fem.box_discretisation(BOX, cells, element, grading)
+    return body.points, nodal_forces(Problem(BOX, MATERIALS["isotropic"], HELD, (load,)), body)
+
+
+def moment(points, force):
+    """About the origin."""
+    return np.cross(points, force).sum(axis=0)
+
+
+@solids
+@pytest.mark.parametrize("side", SIDES)
+def test_traction_has_its_resultant_and_moment(side, element):
+    region, p = BOX.side(side), np.array([2.0, -3.0, 1.0])
+    points, force = forces(Traction(region, tuple(p)), element)
+    on_side = region.select(points, BOX.tolerance)
+    total = BOX.volume / BOX.size[SIDES[side][0]] * p
+    centre = (points[on_side].min(axis=0) + points[on_side].max(axis=0)) / 2
+    assert not force[~on_side].any()
+    assert force.sum(axis=0) == pytest.approx(total, rel=1e-13)
+    assert moment(points, force) == pytest.approx(np.cross(centre, total), rel=1e-13)
+
+
+@solids
+def test_linear_traction_has_its_resultant_and_moment(element):
+    # p = (y, z, 1) on the right: ∫ y = Y²Z/2, ∫ y² = Y³Z/3, ∫ yz = Y²Z²/4, ...
+    points, force = forces(
+        Traction(BOX.side("right"), lambda x: np.column_stack([x[:, 1:], 0 * x[:, 0] + 1])), element
+    )
+    X, Y, Z = BOX.size
+    total = np.array([Y**2 * Z / 2, Y * Z**2 / 2, Y * Z])
+    assert force.sum(axis=0) == pytest.approx(total, rel=1e-13)
+    turning = [
+        Y**2 * Z / 2 - Y * Z**3 / 3,  # ∫ y·1 - z·z
+        Y**2 * Z**2 / 4 - X * total[2],  # ∫ z·y - X·1
+        X * total[1] - Y**3 * Z / 3,  # ∫ X·z - y·y
+    ]
+    assert moment(points, force) == pytest.approx(turning, rel=1e-13)
+
+
+@pytest.mark.parametrize("grading", [1.0, 3.0, 6.0])
+def test_traction_on_part_of_a_face_that_the_lines_end_at(grading):
+    # Cells graded as far as this are smaller than the library can look for points in.
+    box = Box((1.0, 1.0, 1.0))
+    part = Region(((0.25, 0.5), 1.0, (0.5, 1.0)))
+    problem = Problem(
+        box,
+        MATERIALS["isotropic"],
+        (Support(box.side("bottom"), (0.0, 0.0, 0.0)),),
+        (Traction(part, (0.0, 2.0, 1.0)),),
+    )
+    body = reference_fem.box_discretisation(
+        box, (16, 4, 8), "H1", grading, through=((0.25, 0.5), (), (0.5,))
+    )
+    force = nodal_forces(problem, body)
+    assert force.sum(axis=0) == pytest.approx([0, 0.25, 0.125], rel=1e-12, abs=1e-15)
+    turning = np.cross((0.375, 1.0, 0.75), (0, 0.25, 0.125))
+    assert moment(body.points, force) == pytest.approx(turning, rel=1e-12)
+
+
+@solids
+def test_traction_that_ends_inside_a_face_is_refused(element):
+    part = Region(((0.3, 0.7), BOX.size[1], None))
+    with pytest.raises(ProblemError, match="covers no whole number of mesh faces; choose cells"):
+        forces(Traction(part, (0.0, 1.0, 0.0)), element)
+
+
+@solids
+def test_body_force_has_its_resultant_and_moment(element):
+    X, Y, Z = BOX.size
+    points, force = forces(BodyForce((1.0, -9.81, 0.5)), element)
+    total = BOX.volume * np.array([1.0, -9.81, 0.5])
+    assert force.sum(axis=0) == pytest.approx(total, rel=1e-13)
+    assert moment(points, force) == pytest.approx(
+        np.cross(np.array(BOX.size) / 2, total), rel=1e-13
+    )
+    load = BodyForce(lambda x: np.column_stack([x[:, 0] * x[:, 1], x[:, 2], x[:, 0] ** 2]))
+    wanted = BOX.volume * np.array([X * Y / 4, Z / 2, X**2 / 3])
+    assert forces(load, element)[1].sum(axis=0) == pytest.approx(wanted, rel=1e-13)
+
+
+@solids
+def test_point_force_is_a_force(element):
+    points, force = forces(PointForce((1.2, 0.8, 0.5), (1.0, -2.0, 3.0)), element)
+    at = np.isclose(points, (1.2, 0.8, 0.5)).all(axis=1)
+    np.testing.assert_array_equal(force[at], [[1.0, -2.0, 3.0]])
+    assert not force[~at].any()
+
+
+# --- meshes ---------------------------------------------------------------------------------------
+
+
+@solids
+def test_box_mesh_covers_the_box(element):
+    body = reference_fem.box_discretisation(BOX, (5, 3, 2), element, 2.0)
+    assert body.points.shape == (6 * 4 * 3, 3)
+    assert body.cells.shape == {"H1": (30, 8), "T1": (180, 4)}[element]
+    np.testing.assert_array_equal(body.points.min(axis=0), 0)
+    np.testing.assert_array_equal(body.points.max(axis=0), BOX.size)
+    assert body.basis.dx.sum() == pytest.approx(BOX.volume, rel=1e-13)
+    # One face of two cells alone lies outside, and those of the outside are the surface.
+    faces, uses = np.unique(
+        np.sort(body.faces.reshape(-1, body.faces.shape[2]), axis=1), axis=0, return_counts=True
+    )
+    assert set(uses.tolist()) == {1, 2}
+    alone = body.points[faces[uses == 1]]
+    assert all(BOX.on_boundary(face) for face in alone)
+    assert len(alone) == {"H1": 1, "T1": 2}[element] * 2 * (5 * 3 + 5 * 2 + 3 * 2)
+
+
+@solids
+def test_lines_are_graded_and_pass_through_the_places(element):
+    box = Box((1.0, 2.0, 4.0))
+    body = reference_fem.box_discretisation(box, 4, element, 2.0, "high", ((0.5,), (), ()))
+    x, y, z = (np.unique(column) for column in body.points.T)
+    assert x == pytest.approx([0, 0.375, 0.5, 0.875, 1])
+    assert y == pytest.approx(2 * (1 - np.linspace(1, 0, 5) ** 2))
+    assert z == pytest.approx(2 * y)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((BOX, 2), "mesh: Q2 in a box 1.2 x 0.8 x 1 m; in 3D, give one of H1, T1"),
+        ((BOX, 2, "P1"), "mesh: P1 in a box 1.2 x 0.8 x 1 m; in 3D, give one of H1, T1"),
+        ((Box((1.0, 1.0)), 2, "T1"), "mesh: T1 in a box 1 x 1 m; in 2D, give one of Q1, Q2, P1"),
+        ((BOX, (2, 2), "H1"), "mesh cells: (2, 2); give one or three whole numbers, 1 or more"),
+        ((BOX, 1000, "H1"), "mesh of 1000 x 1000 x 1000 cells: 1e+09 points, and the most is"),
+        ((BOX, 2, "H1", 1.0, "both", ((), ())), "mesh lines through ((), ()): give coordinates"),
+        ((BOX, 40, "H1", 8.0), "nearer than two places are told apart"),
+    ],
+)
+def test_a_bad_mesh_of_a_box_is_named(arguments, message):
+    with pytest.raises(ProblemError, match=re.escape(message)):
+        reference_fem.box_discretisation(*arguments)
+
+
+# --- interpolation --------------------------------------------------------------------------------
+
+
+@meshes
+def test_interpolation_holds_linear_functions_and_nothing_higher(mesh):
+    element, points, cells = MESHES[mesh]
+    new = np.random.default_rng(2).permutation(len(points))
+    moved = np.empty_like(points)
+    moved[new] = points
+    body = discretise(moved, new[cells], element)
+    places = np.random.default_rng(3).random((300, 3)) * points.max(axis=0)
+    matrix = body.interpolation(places)
+    assert np.abs(matrix @ moved - places).max() <= ROUNDING
+    assert np.abs(matrix.sum(axis=1) - 1).max() <= ROUNDING
+    assert np.abs(matrix @ moved**2 - places**2).max() > 1e-3
+    assert np.abs(body.interpolation(moved).toarray() - np.eye(len(moved))).max() <= ROUNDING
+
+
+@pytest.mark.parametrize("grading", [1.0, 3.0])
+@solids
+def test_interpolation_of_many_points_in_graded_cells(element, grading, monkeypatch):
+    body = reference_fem.box_discretisation(BOX, 8, element, grading)
+    places = np.random.default_rng(4).random((2000, 3)) ** 3 * BOX.size  # most near a corner
+    found = body.interpolation(places)
+    assert np.abs(found @ body.points - places).max() <= ROUNDING
+    # What is tried at once is a matter of memory alone.
+    monkeypatch.setattr("reference_fem.interpolation.PAIRS_AT_ONCE", 100)
+    np.testing.assert_array_equal(body.interpolation(places).toarray(), found.toarray())
+
+
+@pytest.mark.parametrize("place", [(1.21, 0.5, 0.5), (0.5, -0.01, 0.5), (0.5, 0.5, 2.0)])
+@solids
+def test_point_outside_is_refused(element, place):
+    body = discretise(*distorted(element), element)
+    with pytest.raises(ProblemError, match="must lie in the body"):
+        body.interpolation(np.array([[0.5, 0.5, 0.5], place]))
+
+
+def test_hexahedra_are_integrated_by_two_points_a_direction():
+    body = discretise(*SEVEN, "H1")
+    assert body.basis.dx.shape == (7, 8)
+    points = np.sort(np.unique(np.round(body.basis.X, 12)))
+    assert points == pytest.approx((1 + np.array([-1, 1]) / np.sqrt(3)) / 2)
+
+
+# --- bad meshes -----------------------------------------------------------------------------------
+
+CUBES = [(x, y, z) for x in (0, 1, 2) for z in (0, 1) for x, y in [(x, 0), (x, 1)]]
+TWO = [[0, 4, 5, 1, 2, 6, 7, 3], [4, 8, 9, 5, 6, 10, 11, 7]]
+TETS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
+PAIR = [[0, 1, 2, 3], [1, 4, 2, 3]]
+
+
+def changed(rows, at, value):
+    return [value if index == at else row for index, row in enumerate(rows)]
+
+
+BAD = {
+    "points in the plane": (([p[:2] for p in CUBES], TWO, "H1"), "shape (12, 2); H1 needs (n, 3)"),
+    "plane element": ((CUBES, TWO, "Q1"), "points: shape (12, 3); Q1 needs (n, 2)"),
+    "cells of another element": ((CUBES, TWO, "T1"), "(2, 8); T1 needs whole numbers (c, 4)"),
+    "index too high": ((CUBES, changed(TWO, 1, [*TWO[1][:7], 12]), "H1"), "there are 0 to 11"),
+    "mirrored": (
+        (CUBES, changed(TWO, 1, [*TWO[1][4:], *TWO[1][:4]]), "H1"),
+        "cell 1 is inverted, flat or folded; list its corners in VTK order, the first 4 counter-",
+    ),
+    "rows out of order": (
+        (CUBES, changed(TWO, 0, [0, 4, 1, 5, 2, 6, 3, 7]), "H1"),
+        "cell 0 is inv",
+    ),
+    "one corner twice": ((CUBES, changed(TWO, 0, [0, 4, 5, 1, 2, 6, 6, 3]), "H1"), "cell 0 is inv"),
+    "flat": (([(x, y, 0) for x, y, _ in CUBES], TWO, "H1"), "cell 0 is inverted, flat or folded"),
+    "corner drawn in": (
+        (changed(CUBES, 11, (0.9, 0.1, 0.1)), TWO, "H1"),
+        "cell 1 is inverted, flat or folded",
+    ),
+    "inverted tetrahedron": (
+        (TETS, [[0, 1, 2, 3], [1, 2, 4, 3]], "T1"),
+        "cell 1 is inverted, flat or folded; list its corners in VTK order, the first 3 counter-",
+    ),
+    "flat tetrahedron": ((changed(TETS, 3, (1, 1, 0)), PAIR[:1], "T1"), "cell 0 is inverted, fl"),
+    "listed twice": (
+        (CUBES, [*TWO, TWO[1]], "H1"),
+        "overlaps another on one of its faces; list it",
+    ),
+    "turned and listed twice": (
+        (
+            CUBES,
+            [
+                *TWO,
+                [*TWO[0][1:4], TWO[0][0], *TWO[0][5:], TWO[0][4]],
+            ],
+            "H1",
+        ),
+        "overlaps another on one of its faces",
+    ),
+    "on the same side of a face": (
+        ([*TETS[:4], (0.2, 0.2, 0.9)], [[0, 1, 2, 3], [0, 1, 2, 4]], "T1"),
+        "overlaps another on one of its faces; list it once",
+    ),
+    "orphan": (([*CUBES, (5, 5, 5)], TWO, "H1"), "point 12 belongs to no cell"),
+    "unmerged": (
+        ([*TETS, TETS[1]], changed(PAIR, 1, [5, 4, 2, 3]), "T1"),
+        "coincides with point",
+    ),
+}
+
+
+def test_good_meshes_are_good():
+    assert discretise(CUBES, TWO, "H1").basis.dx.sum() == pytest.approx(2)
+    assert discretise(TETS, PAIR, "T1").basis.dx.sum() == pytest.approx(1 / 6 + 1 / 3)
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD.values(), ids=BAD)
+def test_bad_mesh_is_named(arguments, message):
+    with pytest.raises(ProblemError, match=re.escape(message)):
+        discretise(*arguments)
+
+
+def test_a_cell_folded_between_its_corners_is_refused():
+    # Twisted by 100 degrees: upright at every corner and outside in at its middle.
+    low = np.array([(*place, 0.0) for place in SQUARE]) - [0.5, 0.5, 0]
+    c, s = np.cos(np.radians(100)), np.sin(np.radians(100))
+    high = low @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + [0, 0, 1]
+    points = np.vstack([low, high])
+    body = skfem.MeshHex(points.T, np.array([ELEMENTS["H1"].order]).T)
+    corners = body.mapping().detDF(body.elem.doflocs.T)
+    assert corners.min() > 0
+    with pytest.raises(ProblemError, match="cell 0 is inverted, flat or folded"):
+        discretise(points, [range(8)], "H1")
+
+
+# --- bodies that the residual alone would pass ----------------------------------------------------
+
+CLAMP = [(node, axis, 0.0) for node in range(4) for axis in range(3)]
+LAW = Isotropic(1.0, 0.3, "solid")
+
+
+def joined_at(shared):
+    """Two cubes of which the second shares an edge, a corner or nothing with the first."""
+    start = {"edge": (1, 1, 0), "corner": (1, 1, 1), "nothing": (3, 0, 0)}[shared]
+    cube = np.array([(x, y, z) for x in (0, 1) for z in (0, 1) for y in (0, 1)])
+    points, cells = np.unique(np.vstack([cube, cube + start]), axis=0, return_inverse=True)
+    return points, cells.ravel().reshape(2, 8)[:, [0, 4, 5, 1, 2, 6, 7, 3]]
+
+
+@pytest.mark.parametrize("most", [0, 10**9])
+@pytest.mark.parametrize("shared", ["edge", "corner", "nothing"])
+def test_a_part_that_can_move_is_refused_even_under_balanced_loads(shared, most, monkeypatch):
+    monkeypatch.setattr("reference_fem.elasticity.MOST_DIRECT", most)
+    points, cells = joined_at(shared)
+    fixed = [(node, axis, 0.0) for node in cells[0, [0, 3, 4, 7]] for axis in range(3)]
+    middle = points[cells[1]].mean(axis=0)
+    balanced = [(node, 0, float(points[node, 0] - middle[0])) for node in cells[1]]
+    with pytest.raises(SolverError, match="without strain"):
+        reference_fem.solve(points, cells, "H1", LAW, fixed, balanced)
+
+
+@solids
+def test_an_incompressible_solid_is_refused(element):
+    problem = Problem(BOX, Isotropic(1.0, 0.5, "solid"), HELD)
+    with pytest.raises(ProblemError, match="take nu < 1/2"):
+        reference_fem.solve_problem(problem, reference_fem.box_discretisation(BOX, 2, element))
+
+
+def test_a_plane_material_in_a_solid_is_refused():
+    with pytest.raises(ProblemError, match="material: 2D, the body 3D"):
+        reference_fem.solve(CUBES, TWO, "H1", Isotropic(1.0, 0.3), CLAMP, [])
