@@ -1,0 +1,78 @@
+"""Lattices: which elastic solid is every lattice, and how well does it stand for it?
+
+Every lattice that `msvalidate.lattice.patterns` knows, under each of its rules for the constants of
+its springs. One question a file:
+
+- `solids`: tensor, modulus, ratio and anisotropy of the endless lattice, and its fastest wave;
+- `uniform`: bodies under uniform stress: which are exact, and at what order others converge;
+- `clamped`: bodies with singular stress, against finite elements;
+- `cost`: steps to rest;
+- `choice`: one table of it all, to choose a lattice by;
+- `controls`: the smallest fault that this study notices.
+
+Candidate: displacements predicted for a problem and its network, and the solid that a lattice is
+said to be. Reference: closed forms, differences of energy, scikit-fem finite elements.
+"""
+
+from __future__ import annotations
+
+from functools import cache, partial
+
+from msvalidate.candidate import Candidate, springs
+from msvalidate.evidence import Evidence, answers
+from msvalidate.homogenise import homogenised
+from msvalidate.sweep import Setting
+from studies.lattices import choice, clamped, controls, cost, solids, uniform
+from studies.lattices.cases import Solid
+
+FAULTS = {
+    "one neighbour direction missing": {
+        "solid": controls.solid_with(1.0),
+        "questions": ("solids",),
+    },
+    "every spring 1 % stiffer": {
+        "candidate": controls.body_with("stiffness of every spring", 0.01),
+        "questions": ("uniform",),
+    },
+    "clamped bodies 1 % stiffer": {
+        "candidate": controls.body_with("stiffness of every spring", 0.01),
+        "questions": ("clamped",),
+    },
+    "one spring missing": {
+        "candidate": controls.body_with("one spring", 1.0),
+        "questions": ("uniform",),
+    },
+    "wrong boundary weights": {
+        "candidate": controls.body_with("boundary weights", 1.0),
+        "questions": ("uniform",),
+    },
+}
+"""Negative controls: arguments of `run` under which a tolerance must fail, asked of the question
+that should notice."""
+
+
+def run(
+    candidate: Candidate = springs,
+    setting: Setting | None = None,
+    questions: tuple[str, ...] | None = None,
+    solid: Solid = homogenised,
+) -> Evidence:
+    """All questions, or those named, for one candidate and one way to homogenise."""
+    setting = setting or Setting()
+    endless = cache(partial(solids.found, solid, setting))
+    stretched = cache(lambda: uniform.run(candidate, solid, setting))
+    held = cache(lambda: clamped.run(candidate, solid, setting))
+    rested = cache(lambda: cost.run(solid, setting, endless()[0]["solids"]))
+    return answers(
+        {
+            "solids": lambda: solids.run(*endless()),
+            "uniform": stretched,
+            "clamped": held,
+            "cost": rested,
+            "choice": lambda: choice.run(
+                {**endless()[0], **stretched().tables, **held().tables, **rested().tables}
+            ),
+            "controls": controls.run,
+        },
+        questions,
+    )

@@ -1,0 +1,157 @@
+"""The cases of the study `lattices`: every lattice that is known, under each of its rules."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from msvalidate import figures
+from msvalidate.homogenise import Homogenised, homogenised
+from msvalidate.lattice import Constants, Lattice, Pattern, fill, patterns
+from msvalidate.problem import Anisotropic, Array, Box, ProblemError, SolverError
+
+Solid = Callable[..., Homogenised]
+"""From a pattern, its constants (N/m) and a spacing (m) to the solid that it is."""
+STIFF = 1e-10
+"""Energy of a strain, relative to that of the stiffest, below which it costs none."""
+NEAR_CUBE = 0.25
+"""Part by which the edges of a box may differ."""
+MOST_CELLS = 12
+"""Cells along an edge of the smallest box that is looked for."""
+COLUMNS = {
+    "lattice": "name of the lattice",
+    "rule": "name of the rule for its spring constants",
+    "k": "spring constants by kind, the shortest springs first (N/m)",
+    "axes": "2 in the plane, 3 in space",
+    "strains": "what the solid resists: every strain, or it shears freely, or it gives way",
+    "cells": "cells of the pattern along the x axis",
+    "points": "points of the network",
+    "spacing": "length of the pattern's unit (m)",
+    "test": "pull: traction along the normal of the loaded side; shear: across it",
+}
+
+
+class Case(NamedTuple):
+    """A lattice, by the name of its function, and one of its rules: what workers are handed."""
+
+    lattice: str
+    rule: str
+
+    @property
+    def pattern(self) -> Pattern:
+        """What repeats."""
+        known = patterns.known()
+        if self.lattice not in known:
+            raise ProblemError(f"lattice: {self.lattice!r}; choose from {', '.join(known)}")
+        return known[self.lattice]()
+
+    @property
+    def constants(self) -> Constants:
+        """Spring constants (N/m), one a kind."""
+        rules = self.pattern.rules
+        if self.rule not in rules:
+            raise ProblemError(
+                f"{self.lattice}: rule {self.rule!r}; choose from {', '.join(rules)}"
+            )
+        return rules[self.rule]
+
+    @property
+    def head(self) -> dict[str, object]:
+        """The first columns of its rows."""
+        return {"lattice": self.pattern.name, "rule": self.rule}
+
+
+def every() -> list[Case]:
+    """Every known lattice under each of its rules, those of the plane first."""
+    found = [(make().dim, name, make().rules) for name, make in patterns.known().items()]
+    found.sort(key=lambda entry: entry[0])
+    return [Case(name, rule) for _, name, rules in found for rule in rules]
+
+
+def resists(tensor: Array) -> str:
+    """Whether every strain costs energy, in words."""
+    values, modes = np.linalg.eigh(tensor)
+    free = modes[:, values <= STIFF * max(values[-1], np.finfo(float).tiny)]
+    if not free.shape[1]:
+        return "every strain"
+    normal = 2 if len(tensor) == 3 else 3
+    return "gives way" if np.abs(free[:normal]).max() > STIFF else "shears freely"
+
+
+def stiff(solid: Solid = homogenised) -> list[Case]:
+    """The cases whose solid resists every strain: of them bodies can be made."""
+    return [case for case in every() if resists(tensor_of(solid, case)) == "every strain"]
+
+
+def tensor_of(solid: Solid, case: Case, spacing: float = 1.0) -> Array:
+    """Voigt tensor, (3, 3) in N/m or (6, 6) in Pa, of a case at a spacing (m), points at rest."""
+    return solid(case.pattern, case.constants, spacing).tensor
+
+
+def filled(case: Case, across: int) -> Lattice:
+    """A box of whole cells, nearly a unit square or cube, about so many cells along its edges."""
+    pattern = case.pattern
+    base = proportions(pattern.size)
+    cells = np.array(base) * max(1, round(across / max(base)))
+    edges = cells * pattern.size
+    return fill(pattern, Box(tuple((edges / edges.max()).tolist())), tuple(cells.tolist()))
+
+
+def box_of(lattice: Lattice) -> Box:
+    """The box that a lattice fills."""
+    if not isinstance(lattice.domain, Box):
+        raise ProblemError(f"{lattice.name} lattice in a {lattice.domain}; fill a box")
+    return lattice.domain
+
+
+def cells_along(lattice: Lattice) -> int:
+    """Cells along the x axis of a box."""
+    if lattice.pattern is None:
+        raise ProblemError(f"{lattice.name} lattice: no piece of a pattern; give one that is")
+    return round(box_of(lattice).size[0] / (lattice.spacing * lattice.pattern.size[0]))
+
+
+def proportions(size: tuple[float, ...]) -> tuple[int, ...]:
+    """Fewest cells along each axis that make a box with nearly equal edges."""
+    best, least = (1,) * len(size), np.inf
+    for count in range(1, MOST_CELLS + 1):
+        cells = np.maximum(1, np.round(count * min(size) / np.array(size))).astype(int)
+        edges = cells * size
+        spread = float(edges.max() / edges.min() - 1)
+        if spread < least - STIFF:
+            best, least = tuple(cells.tolist()), spread
+        if least <= NEAR_CUBE:
+            break
+    return best
+
+
+def material(solid: Solid, case: Case, lattice: Lattice) -> Anisotropic:
+    """The elastic body that a piece of lattice stands for.
+
+    Raises
+    ------
+    SolverError
+        If some strain of it costs no energy.
+    """
+    tensor = tensor_of(solid, case, lattice.spacing)
+    if resists(tensor) != "every strain":
+        raise SolverError(f"{lattice.name}, {case.rule}: {resists(tensor)}; no body to compare")
+    return Anisotropic(tensor)
+
+
+def springs_a_point(case: Case) -> float:
+    """Springs with stiffness that meet at a point, on average."""
+    pattern = case.pattern
+    stiffness = pattern.stiffness(case.constants)
+    return float(2 * (stiffness > 0).sum() / len(pattern.points))
+
+
+def style(number: int) -> dict[str, Any]:
+    """How the case of a number is drawn, in every figure the same."""
+    return {
+        "marker": figures.MARKERS[number % len(figures.MARKERS)],
+        "color": figures.COLOURS[number % len(figures.COLOURS)],
+        "linestyle": "-" if number < len(figures.COLOURS) else "--",
+    }

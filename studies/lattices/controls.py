@@ -1,0 +1,135 @@
+"""Controls: which faults does the study notice, and how small may they be?
+
+Question   The smallest fault of each kind that a tolerance notices.
+Candidate  Bodies whose network has a known fault, and solids of patterns with one.
+Reference  The tolerances of `uniform` and `solids`.
+Expected   Errors grow in proportion to small faults, so the smallest noticed is a limit over the
+           error per fault: of identities, parts in 1e7 and below. Lattices with springs across
+           sides have no identity; their faults show in their orders alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from msvalidate import faults
+from msvalidate.candidate import Answer, Candidate, springs
+from msvalidate.compare import worst
+from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.homogenise import Homogenised, homogenised
+from msvalidate.lattice import Constants, Pattern
+from msvalidate.network import Network
+from msvalidate.problem import Array, Problem
+from studies.lattices import cases, solids, uniform
+from studies.lattices.cases import Case, Solid
+
+Fault = Callable[[Network, float], Network]
+PROBE = 1e-5
+"""Size of the fault from which the smallest that is noticed is extrapolated."""
+BODIES: dict[str, Fault] = {
+    "stiffness of every spring": faults.every_spring,
+    "stiffness of the diagonals": faults.diagonals,
+    "one spring": faults.one_spring,
+    "boundary weights": faults.boundary_springs,
+}
+SOLID = "stiffness of one direction"
+UNITS = {
+    "stiffness of every spring": "relative",
+    "stiffness of the diagonals": "relative",
+    "one spring": "part missing",
+    "boundary weights": "part of the way from shared to equal",
+    SOLID: "part missing",
+}
+ACROSS = {2: 8, 3: 2}
+TOLERANCES = (
+    Tolerance(
+        "smallest fault noticed, largest over the kinds",
+        1e-6,
+        "1",
+        "a thousand times the limit of an identity: no fault hides behind a weak lever",
+    ),
+)
+COLUMNS = {
+    **cases.COLUMNS,
+    "fault": "what is wrong with the network, or the pattern",
+    "fault_unit": "how the fault's size is measured",
+    "smallest_noticed": "smallest fault that makes a tolerance fail, in its unit",
+}
+
+
+def spoilt(
+    fault: Fault, size: float, problem: Problem, network: Network, answer: Answer = "linear"
+) -> Array:
+    """A candidate whose network has a fault."""
+    return springs(problem, fault(network, size), answer)
+
+
+def softened(size: float, pattern: Pattern, k: Constants, spacing: float = 1.0) -> Homogenised:
+    """The solid of a lattice without a part of the springs along the direction of the first."""
+    vectors = pattern.vectors / np.linalg.norm(pattern.vectors, axis=1, keepdims=True)
+    same = np.abs(vectors @ vectors[0]) > 1 - cases.STIFF
+    factor = np.where(same, 1 - size, 1.0) * pattern.factor
+    return homogenised(replace(pattern, factor=factor), k, spacing)
+
+
+def body_with(fault: str, size: float) -> Candidate:
+    """The spring network with a fault of some kind and size."""
+    return partial(spoilt, BODIES[fault], size)
+
+
+def solid_with(size: float) -> Solid:
+    """The solid of patterns that lack a part of one direction."""
+    return partial(softened, size)
+
+
+def run() -> Evidence:
+    """State the smallest fault of each kind that is noticed."""
+    rows = [
+        case.head | {"fault": fault, "fault_unit": UNITS[fault], "smallest_noticed": size}
+        for case in chosen()
+        for fault, size in (
+            *((fault, smallest(case, fault)) for fault in BODIES),
+            (SOLID, smallest_of_solid(case)),
+        )
+    ]
+    table = pd.DataFrame(rows)
+    return Evidence(
+        tables={"controls": table},
+        observed={TOLERANCES[0].quantity: worst(table["smallest_noticed"], 0.0)},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        rounding={"smallest_noticed": 1e-10},
+        findings=(
+            "Smallest faults noticed: "
+            + "; ".join(
+                f"{fault} {size:.1g} ({UNITS[str(fault)]})"
+                for fault, size in table.groupby("fault", sort=False)["smallest_noticed"]
+                .max()
+                .items()
+            )
+            + ".",
+        ),
+    )
+
+
+def chosen() -> list[Case]:
+    """One lattice of the plane and one of space whose bodies are exact."""
+    return [Case("square", "isotropic"), Case("cubic18", "isotropic")]
+
+
+def smallest(case: Case, fault: str) -> float:
+    """Smallest size of a body's fault that `uniform` notices."""
+    row = uniform.measure(body_with(fault, PROBE), homogenised, (case, ACROSS[case.pattern.dim]))
+    errors = [abs(float(str(row[f"{name}_error"]))) for name in ("pull", "across", "shear")]
+    return PROBE * uniform.EXACT / max(errors)
+
+
+def smallest_of_solid(case: Case) -> float:
+    """Smallest part of a direction that `solids` misses."""
+    found = solids.measure(solid_with(PROBE), case).solid
+    return PROBE * solids.TOLERANCES[0].limit / float(str(found["closed_form_error"]))

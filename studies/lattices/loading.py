@@ -1,0 +1,107 @@
+"""How bodies of lattice are loaded: uniform stress between tractions, or clamped and pulled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msvalidate.body import lattice_network
+from msvalidate.candidate import Candidate
+from msvalidate.lattice import Constants, Lattice
+from msvalidate.network import Network
+from msvalidate.problem import Anisotropic, Array, Box, Material, Problem, Region, Support, Traction
+from msvalidate.stiffness import VOIGT
+from studies.lattices.cases import box_of
+
+STRAIN = 1e-5
+"""Traction over the modulus. What is linear stays so, and a relaxation's rotations stay small."""
+SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))
+"""Low and high side across each axis."""
+TESTS = ("pull", "shear")
+"""Of a side across x: traction along x, or along y."""
+Stress = tuple[int, int]
+"""The axes of a stress component, as in `VOIGT`."""
+
+
+def uniform(box: Box, material: Material, stress: Stress, size: float) -> Problem:
+    """Tractions of a uniform stress (Pa) on all sides; supports that take no force."""
+    d = box.dim
+    corner = np.zeros(d)
+    along, up = corner.copy(), corner.copy()
+    along[0], up[1] = box.size[:2]
+    held = [(corner, (0.0,) * d), (along, (None, 0.0, 0.0)[:d])]
+    if d == 3:
+        held.append((up, (None, None, 0.0)))
+    loads = []
+    for normal, way in sorted({stress, stress[::-1]}):
+        for side, sign in zip(SIDES[normal], (-1.0, 1.0), strict=True):
+            traction = tuple(sign * size * (axis == way) for axis in range(d))
+            loads.append(Traction(box.side(side), traction))
+    supports = tuple(Support(Region(tuple(at.tolist())), free) for at, free in held)
+    return Problem(box, material, supports, tuple(loads), name="uniform stress")
+
+
+def clamped(box: Box, material: Material, test: str, size: float) -> Problem:
+    """Left side held, a uniform traction (Pa) on the right one, along x or along y."""
+    d = box.dim
+    way = TESTS.index(test)
+    traction = tuple(size * (axis == way) for axis in range(d))
+    return Problem(
+        box,
+        material,
+        (Support(box.side("left"), (0.0,) * d),),
+        (Traction(box.side("right"), traction),),
+        name=f"clamped, {test}",
+    )
+
+
+def modulus(tensor: Array) -> float:
+    """Young's modulus along x (unit of the tensor)."""
+    return float(1 / compliances(tensor)[0, 0])
+
+
+def compliances(tensor: Array) -> Array:
+    """The inverse of a tensor (one over its unit)."""
+    return np.asarray(np.linalg.inv(tensor), dtype=float)
+
+
+def work(network: Network, move: Array) -> float:
+    """Work (J) of a network's loads on a displacement (n, d) in m."""
+    return float((network.force * move).sum())
+
+
+def components(dim: int) -> dict[str, Stress]:
+    """The stresses whose strains give E, nu and A: along the pull, across it, and of shear."""
+    return {"pull": VOIGT[dim][0], "across": VOIGT[dim][1], "shear": VOIGT[dim][-1]}
+
+
+def compliance(
+    candidate: Candidate, lattice: Lattice, constants: Constants, body: Anisotropic
+) -> tuple[float, float, float]:
+    """Strain per stress (1 over the unit of a tensor): along a pull, across it, and of shear.
+
+    Of the strains the one on which a stress does work, through its tractions and per volume.
+    """
+    size, box = STRAIN * modulus(body.C), box_of(lattice)
+    problems = {
+        name: uniform(box, body, stress, size) for name, stress in components(body.dim).items()
+    }
+    networks = {
+        name: lattice_network(problem, lattice, constants) for name, problem in problems.items()
+    }
+    pulled, sheared = (
+        candidate(problems[test], networks[test], "linear") for test in ("pull", "shear")
+    )
+    unit = size**2 * box.volume
+    return (
+        work(networks["pull"], pulled) / unit,
+        work(networks["across"], pulled) / unit,
+        work(networks["shear"], sheared) / unit,
+    )
+
+
+def gradient(strain: Array, dim: int) -> Array:
+    """Symmetric matrix (d, d) of a Voigt strain."""
+    matrix = np.diag(strain[:dim])
+    for (a, b), value in zip(VOIGT[dim][dim:], strain[dim:], strict=True):
+        matrix[a, b] = matrix[b, a] = value / 2
+    return matrix

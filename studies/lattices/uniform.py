@@ -1,0 +1,249 @@
+"""Uniform: does a body of lattice show the solid's own constants?
+
+Question   Modulus, ratio and anisotropy of boxes of whole cells under a uniform stress, tractions
+           on every side and supports that take no force.
+Candidate  Static equilibrium of the spring network, boundary springs shared.
+Reference  The solid's tensor. Strains are those on which the tractions' stress does work, so they
+           need no gauge; which sizes are exact, and at what order the others converge, is read off
+           the pattern: `edges`.
+Expected   Where every spring runs inside a cell or along its sides, cells are alike and a pull is
+           exact at any size. Springs across a side are cut there: the points just inside have lost
+           a neighbour and nothing on the side can replace it, an error of first order. Springs
+           along the cube's diagonals leave a force normal to a shear at the body's eight corners,
+           which no traction balances: third order, since its reach is a cell along each axis.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.candidate import Candidate
+from msvalidate.compare import observed_order, worst
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.lattices import cases, edges, loading
+from studies.lattices.cases import Case, Solid
+from studies.lattices.solids import from_compliance
+
+SIZES = {2: (8, 16, 32), 3: (2, 3, 4, 6, 8)}
+QUICK = {2: (8, 16, 32), 3: (2, 3, 4)}
+"""Cells along an edge, about, by the number of axes."""
+EXACT = 1e-9
+TOLERANCES = (
+    Tolerance(
+        "bodies that should be exact: error of E, nu or G, relative",
+        EXACT,
+        "1",
+        "cells that share springs are all alike: uniform strain is exact; left is rounding, 1e-16 "
+        "times a condition number of up to 1e5",
+    ),
+    Tolerance(
+        "bodies that should not be exact and are",
+        0,
+        "1",
+        "a force that nothing balances moves points: the pattern says which tests have one",
+    ),
+    Tolerance(
+        "order of the error of the finest pair, from that of the pattern's edges",
+        0.35,
+        "1",
+        "the next term is of one order more: as large as the first at one cell, it adds a part "
+        "1/N, 0.29 for 3 and 4 cells",
+    ),
+)
+COLUMNS = {
+    **cases.COLUMNS,
+    "E_over": "modulus of the body over that of the solid (1)",
+    "nu_measured": "Poisson's ratio of the body (1)",
+    "A_measured": "Zener's ratio of the body: 2·G·(1 + nu)/E (1)",
+    "pull_error": "strain along a pull over that of the solid, less 1 (1)",
+    "across_error": "strain across a pull, over Poisson's ratio times that along it, of the body "
+    "less that of the solid (1)",
+    "shear_error": "shear strain over that of the solid, less 1 (1)",
+    "springs_cross": "whether springs run from a cell to the next across a side",
+    "unbalanced": "where uniform strain leaves forces: nowhere, at sides, edges, or corners of the "
+    "body, or inside, where points of a cell move apart",
+    "order_expected": "number of axes along which these places are few, or "
+    '"exact", or "none" where points move inside (1)',
+    "order": "slope of log|error| against log(spacing) between the finest two sizes, or "
+    '"exact" (1)',
+    "left_over": "least force that any weights of the springs at the boundary leave on a point "
+    "inside the body, over the largest of a spring there (1)",
+    "pull_error_rewired": "pull_error of two cells with the springs that cross left out and those "
+    'that stay in their place, "none" where none stay, or '
+    '"mechanism" where those left do not hold all points (1)',
+}
+
+ROUNDED = ("pull_error", "across_error", "shear_error", "left_over", "pull_error_rewired")
+
+
+def run(candidate: Candidate, solid: Solid, setting: Setting) -> Evidence:
+    """Stretch and shear bodies, and judge them."""
+    table = measured(candidate, solid, setting)
+    orders = approach(table, solid)
+    crossing = [case for case in cases.stiff(solid) if edges.crosses(case)]
+    mended = pd.DataFrame(setting.sweep(edges.rebuilt, crossing, "weights"))
+    return Evidence(
+        tables={"uniform": table, "uniform_order": orders}
+        | ({"crossing": mended} if len(mended) else {}),
+        observed=dict(zip((t.quantity for t in TOLERANCES), observed(table, orders), strict=True)),
+        tolerances=TOLERANCES,
+        figures={"uniform": draw},
+        columns=COLUMNS,
+        findings=findings(table, orders, mended),
+        rounding=dict.fromkeys(ROUNDED, 1e-10),
+    )
+
+
+def measured(candidate: Candidate, solid: Solid, setting: Setting) -> pd.DataFrame:
+    """The table `uniform`."""
+    sizes = QUICK if setting.quick else SIZES
+    todo = [(case, across) for case in cases.stiff(solid) for across in sizes[case.pattern.dim]]
+    return pd.DataFrame(setting.sweep(partial(measure, candidate, solid), todo, "uniform stress"))
+
+
+def measure(candidate: Candidate, solid: Solid, todo: tuple[Case, int]) -> dict[str, object]:
+    """One row of the table `uniform`."""
+    case, across = todo
+    lattice = cases.filled(case, across)
+    body = cases.material(solid, case, lattice)
+    own = loading.compliances(body.C)
+    S = loading.compliance(candidate, lattice, case.constants, body)
+    E, nu, A = from_compliance(*S)
+    E_solid, nu_solid, _ = from_compliance(own[0, 0], own[1, 0], own[-1, -1])
+    return case.head | {
+        "cells": cases.cells_along(lattice),
+        "points": len(lattice.points),
+        "spacing": lattice.spacing,
+        "E_over": E / E_solid,
+        "nu_measured": nu,
+        "A_measured": A,
+        "pull_error": S[0] / own[0, 0] - 1,
+        "across_error": nu - nu_solid,
+        "shear_error": S[2] / own[-1, -1] - 1,
+    }
+
+
+def approach(table: pd.DataFrame, solid: Solid) -> pd.DataFrame:
+    """The table `uniform_order`."""
+    rows = []
+    for case in cases.stiff(solid):
+        pattern = case.pattern
+        mine = table[(table["lattice"] == pattern.name) & (table["rule"] == case.rule)]
+        pair = mine.iloc[-2:]
+        for test in loading.TESTS:
+            few = edges.unbalanced(case, solid, test)
+            expected = "exact" if few is None else few or "none"
+            crosses = "yes" if edges.crosses(case) else "no"
+            row: dict[str, object] = {"test": test, "springs_cross": crosses}
+            row |= {"unbalanced": edges.where(few, pattern.dim), "order_expected": expected}
+            error = pair[f"{test}_error"].to_numpy()
+            rows.append(case.head | row | {"order": order(pair["spacing"], error)})
+    return pd.DataFrame(rows)
+
+
+def order(spacing: pd.Series, error: Array) -> float | str:
+    """Power with which an error fell, or that there is none."""
+    return "exact" if np.abs(error).max() <= EXACT else observed_order(spacing, error)
+
+
+def observed(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
+    """What the tolerances judge, in their order."""
+    exact = orders[orders["order_expected"] == "exact"]
+    errors = [0.0]
+    for row in exact.to_dict("records"):
+        mine = table[(table["lattice"] == row["lattice"]) & (table["rule"] == row["rule"])]
+        both = ["pull_error", "across_error"] if row["test"] == "pull" else ["shear_error"]
+        errors.append(float(mine[both].abs().to_numpy().max()))
+    inexact = orders[~orders["order_expected"].isin(["exact", "none"])]
+    falling = inexact[inexact["order"] != "exact"]
+    away = falling["order"].astype(float) - falling["order_expected"].astype(float)
+    return [
+        worst(errors, 0.0),
+        Observed(float(len(inexact) - len(falling))),
+        worst(away, 0.0) if len(away) else Observed(0.0),
+    ]
+
+
+def findings(table: pd.DataFrame, orders: pd.DataFrame, mended: pd.DataFrame) -> tuple[str, ...]:
+    """Which bodies are exact, which are not, and why."""
+    by = orders.groupby(["lattice", "rule"], sort=False)
+    exact = [", ".join(map(str, key)) for key, rows in by if (rows["order"] == "exact").all()]
+    said = [f"Uniform stress is exact at every size in: {'; '.join(exact)}."]
+    corners = orders[(orders["unbalanced"] == "corners") & (orders["springs_cross"] == "no")]
+    if len(corners):
+        said.append(
+            f"{_names(corners)}: exact when pulled, but in shear the diagonals of the cube leave a "
+            "force at each corner of the body, along the axis that the shear does not name. The "
+            f"error is of third order: {_orders(corners)}."
+        )
+    if len(mended):
+        said += _of_crossing(table, orders, mended)
+    return tuple(said)
+
+
+def _of_crossing(table: pd.DataFrame, orders: pd.DataFrame, mended: pd.DataFrame) -> list[str]:
+    """What lattices with springs across sides lose, and what mends it."""
+    cut = orders[(orders["springs_cross"] == "yes") & (orders["test"] == "pull")]
+    coarsest = table.merge(cut[["lattice", "rule"]]).groupby(["lattice", "rule"])
+    softest = coarsest["E_over"].first().min()
+    said = []
+    said.append(
+        f"{_names(cut)}: springs that run from cell to cell are cut off at a side, and bodies are "
+        f"too soft by an error of first order ({_orders(cut)}): {softest:.2f} of the solid's "
+        "modulus at the coarsest. While springs inside keep their constants no weights of those at "
+        "the boundary mend it: some strain loads a row of such springs and none beside it, and the "
+        "last of the row pulls on a point that nothing else holds."
+    )
+    error = pd.to_numeric(mended["pull_error_rewired"], errors="coerce").abs()
+    exact = mended[error <= EXACT]
+    if len(exact):
+        said.append(
+            f"{_names(exact)}: another network is the same solid and exact when pulled: without "
+            "the springs that cross, those of their kind and direction that stay in a cell taking "
+            "over their stiffness."
+        )
+    return said
+
+
+def _names(rows: pd.DataFrame) -> str:
+    return ", ".join(dict.fromkeys(rows["lattice"]))
+
+
+def _orders(rows: pd.DataFrame) -> str:
+    found = rows["order"].astype(float)
+    return f"orders observed {found.min():.2f} to {found.max():.2f}"
+
+
+def draw(tables: Tables) -> Figure:
+    """Error of the strain against the number of cells, in a pull and in shear."""
+    figure, axes = figures.new(2, size=(3.6, 3.3), sharey=True)
+    table, orders = tables["uniform"], tables["uniform_order"]
+    names = list(dict.fromkeys(zip(table["lattice"], table["rule"], strict=True)))
+    for axis, test in zip(axes, loading.TESTS, strict=True):
+        inexact = orders[(orders["test"] == test) & (orders["order"] != "exact")]
+        for row in inexact.itertuples():
+            mine = table[(table["lattice"] == row.lattice) & (table["rule"] == row.rule)]
+            axis.loglog(
+                mine["cells"],
+                mine[f"{test}_error"].abs(),
+                label=f"{row.lattice}, {row.rule}",
+                **cases.style(names.index((row.lattice, row.rule))),
+            )
+        cells = np.array(sorted(set(table.merge(inexact)["cells"])), dtype=float)
+        power = 1 if test == "pull" else 3
+        axis.loglog(
+            cells, float(power) * cells**-power, ":", color="black", label=f"slope -{power}"
+        )
+        axis.set_xticks(cells, [f"{n:g}" for n in cells])
+        axis.set_xlabel("cells along the body (1)")
+        axis.set_title(test)
+    axes[0].set_ylabel("error of the strain, relative (1)")
+    figures.shared_legend(figure, axes, columns=3)
+    return figure
