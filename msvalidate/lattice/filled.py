@@ -126,7 +126,8 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> Lattice:
 
     Springs that would leave the box are left out; a spring in a side counts the half that lies
     inside, one in two sides a quarter. Where every spring of the pattern runs inside a cell or
-    along its sides, uniform strain is then exact at any size. Where some run from a cell to the
+    along its sides, uniform tension is then exact at any size, and so is shear but for diagonals
+    of the cube, which leave forces at the box's eight corners. Where some run from a cell to the
     next across a side (triangular, BCC, second neighbours in FCC), those are missing at the
     boundary, an error of first order in the spacing.
 
