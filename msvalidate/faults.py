@@ -33,16 +33,19 @@ def one_spring(network: Network, size: float) -> Network:
 
 
 def boundary_springs(network: Network, size: float) -> Network:
-    """Springs shared by half as many cells as their like stiffer, from shared (0) to equal (1).
+    """Springs with cells missing beside them stiffer, from shared (0) to equal (1).
 
-    They are known by their stiffness, half that of the stiffest spring of their length.
+    They are known by their stiffness: half that of the stiffest spring of their length, on the
+    edges of a solid a quarter.
     """
     _checked(network, size)
     _, alike = np.unique(np.round(network.rest_length, 9), return_inverse=True)
     strongest = np.zeros(alike.max() + 1)
     np.maximum.at(strongest, alike, network.stiffness)
-    half = network.stiffness < 0.75 * strongest[alike]
-    return network.scaled(np.where(half, 1 + size, 1.0))
+    part = network.stiffness < 0.75 * strongest[alike]
+    missing = np.ones(len(part))
+    missing[part] += size * (strongest[alike[part]] / network.stiffness[part] - 1)
+    return network.scaled(missing)
 
 
 def lumped_tractions(problem: Problem, network: Network, size: float) -> Network:

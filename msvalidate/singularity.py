@@ -175,3 +175,26 @@ def _exponents(generator: Array, vanishing: slice) -> NDArray[np.complex128]:
     radius = np.abs(np.linalg.eigvals(generator)).max()
     # Translations of a free wedge have λ = 0, up to rounding.
     return np.asarray(exponents[(exponents.real > 1e-3) & (np.abs(exponents) * radius < RESOLVED)])
+
+
+def clamped_edge_exponent(tensor: Array) -> float:
+    """Exponent at an edge of a box, its sides along the axes of a cubic body, one of them clamped.
+
+    In planes across the edge the strain is plane; shear along the edge has 1 there, as in any right
+    angle between a clamped side and a free one.
+
+    Parameters
+    ----------
+    tensor
+        (6, 6) stiffness of cubic symmetry in any unit.
+
+    Raises
+    ------
+    ProblemError
+        If it is no such tensor, or its plane part has no exponent.
+    """
+    C = finite("tensor", tensor)
+    if C.shape != (6, 6):
+        raise ProblemError(f"tensor: shape {C.shape}; give a solid's, (6, 6)")
+    plane = np.array([[C[0, 0], C[0, 1], 0.0], [C[0, 1], C[1, 1], 0.0], [0.0, 0.0, C[5, 5]]])
+    return clamped_free_exponent(plane, np.pi / 2)

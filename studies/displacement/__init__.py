@@ -6,6 +6,8 @@ A single difference from FEM mixes five causes; this study takes them apart. One
 - `shapes`: the report's Figures 4 to 7 drawn again, and its words about them put to numbers;
 - `target`: what the "incompressible" lattice is measured against is a choice, and decides;
 - `identities`: which networks are exactly a known discretisation;
+- `bent_bar`: how stiff a bar of cubic cells is in pure bending;
+- `solid`: how far cubes and a cantilever of springs are from the elastic solid;
 - `controls`: which faults the study notices, and how small they may be.
 
 The load cases are data in `load_cases`, the springs in `models` and `measuring`, the reference in
@@ -20,7 +22,17 @@ from functools import cache, partial
 from msvalidate.candidate import Candidate, springs
 from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
-from studies.displacement import budget, controls, elastic, identities, measuring, shapes, target
+from studies.displacement import (
+    bent_bar,
+    budget,
+    controls,
+    elastic,
+    identities,
+    measuring,
+    shapes,
+    solid,
+    target,
+)
 
 FAULTS = {
     name: {"candidate": controls.candidate_with(kind, size), "questions": ("identities",)}
@@ -29,10 +41,23 @@ FAULTS = {
     "budget of springs 0.1 % softer": {
         "candidate": controls.candidate_with("stiffness of every spring", -0.001),
         "questions": ("budget",),
-    }
+    },
+    "bent bar of springs 0.1 % softer": {
+        "candidate": controls.candidate_with("stiffness of every spring", -0.001),
+        "questions": ("bent_bar",),
+    },
+    "bent bar of wrong boundary weights": {
+        "candidate": controls.candidate_with("boundary weights", 1.0),
+        "questions": ("bent_bar",),
+    },
+    "solids of springs 1 % softer": {
+        "candidate": controls.candidate_with("stiffness of every spring", -0.01),
+        "questions": ("solid",),
+    },
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
-notices is enough, so the rest is left out; the budget, which has no exact answer, must too."""
+notices is enough, so the rest is left out; the budget and the solids, which have no exact answer,
+must too."""
 
 
 def run(
@@ -50,6 +75,8 @@ def run(
             "shapes": lambda: shapes.run(measured(), bodies()),
             "target": lambda: target.run(candidate, setting),
             "identities": lambda: identities.run(candidate, setting),
+            "bent_bar": lambda: bent_bar.run(candidate, setting),
+            "solid": lambda: solid.run(candidate, setting),
             "controls": lambda: controls.run(bodies()),
         },
         questions,

@@ -73,7 +73,7 @@ COLUMNS = {
     **load_cases.COLUMNS,
     "stiffness_difference": "largest entry of springs - P1 over the largest of P1 (1)",
     "displacement_difference": "largest displacement of springs - P1 over the largest of P1 (1)",
-    "cells_high": "cells through the height of a beam or square, N",
+    "cells_high": "cells through the height of a beam, square, cube or bar, N",
     "tension_error": "largest error of the stretched square's displacement, relative (1)",
     "EI_ratio": "moment over curvature of the candidate's beam, over E·t·height³/12 (1)",
     "EI_formula": "1 + ((2 - nu)/(1 + nu))/N² with nu = 1/3 (1)",

@@ -6,6 +6,7 @@ k2/(2 k1 + k2) and to be incompressible at k2 = 2 k1. One question a file:
 - `finite_size`: the ratio of N x N cells, by constants, boundary weights, loading and definition;
 - `direction`: the ratio against the direction of the pull;
 - `rotated`: whether a block cut at an angle to the lattice shows the ratio of its tensor;
+- `cube`: the ratio of N x N x N cells in space, by lattice, boundary weights and loading;
 - `incompressible`: what the word asks for in the plane, and what k2 = 2 k1 gives;
 - `algorithm1`: whether the report's loop comes to the same rest as a static solution;
 - `controls`: the smallest fault that this study notices.
@@ -25,6 +26,7 @@ from msvalidate.sweep import Setting
 from studies.poisson import (
     algorithm1,
     controls,
+    cube,
     direction,
     finite_size,
     incompressible,
@@ -47,6 +49,7 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
         finite_size.run(candidate, setting),
         direction.run(setting=setting),
         rotated.run(candidate, setting),
+        cube.run(candidate, setting),
         incompressible.run(candidate, setting),
         algorithm1.run(candidate=candidate, setting=setting),
         controls.run(),

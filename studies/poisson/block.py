@@ -29,9 +29,11 @@ COLUMNS = {
     "k1": "stiffness of axial springs (N/m)",
     "k2": "stiffness of diagonal springs (N/m)",
     "cells": "cells per side, N: of a block at 45 degrees the squares, of triangles their sides",
+    "loading": "slide, traction or clamped ends",
     "angle_deg": "direction of the pull to the axial springs, of triangles to their rows (degrees)",
     "strain": "axial strain (1)",
     "nu_tensor": "Poisson's ratio from the homogenised tensor (1)",
+    "nu_fem": "Poisson's ratio of the elastic body, by finite elements (1)",
     "nu_springs": "Poisson's ratio of the candidate's block; \"none\" where there is no block (1)",
 }
 """What columns of several tables mean."""

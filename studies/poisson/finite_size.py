@@ -101,11 +101,9 @@ TOLERANCES = (
 )
 COLUMNS = {
     **block.COLUMNS,
-    "loading": "slide, traction or clamped ends",
     "definition": "lateral strain over the edges (mean of all edge nodes) or at the middle",
     "nu_cell_formula": "the report's k2/(2 k1 + k2) (1)",
     "nu_bulk_formula": "k2/(k1 + k2) (1)",
-    "nu_fem": "Poisson's ratio of the elastic body, by finite elements (1)",
     "E_springs": "traction over axial strain of the candidate's block, traction loading (N/m)",
     "E_tensor": "C11 - C12²/C11 of the lattice's interior (N/m)",
     "E_fem": "traction over axial strain of the elastic body (N/m)",

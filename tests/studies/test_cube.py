@@ -1,0 +1,177 @@
+"""The cube of the study `poisson`: its closed forms by hand, its elastic body, faults."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import reference_fem
+from msvalidate import faults, figures
+from msvalidate.candidate import springs
+from msvalidate.evidence import judge
+from msvalidate.problem import ProblemError
+from msvalidate.sweep import Setting
+from studies import poisson
+from studies.poisson import controls, cube, cube_block, cube_layers
+
+QUICK = Setting(quick=True)
+
+
+def ratio_of_layers(constants, cells):
+    """By counting: springs of every direction in a cube of equal springs, strained uniformly.
+
+    The strains (1, -nu, -nu) cost least: the energy of all springs, each alone, by its direction.
+    """
+    n = cells + 1
+    count = {  # direction -> how many springs there are, which constant
+        **dict.fromkeys(((1, 0, 0), (0, 1, 0), (0, 0, 1)), (n * n * cells, 0)),
+        **{
+            d: (n * cells * cells, 1)
+            for a, b in ((0, 1), (0, 2), (1, 2))
+            for s in (1, -1)
+            for d in [tuple(1 if i == a else s if i == b else 0 for i in range(3))]
+        },
+        **{(1, s, t): (cells**3, 2) for s in (1, -1) for t in (1, -1)},
+    }
+    k = (*constants, 0.0)[:3]
+
+    def energy(nu):
+        total = 0.0
+        for direction, (many, kind) in count.items():
+            squares = np.square(direction)
+            stretch = squares @ (1, -nu, -nu) / np.sqrt(squares.sum())
+            total += many * k[kind] * stretch**2
+        return total
+
+    # A parabola in nu: its lowest point from three values.
+    low, middle, high = energy(0.0), energy(0.5), energy(1.0)
+    return 0.25 * (3 * low - 4 * middle + high) / (low - 2 * middle + high)
+
+
+@pytest.mark.parametrize("constants", [(1.0, 1.0), (1.0, 2.0), (1.0, 1.0, 1.0)])
+@pytest.mark.parametrize("cells", [1, 2, 7])
+def test_layers_by_counting_springs(constants, cells):
+    assert cube_layers.layers_ratio(constants, cells) == pytest.approx(
+        ratio_of_layers(constants, cells), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("k2", [0.25, 1.0, 3.0])
+def test_one_cell_of_cubic_18(k2):
+    """k2/(2 k1 + 3 k2): the cell formula in space, for an isolated cell and summed cell by cell."""
+    assert cube.one_cell(springs, k2)["nu_springs"] == pytest.approx(k2 / (2 + 3 * k2), abs=1e-12)
+    problem, network = cube_block.spring_cube("cubic 18", "per_cell", "traction", 3, (1.0, k2))
+    nu = cube_block.ratio(network.points, springs(problem, network))
+    assert nu == pytest.approx(k2 / (2 + 3 * k2), abs=1e-12)
+
+
+def test_equal_springs_tend_to_the_bulk_in_first_order():
+    """With the slope of the layers: mean strain over a volume is what the faces move apart."""
+    away = []
+    for cells in (6, 12):
+        problem, network = cube_block.spring_cube("cubic 18", "equal", "slide", cells)
+        away.append(cells * (0.25 - cube_block.ratio(network.points, springs(problem, network))))
+    assert away == pytest.approx([1 / 16, 1 / 16], rel=0.05)
+    assert abs(away[1] - 1 / 16) < abs(away[0] - 1 / 16)
+
+
+def test_work_of_layers_by_summing_over_springs():
+    """What the faces alone tell is the virtual work of every spring on the strain along y."""
+    _, network = cube_block.spring_cube("cubic 26", "equal", "slide", 3)
+    move = np.random.default_rng(1).normal(size=network.points.shape) * 1e-3
+    left, right = network.points[:, 0] == 0, network.points[:, 0] == 1
+    move[left, 0], move[right, 0] = 0.0, cube_block.STRAIN
+    a, b = network.springs.T
+    along = network.points[b] - network.points[a]
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    stretch = (along * (move[b] - move[a])).sum(axis=1)
+    virtual = along[:, 1] * (network.points[b] - network.points[a])[:, 1]
+    work = (network.stiffness * stretch * virtual).sum()
+    m, E = 4 / 3, cube_block.STRAIN
+    scale = 3 * 4 / 3 * (1 + 4 / 3 / m) * E  # spacing · N (N + 1) · (k2 + 4/3 k3/m) E
+    seen = cube_layers.layers_work((1.0, 1.0, 1.0), 3, network.points, move)
+    assert seen == pytest.approx(work / scale, rel=1e-9)
+
+
+def test_loadings_that_are_none():
+    with pytest.raises(ProblemError, match="loading 'bend': choose from slide"):
+        cube_block.loaded_cube("bend", np.eye(6))
+
+
+@pytest.mark.parametrize("loading", ["slide", "traction"])
+def test_an_elastic_cube_has_the_tensors_ratio(loading):
+    problem, network = cube_block.spring_cube("cubic 26", "shared", loading, 2)
+    mesh = reference_fem.box_discretisation(cube_block.BOX, 3, "H1")
+    move = reference_fem.solve_problem(problem, mesh).at(network.points)
+    for lateral in cube_block.LATERAL:
+        assert cube_block.ratio(network.points, move, lateral) == pytest.approx(0.35, abs=1e-9)
+    assert cube_block.axial_strain(network.points, move) == pytest.approx(1e-3, rel=1e-9)
+
+
+def test_an_eighth_stands_for_the_clamped_cube():
+    """Folded out it is what the whole cube gives, on a mesh with the same elements."""
+    problem, network = cube_block.spring_cube("cubic 18", "shared", "clamped", 4)
+    mesh = reference_fem.box_discretisation(cube_block.BOX, 8, "H1")
+    whole = reference_fem.solve_problem(problem, mesh).at(network.points)
+    eighth = cube_block._clamped_eighth(problem.material.C)
+    mesh = reference_fem.box_discretisation(cube_block.EIGHTH, 4, "H1")
+    away = network.points - 0.5
+    part = reference_fem.solve_problem(eighth, mesh).at(np.abs(away)) * np.where(away < 0, -1, 1)
+    part[:, 0] += cube_block.STRAIN / 2  # the eighth counts from the cube's middle
+    np.testing.assert_allclose(part, whole, atol=1e-9 * cube_block.STRAIN)
+
+
+def test_wrong_weights_in_space_are_equal_ones():
+    """Springs that count 1/2 in faces and 1/4 on edges: both come to 1."""
+    _, shared = cube_block.spring_cube("cubic 18", "shared", "slide", 3)
+    _, equal = cube_block.spring_cube("cubic 18", "equal", "slide", 3)
+    assert set(shared.stiffness) == {0.25, 0.5, 1.0}
+    np.testing.assert_array_equal(faults.boundary_springs(shared, 1.0).stiffness, equal.stiffness)
+    half = faults.boundary_springs(shared, 0.5).stiffness
+    np.testing.assert_allclose(half, (shared.stiffness + equal.stiffness) / 2)
+
+
+@pytest.mark.parametrize("fault", poisson.FAULTS)
+def test_cubes_notice_faults(fault):
+    verdict = judge(cube.run(**poisson.FAULTS[fault], setting=QUICK))
+    assert (verdict["verdict"] == "fail").any()
+
+
+def test_a_fault_under_clamped_ends_alone_is_caught():
+    """Against the elastic body: nothing else looks at the clamped cube."""
+
+    def faulty(problem, network, answer):
+        if problem.name.endswith("clamped"):
+            network = faults.boundary_springs(network, 1.0)
+        return springs(problem, network, answer)
+
+    verdict = judge(cube.run(faulty, QUICK)).set_index("quantity")["verdict"]
+    failed = set(verdict.index[verdict == "fail"])
+    assert failed == {"clamped cube, shared springs: difference to FEM times N"}
+
+
+def test_a_small_fault_of_the_diagonals_is_caught():
+    candidate = partial(controls.spoilt, faults.diagonals, 1e-7)
+    row, stiff = cube.measure(candidate, ("cubic 18", "shared", "traction", 2))
+    assert abs(row["nu_springs"] - 0.25) > cube.EXACT
+    assert abs(stiff["modulus_ratio"] - 1) > cube.EXACT
+
+
+def test_faces_of_a_grid_of_points():
+    points = np.array([(x, y, z) for z in range(3) for y in range(3) for x in range(5)], float)
+    faces = figures.box_faces(points * (0.5, 1.0, 2.0))
+    assert len(faces) == 2 * (2 * 2 + 4 * 2 + 4 * 2)
+    corners = points[faces]
+    edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    np.testing.assert_array_equal(edges, 1.0)  # round each face, none crossed
+    assert len(np.unique(np.sort(faces, axis=1), axis=0)) == len(faces)
+
+
+def test_drawings_show_what_the_tables_hold():
+    drawn = cube.cube_drawing.shape(springs, 2)
+    assert len(drawn) == 26
+    figure = cube.cube_drawing.deformed({"cube_shape": drawn})
+    assert isinstance(figure, Figure)
+    solid = figure.axes[0].collections[0]
+    assert len(solid.get_array()) == 6 * 4
