@@ -61,9 +61,9 @@ def lattice_network(
     if constants is None:
         constants = default_constants(problem.material, lattice)
     k = finite("spring constants", constants)
-    if k.shape != lattice.sharing.shape:
+    if k.shape != (lattice.kinds,):
         raise ProblemError(
-            f"spring constants: {shown(constants)}; give {len(lattice.sharing)}, one a kind"
+            f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
         )
     held, displacement = prescribed(problem, lattice.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite

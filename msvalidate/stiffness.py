@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msvalidate.lattice import WEIGHTS, Constants, Lattice, Pattern, boundary_weights
+from msvalidate.lattice.filled import cells_bordered
 from msvalidate.problem import (
     Array,
     Isotropic,
@@ -112,17 +113,20 @@ def network_tensor(lattice: Lattice, constants: tuple[float, ...], weights: str)
     """
     instance("lattice", lattice, Lattice)
     k = finite("spring constants", constants)
-    if k.shape != lattice.sharing.shape:
+    if k.shape != (lattice.kinds,):
         raise ProblemError(
-            f"spring constants: {shown(constants)}; give {len(lattice.sharing)}, one a kind"
+            f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
         )
     chosen("boundary weights", weights, WEIGHTS)
-    if weights == "per_cell":  # inside, every cell that a spring borders brings one of its own
-        k = k * lattice.sharing
     if lattice.pattern is not None:
-        return pattern_tensor(lattice.pattern, tuple(k), lattice.spacing)
-    # With shared boundary springs the whole lattice is made of interior cells, none of them cut.
-    per_spring = k[lattice.kind] * lattice.factor * boundary_weights(lattice, "shared")
+        bordered = cells_bordered(lattice.pattern) if weights == "per_cell" else 1
+        return _affine(
+            lattice.pattern, lattice.pattern.stiffness(constants) * bordered, lattice.spacing
+        )
+    # With shared boundary springs the whole lattice is made of interior cells, none of them cut;
+    # of `per_cell` every cell that a spring borders brings one of its own.
+    inside = lattice.sharing if weights == "per_cell" else 1
+    per_spring = k[lattice.kind] * lattice.factor * inside * boundary_weights(lattice, "shared")
     return spring_tensor(lattice.vectors, per_spring, lattice.domain.volume)
 
 
@@ -144,9 +148,12 @@ def pattern_tensor(pattern: Pattern, constants: Constants, spacing: float = 1.0)
         If the constants are not one a kind, or the spacing is no length.
     """
     instance("pattern", pattern, Pattern)
-    a = metres("spacing", spacing)
-    volume = math.prod(pattern.size) * a**pattern.dim
-    return spring_tensor(a * pattern.vectors, pattern.stiffness(constants), volume)
+    return _affine(pattern, pattern.stiffness(constants), metres("spacing", spacing))
+
+
+def _affine(pattern: Pattern, stiffness: Array, spacing: float) -> Array:
+    volume = math.prod(pattern.size) * spacing**pattern.dim
+    return spring_tensor(spacing * pattern.vectors, stiffness, volume)
 
 
 def square_tensor(k1: float, k2: float) -> Array:

@@ -56,7 +56,7 @@ class Lattice:
         (m,) part of each spring that belongs to the body: 1 inside, 1/2 on a side, 1/4 on an edge
         of a solid, and so on. The rest stands for what lies beyond.
     sharing
-        (kinds,) number of cells that an interior spring of each kind borders.
+        (m,) number of cells that a spring like each borders inside the body.
     point_volume
         (n,) area (m²) or volume (m³) of each point.
     factor
@@ -95,7 +95,12 @@ class Lattice:
     @property
     def borders(self) -> Array:
         """Number (m,) of the body's cells that each spring borders."""
-        return np.asarray(self.share * self.sharing[self.kind])
+        return np.asarray(self.share * self.sharing)
+
+    @property
+    def kinds(self) -> int:
+        """Number of kinds of spring."""
+        return int(self.kind.max()) + 1
 
 
 def boundary_weights(lattice: Lattice, rule: str) -> Array:
@@ -171,7 +176,7 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> Lattice:
         cells=_corners(number[..., _at_corner(pattern)], d),
         facets=_facets(pattern, number, points),
         share=side_share(points, springs, box),
-        sharing=_sharing(pattern),
+        sharing=cells_bordered(pattern)[which],
         point_volume=volume[inside] * side_share(points, np.arange(len(points))[:, None], box),
         factor=pattern.factor[which],
         pattern=pattern,
@@ -248,15 +253,14 @@ def side_share(points: Array, together: Index, box: Box) -> Array:
     return np.asarray(0.5 ** (low.all(axis=1) | high.all(axis=1)).sum(axis=1))
 
 
-def _sharing(pattern: Pattern) -> Index:
-    """Cells that an interior spring of each kind borders: two for each side that it runs in."""
+def cells_bordered(pattern: Pattern) -> Index:
+    """Number (m,) of cells that each spring borders: two for each side that it runs in."""
     inside_sides = np.zeros(len(pattern.springs), dtype=int)
     i, j = pattern.springs.T
     for axis in range(pattern.dim):
         side = _on_low_side(pattern, axis)
         inside_sides += side[i] & side[j] & (pattern.image[:, axis] == 0)
-    first = [int(np.flatnonzero(pattern.kind == kind)[0]) for kind in range(pattern.kinds)]
-    return np.asarray(2 ** inside_sides[first])
+    return np.asarray(2**inside_sides)
 
 
 def _facets(pattern: Pattern, number: Index, points: Array) -> Index:

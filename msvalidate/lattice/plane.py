@@ -89,7 +89,7 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
         cells=quarter_cells,
         facets=grid.facets,
         share=np.concatenate([*whole_cells, np.full(sum(map(len, between)), 2)]) / 2,
-        sharing=np.array([2, 2]),
+        sharing=np.full(len(springs), 2),
         # Inside, every point is alike: a corner of squares has eight quarters, a middle only four.
         point_volume=_shares(quarter_cells, (0.25, 0.25, 0.5)) * (box.volume / len(quarter_cells)),
     )
@@ -146,7 +146,7 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
         cells=cells,
         facets=springs[borders == 1],
         share=borders / 2,
-        sharing=np.array([2]),
+        sharing=np.full(len(springs), 2),
         point_volume=_shares(cells, (1 / 3,) * 3) * (outline.volume / len(cells)),
     )
 

@@ -83,7 +83,7 @@ def turned(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> L
         cells=cells,
         facets=facets,
         share=side_share(points, springs, box),
-        sharing=np.ones(pattern.kinds, dtype=np.intp),
+        sharing=np.ones(len(springs), dtype=np.intp),
         point_volume=np.asarray(np.bincount(cells.ravel(), each, len(points)), dtype=float),
         factor=np.concatenate([pattern.factor[which], np.ones(len(braces))]),
     )

@@ -138,7 +138,7 @@ def voronoi_box(
         cells=corners,
         facets=facets,
         share=share,
-        sharing=np.array([1]),
+        sharing=np.ones(len(springs), dtype=np.intp),
         point_volume=cells.volume,
         factor=relative_stiffness(cells.vectors / h, whole_area / h ** (box.dim - 1), stiffness),
     )

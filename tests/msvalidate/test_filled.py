@@ -245,7 +245,21 @@ def test_the_rules_of_boundary_weights_in_space(name):
     lattice = filled(name, (2, 2, 2))
     np.testing.assert_array_equal(boundary_weights(lattice, "equal"), 1.0)
     per_cell = boundary_weights(lattice, "per_cell")
-    np.testing.assert_array_equal(per_cell, lattice.share * lattice.sharing[lattice.kind])
+    np.testing.assert_array_equal(per_cell, lattice.share * lattice.sharing)
+
+
+@pytest.mark.parametrize("name", ["square", "cubic18", "cubic26", "fcc"])
+def test_per_cell_every_cell_is_one_cell_alone(name):
+    lattice, alone = filled(name, (2, 1, 3)), filled(name, (1, 1, 1))
+    constants = constants_within(lattice.pattern)
+
+    def energy(body):
+        k = np.array(constants)[body.kind] * boundary_weights(body, "per_cell")
+        return spring_tensor(body.vectors, k, body.domain.volume)
+
+    np.testing.assert_allclose(energy(lattice), energy(alone), atol=1e-12 * energy(alone).max())
+    found = network_tensor(lattice, constants, "per_cell")
+    np.testing.assert_allclose(found, energy(alone), atol=1e-12 * found.max())
 
 
 # Constants ------------------------------------------------------------------------------------

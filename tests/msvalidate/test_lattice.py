@@ -89,7 +89,7 @@ def test_borders_counts_the_cells_that_hold_both_ends(lattice):
 
 
 def test_boundary_springs_are_as_many_as_the_boundary_has_cell_edges(lattice, counts):
-    alone = lattice.borders < lattice.sharing[lattice.kind]
+    alone = lattice.borders < lattice.sharing
     assert alone.sum() == 2 * sum(counts)
     assert (lattice.kind[alone] == 0).all()
 
