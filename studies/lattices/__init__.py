@@ -8,7 +8,8 @@ its springs. One question a file:
 - `clamped`: bodies with singular stress, against finite elements;
 - `cost`: steps to rest;
 - `choice`: one table of it all, to choose a lattice by;
-- `controls`: the smallest fault that this study notices.
+- `controls`: the smallest fault that this study notices;
+- `voronoi`: the same of random lattices, and how a ratio of zero comes about.
 
 Candidate: displacements predicted for a problem and its network, and the solid that a lattice is
 said to be. Reference: closed forms, differences of energy, scikit-fem finite elements.
@@ -24,6 +25,8 @@ from msvalidate.homogenise import homogenised
 from msvalidate.sweep import Setting
 from studies.lattices import choice, clamped, controls, cost, solids, uniform
 from studies.lattices.cases import Solid
+from studies.lattices.voronoi import bodies, faults, zero
+from studies.lattices.voronoi import solids as random_solids
 
 FAULTS = {
     "one neighbour direction missing": {
@@ -46,6 +49,7 @@ FAULTS = {
         "candidate": controls.body_with("boundary weights", 1.0),
         "questions": ("uniform",),
     },
+    **faults.FAULTS,
 }
 """Negative controls: arguments of `run` under which a tolerance must fail, asked of the question
 that should notice."""
@@ -73,6 +77,9 @@ def run(
                 {**endless()[0], **stretched().tables, **held().tables, **rested().tables}
             ),
             "controls": controls.run,
+            "random_solids": lambda: random_solids.run(solid, setting),
+            "random_bodies": lambda: bodies.run(candidate, setting, solid),
+            "zero": lambda: zero.run(candidate, setting, solid),
         },
         questions,
     )
