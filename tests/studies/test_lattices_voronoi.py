@@ -19,9 +19,13 @@ from msvalidate.problem import Box
 from msvalidate.stiffness import VOIGT, isotropic_moduli, rotated
 from msvalidate.sweep import Setting
 from studies.lattices.voronoi import (
+    bodies,
     early,
+    faults,
     networks,
+    solids,
     strewn,
+    surfaces,
     trials,
 )
 

@@ -41,7 +41,7 @@ from msvalidate.problem import (
 )
 from msvalidate.stiffness import AXES_OF
 from msvalidate.sweep import Setting
-from studies.lattices.voronoi import networks, solids, surfaces
+from studies.lattices.voronoi import drawing, networks, solids, surfaces
 from studies.lattices.voronoi.networks import Solid, along_axes, isotropic_part, seeds
 
 CELLS, QUICK_CELLS = (8, 16, 32), (5, 10, 20)
