@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
-from itertools import product
+from itertools import combinations, product
 from typing import TypeVar
 
 import numpy as np
@@ -251,6 +251,25 @@ def side_share(points: Array, together: Index, box: Box) -> Array:
     """
     low, high = (points == 0)[together], (points == np.array(box.size))[together]
     return np.asarray(0.5 ** (low.all(axis=1) | high.all(axis=1)).sum(axis=1))
+
+
+def weakly_held(points: Array, springs: Index, least: float) -> Mask:
+    """Points (n,) whose springs leave a direction with less than `least` of Σ n nᵀ along it."""
+    vector = points[springs[:, 1]] - points[springs[:, 0]]
+    normal = vector / np.linalg.norm(vector, axis=1)[:, None]
+    held = np.zeros((len(points), points.shape[1], points.shape[1]))
+    for end in springs.T:
+        np.add.at(held, end, normal[:, :, None] * normal[:, None, :])
+    return np.asarray(np.linalg.eigvalsh(held)[:, 0] < least)
+
+
+def missing(springs: Index, cells: Index, at: Mask) -> Index:
+    """Edges (b, 2) of simplices (c, d + 1), with an end at given points (n,), that are no spring."""
+    edges = np.concatenate([cells[:, pair] for pair in combinations(range(cells.shape[1]), 2)])
+    edges = np.sort(edges[at[edges].any(axis=1)], axis=1)
+    known = set(map(tuple, springs.tolist()))
+    new = [pair for pair in np.unique(edges, axis=0).tolist() if tuple(pair) not in known]
+    return np.array(new, dtype=np.intp).reshape(-1, 2)
 
 
 def cells_bordered(pattern: Pattern) -> Index:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations, product
+from itertools import product
 
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.lattice.filled import Lattice, joined, side_share
+from msvalidate.lattice.filled import Lattice, joined, missing, side_share, weakly_held
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.tessellation import simplices
 from msvalidate.problem import (
@@ -68,7 +68,7 @@ def turned(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> L
     proper = springs[:, 0] < springs[:, 1]
     springs, which = springs[proper], which[first[proper]]
     cells, facets = simplices(points, box)
-    braces = _braces(points, springs, springs[pattern.kind[which] == 0], cells)
+    braces = missing(springs, cells, weakly_held(points, springs[pattern.kind[which] == 0], WEAK))
     springs = np.concatenate([springs, braces])
     kind = np.concatenate([pattern.kind[which], np.zeros(len(braces), dtype=np.intp)])
     corners = points[cells]
@@ -130,18 +130,3 @@ def _merged(points: Array, ends: Array, reach: float) -> tuple[Index, Array]:
             same[gone] = into
     kept, number = np.unique(same, return_inverse=True)
     return number, points[kept]
-
-
-def _braces(points: Array, springs: Index, first: Index, cells: Index) -> Index:
-    """Edges (b, 2) of cells that are no springs yet, at points that the first kind holds weakly."""
-    vector = points[first[:, 1]] - points[first[:, 0]]
-    normal = vector / np.linalg.norm(vector, axis=1)[:, None]
-    held = np.zeros((len(points), points.shape[1], points.shape[1]))
-    for end in first.T:
-        np.add.at(held, end, normal[:, :, None] * normal[:, None, :])
-    weak = np.linalg.eigvalsh(held)[:, 0] < WEAK
-    edges = np.concatenate([cells[:, pair] for pair in combinations(range(cells.shape[1]), 2)])
-    edges = np.sort(edges[weak[edges].any(axis=1)], axis=1)
-    known = set(map(tuple, springs.tolist()))
-    new = [pair for pair in np.unique(edges, axis=0).tolist() if tuple(pair) not in known]
-    return np.array(new, dtype=np.intp).reshape(-1, 2)

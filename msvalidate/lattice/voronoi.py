@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from msvalidate.lattice.filled import Lattice, side_share
+from msvalidate.lattice.filled import Lattice, missing, side_share, weakly_held
 from msvalidate.lattice.pattern import Constants, Pattern
 from msvalidate.lattice.point_sets import box_points, periodic_points
 from msvalidate.lattice.tessellation import (
@@ -23,6 +23,8 @@ from msvalidate.problem import Array, Box, chosen, instance, metres, whole
 
 STIFFNESS_RULES = ("1", "1/L", "A/L")
 """What the stiffness of a spring is proportional to: nothing, or its length L and facet area A."""
+LOOSE = 1e-3
+"""Σ n nᵀ along some direction, over the directions n of its springs, below which a point swings."""
 RULES: Mapping[str, Constants] = {"unit": (1.0,)}
 
 
@@ -104,7 +106,9 @@ def voronoi_box(
     """Random lattice that fills a box: points in its corners, on its edges and sides, and inside.
 
     A spring in a side has half of its facet inside the box, one in two sides a quarter: its share.
-    Cells are the Delaunay triangles or tetrahedra, facets those of their sides on the boundary.
+    Cells are the Delaunay triangles or tetrahedra, facets those of their sides on the boundary. A
+    corner whose cell meets but one other inside the box would swing about it: it gets the other
+    edges of its triangles or tetrahedra too.
 
     Parameters
     ----------
@@ -125,10 +129,14 @@ def voronoi_box(
     instance("box", box, Box)
     h = metres("spacing", spacing)
     cells = bounded_tessellation(box_points(points, box, h, seed), box)
-    x, springs = cells.points, cells.springs
-    share = side_share(x, springs, box)
-    whole_area = cells.area / share
+    x = cells.points
     corners, facets = simplices(x, box)
+    braces = missing(cells.springs, corners, weakly_held(x, cells.springs, LOOSE))
+    springs = np.concatenate([cells.springs, braces])
+    share = side_share(x, springs, box)
+    # A brace has no facet in the box; it gets a mean one.
+    area = np.concatenate([cells.area, np.full(len(braces), cells.area.mean())]) / share
+    vectors = x[springs[:, 1]] - x[springs[:, 0]]
     return Lattice(
         name="Voronoi",
         domain=box,
@@ -140,5 +148,5 @@ def voronoi_box(
         share=share,
         sharing=np.ones(len(springs), dtype=np.intp),
         point_volume=cells.volume,
-        factor=relative_stiffness(cells.vectors / h, whole_area / h ** (box.dim - 1), stiffness),
+        factor=relative_stiffness(vectors / h, area / h ** (box.dim - 1), stiffness),
     )

@@ -12,6 +12,7 @@ from msvalidate.equilibrium import equilibrium
 from msvalidate.homogenise import homogenised
 from msvalidate.lattice import STIFFNESS_RULES, boundary_weights, voronoi, voronoi_box
 from msvalidate.lattice.point_sets import POINT_SETS
+from msvalidate.lattice.tessellation import bounded_tessellation
 from msvalidate.problem import (
     Anisotropic,
     Box,
@@ -146,6 +147,20 @@ def test_a_box_pulled_along_x_comes_near_the_periodic_solid(dim, rule):
     # A boundary layer of one spacing in 24 or 9, and the scatter of one sample.
     assert pytest.approx(1, abs=0.15 if dim == 2 else 0.2) == E / solid.E
     assert nu == pytest.approx(solid.nu, abs=0.06)
+
+
+@pytest.mark.parametrize("rule", STIFFNESS_RULES)
+def test_no_point_is_left_to_swing(rule):
+    # A corner whose cell meets one other only, as one in sixteen of these bodies has.
+    lonely = 0
+    for seed in range(40):
+        lattice = voronoi_box(Box((1.0, 1.0)), 1 / 8, points="uniform", stiffness=rule, seed=seed)
+        ends = np.bincount(lattice.springs.ravel(), minlength=len(lattice.points))
+        assert ends.min() >= 2
+        before = bounded_tessellation(lattice.points, Box((1.0, 1.0))).springs
+        lonely += len(lattice.springs) > len(before)
+        assert (lattice.factor > 0).all()
+    assert lonely > 0
 
 
 def test_a_random_body_has_no_soft_mode():

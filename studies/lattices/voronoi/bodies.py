@@ -155,7 +155,7 @@ def run(
         },
         columns=COLUMNS | surfaces.COLUMNS,
         findings=(
-            finding(table, plane_rows),
+            finding(plane_rows),
             surfaces.finding(geometry, pd.DataFrame(rough)),
         ),
     )
@@ -324,11 +324,10 @@ def pooled_order(rows: pd.DataFrame) -> Observed:
     return Observed(observed_order(1 / mean.index.to_numpy(dtype=float), mean.to_numpy()), 1.0)
 
 
-def finding(table: pd.DataFrame, plane: pd.DataFrame) -> str:
+def finding(plane: pd.DataFrame) -> str:
     """How near bodies come to their solids."""
     mean = plane.groupby("spacings_a_side")["deviation"].mean()
     seen = ", ".join(f"{100 * value:.1f} % ({cells} spacings)" for cells, value in mean.items())
-    drawn = table.drop_duplicates(["axes", "point_set", "stiffness", "spacings_a_side"])
     cut = plane[
         (plane["point_set"] == "jittered")
         & (plane["stiffness"] == "A/L")
@@ -341,7 +340,5 @@ def finding(table: pd.DataFrame, plane: pd.DataFrame) -> str:
         f"modulus along it, at {cut['spacings_a_side']} spacings, is "
         f"{100 * cut['springs_over_solid']:+.1f} % from that of the network's own mean tensor and "
         f"{100 * cut['from_isotropic']:+.1f} % from the "
-        f"nearest isotropic body's. Of {drawn['bodies'].sum()} bodies "
-        f"{drawn['mechanisms'].sum()} are mechanisms: where a corner's cell touches one other cell "
-        "alone, one spring holds the corner."
+        f"nearest isotropic body's."
     )
