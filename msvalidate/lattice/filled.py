@@ -264,7 +264,7 @@ def weakly_held(points: Array, springs: Index, least: float) -> Mask:
 
 
 def missing(springs: Index, cells: Index, at: Mask) -> Index:
-    """Edges (b, 2) of simplices (c, d + 1), with an end at given points (n,), that are no spring."""
+    """Edges (b, 2) of simplices, with an end at given points (mask, n), that are no springs yet."""
     edges = np.concatenate([cells[:, pair] for pair in combinations(range(cells.shape[1]), 2)])
     edges = np.sort(edges[at[edges].any(axis=1)], axis=1)
     known = set(map(tuple, springs.tolist()))
