@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from msvalidate.homogenise import default_constants
 from msvalidate.lattice import Lattice, boundary_weights
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import (
@@ -20,7 +21,6 @@ from msvalidate.problem import (
     shown,
     vectors_at,
 )
-from msvalidate.stiffness import default_constants
 
 
 def lattice_network(

@@ -1,4 +1,4 @@
-"""Floor 2: the elastic solid that an endless lattice is: its tensor, relaxed, and its frequencies.
+"""Floor 1: the elastic solid that a lattice is: its tensor, relaxed, its constants, its frequency.
 
 A uniform strain moves the cells as wholes; inside a cell the points move on until no force is left.
 What that releases lies between the affine tensor, which holds them back, and the relaxed one:
@@ -12,21 +12,51 @@ Where every point is a centre of symmetry F is zero and the affine tensor is exa
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh, eigvalsh
+from scipy.optimize import minimize
 from scipy.sparse import csr_array
 
-from msvalidate.lattice import Constants, Pattern
+from msvalidate.lattice import WEIGHTS, Constants, Lattice, Pattern, boundary_weights
+from msvalidate.lattice.filled import cells_bordered
 from msvalidate.linear import factorised, softest_mode
-from msvalidate.problem import Array, ProblemError, SolverError, finite, instance, metres, whole
-from msvalidate.stiffness import spring_tensor, voigt_directions
+from msvalidate.problem import (
+    Array,
+    Index,
+    Isotropic,
+    Material,
+    ProblemError,
+    SolverError,
+    chosen,
+    finite,
+    instance,
+    integers,
+    metres,
+    refuse_too_many,
+    shown,
+    whole,
+)
+from msvalidate.stiffness import (
+    ALIKE,
+    Moduli,
+    in_plane,
+    moduli,
+    spring_tensor,
+    square_constants,
+    triangular_constants,
+    voigt_directions,
+)
 
 DENSE = 300
 """Motions of a cell up to which all eigenvectors are found, and those without stiffness told."""
+PHASES = 8
+"""Of waves along each axis, even, so that pi is one."""
+LARGEST_CELL = 1000
+"""Points of a cell up to which all frequencies of all waves are found: dense matrices."""
 NO_STIFFNESS = 1e-10
 """Stiffness of a motion, relative to the stiffest, below which it has none."""
 
@@ -83,6 +113,90 @@ def homogenised(pattern: Pattern, constants: Constants, spacing: float = 1.0) ->
     )
 
 
+def network_tensor(lattice: Lattice, constants: Constants, weights: str) -> Array:
+    """Tensor, (3, 3) in N/m or (6, 6) in Pa, of the *interior* of the lattice, as built by a rule.
+
+    Of a piece of a pattern it is the solid of what repeats, its points at rest. A `diagonal_square`
+    has lost the springs that its boundary cut, and comes near its interior's tensor only as it
+    grows.
+
+    Raises
+    ------
+    ProblemError
+        If the constants are not one a kind, or there is no such rule.
+    """
+    instance("lattice", lattice, Lattice)
+    k = finite("spring constants", constants)
+    if k.shape != (lattice.kinds,):
+        raise ProblemError(
+            f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
+        )
+    chosen("boundary weights", weights, WEIGHTS)
+    pattern = lattice.pattern
+    if pattern is not None:
+        if weights == "per_cell":  # every cell that a spring borders brings one of its own
+            pattern = replace(pattern, factor=pattern.factor * cells_bordered(pattern))
+        return homogenised(pattern, constants, lattice.spacing).tensor
+    # With shared boundary springs the whole lattice is made of interior cells, none of them cut.
+    inside = lattice.sharing if weights == "per_cell" else 1
+    per_spring = k[lattice.kind] * lattice.factor * inside * boundary_weights(lattice, "shared")
+    return spring_tensor(lattice.vectors, per_spring, lattice.domain.volume)
+
+
+def default_constants(material: Material, lattice: Lattice) -> tuple[float, ...]:
+    """Spring constants (N/m), one a kind, of the lattice that is the material.
+
+    Raises
+    ------
+    ProblemError
+        If it cannot be, or the material is given as a tensor.
+    """
+    instance("lattice", lattice, Lattice)
+    if not isinstance(material, Isotropic):
+        raise ProblemError("spring constants: the material is a tensor; give the constants")
+    if lattice.name == "triangular":
+        return triangular_constants(material)
+    if lattice.name in ("square", "square at 45°"):
+        return square_constants(material)
+    if lattice.pattern is None:
+        raise ProblemError(f"spring constants: none known for {lattice.name}; give the constants")
+    return _isotropic_constants(material, lattice.pattern, lattice.spacing)
+
+
+def _isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -> Constants:
+    """Those of the pattern's rules that make it isotropic, scaled to the material's modulus."""
+    if pattern.dim == 2:
+        E, nu = in_plane(material)
+    elif material.state == "solid":
+        E, nu = material.E, material.nu
+    else:
+        raise ProblemError(f"{pattern.name} lattice: material in {material.state}; give a solid")
+    found = [(k, _isotropic(pattern, k, spacing)) for k in pattern.rules.values()]
+    solids = [(k, solid) for k, solid in found if solid is not None]
+    if not solids:
+        raise ProblemError(
+            f"{pattern.name} lattice: none of its rules, {', '.join(pattern.rules)}, makes it "
+            "isotropic; give the constants"
+        )
+    for constants, solid in solids:
+        if abs(nu - solid.nu) <= ALIKE:
+            return tuple(k * E / solid.E for k in constants)
+    known = " and ".join(f"{solid.nu:.6g}" for _, solid in solids)
+    raise ProblemError(
+        f"{pattern.name} lattice: nu = {nu:.6g}; its rules make it isotropic at {known} only: take "
+        "that ratio, or give the constants"
+    )
+
+
+def _isotropic(pattern: Pattern, constants: Constants, spacing: float) -> Moduli | None:
+    """Moduli of an isotropic solid; None of any other."""
+    try:
+        found = moduli(homogenised(pattern, constants, spacing).tensor)
+    except ProblemError:
+        return None
+    return found if abs(found.zener - 1) <= ALIKE else None
+
+
 def periodic(
     count: int, springs: ArrayLike, vectors: ArrayLike, stiffness: ArrayLike, volume: float
 ) -> Homogenised:
@@ -105,10 +219,15 @@ def periodic(
     SolverError
         If a large network has a motion without stiffness.
     """
-    n, pairs = whole("points of the cell", count, 1), np.asarray(springs)
+    n, pairs = whole("points of the cell", count, 1), integers("springs", springs)
+    refuse_too_many("periodic network", n)
     vector, k = finite("vectors", vectors), finite("stiffness", stiffness)
+    if not k.size or k.min() < 0:
+        raise ProblemError(
+            f"stiffness: {shown(stiffness)}; give numbers of 0 or more, one a spring"
+        )
     affine = spring_tensor(vector, k, volume)
-    if pairs.shape != (len(k), 2) or pairs.dtype.kind not in "iu":
+    if pairs.shape != (len(k), 2):
         raise ProblemError(
             f"springs: {pairs.dtype} {pairs.shape}; give whole numbers {(len(k), 2)}"
         )
@@ -128,7 +247,7 @@ def periodic(
     return Homogenised(affine, (tensor + tensor.T) / 2, floppy)
 
 
-def _stiffness(n: int, pairs: Array, block: Array) -> csr_array:
+def _stiffness(n: int, pairs: Index, block: Array) -> csr_array:
     """Stiffness (n·d, n·d) of the periodic motions: a spring from a point to itself has none."""
     m, d = block.shape[:2]
     dof = pairs[:, :, None] * d + np.arange(d)
@@ -171,36 +290,42 @@ FLOPPY = (
 )
 
 
-def highest_frequency(pattern: Pattern, constants: Constants, steps: int = 8) -> float:
-    """Highest frequency squared times the mass of a point (N/m) of an endless lattice.
+def highest_frequency(pattern: Pattern, constants: Constants) -> float:
+    """Highest frequency squared times the mean mass of a point (N/m) of an endless lattice.
 
-    Over waves with `steps` phases a cell along each axis, 0 and pi among them, where square, cubic
-    and centred lattices have theirs; masses are in proportion to the points' volumes, 1 on average.
+    Over all waves: the best of a grid of phases from cell to cell, 0 and pi among them, where
+    lattices of near neighbours have theirs, and then uphill from there. Masses are in proportion to
+    the points' volumes.
 
     Raises
     ------
     ProblemError
-        If the constants are not one a kind, or the steps are not an even number.
+        If the constants are not one a kind, or the cell has too many points.
     """
     instance("pattern", pattern, Pattern)
-    if whole("steps", steps, 2) % 2:
-        raise ProblemError(f"steps: {steps}; give an even number, so that a phase of pi is one")
     n, d = pattern.points.shape
-    vector = pattern.vectors
-    normal = vector / np.linalg.norm(vector, axis=1)[:, None]
+    refuse_too_many("frequency of a periodic cell", n, LARGEST_CELL)
+    normal = pattern.vectors / np.linalg.norm(pattern.vectors, axis=1)[:, None]
     k = pattern.stiffness(constants)
-    block = k[:, None, None] * normal[:, :, None] * normal[:, None, :]
+    unit = float(k.max(initial=0.0)) or 1.0
+    block = (k / unit)[:, None, None] * normal[:, :, None] * normal[:, None, :]
     i, j = pattern.springs.T
     mass = np.repeat(pattern.volume / pattern.volume.mean(), d)
-    highest = 0.0
-    for wave in product(2 * math.pi / steps * np.arange(steps // 2 + 1), repeat=d):
-        for signs in product((1, -1), repeat=d - 1):
-            phase = np.exp(1j * (pattern.image @ (np.array(wave) * (*signs, 1))))
-            D = np.zeros((n, n, d, d), dtype=complex)
-            np.add.at(D, (i, i), block)
-            np.add.at(D, (j, j), block)
-            np.add.at(D, (i, j), -phase[:, None, None] * block)
-            np.add.at(D, (j, i), -phase.conj()[:, None, None] * block)
-            matrix = D.transpose(0, 2, 1, 3).reshape(n * d, n * d) / np.sqrt(np.outer(mass, mass))
-            highest = max(highest, float(eigvalsh(matrix)[-1]))
-    return highest
+
+    def square(phases: Array) -> float:
+        turn = np.exp(1j * (pattern.image @ phases))[:, None, None]
+        D = np.zeros((n, n, d, d), dtype=complex)
+        np.add.at(D, (i, i), block)
+        np.add.at(D, (j, j), block)
+        np.add.at(D, (i, j), -turn * block)
+        np.add.at(D, (j, i), -turn.conj() * block)
+        matrix = D.transpose(0, 2, 1, 3).reshape(n * d, n * d) / np.sqrt(np.outer(mass, mass))
+        return float(eigvalsh(matrix)[-1])
+
+    steps = 2 * math.pi / PHASES * np.arange(PHASES)
+    # A wave and its opposite are one: half of the phases of the last axis will do.
+    waves = product(*[steps] * (d - 1), steps[: PHASES // 2 + 1])
+    best, start = max((square(np.array(wave)), wave) for wave in waves)
+    options = {"xatol": 1e-8, "fatol": 1e-14}
+    uphill = minimize(lambda q: -square(q), start, method="Nelder-Mead", options=options)
+    return unit * max(best, -float(uphill.fun))

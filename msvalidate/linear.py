@@ -1,4 +1,4 @@
-"""Floor 2: symmetric sparse systems: factor, inertia, and the mode that resists least."""
+"""Floor 1: symmetric sparse systems: factor, inertia, and the mode that resists least."""
 
 from __future__ import annotations
 

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.lattice import WEIGHTS, Constants, Lattice, Pattern, boundary_weights
-from msvalidate.lattice.filled import cells_bordered
+from msvalidate.lattice import Constants, Pattern
+from msvalidate.lattice.patterns import cubic_tensor
 from msvalidate.problem import (
     Array,
     Isotropic,
-    Material,
     ProblemError,
-    chosen,
     coordinates,
     direction,
     finite,
@@ -42,6 +40,8 @@ VOIGT = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2)
 AXES_OF = {3: 2, 6: 3}
 """Number of axes, by that of Voigt components."""
 UNIT = {2: "N/m", 3: "Pa"}
+ALIKE = 1e-9
+"""Entries of a tensor closer than this fraction of the largest are one, or none."""
 
 
 @dataclass(frozen=True)
@@ -100,36 +100,6 @@ def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
     return np.array(finite("spring tensor", tensor))
 
 
-def network_tensor(lattice: Lattice, constants: tuple[float, ...], weights: str) -> Array:
-    """Tensor, (3, 3) in N/m or (6, 6) in Pa, of the *interior* of the lattice, as built by a rule.
-
-    Of a piece of a pattern it is the affine tensor of what repeats. A `diagonal_square` has lost
-    the springs that its boundary cut, and comes near its interior's tensor only as it grows.
-
-    Raises
-    ------
-    ProblemError
-        If the constants are not one a kind, or there is no such rule.
-    """
-    instance("lattice", lattice, Lattice)
-    k = finite("spring constants", constants)
-    if k.shape != (lattice.kinds,):
-        raise ProblemError(
-            f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
-        )
-    chosen("boundary weights", weights, WEIGHTS)
-    if lattice.pattern is not None:
-        bordered = cells_bordered(lattice.pattern) if weights == "per_cell" else 1
-        return _affine(
-            lattice.pattern, lattice.pattern.stiffness(constants) * bordered, lattice.spacing
-        )
-    # With shared boundary springs the whole lattice is made of interior cells, none of them cut;
-    # of `per_cell` every cell that a spring borders brings one of its own.
-    inside = lattice.sharing if weights == "per_cell" else 1
-    per_spring = k[lattice.kind] * lattice.factor * inside * boundary_weights(lattice, "shared")
-    return spring_tensor(lattice.vectors, per_spring, lattice.domain.volume)
-
-
 def pattern_tensor(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Array:
     """Tensor, (3, 3) in N/m or (6, 6) in Pa, of an endless lattice under affine motion.
 
@@ -148,12 +118,9 @@ def pattern_tensor(pattern: Pattern, constants: Constants, spacing: float = 1.0)
         If the constants are not one a kind, or the spacing is no length.
     """
     instance("pattern", pattern, Pattern)
-    return _affine(pattern, pattern.stiffness(constants), metres("spacing", spacing))
-
-
-def _affine(pattern: Pattern, stiffness: Array, spacing: float) -> Array:
-    volume = math.prod(pattern.size) * spacing**pattern.dim
-    return spring_tensor(spacing * pattern.vectors, stiffness, volume)
+    a = metres("spacing", spacing)
+    volume = math.prod(pattern.size) * a**pattern.dim
+    return spring_tensor(a * pattern.vectors, pattern.stiffness(constants), volume)
 
 
 def square_tensor(k1: float, k2: float) -> Array:
@@ -220,53 +187,6 @@ def triangular_constants(material: Isotropic) -> tuple[float]:
     return (math.sqrt(3) / 2 * E,)
 
 
-def default_constants(material: Material, lattice: Lattice) -> tuple[float, ...]:
-    """Spring constants (N/m), one a kind, of the lattice that is the material.
-
-    Raises
-    ------
-    ProblemError
-        If it cannot be, or the material is given as a tensor.
-    """
-    instance("lattice", lattice, Lattice)
-    if not isinstance(material, Isotropic):
-        raise ProblemError("spring constants: the material is a tensor; give the constants")
-    if lattice.name == "triangular":
-        return triangular_constants(material)
-    if lattice.name in ("square", "square at 45°"):
-        return square_constants(material)
-    if lattice.pattern is None:
-        raise ProblemError(f"spring constants: none known for {lattice.name}; give the constants")
-    return _isotropic_constants(material, lattice.pattern, lattice.spacing)
-
-
-def _isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -> Constants:
-    """Those of the pattern's rules that make it isotropic, scaled to the material's modulus."""
-    if pattern.dim == 2:
-        E, nu = in_plane(material)
-    elif material.state == "solid":
-        E, nu = material.E, material.nu
-    else:
-        raise ProblemError(f"{pattern.name} lattice: material in {material.state}; give a solid")
-    for constants in pattern.rules.values():
-        tensor = pattern_tensor(pattern, constants, spacing)
-        C11, C12, C44 = tensor[0, 0], tensor[0, 1], tensor[-1, -1]
-        if abs(C11 - C12 - 2 * C44) < 1e-9 * C11:
-            break
-    else:
-        raise ProblemError(
-            f"{pattern.name} lattice: none of its rules, {', '.join(pattern.rules)}, makes it "
-            "isotropic; give the constants"
-        )
-    found = moduli(tensor)
-    if abs(nu - found.nu) > 1e-9:
-        raise ProblemError(
-            f"{pattern.name} lattice: nu = {nu:.6g}; central springs are isotropic at "
-            f"{found.nu:.6g} only (C12 = C44): take that ratio, or give the constants"
-        )
-    return tuple(k * E / found.E for k in constants)
-
-
 def in_plane(material: Isotropic) -> tuple[float, float]:
     """In-plane modulus (N/m, thickness included) and ratio of an isotropic material.
 
@@ -301,6 +221,11 @@ def moduli(tensor: Array) -> Moduli:
     C = _voigt(tensor)
     d = AXES_OF[len(C)]
     C11, C12, C44 = C[0, 0], C[0, 1], C[-1, -1]
+    if np.abs(C - cubic_tensor(d, C11, C12, C44)).max() > ALIKE * np.abs(C).max():
+        raise ProblemError(
+            f"moduli: tensor with diagonal {shown(np.diag(C).tolist())} is not of cubic symmetry "
+            "along the axes; give one, or ask for isotropic_moduli"
+        )
     if C11 in (0.0, C12):
         raise ProblemError(
             f"moduli: C11 = {C11:g}, C12 = {C12:g} {UNIT[d]}; some strain costs no energy"
@@ -333,17 +258,21 @@ def isotropic_moduli(tensor: Array) -> Moduli:
     C = _voigt(tensor)
     d = AXES_OF[len(C)]
     normal, shear = C[:d, :d], np.diag(C)[d:]
-    bulk = normal.sum() / d**2
+    largest = np.abs(C).max()
+    lowest = np.linalg.eigvalsh(C / largest)[0] if largest else 0.0
+    if lowest <= ALIKE:
+        raise ProblemError(
+            f"moduli: lowest eigenvalue {lowest * largest:g} {UNIT[d]}; some strain costs no energy"
+        )
+    bulk = normal.mean()
     mu = (np.trace(normal) + 2 * shear.sum() - d * bulk) / ((d - 1) * (d + 2))
     mean11 = np.trace(normal) / d
     mean12 = (normal.sum() - np.trace(normal)) / (d * (d - 1))
-    if not (bulk > 0 and mu > 0 and mean11 != mean12):
-        raise ProblemError(
-            f"moduli: bulk {bulk:g}, shear {mu:g} {UNIT[d]}; some strain costs no energy"
-        )
     lame = bulk - 2 * mu / d
     nu = lame / ((d - 1) * lame + 2 * mu)
-    return Moduli(E=2 * mu * (1 + nu), nu=nu, zener=2 * shear.mean() / (mean11 - mean12))
+    found = (2 * mu * (1 + nu), nu, 2 * shear.mean() / (mean11 - mean12))
+    E, nu, zener = finite("moduli E, nu and zener", found).tolist()
+    return Moduli(E=E, nu=nu, zener=zener)
 
 
 def rotated(tensor: Array, turn: float | Array) -> Array:

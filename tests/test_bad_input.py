@@ -20,6 +20,7 @@ from msvalidate.body import lattice_network
 from msvalidate.candidate import springs
 from msvalidate.compare import observed_order, worst
 from msvalidate.equilibrium import equilibrium, is_stable
+from msvalidate.homogenise import default_constants, network_tensor
 from msvalidate.integrate import StabilityWarning, State, damping_rate, euler_cromer
 from msvalidate.integrators import EULER_CROMER, INTEGRATORS, stability_limit
 from msvalidate.lattice import (
@@ -54,10 +55,8 @@ from msvalidate.problem import (
 from msvalidate.singularity import clamped_free_exponent, free_free_exponent
 from msvalidate.spectrum import natural_frequencies
 from msvalidate.stiffness import (
-    default_constants,
     directional_ratio,
     moduli,
-    network_tensor,
     rotated,
     spring_tensor,
     square_constants,

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from itertools import product
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from msvalidate.problem import (
     Array,
@@ -16,7 +17,9 @@ from msvalidate.problem import (
     coordinates,
     finite,
     instance,
+    integers,
     metres,
+    refuse_too_many,
     shown,
     whole,
 )
@@ -74,40 +77,73 @@ class Pattern:
     volume: Array = field(default_factory=lambda: np.ones(0))
 
     def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.isprintable() or not self.name:
+            raise ProblemError(f"pattern: name {shown(self.name)}; give a word")
+        said = f"pattern {self.name}"
+        if not isinstance(self.size, tuple) or len(self.size) not in {2, 3}:
+            raise ProblemError(f"{said}: size {shown(self.size)}; give a tuple of 2 or 3 lengths")
         for edge in self.size:
-            metres(f"pattern {self.name}: cell edge", edge)
-        d = len(self.size)
-        points = coordinates(f"pattern {self.name}: points", self.points).reshape(-1, d)
-        n, m = len(points), len(self.springs)
-        object.__setattr__(self, "points", points)
-        if not len(self.factor):
-            object.__setattr__(self, "factor", np.ones(m))
-        if not len(self.volume):
-            object.__setattr__(self, "volume", np.full(n, math.prod(self.size) / n))
-        self._refuse_misfits(n, m, d)
+            metres(f"{said}: cell edge", edge)
+        d, size = len(self.size), np.array(self.size)
+        points = coordinates(f"{said}: points", self.points)
+        if points.ndim != 2 or points.shape[1] != d or not len(points):
+            raise ProblemError(f"{said}: points {points.shape}; give (n, {d})")
+        if (points < 0).any() or (points >= size).any():
+            raise ProblemError(f"{said}: points reach outside the cell; give 0 <= x < size")
+        springs = integers(f"{said}: springs", self.springs)
+        n, m = len(points), len(springs)
+        factor = finite(f"{said}: factor", self.factor)
+        volume = finite(f"{said}: volume", self.volume)
+        arrays = {
+            "points": points,
+            "springs": springs,
+            "image": integers(f"{said}: image", self.image),
+            "kind": integers(f"{said}: kind", self.kind),
+            "factor": factor if factor.size else np.ones(m),
+            "volume": volume if volume.size else np.full(n, math.prod(self.size) / n),
+        }
+        for name, array in arrays.items():
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        self._refuse_misfits(said, n, m, d)
+        self._refuse_twins(said)
+        if not isinstance(self.rules, Mapping) or not self.rules:
+            raise ProblemError(f"{said}: rules {shown(self.rules)}; give constants by their names")
         for rule, constants in self.rules.items():
             self.stiffness(constants, rule)
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
+        if not (self.tensor is None or callable(self.tensor)):
+            raise ProblemError(f"{said}: tensor {shown(self.tensor)}; give a function or None")
 
-    def _refuse_misfits(self, n: int, m: int, d: int) -> None:
+    def _refuse_misfits(self, said: str, n: int, m: int, d: int) -> None:
         shapes = {"springs": (m, 2), "image": (m, d), "kind": (m,), "factor": (m,), "volume": (n,)}
         for name, shape in shapes.items():
             found = np.shape(getattr(self, name))
             if found != shape or not m:
-                raise ProblemError(f"pattern {self.name}: {name} {found}; give {shape}, m above 0")
+                raise ProblemError(f"{said}: {name} {found}; give {shape}, m above 0")
         if self.springs.min() < 0 or self.springs.max() >= n:
             raise ProblemError(
-                f"pattern {self.name}: springs between points {self.springs.min()} and "
-                f"{self.springs.max()}; there are 0 to {n - 1}"
+                f"{said}: springs between points {self.springs.min()} and {self.springs.max()}; "
+                f"there are 0 to {n - 1}"
             )
-        if set(self.kind.tolist()) != set(range(int(self.kind.max()) + 1)):
-            kinds = sorted(set(self.kind.tolist()))
-            raise ProblemError(f"pattern {self.name}: kinds {kinds}; count from 0 without a gap")
+        kinds = sorted(set(self.kind.tolist()))
+        if kinds != list(range(len(kinds))):
+            raise ProblemError(f"{said}: kinds {kinds}; count from 0 without a gap")
+        if (self.factor < 0).any() or (self.volume <= 0).any():
+            raise ProblemError(f"{said}: a factor below 0 or a volume not above; give neither")
+        cell = math.prod(self.size)
+        if abs(self.volume.sum() - cell) > 1e-9 * cell:
+            raise ProblemError(
+                f"{said}: volumes sum to {self.volume.sum():g}, the cell has {cell:g}; share it out"
+            )
+
+    def _refuse_twins(self, said: str) -> None:
+        """A spring without length, or listed twice: from either end it would be the same."""
         if not np.linalg.norm(self.vectors, axis=1).all():
-            raise ProblemError(f"pattern {self.name}: a spring has no length; leave it out")
+            raise ProblemError(f"{said}: a spring has no length; leave it out")
+        there = np.column_stack([self.springs, self.image])
+        back = np.column_stack([self.springs[:, ::-1], -self.image])
+        if len(np.unique(np.concatenate([there, back]), axis=0)) < 2 * len(there):
+            raise ProblemError(f"{said}: a spring is listed twice; list each from one end")
 
     @property
     def dim(self) -> int:
@@ -148,7 +184,7 @@ class Pattern:
 def by_shells(
     name: str,
     size: tuple[float, ...],
-    points: Iterable[Iterable[float]],
+    points: ArrayLike,
     distances: tuple[float, ...],
     rules: Mapping[str, Constants],
     tensor: Callable[[Constants], Array] | None = None,
@@ -167,9 +203,19 @@ def by_shells(
     ProblemError
         If no two points are at a distance, or as for `Pattern`.
     """
-    d = len(size)
-    x = np.array([tuple(point) for point in points], dtype=float).reshape(-1, d)
-    reach = [math.ceil(max(distances) / edge) for edge in size]
+    if not isinstance(size, tuple) or len(size) not in {2, 3}:
+        raise ProblemError(f"pattern {name}: size {shown(size)}; give a tuple of 2 or 3 lengths")
+    edges = [metres(f"pattern {name}: cell edge", edge) for edge in size]
+    d, x = len(size), coordinates(f"pattern {name}: points", points)
+    far = coordinates(f"pattern {name}: distances", distances)
+    if x.shape != (len(x), d) or far.ndim != 1 or not len(far) or (far <= 0).any():
+        raise ProblemError(
+            f"pattern {name}: points {x.shape}, distances {shown(distances)}; give (n, {d}) and "
+            "lengths above 0"
+        )
+    reach = [math.ceil(far.max() / edge) for edge in edges]
+    counted = len(x) ** 2 * math.prod(2.0 * r + 1 for r in reach)
+    refuse_too_many(f"pattern {name}", counted, what="pairs of points")
     images = np.array(list(product(*(range(-r, r + 1) for r in reach))))
     i, j, t = np.indices((len(x), len(x), len(images))).reshape(3, -1)
     image = images[t]
@@ -210,7 +256,9 @@ def repeated(pattern: Pattern, times: int) -> Pattern:
     """
     instance("pattern", pattern, Pattern)
     d, n = pattern.dim, len(pattern.points)
-    cells = np.indices((whole("times", times, 1),) * d).reshape(d, -1).T
+    whole("times", times, 1)
+    refuse_too_many("repeated cell", n * float(times) ** d)
+    cells = np.indices((times,) * d).reshape(d, -1).T
     place = times ** np.arange(d)[::-1]
     i, j = pattern.springs.T
     beyond = cells[:, None] + pattern.image

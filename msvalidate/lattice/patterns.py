@@ -2,14 +2,15 @@
 
 Closed forms are the affine rule C_ijkl = (1/2V) Σ k L² n_i n_j n_k n_l over all neighbours of a
 point of volume V (Born and Huang, *Dynamical Theory of Crystal Lattices*, 1954, for central
-forces): exact where every point is a centre of symmetry, as it is in all of these. Central forces
-make C12 = C44 (Cauchy), so isotropic means C11 = 3·C12.
+forces): exact where every point is a centre of symmetry, as it is in all of these but honeycomb.
+There central forces make C12 = C44 (Cauchy), so isotropic means C11 = 3·C12.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from inspect import isfunction, signature
 from itertools import product
 from math import sqrt
 
@@ -20,15 +21,18 @@ from msvalidate.problem import Array
 
 
 def known() -> dict[str, Callable[[], Pattern]]:
-    """Every lattice of this module: its public functions that are said to return a `Pattern`."""
+    """Every lattice of this module: its functions that ask for nothing and return a `Pattern`."""
     return {
         name: item
         for name, item in vars(sys.modules[__name__]).items()
-        if callable(item)
-        and not name.startswith("_")
-        and name != by_shells.__name__
-        and getattr(item, "__annotations__", {}).get("return") in {"Pattern", Pattern}
+        if isfunction(item) and not name.startswith("_") and _makes_a_pattern(item)
     }
+
+
+def _makes_a_pattern(function: Callable[..., object]) -> bool:
+    asked = signature(function)
+    needs = [item for item in asked.parameters.values() if item.default is item.empty]
+    return not needs and asked.return_annotation in {"Pattern", Pattern}
 
 
 def square() -> Pattern:
@@ -58,6 +62,24 @@ def triangular() -> Pattern:
 
     points = [(0, 0), (0.5, sqrt(3) / 2)]
     return by_shells("triangular", (1.0, sqrt(3)), points, (1.0,), {"equal": (1.0,)}, tensor)
+
+
+def honeycomb() -> Pattern:
+    """Honeycomb, spacing its nearest distance: 3 nearest k1, 6 next k2; isotropic for all k1, k2.
+
+    Its points are no centres of symmetry. A uniform shear moves the two sublattices apart until the
+    nearest springs bear nothing of it: they resist a change of area alone, by √3/6·k1, while each
+    sublattice is a triangular lattice of k2. So the ratio (k1 + 3 k2)/(k1 + 9 k2) runs from 1/3 to
+    1, though all forces are central: Cauchy's relation holds for centres of symmetry only.
+    """
+
+    def tensor(k: Constants) -> Array:
+        area, shear = sqrt(3) / 6 * k[0], sqrt(3) / 2 * k[1]
+        return cubic_tensor(2, area + 3 * shear, area + shear, shear)
+
+    points = [(0, 0), (0, 1), (sqrt(3) / 2, 3 / 2), (sqrt(3) / 2, 5 / 2)]
+    rules = {"ratio 1/2": (3.0, 1.0), "equal": (1.0, 1.0)}
+    return by_shells("honeycomb", (sqrt(3), 3.0), points, (1.0, sqrt(3)), rules, tensor)
 
 
 def cubic6() -> Pattern:

@@ -99,6 +99,14 @@ def finite(name: str, values: ArrayLike) -> Array:
     return array
 
 
+def integers(name: str, values: ArrayLike) -> Index:
+    """Return `values` as an array of whole numbers of its own; raise `ProblemError` unless so."""
+    array = finite(name, values)
+    if (array != np.round(array)).any():
+        raise ProblemError(f"{name}: {shown(values)}; give whole numbers")
+    return np.array(array, dtype=np.intp)
+
+
 def coordinates(name: str, values: ArrayLike) -> Array:
     """Return places or displacements (m) as `finite` does, none beyond `LONGEST`."""
     array = finite(name, values)

@@ -8,11 +8,12 @@ import numpy as np
 
 from msvalidate.body import lattice_network
 from msvalidate.equilibrium import equilibrium
+from msvalidate.homogenise import default_constants
 from msvalidate.lattice import Lattice, square
 from msvalidate.network import Network
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
 from msvalidate.spectrum import extreme_frequencies
-from msvalidate.stiffness import default_constants, square_tensor
+from msvalidate.stiffness import square_tensor
 
 SIZES = {"plate": (1.0, 1.0), "beam": (5.0, 1.0)}
 """m."""

@@ -22,12 +22,12 @@ from scipy.linalg import eigh
 
 from msvalidate.body import lattice_network
 from msvalidate.equilibrium import equilibrium
+from msvalidate.homogenise import network_tensor
 from msvalidate.integrate import State, euler_cromer
 from msvalidate.integrators import EULER_CROMER, stability_limit
 from msvalidate.lattice import square
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Anisotropic, Array, Box, Problem, Support, Traction
-from msvalidate.stiffness import network_tensor
 
 Motion = Callable[[Network, State, float, int, Any], State]
 """A candidate: state after so many steps of dt (s) with a damping (1/s)."""

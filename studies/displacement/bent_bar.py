@@ -28,9 +28,10 @@ from msvalidate.body import lattice_network
 from msvalidate.candidate import Candidate, springs
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.homogenise import network_tensor
 from msvalidate.lattice import fill, patterns
 from msvalidate.problem import Anisotropic, Array, Box, Index, Problem, Region, Support, Traction
-from msvalidate.stiffness import moduli, network_tensor, pattern_tensor
+from msvalidate.stiffness import moduli, pattern_tensor
 from msvalidate.sweep import Setting
 from studies.displacement import load_cases
 

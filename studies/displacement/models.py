@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msvalidate.homogenise import network_tensor
 from msvalidate.problem import Anisotropic, Isotropic
-from msvalidate.stiffness import network_tensor, square_constants, triangular_constants
+from msvalidate.stiffness import square_constants, triangular_constants
 from studies.displacement import load_cases
 from studies.displacement.load_cases import DENSITY, MODULUS, THICKNESS
 

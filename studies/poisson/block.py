@@ -8,6 +8,7 @@ import reference_fem
 from msvalidate import lattice
 from msvalidate.body import lattice_network
 from msvalidate.candidate import Answer
+from msvalidate.homogenise import network_tensor
 from msvalidate.network import Network
 from msvalidate.problem import (
     Anisotropic,
@@ -21,7 +22,6 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.stiffness import network_tensor
 
 COLUMNS = {
     "lattice": "which lattice",

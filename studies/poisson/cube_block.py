@@ -7,6 +7,7 @@ import numpy as np
 import reference_fem
 from msvalidate import lattice
 from msvalidate.body import lattice_network
+from msvalidate.homogenise import network_tensor
 from msvalidate.lattice import Constants, Pattern, patterns
 from msvalidate.network import Network
 from msvalidate.problem import (
@@ -21,7 +22,7 @@ from msvalidate.problem import (
     Traction,
 )
 from msvalidate.singularity import clamped_edge_exponent
-from msvalidate.stiffness import moduli, network_tensor
+from msvalidate.stiffness import moduli
 from reference_fem.extrapolation import Limit, extrapolated
 
 SIDE = 1.0

@@ -22,8 +22,9 @@ import reference_fem
 from msvalidate import figures, lattice
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.homogenise import network_tensor
 from msvalidate.problem import Array
-from msvalidate.stiffness import directional_ratio, network_tensor, rotated
+from msvalidate.stiffness import directional_ratio, rotated
 from msvalidate.sweep import Setting
 from studies.poisson import block
 from studies.poisson.block import BOX, K1, RATIOS

@@ -28,8 +28,9 @@ from msvalidate.body import lattice_network
 from msvalidate.candidate import Candidate, springs
 from msvalidate.compare import observed_order, worst
 from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.homogenise import network_tensor
 from msvalidate.problem import Array
-from msvalidate.stiffness import directional_ratio, network_tensor, rotated
+from msvalidate.stiffness import directional_ratio, rotated
 from msvalidate.sweep import Setting
 from studies.poisson import block, direction
 from studies.poisson.block import BOX, K1, RATIOS, SIDE

@@ -15,6 +15,7 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import eigsh
 
 from msvalidate.body import lattice_network
+from msvalidate.homogenise import network_tensor
 from msvalidate.lattice import Lattice, square, triangular, zigzag_block
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
@@ -29,7 +30,6 @@ from msvalidate.problem import (
     Traction,
 )
 from msvalidate.spectrum import extreme_frequencies
-from msvalidate.stiffness import network_tensor
 
 CONSTANTS = {"square": (1.0, 0.5), "triangular": (1.0,)}
 """Spring constants (N/m) by kind: isotropic."""

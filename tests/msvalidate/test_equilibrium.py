@@ -10,6 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 from msvalidate.equilibrium import equilibrium
+from msvalidate.homogenise import network_tensor
 from msvalidate.lattice import square
 from msvalidate.network import energy, spring_force, spring_network, tangent
 from msvalidate.problem import (
@@ -21,7 +22,6 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.stiffness import network_tensor
 
 SHEET = Box((2.0, 1.0))
 SIZES = [(2, 1), (4, 2), (10, 5)]

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from msvalidate.homogenise import default_constants, network_tensor
 from msvalidate.lattice import (
     WEIGHTS,
     diagonal_square,
@@ -20,11 +21,9 @@ from msvalidate.lattice import (
 )
 from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError
 from msvalidate.stiffness import (
-    default_constants,
     directional_ratio,
     in_plane,
     moduli,
-    network_tensor,
     rotated,
     spring_tensor,
     square_constants,

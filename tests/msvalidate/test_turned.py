@@ -141,6 +141,17 @@ def test_a_turned_solid_comes_near_the_turned_tensor():
     assert abs(errors[1][0]) < abs(errors[0][0])
 
 
+def test_points_left_with_too_few_springs_get_more():
+    # Without braces, points on the edges of this box are held in two directions only.
+    pattern, constants = patterns.fcc(), (1.0, 0.0)
+    turn = Rotation.from_rotvec(0.3 * np.array([1, 2, 3]) / np.sqrt(14)).as_matrix()
+    tensor = rotated(pattern_tensor(pattern, constants, 1 / 4), turn)
+    lattice = turned(pattern, Box((1.0, 1.0, 1.0)), 1 / 4, turn)
+    E, nu = stretched(lattice, tensor, constants)
+    assert np.linalg.inv(tensor)[0, 0] * E == pytest.approx(1, abs=0.15)
+    assert 0.15 < nu < 0.4
+
+
 @settings(max_examples=20, deadline=None)
 @given(
     angle=st.floats(-4, 4), cells=st.integers(5, 14), name=st.sampled_from(["square", "triangular"])

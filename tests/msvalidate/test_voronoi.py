@@ -9,7 +9,7 @@ import pytest
 
 from msvalidate.body import lattice_network
 from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import homogenised
+from msvalidate.homogenise import default_constants, homogenised
 from msvalidate.lattice import STIFFNESS_RULES, boundary_weights, voronoi, voronoi_box
 from msvalidate.lattice.point_sets import POINT_SETS
 from msvalidate.lattice.tessellation import bounded_tessellation
@@ -24,7 +24,7 @@ from msvalidate.problem import (
     Traction,
 )
 from msvalidate.spectrum import natural_frequencies
-from msvalidate.stiffness import default_constants, isotropic_moduli
+from msvalidate.stiffness import isotropic_moduli
 
 BOXES = {2: Box((2.0, 1.5)), 3: Box((1.0, 0.8, 1.2))}
 SPACING = {2: 0.1, 3: 0.2}
