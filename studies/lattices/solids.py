@@ -299,6 +299,15 @@ def findings(solid: pd.DataFrame) -> tuple[str, ...]:
     )
     free = ", ".join(solid["lattice"][solid["strains"] == "shears freely"])
     said = [f"Isotropic are: {told}. Other constants give nu along the axes only."]
+    moving = isotropic[isotropic["released"] >= ALIKE]
+    if len(moving):
+        beyond = ", ".join(
+            f"{row.nu:.3g} ({row.lattice}, {row.rule})" for row in moving.itertuples()
+        )
+        said.append(
+            "Cauchy's 1/3 and 1/4 bind lattices whose points are centres of symmetry. Where points "
+            f"move inside a cell, isotropic solids of central springs have other ratios: {beyond}."
+        )
     if free:
         said.append(f"Without springs across their cells these shear freely: {free}.")
     return tuple(said)

@@ -18,6 +18,7 @@ ZENER: dict[str, Callable[[Constants], float]] = {
     "square": lambda k: 2 * k[1] / k[0],
     "square 4": lambda _: 0.0,
     "triangular": lambda _: 1.0,
+    "honeycomb": lambda _: 1.0,
     "cubic 6": lambda _: 0.0,
     "cubic 18": lambda k: 2 * k[1] / (k[0] + k[1]),
     "cubic 26": lambda k: 2 * (k[1] + 4 / 3 * k[2]) / (k[0] + k[1]),
