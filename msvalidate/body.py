@@ -8,8 +8,11 @@ from msvalidate.homogenise import default_constants
 from msvalidate.lattice import Lattice, boundary_weights
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import (
+    SIDES,
     Array,
     BodyForce,
+    Box,
+    Index,
     PointForce,
     Problem,
     ProblemError,
@@ -21,6 +24,9 @@ from msvalidate.problem import (
     shown,
     vectors_at,
 )
+
+RIGHT = 1e-9
+"""Cotangent down to which an angle beyond 90° counts as right: rounding of coordinates is 1e-16."""
 
 
 def lattice_network(
@@ -109,8 +115,36 @@ def _nodal_force(problem: Problem, lattice: Lattice) -> Array:
 
 
 def _traction_force(load: Traction, lattice: Lattice) -> Array:
-    """Consistent forces per thickness of a traction that varies linearly along each facet."""
-    body, points = lattice.domain, lattice.points
+    """Forces (n, d) per thickness of a traction."""
+    body = lattice.domain
+    if isinstance(body, Box) and lattice.side_area is not None:
+        for area, (name, (axis, end)) in zip(lattice.side_area.T, SIDES.items(), strict=False):
+            corners = body.side(name).corners(body.span)
+            if load.region.select(corners, body.tolerance).all():
+                return _force_by_points(load, lattice.points, area, axis, body.span[axis][end])
+    return _force_by_facets(load, lattice)
+
+
+def _force_by_points(load: Traction, points: Array, area: Array, axis: int, place: float) -> Array:
+    """Forces of a traction on a whole side at `place` (m), of which each point has an area (n,).
+
+    They sum to a uniform traction's own force, and springs as facet area over length need just
+    these to carry a hydrostatic strain. But a point is not in the middle of its part of a side, and
+    may lie behind it: moments, and sums of a linear traction, are off by the square of the spacing,
+    and a tangential traction's moment by how deep points that have a part lie on average.
+    """
+    (taking,) = np.nonzero(area)
+    on_side = points[taking]
+    on_side[:, axis] = place  # tractions need not be known inside the body
+    force = np.zeros(points.shape)
+    traction = vectors_at(f"traction on {load.region}", load.traction, on_side)
+    force[taking] = area[taking, None] * traction
+    return force
+
+
+def _force_by_facets(load: Traction, lattice: Lattice) -> Array:
+    """Forces of a traction that varies linearly along each of the facets that it covers."""
+    body, points, name = lattice.domain, lattice.points, f"traction on {load.region}"
     inside = load.region.select(points, body.tolerance)
     facets = lattice.facets[inside[lattice.facets].all(axis=1)]
     corners = points[facets]
@@ -122,33 +156,62 @@ def _traction_force(load: Traction, lattice: Lattice) -> Array:
     wanted = load.region.measure(body.span)
     if abs(area.sum() - wanted) > 1e-9 * wanted:
         raise ProblemError(
-            f"traction on {load.region}: covers no whole number of cell edges; "
+            f"{name}: covers no whole number of cell edges; "
             "choose cells whose edges end where the loaded part ends"
+            if lattice.regular
+            else f"{name}: an irregular lattice ({lattice.name}) has no facets that "
+            "end where it does; load a whole side"
         )
-    name = f"traction on {load.region}"
     traction = vectors_at(name, load.traction, corners.reshape(-1, body.dim)).reshape(corners.shape)
-    shares = area[:, None, None] * np.einsum("fab,fbc->fac", _facet_shares(corners), traction)
+    if facets.shape[1] == 3:
+        parts = _triangle_shares(facets, corners, area, regular=lattice.regular)
+    else:
+        parts = _facet_shares(facets.shape[1])
+    shares = area[:, None, None] * np.einsum("fab,fbc->fac", parts, traction)
     force = np.zeros(points.shape)
     np.add.at(force, facets, shares)
     return force
 
 
-def _facet_shares(corners: Array) -> Array:
-    """Parts (1 or f, corners, corners) of tractions at a facet's corners that go to each of them.
+def _facet_shares(corners: int) -> Array:
+    """Parts (1, corners, corners) of tractions at a facet's corners that go to each of them.
 
-    Along an edge and over a rectangle: the consistent ones of a traction that varies linearly. Over
-    a triangle: what of it lies nearest to a corner, by the way to its circumcentre, so that points
-    that are alike in a lattice take alike parts of a uniform traction.
+    The consistent ones of a traction that varies linearly along an edge, or over a rectangle along
+    both of its edges.
     """
-    if corners.shape[1] != 3:
-        line = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
-        return np.asarray(line if corners.shape[1] == 2 else np.kron(line, line))[None]
-    opposite = np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1)
-    square = (opposite**2).sum(axis=2)
-    # Corner a takes (b² cot B + c² cot C)/8 of a triangle with sides a, b, c; 4 area cot A is
-    # b² + c² - a², and 16 area² = 2 Σ a²b² - Σ a⁴.
-    cotangent = square.sum(axis=1, keepdims=True) - 2 * square
-    sixteen = square.sum(axis=1) ** 2 - 2 * (square**2).sum(axis=1)
-    both = square * cotangent
-    part = (both.sum(axis=1, keepdims=True) - both) / (2 * sixteen[:, None])
-    return np.asarray(part[:, :, None] * np.eye(3))
+    line = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
+    return np.asarray(line if corners == 2 else np.kron(line, line))[None]
+
+
+def _triangle_shares(facets: Index, corners: Array, area: Array, *, regular: bool) -> Array:
+    """Parts (f, 3, 3) of tractions at triangles' corners that go to each of them.
+
+    The consistent parts, (1 + δ)/12, give corners a third of a uniform traction each, so that
+    points with more triangles get more, though they be alike in the lattice. What is alike is the
+    area nearest to a point. Its parts of a triangle meet at the circumcentre, a height h above each
+    edge, and from thirds to them the resultant on an area A moves by Δ, the sum of - L h² n/(6 A)
+    over edges of length L and inward normal n. That is done with the traction in the middle of the
+    edge, and with the lesser h of the two triangles that meet there: the moves cancel, and neither
+    force nor moment of a linear traction changes. Triangles with an obtuse angle keep thirds, for
+    their circumcentre is outside and parts would be negative. At the loaded part's rim a regular
+    lattice goes on as its mirror image; another has no neighbour to cancel a move, and makes none.
+    """
+    following, last = np.roll(np.arange(3), -1), np.roll(np.arange(3), -2)
+    edge = corners[:, last] - corners[:, following]  # opposite to each corner, all one way round
+    product = np.einsum("fac,fbc->fab", edge, edge)
+    square = np.einsum("faa->fa", product)
+    cotangent = (square.sum(axis=1, keepdims=True) - 2 * square) / (4 * area[:, None])
+    acute = (cotangent >= -RIGHT).all(axis=1, keepdims=True)
+    height = np.where(acute, square * cotangent**2 / 4, 0.0)  # h²
+    ends = np.sort(np.stack([facets[:, following], facets[:, last]], axis=2).reshape(-1, 2))
+    _, which, times = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+    which = which.ravel()
+    least = np.full(len(times), np.inf)
+    np.minimum.at(least, which, height.ravel())
+    if not regular:
+        least[times == 1] = 0.0
+    # A resultant moves by Δ with forces A Δ·∇λ at the corners, where ∇λ is n L/(2A) of the edge
+    # opposite, and n L n' L' is the product of the edges: Δ·∇λ = -(edge·edge') h²/(12 A²).
+    move = product * least[which].reshape(-1, 1, 3) / (12 * area[:, None, None] ** 2)
+    middle = (1 - np.eye(3)) / 2
+    return np.asarray((1 + np.eye(3)) / 12 - move @ middle)

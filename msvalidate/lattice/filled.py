@@ -63,6 +63,12 @@ class Lattice:
         (m,) stiffness of each spring inside relative to the constant of its kind, by default 1.
     pattern, spacing
         What repeats and the length of its unit (m), where the lattice is a piece of one.
+    regular
+        Whether its facets are those of equal cells, which a load on part of a side can be made to
+        end with.
+    side_area
+        (n, 2d) part (m or m²) of each side of a box that is a point's own, in the order of `SIDES`,
+        where its springs need just that of a traction; None where the facets say who takes what.
     """
 
     name: str
@@ -78,6 +84,8 @@ class Lattice:
     factor: Array = field(default_factory=lambda: np.ones(0))
     pattern: Pattern | None = None
     spacing: float = 0.0
+    regular: bool = True
+    side_area: Array | None = None
 
     def __post_init__(self) -> None:
         if not len(self.factor):
@@ -174,7 +182,7 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> Lattice:
         springs=springs,
         kind=pattern.kind[which],
         cells=_corners(number[..., _at_corner(pattern)], d),
-        facets=_facets(pattern, number, points),
+        facets=_facets(pattern, number),
         share=side_share(points, springs, box),
         sharing=cells_bordered(pattern)[which],
         point_volume=volume[inside] * side_share(points, np.arange(len(points))[:, None], box),
@@ -282,29 +290,46 @@ def cells_bordered(pattern: Pattern) -> Index:
     return np.asarray(2**inside_sides)
 
 
-def _facets(pattern: Pattern, number: Index, points: Array) -> Index:
+def _facets(pattern: Pattern, number: Index) -> Index:
     """Points of all boundary facets: segments, quadrilaterals, or triangles on a crowded face."""
     d = pattern.dim
     facets = []
     for axis in reversed(range(d)):
         on_side = _on_low_side(pattern, axis)
-        others = [other for other in range(d) if other != axis]
         for layer in (0, -1):
             there = _layer(number, d, axis, layer)[..., on_side]
-            if on_side.sum() == 1:
-                facets.append(_corners(there, d - 1))
-                continue
-            found = there[there >= 0]
-            facets.append(_covered(found, points[found][:, others]))
+            facets.append(
+                _corners(there, d - 1) if on_side.sum() == 1 else _covered(pattern, axis, there)
+            )
     return np.concatenate(facets)
 
 
-def _covered(found: Index, places: Array) -> Index:
-    """Segments or triangles between points of one side, at their places (f, d - 1) in it."""
-    if places.shape[1] == 1:
-        found = found[np.argsort(places[:, 0])]
-        return np.column_stack([found[:-1], found[1:]])
-    return np.asarray(found[Delaunay(places).simplices])
+def _covered(pattern: Pattern, axis: int, there: Index) -> Index:
+    """Segments or triangles (f, d) between the places numbered in a side across an axis.
+
+    One cell's face is covered and then repeated, so that facets end where cells do: those of a
+    whole side at once would straddle them wherever its points lie in squares at an angle.
+    """
+    others = [other for other in range(pattern.dim) if other != axis]
+    size = np.array(pattern.size)[others]
+    points = pattern.points[_on_low_side(pattern, axis)][:, others]
+    low = np.abs(points) <= 1e-9 * size
+    points = np.where(low, 0.0, points)
+    # The closed face: what lies in a low edge of it lies in the high one too.
+    images = np.array(list(product((0, 1), repeat=len(others))))
+    image, point = np.nonzero((low | (images[:, None] == 0)).all(axis=2))
+    places = points[point] + images[image] * size
+    if len(others) == 1:
+        order = np.argsort(places[:, 0])
+        facets = np.column_stack([order[:-1], order[1:]])
+    else:
+        facets = Delaunay(places).simplices
+    ends = (slice(None, -1), slice(1, None))
+    numbers = [
+        there[(*(ends[step] for step in reversed(images[i])), j)].ravel()
+        for i, j in zip(image, point, strict=True)
+    ]
+    return np.concatenate([np.column_stack([numbers[k] for k in facet]) for facet in facets])
 
 
 def _corners(number: Index, axes: int) -> Index:

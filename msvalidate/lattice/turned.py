@@ -86,6 +86,7 @@ def turned(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> L
         sharing=np.ones(len(springs), dtype=np.intp),
         point_volume=np.asarray(np.bincount(cells.ravel(), each, len(points)), dtype=float),
         factor=np.concatenate([pattern.factor[which], np.ones(len(braces))]),
+        regular=False,
     )
 
 

@@ -106,9 +106,11 @@ def voronoi_box(
     """Random lattice that fills a box: points in its corners, on its edges and sides, and inside.
 
     A spring in a side has half of its facet inside the box, one in two sides a quarter: its share.
-    Cells are the Delaunay triangles or tetrahedra, facets those of their sides on the boundary. A
-    corner whose cell meets but one other inside the box would swing about it: it gets the other
-    edges of its triangles or tetrahedra too.
+    A side is shared out among the points whose Voronoi cells reach it, most of them on it. That
+    closes the cells, Σ A n = 0, so springs as A/L carry a hydrostatic strain exactly, but for the
+    braces below. Cells are the Delaunay triangles or tetrahedra, facets those of their sides on the
+    boundary. A corner whose cell meets but one other inside the box would swing about it: it gets
+    the other edges of its triangles or tetrahedra too.
 
     Parameters
     ----------
@@ -149,4 +151,6 @@ def voronoi_box(
         sharing=np.ones(len(springs), dtype=np.intp),
         point_volume=cells.volume,
         factor=relative_stiffness(vectors / h, area / h ** (box.dim - 1), stiffness),
+        regular=False,
+        side_area=cells.side_area,
     )

@@ -17,7 +17,7 @@ import pytest
 from msvalidate.body import lattice_network
 from msvalidate.equilibrium import equilibrium
 from msvalidate.homogenise import default_constants, network_tensor
-from msvalidate.lattice import Pattern, boundary_weights, fill, patterns
+from msvalidate.lattice import Pattern, boundary_weights, fill, patterns, repeated
 from msvalidate.lattice.pattern import by_shells
 from msvalidate.problem import (
     Anisotropic,
@@ -122,6 +122,36 @@ def test_facets_cover_every_side_once(name, cells):
         assert area == pytest.approx(expected, rel=1e-12), (axis, end)
 
 
+@pytest.mark.parametrize("name", SOLID)
+def test_no_facet_straddles_a_cell(name):
+    for n in (1, 2, 3, 5):
+        lattice = filled(name, (n, n, n))
+        corners = lattice.points[lattice.facets] / SPACING
+        low = np.floor(corners.min(axis=1) + 1e-9)
+        assert (corners <= low[:, None] + 1 + 1e-9).all()
+
+
+def test_part_of_a_face_of_fcc_is_loaded_on_whole_cells_alone():
+    box, load = Box((1.0, 1.0, 1.0)), (1.0, 2.0, -3.0)
+    material = Isotropic(1.0, 0.25, "solid")
+    held = (Support(box.side("left"), (0.0,) * 3),)
+
+    def loaded(low, high):
+        part = Region((1.0, (low, high), (low, high)))
+        problem = Problem(box, material, held, (Traction(part, load),))
+        return lattice_network(problem, fill(patterns.fcc(), box, 4))
+
+    network = loaded(0.25, 0.75)
+    # Half of an inner point's square in the middle of cells, and of a corner a quarter of that.
+    taken = network.points[:, 1:][network.force.any(axis=1)]
+    assert ((taken >= 0.25) & (taken <= 0.75)).all()
+    on_rim = ((taken == 0.25) | (taken == 0.75)).sum(axis=1)
+    expected = 0.5 / 16 * 0.5 ** on_rim[:, None] * load
+    np.testing.assert_allclose(network.force[network.force.any(axis=1)], expected, rtol=1e-13)
+    with refused("covers no whole number of cell edges; choose cells"):
+        loaded(0.25, 0.7)
+
+
 @pytest.mark.parametrize("name", ["cubic6", "cubic18", "cubic26"])
 def test_cells_are_cubes_x_fastest(name):
     lattice = filled(name, (2, 1, 3))
@@ -179,7 +209,18 @@ def test_which_springs_stay_in_cells():
 @pytest.mark.parametrize("cells", SIZES)
 @pytest.mark.parametrize("name", ["square", "cubic18", "cubic26", "fcc"])
 def test_uniform_strain_is_in_equilibrium_with_the_solids_tractions_at_any_size(name, cells):
-    lattice = filled(name, cells)
+    refuse_more_than_uniform_strain(filled(name, cells), name)
+
+
+@pytest.mark.parametrize("name", ["square", "cubic18", "fcc"])
+def test_uniform_strain_is_as_exact_where_a_cell_is_a_block_of_cells(name):
+    # Sides of such a cell are crowded, and squares of points on them are cut in two at will.
+    pattern = repeated(LATTICES[name](), 2)
+    cells = (2, 1, 1)[: pattern.dim]
+    refuse_more_than_uniform_strain(fill(pattern, box_of(pattern, cells), cells), name)
+
+
+def refuse_more_than_uniform_strain(lattice, name):
     d = lattice.domain.dim
     constants = constants_within(lattice.pattern)
     tensor = network_tensor(lattice, constants, "shared")

@@ -1,0 +1,227 @@
+"""Tractions on lattices: their force and moment, and what each point of a body takes of them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import KDTree
+from scipy.spatial.transform import Rotation
+
+from msvalidate.body import lattice_network
+from msvalidate.lattice import fill, patterns, repeated, turned, voronoi_box
+from msvalidate.lattice.point_sets import POINT_SETS
+from msvalidate.problem import (
+    SIDES,
+    Anisotropic,
+    Box,
+    Problem,
+    ProblemError,
+    Region,
+    Support,
+    Traction,
+)
+
+PLANE, SPACE = Box((1.0, 0.75)), Box((1.0, 0.75, 0.5))
+TILT = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
+LATTICES = patterns.known()
+
+
+def by_facets(lattice):
+    """A random body that takes tractions by its facets, as it does on part of a side."""
+    return replace(lattice, side_area=None)
+
+
+BODIES = {
+    "FCC, one cell": lambda: fill(patterns.fcc(), Box((0.5, 0.5, 0.5)), 1),
+    "FCC": lambda: fill(patterns.fcc(), SPACE, (4, 3, 2)),
+    "BCC": lambda: fill(patterns.bcc(), SPACE, (4, 3, 2)),
+    "square": lambda: fill(patterns.square(), PLANE, (4, 3)),
+    "blocks of squares": lambda: fill(repeated(patterns.square(), 2), PLANE, (4, 3)),
+    "square, turned": lambda: turned(patterns.square(), PLANE, 1 / 16, 0.4),
+    "cubic, turned": lambda: turned(patterns.cubic18(), SPACE, 1 / 8, TILT),
+    "cubic, turned by nothing": lambda: turned(patterns.cubic18(), SPACE, 1 / 8, np.eye(3)),
+    "BCC, turned": lambda: turned(patterns.bcc(), SPACE, 1 / 8, TILT),
+    "FCC, turned": lambda: turned(patterns.fcc(), SPACE, 1 / 8, TILT),
+} | {
+    f"{points}, {box.dim}D": lambda points=points, box=box: by_facets(
+        voronoi_box(box, 0.12, points=points, seed=2)
+    )
+    for points in POINT_SETS
+    for box in (PLANE, SPACE)
+}
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+def pushed(lattice, region, traction):
+    """Forces (n, d) of one traction on a body of thickness 1 m."""
+    box, d = lattice.domain, lattice.domain.dim
+    held = Support(box.side("left"), (0.0,) * d)
+    if region == box.side("left"):
+        held = Support(box.side("right"), (0.0,) * d)
+    problem = Problem(box, Anisotropic(np.eye(3 * (d - 1))), (held,), (Traction(region, traction),))
+    return lattice_network(problem, lattice, (1.0,) * lattice.kinds).force
+
+
+def linear(dim, part):
+    """Traction t = start + gradient (x - middle) about the middle of a part of a box (2, d)."""
+    rng = np.random.default_rng(3)
+    start, gradient = rng.normal(size=dim), rng.normal(size=(dim, dim))
+    return start, gradient, lambda x: start + (x - part.mean(axis=0)) @ gradient.T
+
+
+def refuse_other_force_or_moment(lattice, region):
+    box, d = lattice.domain, lattice.domain.dim
+    corners = region.corners(box.span)
+    part = np.stack([corners.min(axis=0), corners.max(axis=0)])
+    area, length = region.measure(box.span), np.ptp(part, axis=0)
+    start, gradient, traction = linear(d, part)
+    arm = lattice.points - part.mean(axis=0)
+    for load, slope in ((tuple(start.tolist()), 0 * gradient), (traction, gradient)):
+        force = pushed(lattice, region, load)
+        # ∫ t = area · start and ∫ (x_a - middle_a) t_b = area · length_a²/12 · gradient_ba.
+        moments = area * length[:, None] ** 2 / 12 * slope.T
+        size = np.abs(force).sum()
+        np.testing.assert_allclose(force.sum(axis=0), area * start, atol=1e-13 * size)
+        found = arm.T @ force
+        expected = moments - moments.T
+        np.testing.assert_allclose(found - found.T, expected, atol=1e-13 * size)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_tractions_up_to_linear_keep_their_force_and_moment(name):
+    lattice = BODIES[name]()
+    for side, (axis, _) in SIDES.items():
+        if axis < lattice.domain.dim:
+            refuse_other_force_or_moment(lattice, lattice.domain.side(side))
+
+
+@pytest.mark.parametrize("cells", [4, 8])
+def test_they_do_on_part_of_a_face_of_fcc(cells):
+    lattice = fill(patterns.fcc(), Box((1.0, 1.0, 1.0)), cells)
+    refuse_other_force_or_moment(lattice, Region((1.0, (0.25, 0.75), (0.5, 0.75))))
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_no_point_is_pushed_against_a_uniform_traction(name):
+    lattice = BODIES[name]()
+    d = lattice.domain.dim
+    for side, (axis, _) in SIDES.items():
+        if axis < d:
+            force = pushed(lattice, lattice.domain.side(side), (1.0,) * d)
+            assert force.min() > -1e-15
+
+
+def test_a_cut_square_gives_all_points_alike_parts_inside():
+    # Whichever diagonal cuts each square: thirds would give a point up to twice its part.
+    lattice = BODIES["cubic, turned by nothing"]()
+    force = pushed(lattice, lattice.domain.side("front"), (0.0, 0.0, 1.0))
+    place = lattice.points[:, :2]
+    inside = ((place > 0.2) & (place < np.array([0.8, 0.55]))).all(axis=1) & (force[:, 2] > 0)
+    assert inside.sum() >= 9
+    np.testing.assert_allclose(force[inside, 2], 1 / 64, rtol=1e-12)
+
+
+# Points' parts of a side ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("box", [PLANE, SPACE], ids=["plane", "space"])
+@pytest.mark.parametrize("points", POINT_SETS)
+def test_a_whole_side_is_shared_out_among_the_points_that_are_nearest(points, box):
+    lattice = voronoi_box(box, 0.1, points=points, seed=5)
+    tree = KDTree(lattice.points)
+    count = 40_000 if box.dim == 2 else 400
+    for column, (side, (axis, end)) in enumerate(list(SIDES.items())[: 2 * box.dim]):
+        middles = [
+            np.array([end * edge]) if a == axis else (np.arange(count) + 0.5) / count * edge
+            for a, edge in enumerate(box.size)
+        ]
+        places = np.stack(np.meshgrid(*middles, indexing="ij"), axis=-1).reshape(-1, box.dim)
+        nearest = np.bincount(tree.query(places)[1], minlength=len(lattice.points))
+        share = nearest / len(places) * box.side(side).measure(box.span)
+        # A sample's cell that the outline of a part passes through is taken or left, half of it off
+        # at most: at two ends, or along an outline of some six spacings.
+        cell = max(box.size) / count
+        atol = cell if box.dim == 2 else 6 * 0.1 * cell / 2
+        np.testing.assert_allclose(lattice.side_area[:, column], share, rtol=0, atol=atol)
+        force = pushed(lattice, box.side(side), (1.0,) * box.dim)
+        np.testing.assert_array_equal(force, np.tile(lattice.side_area[:, [column]], box.dim))
+
+
+@pytest.mark.parametrize("points", POINT_SETS)
+def test_a_pull_on_a_random_plane_body_has_no_moment(points):
+    # Parts meet where power functions y² - 2 y y_i + |x_i|² do, so Σ S_i y_i telescopes.
+    for seed in range(5):
+        lattice = voronoi_box(PLANE, 0.08, points=points, seed=seed)
+        force = pushed(lattice, PLANE.side("right"), (1.0, 0.0))[:, 0]
+        assert force @ (lattice.points[:, 1] - 0.375) == pytest.approx(0, abs=1e-14)
+
+
+@pytest.mark.parametrize("points", POINT_SETS)
+def test_the_moment_of_a_pull_on_a_random_solid_comes_from_the_rim(points):
+    # With p(x) = |x - x_i|² to the nearest point, ∇p/2 = x - x_i on a side, so by Gauss
+    # Σ S_i x_i = ∫ x dA - ∮ p n ds/2: of second order in the spacing.
+    lattice = voronoi_box(SPACE, 0.12, points=points, seed=1)
+    tree, count, moved = KDTree(lattice.points), 5000, []
+    force = pushed(lattice, SPACE.side("right"), (1.0, 0.0, 0.0))[:, 0]
+    for axis in (1, 2):
+        other = 3 - axis
+        along = (np.arange(count) + 0.5) / count * SPACE.size[other]
+        total = 0.0
+        for sign, place in ((-1, 0.0), (1, SPACE.size[axis])):
+            rim = np.full((count, 3), 1.0)
+            rim[:, axis], rim[:, other] = place, along
+            total += sign * (tree.query(rim)[0] ** 2).mean() * SPACE.size[other]
+        expected = force.sum() * SPACE.size[axis] / 2 - total / 2
+        # Midpoints, 2e-4 m apart: slopes of p jump by up to 4 · 0.1 m at about ten places of each
+        # of two edges, and each costs the square of that distance times 1/8 of the jump.
+        assert force @ lattice.points[:, axis] == pytest.approx(expected, abs=4e-8)
+        moved.append(abs(total))
+    assert max(moved) > 1e-6
+
+
+def test_the_moment_of_a_linear_traction_on_a_random_body_is_of_second_order():
+    def bending(x):
+        return np.stack([x[:, 1] - 0.375, 0 * x[:, 0]], axis=1)
+
+    errors = []
+    for h in (0.1, 0.05, 0.025):
+        found = []
+        for seed in range(8):
+            lattice = voronoi_box(PLANE, h, seed=seed)
+            force = pushed(lattice, PLANE.side("right"), bending)[:, 0]
+            found.append(force @ (lattice.points[:, 1] - 0.375))
+        errors.append(np.abs(np.array(found) / (0.75**3 / 12) - 1).mean())
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert (orders > 1.5).all()
+
+
+def test_a_traction_is_asked_for_on_the_side_alone():
+    def traction(x):
+        return np.where(x[:, :1] == 1.0, 1.0, np.nan) * np.ones(2)
+
+    behind = 0
+    for seed in range(10):
+        lattice = voronoi_box(PLANE, 0.1, points="uniform", seed=seed)
+        off_side = (lattice.side_area[:, 1] > 0) & (lattice.points[:, 0] < 1.0)
+        force = pushed(lattice, PLANE.side("right"), traction)
+        assert (force[off_side] > 0).all()
+        behind += off_side.sum()
+    assert behind > 0
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: voronoi_box(SPACE, 0.15),
+        lambda: turned(patterns.fcc(), SPACE, 1 / 6, TILT),
+    ],
+)
+def test_part_of_a_side_of_an_irregular_body_is_refused(make):
+    with refused("end where it does; load a whole side"):
+        pushed(make(), Region((1.0, (0.25, 0.5), (0.1, 0.3))), (1.0, 0.0, 0.0))
