@@ -2,7 +2,9 @@
 
 Two points are joined by a spring where their Voronoi cells share a facet. With a the facet's area,
 l the spring's length and V the volume of a cell, the pyramids that stand on its facets make up a
-cell, so the sum of a·l over all springs is d times the volume of all cells.
+cell, so the sum of a·l over all springs is d times the volume of all cells (the divergence theorem
+for the position from the cell's point). It holds for the springs that are kept, or the points are
+refused.
 
 Both kinds of body come down to points without end: a periodic cell is repeated, a box is reflected
 across its sides, which clips cells exactly to it. Only images within a margin are made; a cell is
@@ -21,11 +23,20 @@ from itertools import product
 import numpy as np
 from scipy.spatial import KDTree, QhullError
 
-from msvalidate.lattice.triangulation import FACES, determinants, dual_areas, triangulation
+from msvalidate.lattice.triangulation import (
+    FACES,
+    determinants,
+    dual_areas,
+    flatness,
+    merged,
+    steadied,
+    triangulation,
+)
 from msvalidate.problem import (
     Array,
     Box,
     Index,
+    Mask,
     ProblemError,
     SolverError,
     coordinates,
@@ -34,14 +45,26 @@ from msvalidate.problem import (
     shown,
 )
 
-NEGLIGIBLE = 1e-11
-"""Facets smaller than this part of spacing^(d-1) join no points: a square grid has no diagonals."""
+NEGLIGIBLE = 1e-14
+"""Facets smaller than this part of spacing^(d-1) join no points: a square grid has no diagonals.
+A point has a dozen of these at most, which make up less than 1e-13 of its cell."""
+ALIKE = (1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6)
+"""Distance in spacings within which vertices of cells are one, tried in turn until the facets that
+are left make up the body. The first is above rounding, and areas of generic points do not know it.
+The others are for points even but for a noise below 1e-8 spacings, whose simplices rounding may
+choose wrongly: their vertices, as far apart as some tens of times the noise, become one. Facets
+are then across springs but for some tens of times the noise, and the sum of a·l is exact."""
+LOST = 2e-13
+"""Part of the body by which the sum of a·l/d over facets may miss it: rounding, and what is
+negligible."""
 FIRST_MARGIN, STEP = 2.25, 1.3
 """Margin tried first, in spacings, and the next in parts of it at most. Even sets need about 2,
 uniform ones 2.5; cells at the end of too small a margin are long and ask for more than they need.
 """
-MOST_IMAGES = 2_000_000
-"""Points with their images: a long thin cell of few points needs many."""
+MOST_IMAGES, IMAGES_OF_FEW, IMAGES_OF_EACH = 2_000_000, 15_000, 15
+"""Points with their images: at all; and for few points and for each more, of which an even set in
+a body not long or flat needs a fifth. Far more lie in a few rows, and take minutes to triangulate.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,9 +154,7 @@ def periodic_tessellation(points: Array, size: tuple[float, ...]) -> Tessellatio
     low, high, shift, area, length = _facets(x, edges, mirrored=False)
     volume = _pyramids(low, high, area * length, len(x)) / box.dim
     _refuse_wrong_volume(volume, box)
-    real = area > NEGLIGIBLE * _spacing(x, box) ** (box.dim - 1)
-    springs = np.column_stack([low, high])[real]
-    return Tessellation(box.size, x, springs, shift[real], area[real], volume)
+    return Tessellation(box.size, x, np.column_stack([low, high]), shift, area, volume)
 
 
 def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
@@ -173,16 +194,13 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
         at_low, at_high = on_low[:, k], on_high[:, k]
         sides[at_low, 2 * k] = (out + sides[:, 2 * k + 1])[at_low]
         sides[at_high, 2 * k + 1] = (sides[:, 2 * k] - out)[at_high]
-    noise = NEGLIGIBLE * _spacing(x, box) ** (box.dim - 1)
     volume = _pyramids(i, j, across * length[between], len(x))
     volume += (sides * np.stack([x, edges - x], axis=2).reshape(len(x), -1)).sum(axis=1)
     volume /= box.dim
     _refuse_wrong_volume(volume, box)
-    sides[np.abs(sides) <= noise] = 0.0
-    real = across > noise
-    springs = np.column_stack([i, j])[real]
-    none = np.zeros_like(shift[between][real])
-    return BoundedTessellation(box.size, x, springs, none, across[real], volume, sides)
+    sides[np.abs(sides) <= ALIKE[0] * _spacing(x, box) ** (box.dim - 1)] = 0.0
+    springs, none = np.column_stack([i, j]), np.zeros_like(shift[between])
+    return BoundedTessellation(box.size, x, springs, none, across, volume, sides)
 
 
 def simplices(points: Array, box: Box) -> tuple[Index, Index]:
@@ -239,16 +257,76 @@ def _facets(
     """Whole facets of the cells: point, neighbour (-1: its own mirror image), image, area, length.
 
     Each facet between two points is listed once, the lower index first; lengths are of springs.
+    Simplices chosen wrongly have facets of negative area. The sum of area times length does not
+    depend on where the centres are, so where these are made one such facets vanish without loss.
     """
-    box = Box(tuple(size.tolist()))
     n, dim = points.shape
-    unit = _unit(points, box)
+    unit = _unit(points, Box(tuple(size.tolist())))
     x, edges = points * unit, size * unit
+    everywhere, source, image, cells, beyond, centres = _complete(x, edges, unit, mirrored=mirrored)
+    flat, whole_volume = flatness(everywhere, cells), math.prod(edges.tolist())
+    for reach in ALIKE:
+        alike = steadied(centres, flat, beyond, reach)
+        alike = merged(alike, edges, reach, mirrored=mirrored)
+        low, second, area = dual_areas(everywhere, cells, beyond, alike, n)
+        kept = (area > NEGLIGIBLE) & _named_once(low, second, source, image, mirrored=mirrored)
+        low, second, area = low[kept], second[kept], area[kept]
+        length = np.linalg.norm(everywhere[second] - everywhere[low], axis=1)
+        content = area * length
+        if mirrored:
+            content *= _part_inside(everywhere[low], everywhere[second], edges, second < n)
+        if abs(content.sum() - dim * whole_volume) <= LOST * dim * whole_volume:
+            high = np.where(mirrored & (second >= n), -1, source[second])
+            return low, high, image[second], area / unit ** (dim - 1), length / unit
+    raise SolverError(
+        f"cells of {n} points: facets make up {shown(float(content.sum() / dim / whole_volume))} "
+        "of the body; some points are too close or too nearly even: move them apart or make them so"
+    )
+
+
+def _named_once(low: Index, second: Index, source: Index, image: Index, *, mirrored: bool) -> Mask:
+    """Those facets (mask) that stand for all their images; the lower end is a point of the body."""
+    high, shift, inside = source[second], image[second], second <= source.max()
+    if mirrored:
+        # Across a side, a point inside is image 1 or -1; one on the opposite side is 2 or -2.
+        return np.asarray(inside | ((high == low) & ((shift != 0).sum(axis=1) == 1)))
+    ahead = np.take_along_axis(shift, (shift != 0).argmax(axis=1)[:, None], axis=1)[:, 0] > 0
+    return np.asarray(inside | (low < high) | ((low == high) & ahead))
+
+
+def _part_inside(start: Array, end: Array, edges: Array, inside: Mask) -> Array:
+    """Part (f,) of facet times length that is in a box, of springs inside it or to mirror images.
+
+    A side halves the facet between points on it, and the way of a point to its mirror image. That
+    of a point on a side to an image beyond it is outside.
+    """
+    common = (start == end) & ((start == 0) | (start == edges))
+    outwards = ((start == 0) & (end < 0)) | ((start == edges) & (end > edges))
+    part = 0.5 ** (common.sum(axis=1) + ~inside)
+    return np.where(outwards.any(axis=1), 0.0, part)
+
+
+def _complete(
+    x: Array, edges: Array, unit: float, *, mirrored: bool
+) -> tuple[Array, Index, Index, Index, Index, Array]:
+    """Points with as many images as cells need, their source and image number, and simplices.
+
+    Of these, as `_cells`, the corners, those beyond their faces and the circumcentres. What is
+    measured is in parts of 1/unit (m).
+    """
+    n, dim = x.shape
+    box = Box(tuple((edges / unit).tolist()))
     # No point of the body is further than this from all images of one point.
     furthest = (2 if mirrored else 1) * float(np.linalg.norm(edges)) * (1 + 1e-9)
     spacing = (math.prod(edges.tolist()) / n) ** (1 / dim)
     margin = min(max(FIRST_MARGIN * spacing, 0.5 * float(edges.max()) / n), furthest)
+    # In a long or flat body, points are as far apart as on its axis or in its plane: what they
+    # will need is refused at once.
+    longest = np.sort(edges)[::-1].tolist()
+    apart = max((math.prod(longest[:k]) / n) ** (1 / k) for k in range(1, dim + 1))
+    _refuse_too_many_images(n, box, min(FIRST_MARGIN * apart, furthest) / unit)
     while True:
+        _refuse_too_many_images(n, box, margin / unit)
         everywhere, source, image = _images(x, edges, margin, mirrored=mirrored)
         found = _cells(everywhere, source, n, regular=mirrored)
         if found is not None:
@@ -256,26 +334,12 @@ def _facets(
             away = np.maximum(-centres, centres - edges).max(axis=1)
             needed = float((away + radius).max())
             if needed <= margin:
-                break
+                return everywhere, source, image, cells, beyond, centres
         if margin >= furthest:
             raise SolverError(f"cells of {n} points in {box}: not told apart, some are too close")
         # Cells only shrink as images are added, and their spheres' reach with them.
         step = STEP if found is None else min(STEP, 1.05 * needed / margin)
         margin = min(step * margin, furthest)
-    first, second, area = dual_areas(everywhere, cells, beyond, centres, n)
-    # The lower end is a point of the body; keep one of the images of each facet.
-    low, high, shift = first, source[second], image[second]
-    if mirrored:
-        # Across a side, a point inside is image 1 or -1; one on the opposite side is 2 or -2.
-        own = (high == low) & ((shift != 0).sum(axis=1) == 1)
-        kept = (second < n) | own
-        high = np.where(second < n, high, -1)
-    else:
-        ahead = np.take_along_axis(shift, (shift != 0).argmax(axis=1)[:, None], axis=1)[:, 0] > 0
-        kept = (second < n) | (low < high) | ((low == high) & ahead)
-    length = np.linalg.norm(everywhere[second] - everywhere[first], axis=1)
-    low, high, shift, area, length = (a[kept] for a in (low, high, shift, area, length))
-    return low, high, shift, area / unit ** (dim - 1), length / unit
 
 
 def _images(
@@ -286,12 +350,6 @@ def _images(
     Image k of a mirrored axis is shifted by k·size if k is even, and else reflected: at -x for
     k = -1 and 2·size - x for k = 1.
     """
-    wanted = len(points) * math.prod((1 + 2 * margin / size).tolist())
-    if wanted > MOST_IMAGES:
-        raise ProblemError(
-            f"cells of {len(points)} points: {wanted:.3g} images, and the most is "
-            f"{MOST_IMAGES:.3g}; take fewer points, or a body less long and thin"
-        )
     source = np.arange(len(points))
     image = np.zeros(points.shape, dtype=np.intp)
     for axis, edge in enumerate(size.tolist()):
@@ -385,6 +443,18 @@ def _refuse_coincident(points: Array, box: Box, period: Array | None) -> None:
         i, j = min(twins)
         raise ProblemError(
             f"points: {i} and {j} are one place, {place_name(points[i])}; leave one out"
+        )
+
+
+def _refuse_too_many_images(count: int, box: Box, margin: float) -> None:
+    wanted = count * math.prod(1 + 2 * margin / edge for edge in box.size)
+    most = min(MOST_IMAGES, IMAGES_OF_FEW + IMAGES_OF_EACH * count)
+    if wanted > most:
+        remedy = "fewer points" if most == MOST_IMAGES else "more points, or more even ones"
+        raise ProblemError(
+            f"cells of {count} points in the {box}, {max(box.size) / min(box.size):.3g} times as "
+            f"long as thick: they need {wanted:.3g} images, and the most is {most:.3g}; take "
+            f"{remedy}, or a body less long and thin"
         )
 
 

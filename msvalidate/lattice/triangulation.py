@@ -14,11 +14,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, KDTree, QhullError
 
 from msvalidate.problem import Array, Index, SolverError
 
-ROUGHNESS = (0.0, 1e-9, 1e-7)
+ROUGHNESS = (0.0, 1e-11, 1e-9, 1e-7)
 """Of the paraboloid, in parts of its height, tried in turn until no simplex is flat."""
 FLAT = 1e-9
 """Volume of a flat simplex in parts of its longest edges' product."""
@@ -58,9 +60,7 @@ def triangulation(
         number = np.where(lower, np.cumsum(lower) - 1, -1)
         cells, beyond = hull.simplices[lower].astype(np.intp), number[hull.neighbors[lower]]
         content = determinants(centred[cells])
-        edges = np.linalg.norm(centred[cells[:, 1:]] - centred[cells[:, :1]], axis=2)
-        flat = np.abs(content) <= FLAT * edges.prod(axis=1)
-        if not (flat & (cells < count).any(axis=1)).any():
+        if not ((flatness(centred, cells) <= FLAT) & (cells < count).any(axis=1)).any():
             break
     else:
         if not content[(cells < count).any(axis=1)].all():
@@ -92,6 +92,57 @@ def dual_areas(
         part = 0.5 * (np.cross(u, v) * edge).sum(axis=1)
     key, which = np.unique(np.minimum(a, b) * len(x) + np.maximum(a, b), return_inverse=True)
     return key // len(x), key % len(x), np.asarray(np.bincount(which, part, len(key)), dtype=float)
+
+
+def flatness(x: Array, cells: Index) -> Array:
+    """Volume (c,) of simplices in parts of the product of the edges at a corner: zero if flat."""
+    corners = x[cells]
+    edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
+    return np.asarray(np.abs(determinants(corners)) / edges.prod(axis=1))
+
+
+def steadied(centres: Array, flat: Array, beyond: Index, least: float) -> Array:
+    """Centres (c, d), those of simplices flatter than `least` being of the least flat one beside.
+
+    Rounding puts the centre of a flat simplex anywhere; those of its neighbours are near it.
+    """
+    which = np.flatnonzero(flat < least)
+    beside = beyond[which]
+    best = np.where(beside < 0, -1.0, flat[beside]).argmax(axis=1)
+    source = beside[np.arange(len(which)), best]
+    steady = centres.copy()
+    steady[which[source >= 0]] = centres[source[source >= 0]]
+    return steady
+
+
+def merged(centres: Array, size: Array, reach: float, *, mirrored: bool) -> Array:
+    """Centres (c, d) moved by little, so that those within reach of each other are one.
+
+    So are the images of one: a body of edges `size` is repeated, or mirrored in its sides.
+    """
+    period = 2 * size if mirrored else size
+    place = centres - np.floor(centres / period) * period
+    way = np.ones_like(place)
+    if mirrored:
+        way[place > size] = -1.0
+        place = np.minimum(place, period - place)
+    else:
+        place[place >= period] = 0.0
+    tree = KDTree(place, boxsize=None if mirrored else period)
+    i, j = tree.query_pairs(reach, output_type="ndarray").T
+    count = len(centres)
+    groups = coo_array((np.ones(len(i), dtype=bool), (i, j)), shape=(count, count))
+    number, group = connected_components(groups, directed=False)
+    start = place[np.unique(group, return_index=True)[1]]
+    away = place - start[group]
+    if not mirrored:
+        away -= period * np.rint(away / period)
+    many = np.bincount(group, minlength=number)
+    mean = np.column_stack([np.bincount(group, a, number) / many for a in away.T])
+    if mirrored:  # next to a side, a centre and its mirror image are one
+        for side in (0.0, size):
+            mean = np.where(np.abs(start + mean - side) <= reach, side - start, mean)
+    return np.asarray(centres + way * (mean[group] - away))
 
 
 def determinants(corners: Array) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+import time
 from itertools import product
 
 import numpy as np
@@ -18,7 +19,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError, Voronoi
 
 from msvalidate.lattice.point_sets import POINT_SETS, box_points, periodic_points
 from msvalidate.lattice.tessellation import bounded_tessellation, periodic_tessellation, simplices
-from msvalidate.problem import Box, ProblemError
+from msvalidate.problem import Box, ProblemError, SolverError
 
 SIZES = [(1.0, 1.0), (3.0, 0.7), (2.0, 2.0, 2.0), (0.5, 1.3, 2.1)]
 every_kind = pytest.mark.parametrize("kind", POINT_SETS)
@@ -216,14 +217,85 @@ def test_moving_all_points_or_another_unit_leaves_areas(count, size, seed, unit)
     np.testing.assert_allclose(a, b, rtol=1e-8, atol=1e-9)
 
 
-def test_nearly_regular_points_are_tessellated():
-    rng = np.random.default_rng(2)
-    for scale in (1e-15, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5):
-        for points, size, facets in LATTICES.values():
-            t = periodic_tessellation(points + scale * rng.standard_normal(points.shape), size)
-            product_sum = (t.area * lengths(t)).sum()
-            assert product_sum == pytest.approx(len(size) * math.prod(size), rel=max(1e-10, scale))
-            assert (coordination(t) >= sum(facets)).all()
+def check_springs_make_up_the_body(t):
+    """Σ A L = d V over the springs that are kept, the sides' part too where there are sides."""
+    total = (t.area * lengths(t)).sum()
+    if hasattr(t, "side_area"):
+        total += (t.side_area * t.side_distance).sum()
+    np.testing.assert_allclose(total, len(t.size) * math.prod(t.size), **EXACT)
+    np.testing.assert_allclose(t.volume.sum(), math.prod(t.size), **EXACT)
+    assert (t.area > 0).all()
+
+
+NOISE = [0.0, *(10.0**power for power in range(-15, -3))]
+
+
+@pytest.mark.parametrize("noise", NOISE)
+@pytest.mark.parametrize("name", LATTICES)
+def test_nearly_regular_points_make_up_the_cell(name, noise):
+    points, size, facets = LATTICES[name]
+    for seed in range(4):
+        moved = points + noise * np.random.default_rng(seed).standard_normal(points.shape)
+        t = periodic_tessellation(moved, size)
+        check_springs_make_up_the_body(t)
+        assert (coordination(t) >= sum(facets)).all()
+        # Edges of cells move by some times as much as points do, ten at four deviations, and so
+        # do areas, whose edges are shorter than 1 m: those made one are no further apart.
+        large = t.area[t.area > 1e-2 * t.area.max()]
+        expected = np.repeat(list(facets.values()), [n * len(points) // 2 for n in facets])
+        np.testing.assert_allclose(
+            np.sort(large), np.sort(expected), rtol=0, atol=50 * noise + 1e-12
+        )
+        np.testing.assert_allclose(t.volume, t.volume.mean(), rtol=50 * noise + 1e-12)
+
+
+@pytest.mark.parametrize("noise", NOISE)
+@pytest.mark.parametrize("count", [(10, 10), (6, 6, 6)], ids=str)
+def test_a_nearly_regular_grid_makes_up_its_cell_and_box(count, noise):
+    dim, edge = len(count), 1 / count[0]
+    points = grid(*count) * edge
+    moved = points + noise * np.random.default_rng(0).normal(size=points.shape)
+    check_springs_make_up_the_body(periodic_tessellation(moved, (1.0,) * dim))
+    check_springs_make_up_the_body(bounded_tessellation(moved + edge / 2, Box((1.0,) * dim)))
+
+
+@pytest.mark.parametrize(
+    ("dim", "width"), [(2, 1e-2), (2, 1e-3), (2, 1e-4), (2, 1e-5), (3, 1e-2), (3, 1e-3)]
+)
+def test_crowded_points_make_up_the_cell(dim, width):
+    points = 0.5 + width * np.random.default_rng(1).random((30, dim))
+    check_springs_make_up_the_body(periodic_tessellation(points, (1.0,) * dim))
+    if width >= 1e-3:
+        check_springs_make_up_the_body(bounded_tessellation(points, Box((1.0,) * dim)))
+
+
+def test_points_too_crowded_are_refused():
+    points = 0.5 + 1e-5 * np.random.default_rng(1).random((30, 2))
+    with pytest.raises(SolverError, match=r"cells of 30 points.*some are too close"):
+        bounded_tessellation(points, Box((1.0, 1.0)))
+
+
+@pytest.mark.parametrize(
+    ("count", "size"),
+    [
+        (3, (1e-6, 1.0)),
+        (3, (1e-4, 1.0)),
+        (30, (1e5, 1.0)),
+        (30, (1e3, 1.0, 1.0)),
+        (30, (1e-3, 1.0, 1.0)),
+        (3, (1e-3, 1.0, 1.0)),
+        (1000, (1e3, 1.0, 1.0)),
+    ],
+)
+def test_a_body_too_long_or_flat_for_its_points_is_refused(count, size):
+    points = np.random.default_rng(0).random((count, len(size))) * size
+    box = Box(size)
+    ratio = f"{max(size) / min(size):.3g} times as long as thick: they need "
+    for verb in (periodic_tessellation, lambda p, _: bounded_tessellation(p, box)):
+        start = time.perf_counter()
+        with refused(f"cells of {count} points in the {box}, {ratio}"):
+            verb(points, size)
+        assert time.perf_counter() - start < 2  # without a bound, minutes to hours
 
 
 @pytest.mark.parametrize(
@@ -235,7 +307,11 @@ def test_nearly_regular_points_are_tessellated():
         ([[0.1, 0.2, 0.3]], (1.0, 1.0), "points: shape (1, 3); give (n, 2), n at least 1"),
         (np.empty((0, 2)), (1.0, 1.0), "points: shape (0, 2); give (n, 2), n at least 1"),
         ([[0.1, 0.2]], (1.0, 0.0), "box size along y"),
-        ([[0.1, 0.2]], (1.0, 1e-8), "cells of 1 points: 2e+08 images, and the most is 2e+06"),
+        (
+            [[0.1, 0.2]],
+            (1.0, 1e-8),
+            "cells of 1 points in the box 1 x 1e-08 m, 1e+08 times as long as thick: they need",
+        ),
         (["a"], (1.0, 1.0), "points: expected numbers"),
     ],
 )

@@ -101,11 +101,30 @@ def test_a_box_is_filled_to_its_sides(dim, points):
     assert (0.5**sides).sum() * h**dim == pytest.approx(box.volume, rel=0.05)
     assert set(np.unique(lattice.share)) <= {1.0, 0.5, 0.25}
     assert (lattice.share < 1).sum() > 0
-    # What lies in the box of every spring's facet: Σ A L = d V, less what closes cells at sides.
-    weight = lattice.factor * boundary_weights(lattice, "shared") * h ** (dim - 2)
-    length = np.linalg.norm(lattice.vectors, axis=1)
-    total = weight @ length**2
-    assert 0.85 * dim * box.volume < total < dim * box.volume * (1 + 1e-12)
+
+
+@dims
+@kinds
+@pytest.mark.parametrize("rule", STIFFNESS_RULES)
+def test_springs_in_a_box_have_the_facets_of_its_cells(dim, points, rule):
+    box, h = BOXES[dim], SPACING[dim]
+    lattice = voronoi_box(box, h, points=points, stiffness=rule, seed=4)
+    cells = bounded_tessellation(lattice.points, box)
+    m = len(cells.springs)
+    np.testing.assert_array_equal(lattice.springs[:m], cells.springs)  # braces come after
+    assert len(lattice.springs) - m <= 2 * dim * 2**dim
+    length = np.linalg.norm(cells.vectors, axis=1)
+    weight = (lattice.factor * boundary_weights(lattice, "shared"))[:m]
+    # A side halves the facet of a spring in it: the clipped one has the share already.
+    on = [(cells.points == end)[cells.springs].all(axis=1) for end in (0, box.size)]
+    share = 0.5 ** (on[0] | on[1]).sum(axis=1)
+    assert (share < 1).any()
+    expected = {"1": share, "1/L": share / length * h, "A/L": cells.area / length / h ** (dim - 2)}
+    np.testing.assert_allclose(weight, expected[rule], rtol=1e-12)
+    if rule == "A/L":  # Σ A L = d V, with the pyramids that stand on the sides
+        total = (weight * h ** (dim - 2)) @ length**2
+        total += (cells.side_area * cells.side_distance).sum()
+        assert total == pytest.approx(dim * box.volume, rel=1e-12)
 
 
 @dims
