@@ -14,6 +14,7 @@ from scipy.sparse import csr_matrix
 from scipy.spatial import KDTree
 
 from msvalidate.problem import Array, Index, ProblemError, chosen, coordinates, place_name
+from reference_fem.effort import within_memory
 from reference_fem.interpolation import determinant, locate, mapped
 
 AT_NODE = 1e-13
@@ -106,10 +107,16 @@ class Discretisation:
 
         Every constant tensor's stiffness is a combination of these: assembled once, on a scalar
         basis, they cost a fraction of a vector form.
+
+        Raises
+        ------
+        SolverError
+            If memory does not suffice.
         """
         d = self.dim
-        upper = {(a, b): self._integral(a, b) for a in range(d) for b in range(a, d)}
-        return [[upper[a, b] if a <= b else upper[b, a].T for b in range(d)] for a in range(d)]
+        with within_memory(len(self.points), "nodes"):
+            upper = {(a, b): self._integral(a, b) for a in range(d) for b in range(a, d)}
+            return [[upper[a, b] if a <= b else upper[b, a].T for b in range(d)] for a in range(d)]
 
     def _integral(self, a: int, b: int) -> csr_matrix:
         form = skfem.BilinearForm(lambda u, v, _: v.grad[a] * u.grad[b])
@@ -153,6 +160,8 @@ def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisat
         If the element is unknown or of another dimension, a cell is inverted, overlaps another or
         names a point that is not there, a point belongs to no cell or lies where another does, or
         an edge is curved.
+    SolverError
+        If memory does not suffice.
     """
     chosen("element", element, ELEMENTS)
     kind = ELEMENTS[element]
@@ -160,6 +169,12 @@ def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisat
     if x.ndim != 2 or x.shape[1] != kind.dim:
         raise ProblemError(f"points: shape {x.shape}; {element} needs (n, {kind.dim})")
     t = _checked_cells(cells, kind, len(x))
+    with within_memory(len(x), "nodes"):
+        return _assembled(x, t, kind)
+
+
+def _assembled(x: Array, t: Index, kind: Element) -> Discretisation:
+    """Discretisation of points (n, d) and cells (c, nodes), which are looked into."""
     corners = t[:, : kind.corners]
     if kind.dim == 2:
         _refuse_inverted(x[corners])

@@ -24,16 +24,25 @@ from msvalidate.problem import (
     shown,
 )
 from reference_fem.discretisation import Discretisation, discretise
-from reference_fem.multigrid import in_one_piece, multigrid
+from reference_fem.effort import envelope, within_memory
+from reference_fem.multigrid import MOST_STEPS, in_one_piece, multigrid
 
 RESIDUAL = 1e-9
 """Largest accepted residual relative to the terms that cancel in it; a direct solve of a regular
 system leaves 1e-13."""
 NO_STIFFNESS = 1e-14
 """Strain energy of a mode that is rounding, relative to what its components cost one by one."""
-MOST_DIRECT = 4000
-"""Unknowns in space beyond which multigrid is faster than a factorisation, whose time grows as
-their square; in the plane it does not, to a million and more."""
+MOST_PRODUCTS = 4e9
+"""Products of a factor's envelope, in space, beyond which multigrid may be faster: half a second to
+three. A cube of 12 x 12 x 12 cells has 3.6e9, a bar of 200 x 4 x 4 has 1.3e8. In the plane a factor
+is faster to a million unknowns and more."""
+MOST_ENTRIES = 5e7
+"""Entries of a factor's envelope up to which one is made where multigrid fails: it takes 10
+bytes for each in hexahedra, 30 in tetrahedra, 2 GB at most. A cube of 18 x 18 x 18 has 3e7."""
+PRODUCTS_A_STEP = 2e8
+"""Products of a factor that take no less time than a step of multigrid: what it may waste."""
+LEAST_STEPS = 60
+"""Steps that multigrid is always given: well-shaped cells take 40."""
 VOIGT = {
     2: ((0, 0), (1, 1), (0, 1)),
     3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)),
@@ -115,8 +124,8 @@ def _solved(
     if len(free):
         rows = K[free]
         acting = load[free] - rows @ u
-        if body.dim == 3 and len(free) > MOST_DIRECT and in_one_piece(body):
-            u[free] = multigrid(body, held, K, acting)
+        if body.dim == 3:
+            u[free] = _in_space(body, held, K, acting)
         else:
             u[free] = _direct(body, free, rows[:, free], acting)
         residual = np.abs(rows @ u - load[free]).max()
@@ -129,10 +138,32 @@ def _solved(
     return u.reshape(body.dim, -1).T.copy()
 
 
+def _in_space(body: Discretisation, held: Mask, K: csr_matrix, load: Array) -> Array:
+    """Solution of the free part of a body in space by the way that its shape makes the faster."""
+    free = np.flatnonzero(~held.T.ravel())
+    entries, products = envelope(body.gradients[0][0], held)
+    if products > MOST_PRODUCTS and in_one_piece(body):
+        fits = entries <= MOST_ENTRIES
+        steps = max(LEAST_STEPS, int(products / PRODUCTS_A_STEP)) if fits else MOST_STEPS
+        try:
+            return multigrid(body, held, K, load, min(steps, MOST_STEPS))
+        except SolverError:  # thin cells, or nu near 1/2, which a factor does not mind
+            if not fits:
+                raise
+    return _direct(body, free, K[free][:, free], load)
+
+
 def stiffness(body: Discretisation, material: Material) -> csr_matrix:
     """Stiffness (d·n, d·n) in N/m, thickness included, component-major.
 
     K_(ai)(bj) = t Σ_cd C_acbd ∫ ∂c φi ∂d φj.
+
+    Raises
+    ------
+    ProblemError
+        If the material is of another dimension.
+    SolverError
+        If memory does not suffice.
     """
     instance("body", body, Discretisation)
     instance("material", material, Material)
@@ -140,11 +171,12 @@ def stiffness(body: Discretisation, material: Material) -> csr_matrix:
         raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
     d, G = body.dim, body.gradients
     C = material.thickness * full_tensor(elastic_tensor(material))
-    blocks = [
-        [sum(C[a, c, b, e] * G[c][e] for c in range(d) for e in range(d)) for b in range(d)]
-        for a in range(d)
-    ]
-    return bmat(blocks, format="csr")
+    with within_memory(len(body.points), "nodes"):
+        blocks = [
+            [sum(C[a, c, b, e] * G[c][e] for c in range(d) for e in range(d)) for b in range(d)]
+            for a in range(d)
+        ]
+        return bmat(blocks, format="csr")
 
 
 def elastic_tensor(material: Material) -> Array:
@@ -191,18 +223,15 @@ def _direct(body: Discretisation, free: Index, K: csr_matrix, load: Array) -> Ar
     """Solution of the free part, refused if part of the body can move without strain."""
     # Symmetric ordering with diagonal pivots: several times faster than the general default.
     options = {"SymmetricMode": True}
-    try:
-        factor = splu(K.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-    except MemoryError as error:
-        raise SolverError(
-            f"finite elements: {len(free)} unknowns take more memory than there is; take fewer "
-            "cells"
-        ) from error
-    except RuntimeError as error:
-        raise SolverError(
-            "finite elements: the stiffness is singular: a part of the body can move without "
-            "strain; join the parts or hold each"
-        ) from error
+    ordering = "MMD_AT_PLUS_A"
+    with within_memory(len(free), "unknowns"):
+        try:
+            factor = splu(K.tocsc(), permc_spec=ordering, diag_pivot_thresh=0.0, options=options)
+        except RuntimeError as error:
+            raise SolverError(
+                "finite elements: the stiffness is singular: a part of the body can move without "
+                "strain; join the parts or hold each"
+            ) from error
     # A zero-energy mode hides from the residual, not from two steps of inverse iteration.
     mode = np.random.default_rng(0).normal(size=len(free))
     for _ in range(2):

@@ -30,6 +30,9 @@ from msvalidate.problem import (
 )
 from reference_fem.discretisation import ELEMENTS, Discretisation, discretise
 
+MOST_NODES = {2: 4_000_000, 3: 1_000_000}
+"""Nodes of a mesh, by dimension, beyond which none is made: assembly takes 4 kB for each in the
+plane (Q2) and 15 kB in space (H1), as measured, so that 16 GB hold these."""
 NODES_PER_TRIANGLE = 2
 """Corners and mid-sides of a large mesh of triangles for each triangle, at most."""
 
@@ -81,6 +84,7 @@ def box_discretisation(
     refuse_too_many(
         f"mesh of {' x '.join(map(str, each))} cells",
         math.prod(kind.degree * n + 1 for n in each),
+        MOST_NODES[box.dim],
     )
     if through is None:
         through = ((),) * box.dim
@@ -183,7 +187,8 @@ def _refined(mesh: Any, places: KDTree, spacing: float, depth: int, rings: int) 
         halved = np.flatnonzero(np.isfinite(distance)[mesh.t].any(axis=0))
         # Each becomes four; a neighbour or two of some are cut as well.
         name = f"mesh refined to depth {level + 1} of {depth} with {rings} rings"
-        refuse_too_many(name, NODES_PER_TRIANGLE * (mesh.t.shape[1] + 3 * len(halved)))
+        nodes = NODES_PER_TRIANGLE * (mesh.t.shape[1] + 3 * len(halved))
+        refuse_too_many(name, nodes, MOST_NODES[2])
         mesh = mesh.refined(halved)
     return mesh
 
@@ -196,7 +201,8 @@ def _equilateral(outline: Polygon, side: float) -> Any:
     local = (outline.corners - start) @ turn / side
     (left, low), (right, high) = local.min(axis=0), local.max(axis=0)
     size = float(right - left + 6) * float((high - low) / np.sqrt(0.75) + 5)
-    refuse_too_many(f"mesh of spacing {side:g} m", 2 * NODES_PER_TRIANGLE * size)
+    nodes = 2 * NODES_PER_TRIANGLE * size
+    refuse_too_many(f"mesh of spacing {side:g} m", nodes, MOST_NODES[2])
     row = np.arange(np.floor(low / np.sqrt(0.75)) - 1, np.ceil(high / np.sqrt(0.75)) + 2)
     column = np.arange(np.floor(left) - 2, np.ceil(right) + 3)
     across, along = np.meshgrid(row, column, indexing="ij")
