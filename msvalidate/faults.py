@@ -36,10 +36,12 @@ def boundary_springs(network: Network, size: float) -> Network:
     """Springs with cells missing beside them stiffer, from shared (0) to equal (1).
 
     They are known by their stiffness: half that of the stiffest spring of their length, on the
-    edges of a solid a quarter.
+    edges of a solid a quarter. So it says nothing of lattices whose lengths are all different.
     """
     _checked(network, size)
-    _, alike = np.unique(np.round(network.rest_length, 9), return_inverse=True)
+    _, alike = np.unique(
+        np.round(network.rest_length / network.rest_length.max(), 9), return_inverse=True
+    )
     strongest = np.zeros(alike.max() + 1)
     np.maximum.at(strongest, alike, network.stiffness)
     part = network.stiffness < 0.75 * strongest[alike]
