@@ -42,7 +42,9 @@ def test_a_study_writes_its_files(finished):
     tables = {"summary", "finite_size", "modulus", "reference", "direction", "incompressible"}
     tables |= {"drift", "algorithm1", "rest", "block", "resolution", "verdict"}
     tables |= {"rotated", "rotated_order"}
+    tables |= {"cube", "cube_cell", "cube_clamped", "cube_modulus", "cube_shape"}
     pictures = {"finite_size", "direction", "drift", "rest", "block", "rotated"}
+    pictures |= {"cube", "cube_shape"}
     expected = {f"poisson/{name}.csv" for name in tables}
     expected |= {"poisson/study.json", "report.html", "verdict.json"}
     expected |= {f"poisson/{name}.{kind}" for name in pictures for kind in ("png", "svg")}
