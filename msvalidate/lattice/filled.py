@@ -238,13 +238,15 @@ def joined(pattern: Pattern, number: Index) -> tuple[Index, Index]:
         What repeats.
     number
         (.., cells along y, cells along x, points a cell) numbers of the places, -1 where none is.
+        Springs that reach over more cells than there are have no room.
     """
     n = number.shape[-2::-1]
     pairs = []
     for (i, j), image in zip(pattern.springs, pattern.image, strict=True):
         steps = list(zip(image, n, strict=True))
-        start = [slice(max(0, -t), count - max(0, t)) for t, count in steps]
-        end = [slice(max(0, t), count + min(0, t)) for t, count in steps]
+        # A stop below 0 would count from the end, not leave nothing.
+        start = [slice(max(0, -t), max(0, count - max(0, t))) for t, count in steps]
+        end = [slice(max(0, t), max(0, count + min(0, t))) for t, count in steps]
         a, b = number[(*reversed(start), i)], number[(*reversed(end), j)]
         there = (a >= 0) & (b >= 0)
         pairs.append(np.sort(np.column_stack([a[there], b[there]]), axis=1))

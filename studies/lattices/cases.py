@@ -6,6 +6,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.linalg import eigsh
 
 from msvalidate import figures
 from msvalidate.homogenise import Homogenised, homogenised
@@ -18,6 +20,17 @@ STIFF = 1e-10
 """Energy of a strain, relative to that of the stiffest, below which it costs none."""
 NEAR_CUBE = 0.25
 """Part by which the edges of a box may differ."""
+STANDS = "stands"
+TRIED = {2: 4, 3: 2}
+"""Cells along an edge, about, of the body that is tried whether it stands."""
+SHIFT = 1e-3
+"""Below the stiffness 0 of a free motion, where its matrix can be factored; per spring constant."""
+FREE = 1e-9
+"""Stiffness of a motion, per spring constant, that is rounding; slow waves have 1e-3 and more."""
+LINES = ("-", "--", "-.", (0, (1, 1)))
+"""Of the cases in a figure, a round of colours each."""
+MOVED = 1e-9
+"""Part of the affine tensor that points release by moving, above which it is no rounding."""
 MOST_CELLS = 12
 """Cells along an edge of the smallest box that is looked for."""
 COLUMNS = {
@@ -26,6 +39,9 @@ COLUMNS = {
     "k": "spring constants by kind, the shortest springs first (N/m)",
     "axes": "2 in the plane, 3 in space",
     "strains": "what the solid resists: every strain, or it shears freely, or it gives way",
+    "body": f'"{STANDS}", or why there is none: "no body" (the solid lets some strain pass), "no '
+    'corner point" (none in the corner of the cell: a box would have no corners), "no box" (the '
+    'cells fill none), "mechanism" (points move without resistance)',
     "cells": "cells of the pattern along the x axis",
     "points": "points of the network",
     "spacing": "length of the pattern's unit (m)",
@@ -81,8 +97,38 @@ def resists(tensor: Array) -> str:
 
 
 def stiff(solid: Solid = homogenised) -> list[Case]:
-    """The cases whose solid resists every strain: of them bodies can be made."""
-    return [case for case in every() if resists(tensor_of(solid, case)) == "every strain"]
+    """The cases whose solid resists every strain and whose bodies stand."""
+    return [case for case in every() if body(solid, case) == STANDS]
+
+
+def body(solid: Solid, case: Case) -> str:
+    """Whether a body can be made of a case and stands under a load, or why not, in words."""
+    if resists(tensor_of(solid, case)) != "every strain":
+        return "no body"
+    pattern = case.pattern
+    if not (np.abs(pattern.points) <= STIFF * np.array(pattern.size)).all(axis=1).any():
+        return "no corner point"
+    try:
+        lattice = filled(case, TRIED[pattern.dim])
+    except ProblemError:
+        return "no box"
+    return STANDS if stands(case, lattice) else "mechanism"
+
+
+def stands(case: Case, lattice: Lattice) -> bool:
+    """Whether a piece of lattice resists every motion but those of a rigid body."""
+    m, (n, d) = len(lattice.springs), lattice.points.shape
+    vector = lattice.vectors
+    k = np.array(case.constants)[lattice.kind] * lattice.factor
+    way = vector * (np.sqrt(k / k.max()) / np.linalg.norm(vector, axis=1))[:, None]
+    place = lattice.springs[:, :, None] * d + np.arange(d)  # (m, 2, d) of ends in a row of motion
+    row = np.broadcast_to(np.arange(m)[:, None, None], place.shape)
+    ends = (np.stack([-way, way], axis=1).ravel(), (row.ravel(), place.ravel()))
+    stretch = coo_array(ends, shape=(m, n * d)).tocsc()
+    rigid = d * (d + 1) // 2
+    start = np.random.default_rng(0).normal(size=n * d)
+    least = eigsh(stretch.T @ stretch, rigid + 1, sigma=-SHIFT, v0=start, return_eigenvectors=False)
+    return bool(least.max() > FREE)
 
 
 def tensor_of(solid: Solid, case: Case, spacing: float = 1.0) -> Array:
@@ -97,6 +143,17 @@ def filled(case: Case, across: int) -> Lattice:
     cells = np.array(base) * max(1, round(across / max(base)))
     edges = cells * pattern.size
     return fill(pattern, Box(tuple((edges / edges.max()).tolist())), tuple(cells.tolist()))
+
+
+def sizes(case: Case, wanted: tuple[int, ...]) -> list[int]:
+    """As many different sizes (cells along the box's edges, ascending) as wanted, and nearly those.
+
+    Bodies are multiples of a base, so a size that the base skips would be a body twice.
+    """
+    base, found = max(proportions(case.pattern.size)), [0]
+    for across in wanted:
+        found.append(max(found[-1] + 1, round(across / base)))
+    return [times * base for times in found[1:]]
 
 
 def box_of(lattice: Lattice) -> Box:
@@ -141,6 +198,12 @@ def material(solid: Solid, case: Case, lattice: Lattice) -> Anisotropic:
     return Anisotropic(tensor)
 
 
+def releases(solid: Solid, case: Case) -> bool:
+    """Whether points move inside a cell under uniform strain: less stiff than the affine bound."""
+    found = solid(case.pattern, case.constants, 1.0)
+    return bool(np.abs(found.affine - found.tensor).max() > MOVED * np.abs(found.affine).max())
+
+
 def springs_a_point(case: Case) -> float:
     """Springs with stiffness that meet at a point, on average."""
     pattern = case.pattern
@@ -149,9 +212,13 @@ def springs_a_point(case: Case) -> float:
 
 
 def style(number: int) -> dict[str, Any]:
-    """How the case of a number is drawn, in every figure the same."""
+    """How the case of a number is drawn, in every figure the same; of 24 no two are alike.
+
+    After each round of the colours every colour has its next marker and its next line.
+    """
+    around = number // len(figures.COLOURS)
     return {
-        "marker": figures.MARKERS[number % len(figures.MARKERS)],
+        "marker": figures.MARKERS[(number + around) % len(figures.MARKERS)],
         "color": figures.COLOURS[number % len(figures.COLOURS)],
-        "linestyle": "-" if number < len(figures.COLOURS) else "--",
+        "linestyle": LINES[around % len(LINES)],
     }

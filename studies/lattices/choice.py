@@ -17,7 +17,7 @@ from msvalidate.evidence import Evidence, Observed, Tolerance
 from studies.lattices import cases, solids
 from studies.lattices.cases import Case
 
-NO_BODY = "no body"
+NO_BODY = '"no body", "no corner point", "no box" or "mechanism", as in the column body of solids'
 TOLERANCES = (
     Tolerance(
         "known lattices and rules without a row",
@@ -27,7 +27,7 @@ TOLERANCES = (
     ),
 )
 MEANING = {"E": "modulus along x (N/m, Pa at a spacing of 1 m)", "nu": "Poisson's ratio (1)"}
-MEANING["A"] = "Zener's ratio (1)"
+MEANING["A"] = 'Zener\'s ratio, "none" where the solid is neither square nor cubic (1)'
 COLUMNS = {
     **cases.COLUMNS,
     **{name: solids.COLUMNS[name] for name in ("E", "nu", "A", "isotropic", "omega2_m")},
@@ -36,22 +36,21 @@ COLUMNS = {
         for name, meaning in MEANING.items()
     },
     **{
-        f"{name}_body": f'{meaning}, of the finest body under uniform stress, "{NO_BODY}" where '
-        "the solid lets some strain pass"
+        f"{name}_body": f"{meaning}, of the finest body under uniform stress, or {NO_BODY}"
         for name, meaning in MEANING.items()
     },
     **{
         f"{test}_difference": f"work of the load on the finest clamped body in {test}, over that "
-        f'of the elastic body, less 1, or "{NO_BODY}" (1)'
+        f"of the elastic body, less 1, or {NO_BODY} (1)"
         for test in ("pull", "shear")
     },
     **{
         f"{test}_order": f'order of this difference, or "not resolved", "not asymptotic", '
-        f'"{NO_BODY}" (1)'
+        f"{NO_BODY} (1)"
         for test in ("pull", "shear")
     },
     "springs_a_point": solids.COLUMNS["springs_a_point"],
-    "rest_steps": f'steps to rest, as in the table cost, or "{NO_BODY}"',
+    "rest_steps": f"steps to rest, as in the table cost, or {NO_BODY}",
 }
 
 
@@ -75,6 +74,7 @@ def row(case: Case, tables: dict[str, pd.DataFrame]) -> dict[str, object]:
     """One row of the table `lattices`."""
     pattern = case.pattern
     own = one(tables["solids"], case)
+    none = own["body"]
     found: dict[str, object] = case.head | {"axes": pattern.dim, "isotropic": own["isotropic"]}
     closed: tuple[float | str, ...] = ("none",) * 3
     if pattern.tensor is not None:
@@ -86,13 +86,13 @@ def row(case: Case, tables: dict[str, pd.DataFrame]) -> dict[str, object]:
         body |= {f"{name}_body": body[f"{name}_measured"] for name in ("nu", "A")}
     for name, on_paper in zip(MEANING, closed, strict=True):
         found |= {f"{name}_closed": on_paper, name: own[name]}
-        found[f"{name}_body"] = body.get(f"{name}_body", NO_BODY)
+        found[f"{name}_body"] = body.get(f"{name}_body", none)
     for test in ("pull", "shear"):
-        difference = one(tables["clamped"], case, test).get("difference", NO_BODY)
-        order = one(tables["clamped_order"], case, test).get("clamped_order", NO_BODY)
+        difference = one(tables["clamped"], case, test).get("difference", none)
+        order = one(tables["clamped_order"], case, test).get("clamped_order", none)
         found |= {f"{test}_difference": difference, f"{test}_order": order}
     found |= {name: own[name] for name in ("omega2_m", "springs_a_point")}
-    return found | {"rest_steps": one(tables["cost"], case).get("steps", NO_BODY)}
+    return found | {"rest_steps": one(tables["cost"], case).get("steps", none)}
 
 
 def one(table: pd.DataFrame, case: Case, test: str | None = None) -> dict[str, Any]:

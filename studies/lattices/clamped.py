@@ -13,6 +13,7 @@ Expected   Stress is singular where the held side ends: twice the exponent of th
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 import numpy as np
@@ -99,12 +100,12 @@ def run(candidate: Candidate, solid: Solid, setting: Setting) -> Evidence:
 
 def measured(candidate: Candidate, solid: Solid, setting: Setting) -> pd.DataFrame:
     """The table `clamped`."""
-    sizes = QUICK if setting.quick else SIZES
+    wanted = QUICK if setting.quick else SIZES
     todo = [
         (case, test, across)
         for case in cases.stiff(solid)
         for test in loading.TESTS
-        for across in sizes[case.pattern.dim]
+        for across in cases.sizes(case, wanted[case.pattern.dim])
     ]
     works = setting.sweep(partial(lattice_work, candidate, solid), todo, "clamped lattices")
     references = elastic.bodies(solid, setting)
@@ -182,7 +183,8 @@ def observed(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
 
 
 def _worst(away: pd.Series) -> Observed:
-    return worst(away, 0.0) if len(away) else Observed(0.0)
+    """The farthest from 0; NaN, which fails, where none is left to judge."""
+    return worst(away, 0.0) if len(away) else Observed(math.nan)
 
 
 def findings(table: pd.DataFrame, orders: pd.DataFrame) -> tuple[str, ...]:
@@ -206,10 +208,16 @@ def findings(table: pd.DataFrame, orders: pd.DataFrame) -> tuple[str, ...]:
     return tuple(said)
 
 
+def of_one_sign(difference: pd.Series) -> list[pd.Index]:
+    """Labels of the stretches of a sequence whose values have one sign, in their order."""
+    stiff = difference < 0
+    return [part.index for _, part in difference.groupby((stiff != stiff.shift()).cumsum())]
+
+
 def draw(tables: Tables) -> Figure:
     """Difference against the number of cells: a row for plane and space, a column a test.
 
-    Markers are open where the lattice is too stiff.
+    Markers are open where the lattice is too stiff; a line breaks where the sign changes.
     """
     table, orders = tables["clamped"], tables["clamped_order"]
     names = list(dict.fromkeys(zip(orders["lattice"], orders["rule"], strict=True)))
@@ -224,13 +232,14 @@ def draw(tables: Tables) -> Figure:
                 & (table["rule"] == row.rule)
                 & (table["test"] == test)
             ]
-            axis.loglog(
-                mine["cells"],
-                mine["difference"].abs(),
-                label=f"{row.lattice}, {row.rule}",
-                mfc="white" if mine["difference"].iloc[-1] < 0 else None,
-                **cases.style(names.index((row.lattice, row.rule))),
-            )
+            style = cases.style(names.index((row.lattice, row.rule)))
+            label = f"{row.lattice}, {row.rule}"
+            axis.plot([], [], label=label, **style)  # for the legend: markers filled
+            for run in of_one_sign(mine["difference"]):
+                part_of = mine.loc[run]
+                stiff = part_of["difference"].iloc[0] < 0
+                mfc = "white" if stiff else style["color"]
+                axis.loglog(part_of["cells"], part_of["difference"].abs(), mfc=mfc, **style)
         cells = np.array(sorted(set(table.merge(part)["cells"])), dtype=float)
         for power, dashes in ((1, ":"), (1.5, "--")):
             line = 0.5 * table.merge(part)["difference"].abs().max() * (cells / cells[0]) ** -power

@@ -103,7 +103,8 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
             f"To rest at {cells} cells: {least['lattice']}, {least['rule']}, takes the least work, "
             f"{least['steps']} steps of {least['springs_a_point']:.0f} springs a point; "
             f"{most['lattice']}, {most['rule']}, the most, {most['steps']} of "
-            f"{most['springs_a_point']:.0f}."
+            f"{most['springs_a_point']:.0f}. Bodies are of unequal accuracy: this is the work at "
+            "one size, not for one error."
         )
     said.append(
         "Edges and corners ring above the endless lattice, by up to "

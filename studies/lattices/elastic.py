@@ -81,8 +81,12 @@ def extrapolated(coarse: float, medium: float, fine: float) -> Reference:
 
 
 def corner_order(tensor: Array, dim: int) -> float:
-    """Twice the exponent of the displacement where the clamped side meets a free one."""
+    """Twice the least exponent of the displacement where the clamped side meets a free one."""
     if dim == 2:
         return 2 * clamped_free_exponent(tensor, np.pi / 2)
-    plane = [VOIGT[3].index(pair) for pair in VOIGT[2]]  # along an edge the body cannot stretch
-    return 2 * clamped_free_exponent(tensor[np.ix_(plane, plane)], np.pi / 2)
+    found = []
+    for across in (1, 2):  # along an edge the body cannot stretch: the plane across it decides
+        pairs = ((0, 0), (across, across), (0, across))
+        plane = [VOIGT[3].index(pair if pair in VOIGT[3] else pair[::-1]) for pair in pairs]
+        found.append(2 * clamped_free_exponent(tensor[np.ix_(plane, plane)], np.pi / 2))
+    return min(found)

@@ -84,7 +84,8 @@ COLUMNS = {
     **cases.COLUMNS,
     "E": "modulus along x (N/m in the plane, Pa in space, at a spacing of 1 m)",
     "nu": 'Poisson\'s ratio along x, "none" where the solid gives way (1)',
-    "A": 'Zener\'s ratio 2·C44/(C11 - C12), "none" where the solid gives way (1)',
+    "A": 'Zener\'s ratio 2·C44/(C11 - C12) of a square or cubic tensor, "none" where the solid is '
+    "neither or gives way (1)",
     "A_theory": 'the same on paper, or "none"',
     "isotropic": "whether the modulus is the same in every direction",
     "closed_form_error": "largest entry of tensor - closed form over the largest of the tensor, or "
@@ -154,6 +155,7 @@ def measure(solid: Solid, case: Case) -> Found:
         "k": ", ".join(f"{value:.4g}" for value in k),
         "axes": pattern.dim,
         "strains": strains,
+        "body": cases.body(solid, case),
         **dict(zip(("E", "nu", "A"), constants(C, strains), strict=True)),
         "A_theory": theory.zener(pattern.name, k),
         "isotropic": "yes" if is_isotropic(C) else "no",
@@ -180,16 +182,27 @@ def constants(C: Array, strains: str) -> tuple[float | str, float | str, float |
     """E (unit of the tensor), nu and A along the axes; words where a pull finds no resistance."""
     if strains == "every strain":
         S = loading.compliances(C)
-        return from_compliance(S[0, 0], S[1, 0], S[-1, -1])
+        E, nu, zener = from_compliance(S[0, 0], S[1, 0], S[-1, -1])
+        return E, nu, zener if is_cubic(C) else "none"
     if strains == "gives way":
         return 0.0, "none", "none"
     found = moduli(C)
-    return found.E, found.nu, found.zener
+    return found.E, found.nu, found.zener if is_cubic(C) else "none"
 
 
 def from_compliance(pulled: float, across: float, sheared: float) -> tuple[float, float, float]:
     """E, nu and A from strains per stress: along a pull, across it, and of shear."""
     return 1 / pulled, -across / pulled, 2 * (pulled - across) / sheared
+
+
+def is_cubic(C: Array) -> bool:
+    """Whether a tensor is that of a square or cubic lattice along the axes: three constants."""
+    d = 2 if len(C) == 3 else 3
+    along, shear = np.diag(C)[:d].mean(), np.diag(C)[d:].mean()
+    across = (C[:d, :d].sum() - d * along) / (d * (d - 1))
+    cubic = np.diag([along - across] * d + [shear] * (len(C) - d))
+    cubic[:d, :d] += across
+    return difference(C, cubic, float(np.abs(C).max())) <= ALIKE
 
 
 def is_isotropic(C: Array) -> bool:

@@ -23,7 +23,7 @@ COLUMNS = 4
 LIGHT = LightSource(azdeg=180, altdeg=60)
 
 
-def tensors(tables: Tables, axes: int) -> Iterator[tuple[str, str, float, Array]]:
+def tensors(tables: Tables, axes: int) -> Iterator[tuple[str, str, float | str, Array]]:
     """Lattice, rule, Zener's ratio and Voigt tensor of every solid that resists every strain."""
     place = {f"{'xyz'[a]}{'xyz'[b]}": n for n, (a, b) in enumerate(VOIGT[axes])}
     table, solids = tables["tensors"], tables["solids"]
@@ -35,7 +35,12 @@ def tensors(tables: Tables, axes: int) -> Iterator[tuple[str, str, float, Array]
         for entry in mine.to_dict("records"):
             i, j = place[entry["row"]], place[entry["column"]]
             C[i, j] = C[j, i] = entry["numerical"]
-        yield str(row["lattice"]), str(row["rule"]), float(row["A"]), C
+        yield str(row["lattice"]), str(row["rule"]), row["A"], C
+
+
+def told(zener: float | str) -> str:
+    """Zener's ratio in a label, or that there is none."""
+    return f"A = {zener:.3g}" if isinstance(zener, float) else "no A"
 
 
 def draw_plane(tables: Tables) -> Figure:
@@ -48,7 +53,7 @@ def draw_plane(tables: Tables) -> Figure:
     for n, (lattice, rule, zener, C) in enumerate(tensors(tables, 2)):
         modulus = directional_modulus(C, normal)
         colour = figures.COLOURS[n % len(figures.COLOURS)]
-        label = f"{lattice}, {rule}: A = {zener:.3g}"
+        label = f"{lattice}, {rule}: {told(zener)}"
         style = dashes[n % len(dashes)]
         axis.plot(angle, modulus / modulus[0], style, color=colour, lw=1.8, label=label)
     axis.set_ylim(0)
@@ -92,7 +97,7 @@ def draw_space(tables: Tables) -> Figure:
         reach = 1.05 * float(r.max())
         axis.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(-reach, reach))
         axis.set_box_aspect((1, 1, 1), zoom=0.95)
-        axis.set_title(f"{lattice}, {rule}\nA = {zener:.3g}", fontsize=9)
+        axis.set_title(f"{lattice}, {rule}\n{told(zener)}", fontsize=9)
         axis.set(xlabel="x", ylabel="y", zlabel="z", xticks=[], yticks=[], zticks=[])
         axis.xaxis.labelpad = axis.yaxis.labelpad = axis.zaxis.labelpad = -14
     for axis in axes[len(drawn) :]:

@@ -13,7 +13,7 @@ from msvalidate import lattice
 from msvalidate.candidate import springs
 from msvalidate.evidence import held, judge
 from msvalidate.homogenise import homogenised
-from msvalidate.lattice import Pattern, patterns
+from msvalidate.lattice import Pattern, fill, patterns
 from msvalidate.lattice.pattern import by_shells
 from msvalidate.problem import Anisotropic, Box, ProblemError, SolverError
 from msvalidate.singularity import clamped_free_exponent
@@ -58,6 +58,36 @@ def braced() -> Pattern:
         kind=found.kind[keep],
         factor=found.factor[keep],
     )
+
+
+def tetragonal() -> Pattern:
+    """Cells half as high again as wide."""
+    lengths = (1.0, sqrt(2), 1.5, sqrt(3.25))
+    return by_shells("tetragonal", (1.0, 1.0, 1.5), [(0, 0, 0)], lengths, {"even": (1.0,) * 4})
+
+
+def kagome() -> Pattern:
+    """Triangles that share corners: stiff without an end, floppy with one."""
+    h = sqrt(3) / 2
+    points = [(0, 0), (1, 0), (0.5, h), (1, 2 * h), (0, 2 * h), (1.5, 3 * h)]
+    return by_shells("kagome", (2.0, 4 * h), points, (1.0,), {"even": (1.0,)})
+
+
+def centred() -> Pattern:
+    """Squares, the point in the middle of the cell."""
+    return by_shells("centred", (1.0, 1.0), [(0.5, 0.5)], (1.0, sqrt(2)), {"even": (1.0, 0.5)})
+
+
+def slender() -> Pattern:
+    """A cell so low that springs run over twenty of them."""
+    lengths = (0.05, 1.0, sqrt(1 + 0.05**2))
+    return by_shells("slender", (1.0, 0.05), [(0, 0)], lengths, {"even": (1.0,) * 3})
+
+
+@pytest.fixture
+def with_awkward(monkeypatch):
+    for make in (tetragonal, kagome, centred, slender):
+        monkeypatch.setattr(patterns, make.__name__, make, raising=False)
 
 
 @pytest.fixture
@@ -111,6 +141,59 @@ def test_a_solid_without_bulk_gives_way():
 )
 def test_boxes_are_nearly_cubes(size, cells):
     assert cases.proportions(size) == cells
+
+
+def test_sizes_of_a_base_are_all_different_and_others_are_those_wanted():
+    # 3 x 3 x 2 cells are the least that make a cube of cells 1 x 1 x 1.5.
+    assert cases.proportions((1.0, 1.0, 1.5)) == (3, 3, 2)
+    assert cases.sizes(Case("cubic18", "isotropic"), (2, 3, 4, 6)) == [2, 3, 4, 6]
+    assert cases.sizes(Case("triangular", "equal"), (8, 16, 32)) == [8, 16, 32]
+
+
+@pytest.mark.usefixtures("with_awkward")
+def test_bodies_of_high_cells_differ():
+    case = Case("tetragonal", "even")
+    bodies = [cases.filled(case, across) for across in cases.sizes(case, (2, 3, 4))]
+    assert [cases.cells_along(body) for body in bodies] == [3, 6, 9]
+
+
+@pytest.mark.usefixtures("with_awkward")
+@pytest.mark.parametrize(
+    ("case", "word"),
+    [
+        (Case("kagome", "even"), "mechanism"),
+        (Case("centred", "even"), "no corner point"),
+        (Case("slender", "even"), "stands"),
+        (Case("tetragonal", "even"), "stands"),
+        (Case("square4", "equal"), "no body"),
+    ],
+)
+def test_which_bodies_stand(case, word):
+    assert cases.body(homogenised, case) == word
+
+
+@pytest.mark.usefixtures("with_awkward")
+def test_springs_longer_than_a_body_have_no_room():
+    pattern = slender()
+    few = fill(pattern, Box((2.0, 0.15)), (2, 3))
+    assert np.abs(few.vectors[:, 1]).max() == pytest.approx(0.05)
+    many = fill(pattern, Box((2.0, 1.5)), (2, 30))
+    assert np.abs(many.vectors[:, 1]).max() == pytest.approx(1.0)
+
+
+def test_24_cases_are_drawn_in_24_ways():
+    ways = {tuple(map(str, cases.style(number).values())) for number in range(24)}
+    lines = {(s["color"], str(s["linestyle"])) for s in map(cases.style, range(24))}
+    markers = {(s["color"], s["marker"]) for s in map(cases.style, range(24))}
+    assert len(ways) == len(lines) == len(markers) == 24
+
+
+@pytest.mark.usefixtures("with_awkward")
+def test_only_square_and_cubic_tensors_have_a_ratio_of_zener():
+    for case, ratio in ((Case("tetragonal", "even"), False), (Case("fcc", "nearest only"), True)):
+        C = cases.tensor_of(homogenised, case)
+        assert solids.is_cubic(C) == ratio
+        assert (solids.constants(C, "every strain")[2] != "none") == ratio
 
 
 def test_boxes_are_filled_to_a_length_of_1_m():
@@ -323,6 +406,27 @@ def test_orders_of_two_sizes(gaps, doubt, found):
     assert clamped.order(pair) == (found if isinstance(found, str) else pytest.approx(found))
 
 
+def test_a_line_breaks_where_its_sign_changes():
+    found = clamped.of_one_sign(pd.Series([0.3, 0.1, -0.1, -0.2, 0.1], index=range(5, 10)))
+    assert [list(part) for part in found] == [[5, 6], [7, 8], [9]]
+
+
+def test_nothing_to_judge_is_no_pass():
+    assert np.isnan(clamped._worst(pd.Series([], dtype=float)).value)
+    orders = pd.DataFrame({"order_expected": ["none"], "order": ["exact"]})
+    exact, _, away = uniform.observed(pd.DataFrame(), orders)
+    assert np.isnan(exact.value)
+    assert np.isnan(away.value)
+
+
+def test_what_crossing_springs_are_to_blame_for_is_not_said_where_points_move():
+    case = Case("honeycomb", "equal")
+    assert edges.crosses(case)
+    assert cases.releases(homogenised, case)
+    assert edges.rebuilt(case)["left_over"] == "none"
+    assert not cases.releases(homogenised, Case("triangular", "equal"))
+
+
 def test_steps_are_those_of_the_slowest_mode():
     row = cost.measure(homogenised, (Case("square", "isotropic"), 6.0))
     assert row["steps"] == pytest.approx(row["steps_predicted"], rel=0.05)
@@ -355,13 +459,14 @@ def test_unknown_questions_are_refused():
 def test_an_added_lattice_stands_in_every_table(monkeypatch):
     """One function in `patterns`: nothing else knows its name, and it has no closed form."""
     mine = [Case("braced", "even"), Case("square", "isotropic"), Case("square4", "equal")]
+    mine.append(Case("triangular", "equal"))
     monkeypatch.setattr(cases, "every", lambda: mine)  # the others take their time elsewhere
     assert "braced" in patterns.known()
     evidence = lattices.run(
         setting=QUICK, questions=("solids", "uniform", "clamped", "cost", "choice")
     )
     for name, table in evidence.tables.items():
-        assert "braced" in set(table["lattice"]), name
+        assert name == "crossing" or "braced" in set(table["lattice"]), name
     row = evidence.tables["lattices"].set_index("lattice").loc["braced"]
     assert (row["E_closed"], row["nu_closed"], row["A_closed"]) == ("none",) * 3
     assert row["E_body"] == pytest.approx(row["E"], rel=1e-9)
@@ -374,3 +479,22 @@ def test_an_added_lattice_stands_in_every_table(monkeypatch):
 def test_an_added_lattice_is_found_without_being_named():
     assert Case("braced", "even") in cases.every()
     assert Case("braced", "even") in cases.stiff()
+
+
+@pytest.mark.usefixtures("with_awkward")
+def test_awkward_lattices_are_rows_and_the_others_are_judged(monkeypatch):
+    """No body of some, cells that are no cubes of another: the study ends, and holds."""
+    names = ("tetragonal", "kagome", "centred")
+    mine = [Case("square", "isotropic"), Case("triangular", "equal")]
+    mine += [Case(name, "even") for name in names]
+    monkeypatch.setattr(cases, "every", lambda: mine)
+    evidence = lattices.run(
+        setting=QUICK, questions=("solids", "uniform", "clamped", "cost", "choice")
+    )
+    rows = evidence.tables["lattices"].set_index("lattice")
+    assert rows["E_body"]["kagome"] == rows["pull_order"]["kagome"] == "mechanism"
+    assert rows["E_body"]["centred"] == rows["rest_steps"]["centred"] == "no corner point"
+    assert rows["A"]["tetragonal"] == rows["A_body"]["tetragonal"] == "none"
+    assert held(judge(evidence))
+    for draw in evidence.figures.values():
+        draw(evidence.tables)
