@@ -136,7 +136,7 @@ def networks(tables: Tables) -> Figure:
         axis.set_aspect("equal")
         axis.autoscale_view()
         axis.grid(visible=False)
-        axis.set_title(f"{points.replace('_', ' ')} points")
+        axis.set_title(f"{points.replace('_', ' ')} points, strain {DRAWN_STRAIN:.0%}", fontsize=10)
         axis.set_xlabel("x (spacings)")
     axes[0].set_ylabel("y (spacings)")
     figures.shared_legend(figure, axes, columns=4)

@@ -4,7 +4,8 @@ Question   Modulus, Poisson's ratio and anisotropy of periodic networks between 
            cells share a facet, over seeds, sizes, kinds of point set and rules of stiffness; and
            which of these serve best.
 Candidate  The tensor of the endless network, its points at rest.
-Reference  Identities of Voronoi cells and of central springs; six figures of single networks.
+Reference  Identities of Voronoi cells and of central springs; small networks by least squares;
+           six figures of single networks.
 Expected   A facet of area A across a spring of length L is the base of two pyramids, so Σ A L is d
            times the volume. Springs of k = A/L pull with A times the strain when all lengths grow
            alike, and the facets of a closed cell have Σ A n = 0: no point moves, the bulk modulus
@@ -33,13 +34,12 @@ from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.point_sets import POINT_SETS
 from msvalidate.stiffness import isotropic_moduli
 from msvalidate.sweep import Setting
-from studies.lattices.voronoi import drawing
-from studies.lattices.voronoi.networks import CAUCHY, Solid, anisotropy, measure, seeds
+from studies.lattices.voronoi import best, drawing, energy
+from studies.lattices.voronoi.best import RULES
+from studies.lattices.voronoi.networks import Solid, anisotropy, measure, seeds
 from studies.lattices.voronoi.rows import records
 
 COUNTS = {2: (100, 400, 1600), 3: (64, 216, 1000)}
-RULES = dict(zip(STIFFNESS_RULES, ("k = 1", "k = 1/L", "k = A/L"), strict=True))
-"""How tables and figures call them."""
 QUOTED = {
     2: {"1": 0.264, "1/L": 0.375, "A/L": 0.597},
     3: {"1": 0.225, "1/L": 0.252, "A/L": 0.329},
@@ -47,8 +47,6 @@ QUOTED = {
 """Ratios that an independent program found, each of one network of uniform points."""
 NO_SCATTER = 1e-12
 """Standard deviation of a ratio below which it is rounding."""
-WANTED = 0.5
-"""Ratio of an incompressible solid, and of a sheet of one."""
 TOLERANCES = (
     Tolerance(
         "Voronoi cells: Σ A L over d times the volume, less 1",
@@ -103,6 +101,7 @@ TOLERANCES = (
         "so one exponent a kind of point set and dimension counts; what is farther out is no "
         "chance",
     ),
+    energy.TOLERANCE,
 )
 COLUMNS = {
     "axes": "2 in the plane, 3 in space",
@@ -110,7 +109,7 @@ COLUMNS = {
     "stiffness": "rule of a random network's springs: 1, 1/L or A/L",
     "count": "points in the periodic cell, or in the body (1)",
     "seeds": "random networks drawn (1)",
-    "neighbours": "springs that meet at a point, mean (1)",
+    "springs_a_point": "springs with stiffness that meet at a point",
     "nu_mean": "Poisson's ratio, mean over the seeds (1)",
     "nu_std": "its standard deviation over the seeds: what one network may be off (1)",
     "nu_low": "lower end of the mean's interval of 95 % (1)",
@@ -130,11 +129,10 @@ COLUMNS = {
     "anisotropy_exponent": "p of anisotropy ∝ count^p (1)",
     "nu_quoted": "ratio of one network of uniform points, by an independent program (1)",
     "deviations": "nu_quoted - nu_mean of the largest size, in nu_std of the smallest (1)",
-    "criterion": "what a point set and a rule are chosen for, at the largest size",
-    "value": "what the criterion asks to be small (1)",
-    "next_value": "the same of the second best (1)",
+    **best.COLUMNS,
     "identity": "which identity of Voronoi cells or central springs",
     "identity_error": "largest departure from it over all networks (1)",
+    **energy.COLUMNS,
 }
 IDENTITIES = {
     "content": "Σ A L = d V",
@@ -167,26 +165,31 @@ def run(solid: Solid = homogenised, setting: Setting | None = None) -> Evidence:
         {"identity": name, "identity_error": float(np.abs(networks[key]).max())}
         for key, name in IDENTITIES.items()
     )
-    best = pd.DataFrame(choices(solids))
+    routes = pd.DataFrame(
+        setting.sweep(partial(energy.compared, solid), energy.CASES, "random solids, third route")
+    )
+    chosen = pd.DataFrame(best.choices(networks))
     values = (
         *(worst(networks[key], 0.0) for key in IDENTITIES),
         worst(quoted["deviations"], 0.0),
         from_half(spread),
+        worst(routes["squares_error"], 0.0),
     )
     return Evidence(
         tables={
             "random_solids": solids,
             "random_spread": spread,
             "random_quoted": quoted,
-            "random_best": best,
+            "random_best": chosen,
             "random_identities": identities,
+            "random_energy": routes,
         },
         observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
         tolerances=TOLERANCES,
         figures={"random_nu": drawing.ratios, "random_spread": drawing.spread},
         columns=COLUMNS,
-        findings=findings(solids, best, spread),
-        rounding={"identity_error": 1e-10},
+        findings=findings(solids, chosen, spread),
+        rounding={"identity_error": 1e-10, "squares_error": 1e-10},
     )
 
 
@@ -200,7 +203,7 @@ def summary(rows: pd.DataFrame) -> dict[str, Any]:
     lost = rows[["bulk_lost", "shear_lost", "E_lost"]].mean().round(12)
     return head | {
         "seeds": number,
-        "neighbours": mean["neighbours"],
+        "springs_a_point": mean["neighbours"],
         "nu_mean": mean["nu"],
         "nu_std": spread,
         "nu_low": mean["nu"] - reach,
@@ -263,58 +266,22 @@ def against_quoted(solids: pd.DataFrame) -> list[dict[str, Any]]:
     return rows
 
 
-def choices(solids: pd.DataFrame) -> list[dict[str, Any]]:
-    """Rows of the table `random_best`: the best point set and rule by each criterion."""
-    rows = []
-    for dim, same in largest(solids).groupby("axes", sort=False):
-        criteria = {
-            "least spread of the ratio": same["nu_std"],
-            "least anisotropy": same["anisotropy"],
-            "least modulus lost by relaxation": same["E_lost"],
-            "nearest to Cauchy's ratio": (same["nu_mean"] - CAUCHY[int(str(dim))]).abs(),
-            "nearest to a ratio of 1/2": (same["nu_mean"] - WANTED).abs(),
-        }
-        for criterion, score in criteria.items():
-            order = score.sort_values()
-            first = same.loc[order.index[0]]
-            rows.append(
-                {
-                    "axes": dim,
-                    "criterion": criterion,
-                    "point_set": first["point_set"],
-                    "stiffness": first["stiffness"],
-                    "value": order.iloc[0],
-                    "next_value": order.iloc[1],
-                }
-            )
-    return rows
-
-
-def largest(solids: pd.DataFrame) -> pd.DataFrame:
-    """Rows of the largest networks of each dimension."""
-    return solids[solids["count"] == solids.groupby("axes")["count"].transform("max")]
-
-
-def findings(solids: pd.DataFrame, best: pd.DataFrame, spread: pd.DataFrame) -> tuple[str, ...]:
+def findings(solids: pd.DataFrame, chosen: pd.DataFrame, spread: pd.DataFrame) -> tuple[str, ...]:
     """Which solids Voronoi networks are, why, and which is best for what."""
-    top = largest(solids)
+    top = best.largest(solids)
     told = []
-    for dim, name in ((2, "the plane"), (3, "space")):
+    for dim, name in ((2, "In the plane"), (3, "in space")):
         uniform = top[(top["axes"] == dim) & (top["point_set"] == "uniform")]
         ratios = ", ".join(
             f"{row['nu_mean']:.4f} ± {row['nu_high'] - row['nu_mean']:.4f} "
             f"({RULES[row['stiffness']]}; one network ± {row['nu_std']:.4f})"
             for row in records(uniform)
         )
-        told.append(f"in {name}, {uniform['count'].iloc[0]} uniform points: {ratios}")
-    chosen = "; ".join(
-        f"{row['axes']}D, {row['criterion']}: {named(row['point_set'])} points with "
-        f"{RULES[row['stiffness']]} ({row['value']:.2g}; next {row['next_value']:.2g})"
-        for row in records(best)
-    )
+        told.append(f"{name}, {uniform['count'].iloc[0]} uniform points: {ratios}")
     kept = top[(top["axes"] == 2) & (top["stiffness"] == "A/L")].set_index("point_set")
     directions = ", ".join(
-        f"{100 * kept['mean_anisotropy'][points]:.1f} % ({named(points)})" for points in POINT_SETS
+        f"{100 * kept['mean_anisotropy'][points]:.1f} % ({points.replace('_', ' ')})"
+        for points in POINT_SETS
     )
     power = pd.to_numeric(spread["nu_exponent"], errors="coerce").mean()
     first = "A Voronoi network has no one Poisson's ratio: its rule of stiffness decides. "
@@ -323,16 +290,9 @@ def findings(solids: pd.DataFrame, best: pd.DataFrame, spread: pd.DataFrame) -> 
         f"were strewn in. The mean tensor of plane networks of A/L is {directions} from isotropic."
     )
     scatter = (
-        f"One network's ratio scatters as the number of points to the power {power:.2f} on "
-        "average: a hundred times the points for a digit."
+        f"One network's ratio scatters as the number of points to the power {power:.2f} on average."
     )
-    best_for = f"Which random solid is best depends on what for. {chosen}."
-    return first + "; ".join(told) + ".", why(top), best_for, axes, scatter
-
-
-def named(points: object) -> str:
-    """A kind of point set as sentences call it."""
-    return str(points).replace("_", " ")
+    return first + "; ".join(told) + ".", why(top), best.finding(chosen), axes, scatter
 
 
 def why(top: pd.DataFrame) -> str:

@@ -65,18 +65,24 @@ def nearly_square(
 def few(candidate: Candidate, case: tuple[int, int]) -> list[dict[str, Any]]:
     """Ratio by the report's means of one strewn body, by how it is held and by rule.
 
-    NaN of a mechanism: a point between two springs in line, as there are among few points.
+    With the part of the measured points that cannot move up or down, as their height is held. The
+    ratio is NaN of a mechanism: a point between two springs in line, as there are among few points.
     """
     count, seed = case
     body = strewn("uniform", count, "1", seed)
     rows = []
     for ends, rule in product(("slide", "clamped"), STIFFNESS_RULES):
         weighted = body.weighted(rule)
+        problem, network = stretched(weighted, ends)
         try:
-            nu = ratio(weighted, candidate(*stretched(weighted, ends), "linear"))
+            nu = ratio(weighted, candidate(problem, network, "linear"))
         except SolverError:
             nu = math.nan
-        rows.append({"count": count, "ends": ends, "stiffness": rule, "nu": nu})
+        bottom, top = body.ends("bottom", "top")
+        held = network.held[bottom | top, 1].mean()
+        rows.append(
+            {"count": count, "ends": ends, "stiffness": rule, "nu": nu, "held_measured": held}
+        )
     return rows
 
 

@@ -81,6 +81,8 @@ COLUMNS = {
     "ends": "how pulled ends are held: slide, clamped, or half (free, with the bottom on its line)",
     "mechanisms": bodies.COLUMNS["mechanisms"],
     "neighbours": "springs that meet at a point, mean (1)",
+    "held_measured": "part of the measured top and bottom points that cannot move up or down, as "
+    "their height is held, mean (1)",
     "nu_endless": "ratio of the endless network along the axes, mean over the seeds (1)",
     "nu_means": "ratio by the report's means: width change of a body with held ends, median over "
     "the seeds (1)",
@@ -94,7 +96,7 @@ COLUMNS = {
     "nu_elastic": "the same of the elastic body with the network's mean moduli, by FEM (1)",
     "cause": "what might have made the ratio zero",
     "network": "what was stretched",
-    "near_zero_said": "how often nu_means is near 0: always, mostly, at times or never",
+    "near_zero_of": "how many networks' nu_means is near 0, of how many that stand",
     **early.COLUMNS,
 }
 
@@ -161,6 +163,7 @@ def few_points(candidate: Candidate, setting: Setting) -> list[dict[str, Any]]:
     return [
         {"count": count, "ends": ends, "stiffness": rule, "seeds": len(draws)}
         | {"mechanisms": int(rows["nu"].isna().sum())}
+        | {"held_measured": rows["held_measured"].mean()}
         | early.spread(rows["nu"].dropna())
         for (count, ends, rule), rows in table.groupby(["count", "ends", "stiffness"], sort=False)
     ]
@@ -240,17 +243,16 @@ def summary(
             "network": network,
             "nu_means": row["nu_means"],
             "near_zero": row["near_zero"],
-            "near_zero_said": said(row["near_zero"]),
+            "near_zero_of": counted(row),
         }
         for cause, network, row in cases
     ]
 
 
-def said(part: float) -> str:
-    """In words, how often something happens."""
-    if part in (0.0, 1.0):
-        return "always" if part else "never"
-    return "mostly" if part > 0.5 else "at times"
+def counted(row: dict[str, Any]) -> str:
+    """How many networks of a row are near 0, of those that are no mechanisms."""
+    standing = row["seeds"] - row.get("mechanisms", 0)
+    return f"{round(row['near_zero'] * standing)} of {standing}"
 
 
 def findings(
@@ -265,7 +267,6 @@ def findings(
     plain, by_area = (
         only(few, count=most, ends="slide", stiffness=rule)["nu_means"] for rule in ("1", "A/L")
     )
-    seen = only(few, count=most, ends="clamped", stiffness="1")["nu_means"]
     five = only(few, count=5, ends="clamped", stiffness="1")
     equal, slight, some = (
         only(jitter, jitter=size, stiffness=rule)["nu_endless"]
@@ -287,19 +288,18 @@ def findings(
         "0; one of equal springs does not."
     )
     others = (
-        "Ratios near 0 without a grid: few particles between clamped ends (5 points of k = 1: "
-        f"{five['nu_means']:.2f} ± {five['nu_means_scatter']:.2f}, within 0.1 of 0 in "
-        f"{100 * five['near_zero']:.0f} % of the networks), a body much shorter than high "
-        f"({short['nu_means']:.2f} at a length of 1/8 of the height), and a loop that stops "
-        f"early. {early.sentence(stopped)} And small to the eye: between clamped ends a stretch of "
-        f"5 % narrows {most} points of k = 1 by {5 * seen:.1f} % of their height."
+        "Near 0 without a grid (table zero): 5 points between clamped ends "
+        f"({five['nu_means']:.2f}, {counted(five)} networks within {early.NEAR:g} of 0), as "
+        f"{100 * five['held_measured']:.0f} % of the points that are measured are held; a body "
+        f"1/8 as long as high ({short['nu_means']:.2f}); and a loop that stops early: "
+        f"{early.sentence(stopped)}"
     )
     verdict = (
         "Springs that do not push do the opposite: nothing holds the width, and the ratio is "
         f"{pulling['nu_means']:.1f} where they keep {pulling['kept']:g} of their stiffness. "
         "Likeliest for a ratio that is always 0 is a grid: the report looked at one and saw its "
-        "diagonals vanish. Likeliest for random particles are few of them between clamped ends, as "
-        "the report could not have many, and an overdamped loop, which it prefers, stopped by its "
-        "velocity before the width has followed the ends."
+        "diagonals vanish. Likeliest for random particles are few of them between clamped ends, "
+        "where most points that show the width are held themselves, and an overdamped loop, which "
+        "the report prefers, stopped by its velocity before the width has followed the ends."
     )
     return cannot, nearly, others, verdict

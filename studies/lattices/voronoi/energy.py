@@ -1,0 +1,73 @@
+"""Third route: the tensor of a random network by least squares, without any stiffness matrix.
+
+Under a uniform strain e and periodic moves u the elongations are B u + S e. At rest u makes
+|√k (B u + S e)|² least, and what is left is the energy e·C e V.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from msvalidate.evidence import Tolerance
+from msvalidate.lattice import STIFFNESS_RULES
+from msvalidate.lattice.tessellation import Tessellation
+from msvalidate.lattice.voronoi import tessellated
+from msvalidate.problem import Array
+from msvalidate.stiffness import VOIGT
+from studies.lattices.voronoi.networks import Solid, drawn
+
+COUNTS = {2: 64, 3: 30}
+"""Few points, as the least squares are dense."""
+SEED = 7
+CASES = list(product(COUNTS, STIFFNESS_RULES))
+TOLERANCE = Tolerance(
+    "small random solids: tensor from that by least squares, relative",
+    1e-9,
+    "1",
+    "the same minimum of the energy by two routes; left is the rounding of a linear solve, 1e-16 "
+    "times a condition number of up to 1e6, and least squares have its root",
+)
+COLUMNS = {
+    "count": "points in the periodic cell, or in the body (1)",
+    "random_released": "largest part of the tensor that relaxation takes, affine less relaxed (1)",
+    "squares_error": "largest difference from the tensor by least squares, over its largest (1)",
+}
+
+
+def compared(solid: Solid, case: tuple[int, str]) -> dict[str, Any]:
+    """One row of the table `random_energy`: a solid's tensor against least squares."""
+    dim, rule = case
+    cells = drawn((dim, "uniform", COUNTS[dim], SEED))
+    pattern = tessellated(cells, rule)
+    found = solid(pattern, (1.0,))
+    exact = energy_tensor(cells, pattern.stiffness((1.0,)))
+    size = np.abs(exact).max()
+    return {
+        "axes": dim,
+        "point_set": "uniform",
+        "stiffness": rule,
+        "count": COUNTS[dim],
+        "random_released": float(np.abs(found.affine - found.tensor).max() / size),
+        "squares_error": float(np.abs(found.tensor - exact).max() / size),
+    }
+
+
+def energy_tensor(cells: Tessellation, stiffness: Array) -> Array:
+    """Relaxed Voigt tensor of springs (m,): each spring one residual, points move as they like."""
+    n, d = cells.points.shape
+    length = np.linalg.norm(cells.vectors, axis=1)
+    unit = cells.vectors / length[:, None]
+    moves = np.zeros((len(length), n, d))
+    rows = np.arange(len(length))
+    np.add.at(moves, (rows, cells.springs[:, 1]), unit)
+    np.add.at(moves, (rows, cells.springs[:, 0]), -unit)
+    root = np.sqrt(stiffness)[:, None]
+    strains = np.stack([length * unit[:, a] * unit[:, b] for a, b in VOIGT[d]], axis=1)
+    left, right = root * moves.reshape(len(length), -1), root * strains
+    # The shortest of the best moves: a shift of all points stretches nothing.
+    move, *_ = np.linalg.lstsq(left, -right, rcond=None)
+    rest = right + left @ move
+    return np.asarray(rest.T @ rest / cells.volume.sum())
