@@ -37,7 +37,7 @@ report: $(VENV)/runs
 	$(RUN) report
 
 test: $(VENV)/develops
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder $(ARGS)
 
 # make lint      style, make types: types, make format: rewrite to style
 lint: $(VENV)/develops
