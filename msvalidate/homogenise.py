@@ -123,7 +123,7 @@ def network_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arra
     Raises
     ------
     ProblemError
-        If the constants are not one a kind, or there is no such rule.
+        If the constants are not one a kind, there is no such rule, or the lattice is irregular.
     """
     instance("lattice", lattice, Lattice)
     k = finite("spring constants", constants)
@@ -137,6 +137,11 @@ def network_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arra
         if weights == "per_cell":  # every cell that a spring borders brings one of its own
             pattern = replace(pattern, factor=pattern.factor * cells_bordered(pattern))
         return homogenised(pattern, constants, lattice.spacing).tensor
+    if not lattice.regular:
+        raise ProblemError(
+            f"{lattice.name} lattice: its interior is not what its springs add up to; ask "
+            "homogenised of the pattern that it was made from, or of a periodic sample of its kind"
+        )
     # With shared boundary springs the whole lattice is made of interior cells, none of them cut.
     inside = lattice.sharing if weights == "per_cell" else 1
     per_spring = k[lattice.kind] * lattice.factor * inside * boundary_weights(lattice, "shared")
