@@ -80,11 +80,8 @@ class Pattern:
         if not isinstance(self.name, str) or not self.name.isprintable() or not self.name:
             raise ProblemError(f"pattern: name {shown(self.name)}; give a word")
         said = f"pattern {self.name}"
-        if not isinstance(self.size, tuple) or len(self.size) not in {2, 3}:
-            raise ProblemError(f"{said}: size {shown(self.size)}; give a tuple of 2 or 3 lengths")
-        for edge in self.size:
-            metres(f"{said}: cell edge", edge)
-        d, size = len(self.size), np.array(self.size)
+        size = _edges(said, self.size)
+        d = len(size)
         points = coordinates(f"{said}: points", self.points)
         if points.ndim != 2 or points.shape[1] != d or not len(points):
             raise ProblemError(f"{said}: points {points.shape}; give (n, {d})")
@@ -181,6 +178,13 @@ class Pattern:
         return np.asarray(k[self.kind] * self.factor)
 
 
+def _edges(said: str, size: tuple[float, ...]) -> Array:
+    """Edge lengths (d,) of a cell."""
+    if not isinstance(size, tuple) or len(size) not in {2, 3}:
+        raise ProblemError(f"{said}: size {shown(size)}; give a tuple of 2 or 3 lengths")
+    return np.array([metres(f"{said}: cell edge", edge) for edge in size])
+
+
 def by_shells(
     name: str,
     size: tuple[float, ...],
@@ -203,23 +207,21 @@ def by_shells(
     ProblemError
         If no two points are at a distance, or as for `Pattern`.
     """
-    if not isinstance(size, tuple) or len(size) not in {2, 3}:
-        raise ProblemError(f"pattern {name}: size {shown(size)}; give a tuple of 2 or 3 lengths")
-    edges = [metres(f"pattern {name}: cell edge", edge) for edge in size]
-    d, x = len(size), coordinates(f"pattern {name}: points", points)
+    edges = _edges(f"pattern {name}", size)
+    d, x = len(edges), coordinates(f"pattern {name}: points", points)
     far = coordinates(f"pattern {name}: distances", distances)
     if x.shape != (len(x), d) or far.ndim != 1 or not len(far) or (far <= 0).any():
         raise ProblemError(
             f"pattern {name}: points {x.shape}, distances {shown(distances)}; give (n, {d}) and "
             "lengths above 0"
         )
-    reach = [math.ceil(far.max() / edge) for edge in edges]
+    reach = np.ceil(far.max() / edges).astype(int).tolist()
     counted = len(x) ** 2 * math.prod(2.0 * r + 1 for r in reach)
     refuse_too_many(f"pattern {name}", counted, what="pairs of points")
     images = np.array(list(product(*(range(-r, r + 1) for r in reach))))
     i, j, t = np.indices((len(x), len(x), len(images))).reshape(3, -1)
     image = images[t]
-    vectors = x[j] + image * np.array(size) - x[i]
+    vectors = x[j] + image * edges - x[i]
     length = np.linalg.norm(vectors, axis=1)
     # Of a spring's two directions the one that goes up, or else backwards, or else to the right.
     sign = np.where(np.abs(vectors) > SAME_DISTANCE, np.sign(vectors), 0)

@@ -62,7 +62,6 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     ProblemError
         As for `square`.
     """
-    _refuse_no_plane_box(box)
     nx, ny = counts("cells", cells)
     refuse_too_many(f"square lattice at 45° of {nx} x {ny} squares", (2 * nx + 1) * (ny + 1))
     grid = square(box, (nx, ny))
@@ -207,11 +206,6 @@ def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
 def _shares(cells: Index, parts: tuple[float, ...]) -> Array:
     """Cells (n,) that each point has, when it takes such parts of those that it is a corner of."""
     return np.asarray(np.bincount(cells.ravel(), np.tile(parts, len(cells))), dtype=float)
-
-
-def _refuse_no_plane_box(box: Box) -> None:
-    if not isinstance(box, Box) or box.dim != 2:
-        raise ProblemError(f"square lattice: a {shown(box)}; give a plane box")
 
 
 def _refuse_other_outline(outline: Polygon, side: float, steps: Array) -> None:
