@@ -88,15 +88,7 @@ def box_discretisation(
     )
     if through is None:
         through = ((),) * box.dim
-    if not isinstance(through, tuple | list) or len(through) != box.dim:
-        raise ProblemError(
-            f"mesh lines through {shown(through)}: give coordinates for each axis, as "
-            "((), (0.4, 0.6))"
-        )
-    if not isinstance(towards, str) or towards not in ("both", "high"):
-        raise ProblemError(f"mesh grading towards {shown(towards)}; choose both or high")
-    if positive("mesh grading", grading) < 1:
-        raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
+    _refuse_wrong_lines(box, grading, towards, through)
     lines = [
         _subdivided(_lines(places, length, n, grading, towards), kind.degree)
         for places, length, n in zip(through, box.size, each, strict=True)
@@ -112,6 +104,18 @@ def box_discretisation(
     points = np.column_stack([x.ravel() for x in reversed(grid)])
     number = np.arange(len(points)).reshape(grid[0].shape)
     return discretise(points, _CUTS[element[0]](number, kind.degree), element)
+
+
+def _refuse_wrong_lines(box: Box, grading: float, towards: object, through: object) -> None:
+    if not isinstance(through, tuple | list) or len(through) != box.dim:
+        raise ProblemError(
+            f"mesh lines through {shown(through)}: give coordinates for each axis, as "
+            "((), (0.4, 0.6))"
+        )
+    if not isinstance(towards, str) or towards not in ("both", "high"):
+        raise ProblemError(f"mesh grading towards {shown(towards)}; choose both or high")
+    if positive("mesh grading", grading) < 1:
+        raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
 
 
 def polygon_discretisation(
