@@ -30,9 +30,9 @@ from msvalidate.problem import (
     shown,
 )
 
-CAUCHY_PLANE = 1 / 3
-"""The only in-plane ratio of an isotropic network of central springs: they force C12 = C66
-(Cauchy's relation), and isotropy C11 = C12 + 2·C66."""
+CAUCHY = {2: 1 / 3, 3: 1 / 4}
+"""Axes -> the only ratio of an isotropic solid of central springs whose points follow the strain:
+they force C12 = C66 or C44 (Cauchy's relation), and isotropy C11 = C12 + 2·C66 or C44."""
 
 
 VOIGT = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}
@@ -153,7 +153,7 @@ def square_constants(material: Isotropic, *, isotropic: bool = True) -> tuple[fl
     """
     E, nu = in_plane(material)
     instance("isotropic", isotropic, bool)
-    if isotropic and abs(nu - CAUCHY_PLANE) > 1e-9:
+    if isotropic and abs(nu - CAUCHY[2]) > 1e-9:
         raise ProblemError(
             f"square lattice: in-plane ratio {nu:.6g} ({material.state}, nu = {material.nu:g}); "
             "central springs are isotropic at 1/3 only (C12 = C66): take nu = 1/3 in plane stress "
@@ -178,7 +178,7 @@ def triangular_constants(material: Isotropic) -> tuple[float]:
         If the in-plane ratio is not 1/3.
     """
     E, nu = in_plane(material)
-    if abs(nu - CAUCHY_PLANE) > 1e-9:
+    if abs(nu - CAUCHY[2]) > 1e-9:
         raise ProblemError(
             f"triangular lattice: in-plane ratio {nu:.6g} ({material.state}, nu = "
             f"{material.nu:g}); central springs have 1/3 only: take nu = 1/3 in plane stress or "
@@ -221,7 +221,7 @@ def moduli(tensor: Array) -> Moduli:
     C = _voigt(tensor)
     d = AXES_OF[len(C)]
     C11, C12, C44 = C[0, 0], C[0, 1], C[-1, -1]
-    if np.abs(C - cubic_tensor(d, C11, C12, C44)).max() > ALIKE * np.abs(C).max():
+    if not is_alike(C, cubic_tensor(d, C11, C12, C44)):
         raise ProblemError(
             f"moduli: tensor with diagonal {shown(np.diag(C).tolist())} is not of cubic symmetry "
             "along the axes; give one, or ask for isotropic_moduli"
@@ -273,6 +273,40 @@ def isotropic_moduli(tensor: Array) -> Moduli:
     found = (2 * mu * (1 + nu), nu, 2 * shear.mean() / (mean11 - mean12))
     E, nu, zener = finite("moduli E, nu and zener", found).tolist()
     return Moduli(E=E, nu=nu, zener=zener)
+
+
+def isotropic_part(tensor: Array) -> Array:
+    """Mean of a Voigt tensor over all rotations: the isotropic tensor nearest to it.
+
+    Raises
+    ------
+    ProblemError
+        As for `isotropic_moduli`.
+    """
+    d, mean = AXES_OF[len(_voigt(tensor))], isotropic_moduli(tensor)
+    mu = mean.E / (2 * (1 + mean.nu))
+    lame = 2 * mu * mean.nu / (1 - (d - 1) * mean.nu)
+    return cubic_tensor(d, lame + 2 * mu, lame, mu)
+
+
+def cubic_part(tensor: Array) -> Array:
+    """Mean of a Voigt tensor over all turns of the axes into each other: square or cubic.
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor.
+    """
+    C = _voigt(tensor)
+    d = AXES_OF[len(C)]
+    normal, along = C[:d, :d], np.trace(C[:d, :d])
+    across = (normal.sum() - along) / (d * (d - 1))
+    return cubic_tensor(d, along / d, across, np.trace(C[d:, d:]) / (len(C) - d))
+
+
+def is_alike(tensor: Array, other: Array) -> bool:
+    """Whether two tensors are one to within `ALIKE` of the largest entry."""
+    return bool(np.abs(tensor - other).max() <= ALIKE * np.abs(tensor).max())
 
 
 def rotated(tensor: Array, turn: float | Array) -> Array:

@@ -12,8 +12,6 @@ from collections.abc import Callable
 
 from msvalidate.lattice import Constants
 
-ISOTROPIC_RATIO = {2: 1 / 3, 3: 1 / 4}
-"""Poisson's ratio of an isotropic solid of central springs, by the number of axes (Cauchy)."""
 ZENER: dict[str, Callable[[Constants], float]] = {
     "square": lambda k: 2 * k[1] / k[0],
     "square 4": lambda _: 0.0,

@@ -18,7 +18,7 @@ from scipy.special import stdtr
 
 from msvalidate.compare import CONFIDENCE
 from msvalidate.problem import Array
-from studies.lattices.voronoi.networks import CAUCHY
+from msvalidate.stiffness import CAUCHY
 
 RULES = {"1": "k = 1", "1/L": "k = 1/L", "A/L": "k = A/L"}
 """How tables and figures call rules of stiffness."""

@@ -39,10 +39,11 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.stiffness import AXES_OF
+from msvalidate.stiffness import AXES_OF, cubic_part, isotropic_part
 from msvalidate.sweep import Setting
+from studies.lattices.cases import Solid
 from studies.lattices.voronoi import drawing, networks, solids, surfaces
-from studies.lattices.voronoi.networks import Solid, along_axes, isotropic_part, seeds
+from studies.lattices.voronoi.networks import seeds
 
 CELLS, QUICK_CELLS = (8, 16, 32), (5, 10, 20)
 """Spacings to a side of the box."""
@@ -177,7 +178,7 @@ def mean_tensors(
     groups = table.groupby(["axes", "point_set", "stiffness"])["tensor"]
     mean = {family: np.mean(list(groups.get_group(family)), axis=0) for family in families}
     return {
-        family: along_axes(tensor) if family[1] in DIRECTED else isotropic_part(tensor)
+        family: cubic_part(tensor) if family[1] in DIRECTED else isotropic_part(tensor)
         for family, tensor in mean.items()
     }
 

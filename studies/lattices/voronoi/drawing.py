@@ -10,8 +10,8 @@ from msvalidate import figures
 from msvalidate.evidence import Tables
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.point_sets import POINT_SETS
+from msvalidate.stiffness import CAUCHY
 
-CAUCHY = {2: 1 / 3, 3: 1 / 4}
 LINES = ("-", "--", ":")
 DRAWN_STRAIN = 0.2
 """At which networks are drawn: their linear answer, large enough to see."""

@@ -17,7 +17,8 @@ from msvalidate.lattice.tessellation import Tessellation
 from msvalidate.lattice.voronoi import tessellated
 from msvalidate.problem import Array
 from msvalidate.stiffness import VOIGT
-from studies.lattices.voronoi.networks import Solid, drawn
+from studies.lattices.cases import Solid
+from studies.lattices.voronoi.networks import drawn
 
 COUNTS = {2: 64, 3: 30}
 """Few points, as the least squares are dense."""

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from msvalidate.homogenise import Homogenised
 from msvalidate.lattice import STIFFNESS_RULES, Pattern
 from msvalidate.lattice.point_sets import periodic_points
 from msvalidate.lattice.tessellation import Tessellation, periodic_tessellation
 from msvalidate.lattice.voronoi import tessellated
 from msvalidate.problem import Array
-from msvalidate.stiffness import AXES_OF, isotropic_moduli
+from msvalidate.stiffness import AXES_OF, CAUCHY, isotropic_moduli, isotropic_part
 from msvalidate.sweep import Setting
+from studies.lattices.cases import Solid
 
-Solid = Callable[..., Homogenised]
-"""Function of a pattern, its constants and a spacing (1 m by default): the candidate's solid."""
 Case = tuple[int, str, int, int]
 """Axes, kind of point set, number of points, seed."""
 SEEDS, QUICK_SEEDS = 20, 6
-CAUCHY = {2: 1 / 3, 3: 1 / 4}
 
 
 def seeds(setting: Setting, count: int | None = None) -> list[int]:
@@ -97,23 +93,3 @@ def anisotropy(tensor: Array) -> float:
     weight = np.outer(times, times)
     away = np.linalg.norm(weight * (tensor - isotropic_part(tensor)))
     return float(away / np.linalg.norm(weight * tensor))
-
-
-def isotropic_part(tensor: Array) -> Array:
-    """Mean of a Voigt tensor over all rotations."""
-    d = AXES_OF[len(tensor)]
-    mean = isotropic_moduli(tensor)
-    shear = mean.E / (2 * (1 + mean.nu))
-    isotropic = np.diag([2.0 * shear] * d + [shear] * (len(tensor) - d))
-    isotropic[:d, :d] += 2 * shear * mean.nu / (1 - (d - 1) * mean.nu)
-    return isotropic
-
-
-def along_axes(tensor: Array) -> Array:
-    """Mean of a Voigt tensor over all turns of the axes into each other: square or cubic."""
-    d = AXES_OF[len(tensor)]
-    mean = np.diag([np.trace(tensor[d:, d:]) / (len(tensor) - d)] * len(tensor))
-    normal = tensor[:d, :d]
-    mean[:d, :d] = (normal.sum() - np.trace(normal)) / (d * (d - 1))
-    np.fill_diagonal(mean[:d, :d], np.trace(normal) / d)
-    return mean

@@ -34,9 +34,10 @@ from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.point_sets import POINT_SETS
 from msvalidate.stiffness import isotropic_moduli
 from msvalidate.sweep import Setting
+from studies.lattices.cases import Solid
 from studies.lattices.voronoi import best, drawing, energy
 from studies.lattices.voronoi.best import RULES
-from studies.lattices.voronoi.networks import Solid, anisotropy, measure, seeds
+from studies.lattices.voronoi.networks import anisotropy, measure, seeds
 from studies.lattices.voronoi.rows import records
 
 COUNTS = {2: (100, 400, 1600), 3: (64, 216, 1000)}

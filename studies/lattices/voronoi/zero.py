@@ -26,8 +26,9 @@ from msvalidate.compare import observed_order, worst
 from msvalidate.evidence import Evidence, Observed, Tolerance
 from msvalidate.homogenise import homogenised
 from msvalidate.sweep import Setting
+from studies.lattices.cases import Solid
 from studies.lattices.voronoi import bodies, early, zero_figures
-from studies.lattices.voronoi.networks import Solid, seeds
+from studies.lattices.voronoi.networks import seeds
 from studies.lattices.voronoi.rows import only
 from studies.lattices.voronoi.strewn import PLACES
 from studies.lattices.voronoi.trials import (
