@@ -20,10 +20,12 @@ from msvalidate.problem import (
     chosen,
     finite,
     instance,
+    number,
     prescribed,
     shown,
     vectors_at,
 )
+from msvalidate.volumes import Volumes
 
 RIGHT = 1e-9
 """Cotangent down to which an angle beyond 90° counts as right: rounding of coordinates is 1e-16."""
@@ -34,6 +36,7 @@ def lattice_network(
     lattice: Lattice,
     constants: tuple[float, ...] | None = None,
     *,
+    volume: float = 0.0,
     weights: str = "shared",
     mass: str = "shared",
 ) -> Network:
@@ -46,6 +49,9 @@ def lattice_network(
     constants
         Spring constants (N/m) per kind of spring; by default those of the problem's isotropic
         material, if the lattice can be it.
+    volume
+        κ of every cell, in N/m with the thickness in the plane, in Pa in space: see
+        `msvalidate.volumes`. By default none resists a change of volume.
     weights
         Boundary rule, one of `msvalidate.lattice.WEIGHTS`.
     mass
@@ -82,7 +88,23 @@ def lattice_network(
         held=held,
         displacement=displacement,
         force=force,
+        volumes=_volumes(lattice, volume),
     )
+
+
+def _volumes(lattice: Lattice, stiffness: float) -> Volumes | None:
+    """The lattice's cells, where they resist a change of volume."""
+    kappa = number("volume stiffness", stiffness)
+    if not kappa:
+        return None
+    cells = Volumes(lattice.points, lattice.cells, np.full(len(lattice.cells), kappa))
+    covered, whole = cells.rest_volume.sum(), lattice.domain.volume
+    if abs(covered - whole) > 1e-9 * whole:
+        raise ProblemError(
+            f"volume stiffness: the cells of the {lattice.name} lattice cover {covered:.6g} of "
+            f"{whole:.6g}; take a lattice whose cells fill the body, or leave it at 0"
+        )
+    return cells
 
 
 def _nodal_mass(problem: Problem, lattice: Lattice, rule: str) -> Array:

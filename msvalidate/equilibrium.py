@@ -13,8 +13,8 @@ from msvalidate.network import (
     Network,
     force_roundoff,
     force_scale,
+    internal_force,
     mode_energy,
-    spring_force,
     tangent,
 )
 from msvalidate.problem import (
@@ -94,7 +94,7 @@ def equilibrium(
 
 def at_rest(network: Network, position: Array, iterations: int) -> Equilibrium:
     """The equilibrium at `position` (n, d) in m, with the residual and reactions found there."""
-    balance = spring_force(network, position) + network.force
+    balance = internal_force(network, position) + network.force
     position.setflags(write=False)
     return Equilibrium(
         displacement=position - network.points,
@@ -119,7 +119,7 @@ def is_stable(network: Network, position: Array) -> bool:
 
 def _linear(network: Network) -> Equilibrium:
     K = tangent(network, network.points)
-    load = spring_force(network, network.points) + network.force
+    load = internal_force(network, network.points) + network.force
     move, stable = tangent_move(network, network.points, K, load, network.displacement)
     if not stable:
         raise SolverError(
@@ -170,7 +170,7 @@ def _newton(network: Network, position: Array, fraction: float) -> tuple[Array |
     for iteration in range(ITERATIONS):
         ahead = network.points + fraction * network.displacement - x
         try:
-            balance = spring_force(network, x) + fraction * network.force
+            balance = internal_force(network, x) + fraction * network.force
             small = TOLERANCE * force_scale(network, x) + floor
             move, stable = tangent_move(network, x, tangent(network, x), balance, ahead)
         except SolverError:

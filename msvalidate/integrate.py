@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate import kernels
 from msvalidate.integrators import EULER_CROMER, Integrator, Moving, factors_of, stability_limit
-from msvalidate.network import Network, spring_force
+from msvalidate.network import Network, internal_force
 from msvalidate.problem import (
     LONGEST,
     Array,
@@ -99,7 +99,9 @@ def motion(
     def acceleration(x: Array) -> Array:
         if not (np.abs(x) <= LONGEST).all():  # nor where it is NaN
             raise SolverError(_ran_away(dt, integrator.name))
-        return np.where(free, (spring_force(network, x) + network.force) / network.mass[:, None], 0)
+        return np.where(
+            free, (internal_force(network, x) + network.force) / network.mass[:, None], 0
+        )
 
     x = np.array(state.position, dtype=float)
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
@@ -119,7 +121,7 @@ def staggered(network: Network, state: State, dt: float, damping: ArrayLike = 0.
     v(-dt/2) = v - (dt/2)·(a - c·v), of the order of the scheme itself.
     """
     rate = _checked(network, state, dt, 0, damping)[:, None]
-    a = (spring_force(network, state.position) + network.force) / network.mass[:, None]
+    a = (internal_force(network, state.position) + network.force) / network.mass[:, None]
     v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
     return State(state.position, np.where(network.held, 0.0, v))
 

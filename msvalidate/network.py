@@ -1,7 +1,8 @@
 """Floor 1: a spring network from any list of points and springs: energy, force and tangent.
 
 A spring between points i and j with d = x_j - x_i pulls along its *current* direction:
-energy ½k(|d| - L0)², force on i k(|d| - L0)·d/|d|, the opposite on j.
+energy ½k(|d| - L0)², force on i k(|d| - L0)·d/|d|, the opposite on j. Cells that resist a change of
+volume may stand beside the springs: `msvalidate.volumes`.
 
 This is the plain NumPy form; `msvalidate.kernels` holds the compiled one.
 """
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
+from msvalidate import volumes as cells
 from msvalidate.problem import (
     LONGEST,
     Array,
@@ -28,6 +30,7 @@ from msvalidate.problem import (
     instance,
     shown,
 )
+from msvalidate.volumes import Volumes
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +57,8 @@ class Network:
         (n, d) prescribed displacement (m), 0 where nothing is held.
     force
         (n, d) external force (N).
+    volumes
+        Cells of the same points that resist a change of volume, if there are any.
 
     Raises
     ------
@@ -69,6 +74,7 @@ class Network:
     held: Mask
     displacement: Array
     force: Array
+    volumes: Volumes | None = None
 
     def __post_init__(self) -> None:
         points = coordinates("points", self.points)
@@ -102,6 +108,10 @@ class Network:
         together = distance <= max(1e-14 * float(np.abs(points).max()), 1 / LONGEST)
         _refuse("spring length", distance, together, "m; its two points coincide")
         object.__setattr__(self, "held", held)
+        if self.volumes is not None:
+            instance("volumes", self.volumes, Volumes)
+            if not np.array_equal(self.volumes.points, self.points):
+                raise ProblemError("volumes: of other points than the network's; give its own")
         for array in (self.springs, self.held):
             array.setflags(write=False)
 
@@ -161,14 +171,15 @@ def spring_network(
     held: ArrayLike | None = None,
     displacement: ArrayLike | None = None,
     force: ArrayLike | None = None,
+    volumes: Volumes | None = None,
 ) -> Network:
     """Network from any list of points and springs.
 
     Parameters
     ----------
-    points, springs, stiffness, rest_length, mass, held, displacement, force
+    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes
         As in `Network`. One number serves for all springs or points. Rest lengths default to the
-        distances in `points`, an unstressed network; supports and loads default to none.
+        distances in `points`, an unstressed network; supports, loads and volumes default to none.
 
     Raises
     ------
@@ -194,17 +205,19 @@ def spring_network(
         held=_mask("held", zero.astype(bool) if held is None else held, x.shape),
         displacement=finite("displacement", zero if displacement is None else displacement),
         force=finite("force", zero if force is None else force),
+        volumes=volumes,
     )
 
 
 def energy(network: Network, position: Array) -> float:
-    """Energy (J) stored in the springs at `position` (n, d) in m."""
+    """Energy (J) stored in springs and cells at `position` (n, d) in m."""
     _, length = _stretched(network, position)
-    return float(0.5 * network.stiffness @ (length - network.rest_length) ** 2)
+    stored = float(0.5 * network.stiffness @ (length - network.rest_length) ** 2)
+    return stored + (cells.energy(network.volumes, position) if network.volumes else 0.0)
 
 
-def spring_force(network: Network, position: Array) -> Array:
-    """Force (n, d) in N of the springs on the points at `position` (n, d) in m."""
+def internal_force(network: Network, position: Array) -> Array:
+    """Force (n, d) in N of springs and cells on the points at `position` (n, d) in m."""
     vector, length = _stretched(network, position)
     tension = network.stiffness * (length - network.rest_length)
     pull = (tension / length)[:, None] * vector
@@ -213,13 +226,14 @@ def spring_force(network: Network, position: Array) -> Array:
         for end, sign in ((0, 1.0), (1, -1.0)):
             weights = sign * pull[:, axis]
             force[:, axis] += np.bincount(network.springs[:, end], weights, len(position))
-    return force
+    return force + cells.force(network.volumes, position) if network.volumes else force
 
 
 def tangent(network: Network, position: Array) -> csr_array:
     """Tangent stiffness (n·d, n·d) in N/m at `position`, row n·d of point-major components.
 
-    A spring's block is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness.
+    A spring's block is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness. Cells add
+    theirs.
     """
     vector, length = _stretched(network, position)
     n = vector / length[:, None]
@@ -227,14 +241,15 @@ def tangent(network: Network, position: Array) -> csr_array:
     across = np.eye(network.dim) - along
     k = network.stiffness[:, None, None]
     block = k * along + k * (1 - network.rest_length / length)[:, None, None] * across
-    return _scatter(network, block)
+    K = _scatter(network, block)
+    return csr_array(K + cells.tangent(network.volumes, position)) if network.volumes else K
 
 
 def mode_energy(network: Network, position: Array, motion: Array) -> float:
     """Twice the energy (J) of a small motion (n, d) in m from `position`: motionᵀ K motion.
 
-    Summed spring by spring, each term positive, it is exact where K's own rounding would hide it.
-    Springs within 1e-12 of their rest length count as unstressed.
+    Summed spring by spring, each term positive, it is exact where K's own rounding would hide it;
+    cells are one term each. Springs within 1e-12 of their rest length count as unstressed.
     """
     vector, length = _stretched(network, position)
     i, j = network.springs.T
@@ -243,7 +258,8 @@ def mode_energy(network: Network, position: Array, motion: Array) -> float:
     slack = 1 - network.rest_length / length
     slack[np.abs(slack) < 1e-12] = 0.0
     across = (change**2).sum(axis=1) - along**2
-    return float(network.stiffness @ (along**2 + slack * across))
+    stored = float(network.stiffness @ (along**2 + slack * across))
+    return stored + (cells.mode_energy(network.volumes, position, motion) if network.volumes else 0)
 
 
 def force_scale(network: Network, position: Array) -> float:
@@ -262,6 +278,8 @@ def force_scale(network: Network, position: Array) -> float:
         met = np.linalg.norm(network.force, axis=1)
         for end in (0, 1):
             met = met + np.bincount(network.springs[:, end], tension, len(position))
+        if network.volumes:
+            met = met + cells.force_met(network.volumes, position)
     scale = float(met[~network.held.all(axis=1)].max(initial=0.0))
     if not math.isfinite(scale):
         raise SolverError(
@@ -281,7 +299,9 @@ def force_roundoff(network: Network, reach: float | None = None) -> Array:
     instance("network", network, Network)
     reach = float(np.abs(network.points).max()) if reach is None else reach
     pull = network.stiffness * (reach + network.rest_length)
-    met = np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
+    met = 1.0 * np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
+    if network.volumes:
+        met = met + cells.roundoff_met(network.volumes, reach)
     return np.asarray(np.finfo(float).eps * met)[:, None]
 
 

@@ -33,6 +33,7 @@ from msvalidate.problem import (
     whole,
 )
 from msvalidate.spectrum import extreme_frequencies
+from msvalidate.volumes import stiffness_met
 
 SAFETY = 0.9
 """Part of the stability limit used: the tangent stiffens a little as the network deforms."""
@@ -117,8 +118,7 @@ class Run:
         self._at_lengths = 4 * force_roundoff(network, 0.0)
         self._per_metre = 4 * force_roundoff(network, 1.0) - self._at_lengths
         self._softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
-        met = np.bincount(network.springs.ravel(), np.repeat(network.stiffness, 2))
-        self._stiffest, self._loaded = float(met.max()), float(np.abs(network.force).max())
+        self._stiffest, self._loaded = _stiffest(network), float(np.abs(network.force).max())
         self._floor = self._at_lengths
         self._reach = DIVERGED * float(np.ptp(network.points, axis=0).max())
 
@@ -192,8 +192,8 @@ class Run:
         if look[2] > still:  # the usual case, and the cheaper question
             return False
         # Forces that meet at a point add up to √(2·energy·Σk) at most, by Cauchy and Schwarz.
-        bound = math.sqrt(2 * self.stored * self._stiffest) + 2 * self._loaded
-        if look[1] > max(self.tolerance * bound, rounding):
+        bound = math.sqrt(2 * self.stored * self._stiffest) if self._stiffest else math.inf
+        if look[1] > max(self.tolerance * (bound + 2 * self._loaded), rounding):
             return False
         held = self.network.held
         if (self.displacement[held] != self.network.displacement[held]).any():
@@ -263,6 +263,20 @@ class Run:
         bar.n = max(bar.n, min(way, 1.0))
         bar.set_postfix(step=looks[-1][0], residual=f"{looks[-1][1]:.2g} N", refresh=False)
         bar.update(0)
+
+
+def _stiffest(network: Network) -> float:
+    """Largest stiffness (N/m) that meets at a point; 0 where cells may give energy back.
+
+    Energies of both signs bound no force.
+    """
+    k = np.repeat(network.stiffness, 2)
+    met = 1.0 * np.bincount(network.springs.ravel(), k, len(network.points))
+    if network.volumes is not None:
+        if network.volumes.stiffness.min() < 0:
+            return 0.0
+        met = met + stiffness_met(network.volumes)
+    return float(met.max())
 
 
 Watch = Callable[[Run], bool]

@@ -248,6 +248,7 @@ FLOORS = {
     "msvalidate.network": 1,
     "msvalidate.singularity": 1,
     "msvalidate.stiffness": 1,
+    "msvalidate.volumes": 1,
     "msvalidate.equilibrium": 2,
     "msvalidate.integrate": 2,
     "msvalidate.integrators": 2,

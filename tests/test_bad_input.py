@@ -31,7 +31,7 @@ from msvalidate.lattice import (
     triangular,
     zigzag_block,
 )
-from msvalidate.network import Network, spring_force, spring_network
+from msvalidate.network import Network, internal_force, spring_network
 from msvalidate.problem import (
     Anisotropic,
     BodyForce,
@@ -278,10 +278,15 @@ BAD = [
         "its two points coincide",
     ),
     ("points far away", lambda: spring_network([[0, 1e200]], [[0, 1]], 1.0), ProblemError, "unit"),
-    ("position of a list", lambda: spring_force(NETWORK, [0.0]), ProblemError, "position: [0.0];"),
+    (
+        "position of a list",
+        lambda: internal_force(NETWORK, [0.0]),
+        ProblemError,
+        "position: [0.0];",
+    ),
     (
         "position of NaN",
-        lambda: spring_force(NETWORK, NETWORK.points * NAN),
+        lambda: internal_force(NETWORK, NETWORK.points * NAN),
         ProblemError,
         "position: nan at index (0, 0); every value must be finite",
     ),

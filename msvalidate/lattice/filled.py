@@ -27,6 +27,8 @@ from msvalidate.problem import (
 )
 
 Kind = TypeVar("Kind", bound=np.generic)
+VTK_ORDER = {2: (0, 1, 3, 2), 3: (0, 1, 3, 2, 4, 5, 7, 6)}
+"""Axes -> corners of a box, listed x fastest, in VTK's order: round the low side, then the high."""
 WEIGHTS = ("shared", "equal", "per_cell")
 """Rules for the weight of a spring on the boundary: see `boundary_weights`."""
 
@@ -48,7 +50,7 @@ class Lattice:
     kind
         (m,) class of each spring: an index into the spring constants.
     cells
-        (c, corners) points of each cell, all of one shape: a box's x fastest.
+        (c, corners) points of each cell, all of one shape, in VTK order.
     facets
         (f, corners) points of each boundary facet: 2 in the plane; in space 3, or 4 with the first
         axis fastest.
@@ -181,7 +183,7 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> Lattice:
         points=points,
         springs=springs,
         kind=pattern.kind[which],
-        cells=_corners(number[..., _at_corner(pattern)], d),
+        cells=_corners(number[..., _at_corner(pattern)], d)[:, VTK_ORDER[d]],
         facets=_facets(pattern, number),
         share=side_share(points, springs, box),
         sharing=cells_bordered(pattern)[which],

@@ -67,7 +67,7 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     grid = square(box, (nx, ny))
     corners = len(grid.points)
     centre = corners + np.arange(nx * ny).reshape(ny, nx)
-    low_left, low_right, high_left, high_right = grid.cells.T
+    low_left, low_right, high_right, high_left = grid.cells.T
     middle = centre.ravel()
     sides = grid.springs[grid.kind == 0]
     half_diagonals = [_pairs(corner, middle) for corner in grid.cells.T]

@@ -21,7 +21,7 @@ import pandas as pd
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Tolerance
 from msvalidate.integrate import State, staggered
-from msvalidate.network import Network, spring_force
+from msvalidate.network import Network, internal_force
 from studies.damping import direction, figure2
 from studies.damping.bodies import MOTION, Motion
 
@@ -102,7 +102,7 @@ def lagged_force(
     free, mass = ~network.held, network.mass[:, None]
     x, v = state.position, np.where(free, state.velocity, 0.0)
     for _ in range(steps):
-        pull = spring_force(network, x - size * dt * v) + network.force
+        pull = internal_force(network, x - size * dt * v) + network.force
         v = np.where(free, v + dt * (pull / mass - damping * v), 0.0)
         x = x + dt * v
     return State(x, v)

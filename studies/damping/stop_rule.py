@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 from msvalidate import figures
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Tables, Tolerance
-from msvalidate.network import spring_force
+from msvalidate.network import internal_force
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.sweep import Setting
 from studies.damping import bodies
@@ -171,7 +171,7 @@ def watched(candidate: Motion, body: Body, omega: float, damping: float, dt: flo
     while body.left(state) > min(ASKED) / WRONG and len(rows) < MOST_STEPS:
         state = candidate(network, state, dt, 1, damping)
         off = state.position - network.points - body.rest
-        pull = np.where(network.held, 0.0, spring_force(network, state.position) + network.force)
+        pull = np.where(network.held, 0.0, internal_force(network, state.position) + network.force)
         rows.append(
             (
                 largest(state.velocity) / (omega * farthest),

@@ -33,7 +33,7 @@ from msvalidate.compare import observed_order, worst
 from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.integrate import State
 from msvalidate.lattice import square
-from msvalidate.network import Network, spring_force
+from msvalidate.network import Network, internal_force
 from msvalidate.problem import Anisotropic, Array, Box, Problem, Support
 from msvalidate.stiffness import moduli, square_tensor
 from msvalidate.sweep import Setting
@@ -237,7 +237,7 @@ def flown(candidate: Motion, body: Bar) -> Flight:
         loaded = replace(network, force=force) if late < DELAY else network
         state = candidate(loaded, state, dt, steps, 0.0)
         velocity.append(state.velocity[row, 0])
-        wall_force.append(-float(spring_force(network, state.position)[wall, 0].sum()))
+        wall_force.append(-float(internal_force(network, state.position)[wall, 0].sum()))
     time = block * np.arange(1.0, looks + 1)
     return Flight(np.asarray(time), np.array(velocity), np.array(wall_force), dt)
 

@@ -101,7 +101,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
 
 def areas(grid: Lattice, position: Array) -> Array:
     """Signed areas (..., c) in m² of a square lattice's cells at positions (..., n, 2) in m."""
-    low_left, low_right, high_left, high_right = (
+    low_left, low_right, high_right, high_left = (
         position[..., corner, :] for corner in grid.cells.T
     )
     rising, falling = high_right - low_left, high_left - low_right

@@ -15,6 +15,7 @@ from msvalidate.body import lattice_network
 from msvalidate.lattice import square
 from msvalidate.network import spring_network
 from msvalidate.problem import Box, Isotropic, Problem, Support
+from msvalidate.volumes import Volumes
 
 SPRINGS = Path(__file__).parents[1] / "data" / "springs"
 
@@ -22,6 +23,8 @@ SPRINGS = Path(__file__).parents[1] / "data" / "springs"
 @st.composite
 def _network_and_position(draw, *, stressed):
     """Draw a jittered grid joined by Delaunay edges or random pairs, and a position nearby.
+
+    Cells may resist a change of volume: the grid's boxes, or simplices between its points.
 
     Points start 1 m apart and move by less than 0.4 m in all, so no spring comes near length zero.
     """
@@ -39,15 +42,36 @@ def _network_and_position(draw, *, stressed):
         pairs = np.array(list(combinations(range(len(points)), 2)))
         springs = rng.permutation(pairs)[: rng.integers(1, len(pairs) + 1)]
     distance = np.linalg.norm(points[springs[:, 1]] - points[springs[:, 0]], axis=1)
+    cells = draw(st.sampled_from(["none", "simplices", "boxes"]))
     network = spring_network(
         points,
         springs,
         rng.uniform(0.1, 10, len(springs)),
+        volumes=None if cells == "none" else _volumes(points, sides, cells, rng),
         rest_length=distance * (rng.uniform(0.7, 1.3, len(springs)) if stressed else 1.0),
         mass=rng.uniform(0.5, 2, len(points)),
         force=rng.uniform(-1, 1, points.shape),
     )
     return network, points + rng.uniform(-0.1, 0.1, points.shape)
+
+
+def _volumes(points, sides, kind, rng):
+    """Cells of a jittered grid."""
+    if kind == "boxes":
+        number = np.arange(len(points)).reshape(sides)
+        around = [(0, 0), (1, 0), (1, 1), (0, 1)]
+        corners = around if len(sides) == 2 else [(*c, z) for z in (0, 1) for c in around]
+        shift = [
+            [slice(step, n - 1 + step) for step, n in zip(c, sides, strict=True)] for c in corners
+        ]
+        cells = np.column_stack([number[tuple(part)].ravel() for part in shift])
+    else:
+        cells = Delaunay(points).simplices.astype(int)
+        edges = points[cells[:, 1:]] - points[cells[:, :1]]
+        turned = np.linalg.det(edges) < 0
+        cells[turned, :2] = cells[turned, 1::-1]
+        cells = cells[np.abs(np.linalg.det(edges)) > 0.05]  # slivers have no stiffness to speak of
+    return Volumes(points, cells, rng.uniform(0, 5, len(cells)))
 
 
 @pytest.fixture(scope="session")

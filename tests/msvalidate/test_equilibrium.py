@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from msvalidate.equilibrium import equilibrium
 from msvalidate.homogenise import network_tensor
 from msvalidate.lattice import square
-from msvalidate.network import energy, spring_force, spring_network, tangent
+from msvalidate.network import energy, internal_force, spring_network, tangent
 from msvalidate.problem import (
     Box,
     PointForce,
@@ -285,7 +285,7 @@ def test_what_nonlinear_returns_is_stable(independent, lattice_body, name):
     }[name]()
     position = equilibrium(network, "nonlinear").position
     np.testing.assert_allclose(
-        np.where(network.held, 0, spring_force(network, position) + network.force), 0, atol=1e-10
+        np.where(network.held, 0, internal_force(network, position) + network.force), 0, atol=1e-10
     )
     assert np.linalg.eigvalsh(free_tangent(network, position))[0] > 0
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from msvalidate import kernels
 from msvalidate.integrate import State, euler_cromer
-from msvalidate.network import energy, force_scale, spring_force, spring_network, tangent
+from msvalidate.network import energy, force_scale, internal_force, spring_network, tangent
 
 examples = settings(max_examples=25, deadline=None)
 
@@ -31,7 +31,7 @@ def test_force_and_energy_are_those_of_the_plain_form(networks, data):
     stored = kernels.force_and_energy(network, position - network.points, force)
     # Only the order of summation differs, a hundred terms at most.
     scale = force_scale(network, position)
-    np.testing.assert_allclose(force, spring_force(network, position), atol=1e-13 * scale)
+    np.testing.assert_allclose(force, internal_force(network, position), atol=1e-13 * scale)
     assert stored == pytest.approx(energy(network, position), rel=1e-13)
 
 

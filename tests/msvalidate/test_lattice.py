@@ -62,11 +62,11 @@ def test_axial_springs_are_one_spacing_long_and_diagonals_root_two(lattice):
     np.testing.assert_allclose(length, SPACING * np.sqrt([1, 2])[lattice.kind], rtol=1e-14)
 
 
-def test_cells_are_squares_that_fill_the_box_x_fastest(lattice):
+def test_cells_are_squares_that_fill_the_box_counter_clockwise(lattice):
     corners = lattice.points[lattice.cells]
-    steps = [[0, 0], [SPACING, 0], [0, SPACING], [SPACING, SPACING]]
+    steps = [[0, 0], [SPACING, 0], [SPACING, SPACING], [0, SPACING]]
     np.testing.assert_allclose(corners - corners[:, :1], np.tile(steps, (len(corners), 1, 1)))
-    low_left, low_right, high_left, high_right = np.moveaxis(corners, 1, 0)
+    low_left, low_right, high_right, high_left = np.moveaxis(corners, 1, 0)
     across, up = high_right - low_left, high_left - low_right
     area = 0.5 * (across[:, 0] * up[:, 1] - across[:, 1] * up[:, 0])
     # Sums of a few tens of rounded areas.
@@ -75,7 +75,7 @@ def test_cells_are_squares_that_fill_the_box_x_fastest(lattice):
 
 
 def test_facets_are_the_edges_of_one_cell_only(lattice):
-    edges = np.concatenate([lattice.cells[:, e] for e in ([0, 1], [2, 3], [0, 2], [1, 3])])
+    edges = np.concatenate([lattice.cells[:, e] for e in ([0, 1], [1, 2], [2, 3], [3, 0])])
     edges, cells = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
     facets = np.sort(lattice.facets, axis=1)
     np.testing.assert_array_equal(facets[np.lexsort(facets.T[::-1])], edges[cells == 1])

@@ -11,7 +11,7 @@ import pytest
 from msvalidate import kernels
 from msvalidate.equilibrium import equilibrium, is_stable
 from msvalidate.integrators import INTEGRATORS, LEAPFROG
-from msvalidate.network import force_scale, spring_force, spring_network, tangent
+from msvalidate.network import force_scale, internal_force, spring_network, tangent
 from msvalidate.problem import Box, PointForce, ProblemError, Region, SolverError, Support, Traction
 from msvalidate.relax import Method, relax
 from msvalidate.relaxations import RELAXATIONS
@@ -171,7 +171,7 @@ def test_evaluations_are_those_made(name, lattice_body, monkeypatch):
 
 def plain(network, displacement):
     """Acceleration (n, d) by the plain NumPy form."""
-    force = spring_force(network, network.points + displacement) + network.force
+    force = internal_force(network, network.points + displacement) + network.force
     return np.where(network.held, 0.0, force) / network.mass[:, None]
 
 

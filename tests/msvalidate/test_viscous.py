@@ -10,7 +10,7 @@ import pytest
 
 from msvalidate.equilibrium import equilibrium
 from msvalidate.integrate import StabilityWarning
-from msvalidate.network import energy, force_scale, spring_force, spring_network
+from msvalidate.network import energy, force_scale, internal_force, spring_network
 from msvalidate.problem import (
     BodyForce,
     Box,
@@ -93,7 +93,7 @@ def test_what_it_returns_describes_where_it_is(lattice_body):
     rest = run.equilibrium
     np.testing.assert_array_equal(rest.displacement, rest.position - network.points)
     np.testing.assert_array_equal(rest.position[network.held], network.start[network.held])
-    balance = spring_force(network, rest.position) + network.force
+    balance = internal_force(network, rest.position) + network.force
     np.testing.assert_array_equal(rest.reaction, np.where(network.held, -balance, 0.0))
     assert rest.residual == np.abs(balance[~network.held]).max()
     assert run.steps == rest.iterations == run.history[-1, 0]
@@ -105,7 +105,7 @@ def test_the_history_runs_from_the_start_to_rest(lattice_body):
     step, residual, kinetic = run.history.T
     assert (step[0], kinetic[0]) == (0, 0)
     # It starts with the prescribed displacements imposed at once and all else unmoved.
-    balance = np.where(network.held, 0.0, spring_force(network, network.start))
+    balance = np.where(network.held, 0.0, internal_force(network, network.start))
     assert residual[0] == pytest.approx(np.abs(balance).max(), rel=1e-13)
     assert (np.diff(step) == 20).all()
     position = run.equilibrium.position
