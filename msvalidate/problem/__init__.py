@@ -7,10 +7,20 @@ SI units throughout. In the plane, tractions (Pa) and body forces (N/m³) act ov
 the material; point forces are in N.
 """
 
-from msvalidate.problem.domain import MOST_VERTICES, SIDES, Box, Domain, Polygon, corners_of
+from msvalidate.problem.domain import (
+    MOST_VERTICES,
+    SIDES,
+    Box,
+    Domain,
+    Polygon,
+    corners_of,
+    measure_of,
+)
 from msvalidate.problem.material import Anisotropic, Isotropic, Material
+from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import free_motions, place_name, refuse_free_motions, rigid_motions
-from msvalidate.problem.region import Part, Region, Segment
+from msvalidate.problem.region import Boundary, Part, Region, Segment
+from msvalidate.problem.shapes import SHAPES, Shape, enclosed, facet_areas, facet_middles
 from msvalidate.problem.statement import (
     BodyForce,
     Load,
@@ -19,6 +29,7 @@ from msvalidate.problem.statement import (
     Support,
     Traction,
     prescribed,
+    prescribed_where,
     vectors_at,
 )
 from msvalidate.problem.values import (
@@ -53,10 +64,12 @@ __all__ = [
     "LONGEST",
     "MOST_POINTS",
     "MOST_VERTICES",
+    "SHAPES",
     "SIDES",
     "Anisotropic",
     "Array",
     "BodyForce",
+    "Boundary",
     "Box",
     "Domain",
     "Field",
@@ -65,6 +78,7 @@ __all__ = [
     "Load",
     "Mask",
     "Material",
+    "Mesh",
     "Part",
     "PointForce",
     "Polygon",
@@ -72,6 +86,7 @@ __all__ = [
     "ProblemError",
     "Region",
     "Segment",
+    "Shape",
     "SolverError",
     "Support",
     "Traction",
@@ -80,16 +95,21 @@ __all__ = [
     "corners_of",
     "counts",
     "direction",
+    "enclosed",
+    "facet_areas",
+    "facet_middles",
     "finite",
     "free_motions",
     "instance",
     "integers",
+    "measure_of",
     "metres",
     "number",
     "numbers",
     "place_name",
     "positive",
     "prescribed",
+    "prescribed_where",
     "refuse_free_motions",
     "refuse_too_many",
     "rigid_motions",

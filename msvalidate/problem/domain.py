@@ -1,4 +1,4 @@
-"""What body: a box, or any outline in the plane."""
+"""What body: a box, any outline in the plane, or a mesh."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ from functools import cached_property
 
 import numpy as np
 
-from msvalidate.problem.region import Part, Region, Segment, Span
+from msvalidate.problem.mesh import Mesh
+from msvalidate.problem.region import Boundary, Part, Region, Segment
 from msvalidate.problem.values import (
     AXES,
+    PLACEMENT,
     Array,
     Mask,
     ProblemError,
+    Span,
     coordinates,
     instance,
     metres,
@@ -30,9 +33,6 @@ SIDES = {
     "front": (2, 1),
 }
 """Side name -> (axis normal to it, 0 for the low end or 1 for the high end)."""
-PLACEMENT = 1e-9
-"""Two places closer than this fraction of the body are the same place: far above rounding of
-coordinates (1e-16), far below any spacing that fits in memory."""
 MOST_VERTICES = 10_000
 """Corners of an outline: whether it crosses itself is looked up in a table of pairs of edges."""
 
@@ -248,25 +248,52 @@ class Polygon:
         return (int(i[meets][0]), int(j[meets][0])) if meets.any() else None
 
 
-Domain = Box | Polygon
+Domain = Box | Polygon | Mesh
 
 
 def corners_of(region: Part, domain: Domain) -> Array:
     """Corners (k, d) in m of a region of a domain.
 
+    On a mesh, whose sides need not reach the ends of its span, a part of a side has the corners of
+    the facets that lie in it.
+
     Raises
     ------
     ProblemError
-        If the region is not of this dimension or reaches outside the body's span.
+        If the region is not of this dimension, reaches outside the body's span, or is no part of a
+        mesh's sides.
     """
-    instance("region", region, Part)
-    instance("domain", domain, Domain)
-    if region.dim != domain.dim:
-        raise ProblemError(f"region {region} has {region.dim} axes, the body {domain.dim}")
+    _refuse_misfit(region, domain)
     corners = region.corners(domain.span)
     for axis, (low, high), x in zip(AXES, domain.span, corners.T, strict=False):
         if x.min() < low - domain.tolerance or x.max() > high + domain.tolerance:
             raise ProblemError(
                 f"region {region} reaches outside the body, {low:g} <= {axis} <= {high:g}"
             )
+    if isinstance(domain, Mesh) and not isinstance(region, Boundary):
+        if region.is_facet:
+            return domain.part(region).corners(domain.span)
+        if isinstance(region, Region) and len(region.normal_axes) < domain.dim:
+            return domain.places_in(region)
     return np.asarray(corners)
+
+
+def measure_of(region: Part, domain: Domain) -> float:
+    """Length (m) or area (m²) of a part of a domain's sides; as for `corners_of` on a mesh.
+
+    Raises
+    ------
+    ProblemError
+        If the region is not of this dimension, or is no part of a mesh's sides.
+    """
+    _refuse_misfit(region, domain)
+    if isinstance(domain, Mesh) and not isinstance(region, Boundary):
+        region = domain.part(region)
+    return region.measure(domain.span)
+
+
+def _refuse_misfit(region: Part, domain: Domain) -> None:
+    instance("region", region, Part)
+    instance("domain", domain, Domain)
+    if region.dim != domain.dim:
+        raise ProblemError(f"region {region} has {region.dim} axes, the body {domain.dim}")

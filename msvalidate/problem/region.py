@@ -1,4 +1,4 @@
-"""Where on a body: named parts of it, by their coordinates or as a straight line."""
+"""Where on a body: parts of it by coordinates, along a straight line, or by facets of a mesh."""
 
 from __future__ import annotations
 
@@ -8,10 +8,17 @@ from itertools import product
 
 import numpy as np
 
-from msvalidate.problem.values import AXES, Array, Mask, ProblemError, coordinates, metres, shown
-
-Span = tuple[tuple[float, float], ...]
-"""Low and high coordinate (m) of a body along each axis."""
+from msvalidate.problem.shapes import FACETS, facet_areas, on_any
+from msvalidate.problem.values import (
+    AXES,
+    Array,
+    Mask,
+    ProblemError,
+    Span,
+    coordinates,
+    metres,
+    shown,
+)
 
 
 @dataclass(frozen=True)
@@ -71,6 +78,17 @@ class Region:
             if entry is not None:
                 low, high = entry if isinstance(entry, tuple) else (entry, entry)
                 chosen &= (x >= low - tolerance) & (x <= high + tolerance)
+        return chosen
+
+    def overlaps(self, low: Array, high: Array, tolerance: float) -> Mask:
+        """Mask (n,) of the boxes with ends (n, d) in m that share more than a rim with the region.
+
+        Along the axes where it is flat, whatever they have.
+        """
+        chosen = np.ones(len(low), dtype=bool)
+        for a, b, entry in zip(low.T, high.T, self.extent, strict=True):
+            if isinstance(entry, tuple):
+                chosen &= (b > entry[0] + tolerance) & (a < entry[1] - tolerance)
         return chosen
 
     def corners(self, span: Span) -> Array:
@@ -145,4 +163,59 @@ class Segment:
         return math.dist(self.start, self.end)
 
 
-Part = Region | Segment
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """The points of some facets of a mesh: a part of its surface that has a name.
+
+    `Mesh.side` makes it.
+
+    Parameters
+    ----------
+    name
+        What messages call it.
+    places
+        Nodes (f, k, d) in m of each facet: corners, mid-sides, middle. They run counter-clockwise
+        as seen from outside, in the plane round the body.
+    """
+
+    name: str
+    places: Array
+
+    def __post_init__(self) -> None:
+        places = np.array(coordinates(f"boundary {shown(self.name)}: places", self.places))
+        if places.ndim != 3 or places.shape[:0:-1] not in FACETS or not len(places):
+            known = ", ".join(f"(f, {k}, {d})" for d, k in FACETS)
+            raise ProblemError(
+                f"boundary {shown(self.name)}: places {places.shape}; give one of {known}"
+            )
+        places.setflags(write=False)
+        object.__setattr__(self, "places", places)
+
+    def __str__(self) -> str:
+        return f"boundary {shown(self.name)}"
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return int(self.places.shape[2])
+
+    @property
+    def is_facet(self) -> bool:
+        """Whether it is part of a side: always."""
+        return True
+
+    def select(self, points: Array, tolerance: float) -> Mask:
+        """Mask (n,) of the points (n, d) on the facets, bent or not, to within `tolerance` (m)."""
+        shape = FACETS[self.dim, self.places.shape[1]]
+        return on_any(shape, self.places, np.asarray(points), tolerance)
+
+    def corners(self, _span: Span) -> Array:
+        """Every node (k, d) in m of the facets, whatever the body."""
+        return np.asarray(np.unique(self.places.reshape(-1, self.dim), axis=0))
+
+    def measure(self, _span: Span) -> float:
+        """Length or area (m, m²) of the facets, whatever the body."""
+        return float(facet_areas(self.places).sum())
+
+
+Part = Region | Segment | Boundary

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from msvalidate.problem.domain import PLACEMENT, Box, Domain, corners_of
+from msvalidate.problem.domain import Box, Domain, corners_of
 from msvalidate.problem.material import Material
 from msvalidate.problem.motions import place_name, refuse_free_motions
-from msvalidate.problem.region import Part, Region, Segment
+from msvalidate.problem.region import Boundary, Part, Region
+from msvalidate.problem.shapes import facet_middles
 from msvalidate.problem.values import (
     AXES,
+    PLACEMENT,
     Array,
     Field,
     Index,
@@ -158,7 +160,7 @@ class Problem:
                 continue
             corners = corners_of(load.region, self.domain)
             if isinstance(load, Traction):
-                _refuse_off_side(f"traction on {load.region}", self.domain, corners)
+                _refuse_off_side("traction", load.region, self.domain, corners)
         corners, held = self._held_corners()
         refuse_free_motions(self.name, corners, held)
 
@@ -171,7 +173,7 @@ class Problem:
         for support in self.supports:
             ends = corners_of(support.region, self.domain)
             if support.region.is_facet and not _is_inner_face(support.region, self.domain):
-                _refuse_off_side(f"support on {support.region}", self.domain, ends)
+                _refuse_off_side("support", support.region, self.domain, ends)
             for corner in ends:
                 corners.append(corner)
                 held.append([value is not None for value in support.displacement])
@@ -187,19 +189,40 @@ def prescribed(problem: Problem, points: Array) -> tuple[Mask, Array]:
     ProblemError
         If a support meets none of the points, or two supports contradict each other.
     """
+
+    def on_region(support: Support) -> Mask:
+        chosen = support.region.select(points, problem.domain.tolerance)
+        if chosen.any():
+            _refuse_cut_short(problem, support, points[chosen])
+        return chosen
+
+    return prescribed_where(problem, points, on_region)
+
+
+def prescribed_where(
+    problem: Problem, points: Array, holds: Callable[[Support], Mask]
+) -> tuple[Mask, Array]:
+    """What supports prescribe, as `prescribed` returns it, at points (n,) that `holds` picks.
+
+    For bodies whose points do not lie on the supports.
+
+    Raises
+    ------
+    ProblemError
+        If a support holds none of the points, or two supports contradict each other.
+    """
     instance("problem", problem, Problem)
     shape: tuple[int, ...] = getattr(points, "shape", ())
     if len(shape) != 2 or shape[1] != problem.domain.dim:
         raise ProblemError(f"points: shape {shape}; give an array (n, {problem.domain.dim})")
     wishes: list[tuple[int, Index, Array]] = []
     for support in problem.supports:
-        chosen = np.flatnonzero(support.region.select(points, problem.domain.tolerance))
+        chosen = np.flatnonzero(holds(support))
         if not len(chosen):
             raise ProblemError(
                 f"support on {support.region}: no point of the discretised body lies there; "
                 "choose cells that put one there"
             )
-        _refuse_cut_short(problem, support, points[chosen])
         for axis, entry in enumerate(support.displacement):
             if entry is not None:
                 wanted = _values(f"support on {support.region}", entry, points[chosen])
@@ -247,18 +270,21 @@ def _is_inner_face(region: Part, domain: Domain) -> bool:
     return isinstance(domain, Box) and isinstance(region, Region)
 
 
-def _refuse_off_side(name: str, domain: Domain, corners: Array) -> None:
+def _refuse_off_side(what: str, region: Part, domain: Domain, corners: Array) -> None:
+    if isinstance(region, Boundary):  # all nodes of a facet may be on sides that it joins
+        corners = np.concatenate([corners, facet_middles(region.places)])
     if not domain.on_boundary(corners):
         raise ProblemError(
-            f"{name}: from {place_name(corners[0])} to {place_name(corners[-1])} m it is not on "
-            "one side of the body all the way; give a part of a side, such as a Segment"
+            f"{what} on {region}: from {place_name(corners[0])} to {place_name(corners[-1])} m it "
+            "is not on one side of the body all the way; give a part of a side, such as a Segment"
         )
 
 
 def _check_region(name: str, region: object) -> None:
-    if not isinstance(region, Region | Segment):
+    if not isinstance(region, Part):
         raise ProblemError(
-            f"{name}: region {shown(region)}; give a Region, such as box.side('left'), or a Segment"
+            f"{name}: region {shown(region)}; give a Region, such as box.side('left'), a Segment, "
+            "or a mesh.side(name)"
         )
 
 

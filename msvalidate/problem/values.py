@@ -16,8 +16,13 @@ Mask = NDArray[np.bool_]
 Index = NDArray[np.intp]
 Field = Callable[[Array], Array]
 """A function of points (n, d) in m that returns values (n,) or (n, d)."""
+Span = tuple[tuple[float, float], ...]
+"""Low and high coordinate (m) of a body along each axis."""
 
 AXES = "xyz"
+PLACEMENT = 1e-9
+"""Two places closer than this fraction of the body are the same place: far above rounding of
+coordinates (1e-16), far below any spacing that fits in memory."""
 LONGEST = 1e100
 """Lengths and coordinates (m) stay below it, and lengths above its inverse: areas and volumes, and
 the squares that a distance takes, are then ordinary numbers too."""

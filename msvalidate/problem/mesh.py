@@ -1,0 +1,292 @@
+"""A body made of cells: any outline, in the plane or in space, with straight or bent sides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from msvalidate.problem.cells import (
+    refuse_folded,
+    refuse_hanging,
+    refuse_strays,
+    sections,
+    surface_facets,
+)
+from msvalidate.problem.region import Boundary, Region, Segment
+from msvalidate.problem.shapes import CELLS, SHAPES, Shape, enclosed, on_any
+from msvalidate.problem.values import (
+    AXES,
+    PLACEMENT,
+    Array,
+    Index,
+    Mask,
+    ProblemError,
+    Span,
+    chosen,
+    coordinates,
+    integers,
+    metres,
+    refuse_too_many,
+    shown,
+)
+
+LONGEST_NAME = 100
+"""Letters in a boundary's name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Body made of cells of one shape, and the names of parts of its surface.
+
+    Two meshes are equal if their cells are, whatever the names of their boundaries.
+
+    Parameters
+    ----------
+    points
+        (n, d) positions (m) of all nodes.
+    cells
+        (c, k) nodes of each cell, numbered as in VTK: corners counter-clockwise (in space those of
+        the first face as seen from the rest), mid-sides, middles of faces, the middle.
+    shape
+        "triangle", "triangle6", "quad" or "quad9" in the plane; "tetra", "tetra10", "hexahedron"
+        or "hexahedron27" in space. Mid-sides may lie off the straight line: the side is then bent.
+    boundaries
+        Name -> nodes (f, k) of facets, corners first, that belong to one cell alone.
+
+    Raises
+    ------
+    ProblemError
+        If a cell is inverted, flat, folded or overlaps another, a point lies where another does,
+        belongs to no cell or lies in one that does not name it, or a boundary is empty or not on
+        the surface.
+    """
+
+    points: Array
+    cells: Index
+    shape: str
+    boundaries: Mapping[str, Index] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        chosen("mesh shape", self.shape, CELLS)
+        self._take("points", coordinates("mesh points", self.points))
+        self._take("cells", integers("mesh cells", self.cells))
+        self._refuse_misfits()
+        self._refuse_no_size()
+        refuse_strays(self.points, self.cells, self.tolerance)
+        refuse_folded(self.points, self.cells, self.kind)
+        self._take("_surface", surface_facets(self.cells, self.kind))
+        refuse_hanging(self.points, self.cells, self.kind, self.surface, self.tolerance)
+        self._name(self.boundaries)
+
+    def __str__(self) -> str:
+        sizes = " x ".join(f"{high - low:g}" for low, high in self.span)
+        return f"mesh of {len(self.cells)} {self.shape} cells, {sizes} m"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Mesh):
+            return NotImplemented
+        return self is other or (
+            self.shape == other.shape
+            and np.array_equal(self.points, other.points)
+            and np.array_equal(self.cells, other.cells)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.shape, self.points.tobytes(), self.cells.tobytes()))
+
+    @property
+    def kind(self) -> Shape:
+        """The shape of the cells: their nodes, facets and map."""
+        return SHAPES[self.shape]
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return self.kind.dim
+
+    @cached_property
+    def span(self) -> Span:
+        """Low and high coordinate (m) of the nodes along each axis; bent sides may bulge beyond."""
+        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        return tuple((float(a), float(b)) for a, b in zip(low, high, strict=True))
+
+    @property
+    def tolerance(self) -> float:
+        """Distance (m) below which two places are one."""
+        return PLACEMENT * max(high - low for low, high in self.span)
+
+    @property
+    def surface(self) -> Index:
+        """Nodes (f, k) of the facets of one cell alone, counter-clockwise from outside."""
+        facets: Index = self.__dict__["_surface"]
+        return facets
+
+    @cached_property
+    def volume(self) -> float:
+        """Area (m²) or volume (m³), bent sides included."""
+        return enclosed(self.points[self.surface])
+
+    def named(self, boundaries: Mapping[str, Index]) -> Mesh:
+        """Return the same mesh with these boundaries instead; raises `ProblemError` as `Mesh`."""
+        other = copy(self)
+        other._name(boundaries)
+        return other
+
+    def side(self, name: str) -> Boundary:
+        """Return the boundary of a name. Raises `ProblemError` that lists the names for another."""
+        if not isinstance(name, str) or name not in self.boundaries:
+            known = ", ".join(map(shown, self.boundaries)) or "none with a name"
+            raise ProblemError(f"boundary {shown(name)}: the mesh has {known}; choose one of them")
+        return Boundary(name, self.points[self.boundaries[name]])
+
+    @cached_property
+    def whole_surface(self) -> Boundary:
+        """Every facet of the surface."""
+        return Boundary("surface", self.points[self.surface])
+
+    def on_boundary(self, places: Array) -> bool:
+        """Whether all places (k, d) in m lie on the surface."""
+        return bool(self.whole_surface.select(places, self.tolerance).all())
+
+    def contains(self, points: Array) -> Mask:
+        """Mask (n,) of the points (n, d) in the body, its surface included."""
+        return on_any(self.kind, self.points[self.cells], np.asarray(points), self.tolerance)
+
+    def part(self, region: Region | Segment) -> Boundary:
+        """Facets of the surface that lie in a part of a side given by its coordinates.
+
+        Raises
+        ------
+        ProblemError
+            If none does, the part goes on inside the body, or ends between the ends of a facet.
+        """
+        inside = region.select(self.points, self.tolerance)
+        facets = self.surface[inside[self.surface].all(axis=1)]
+        if not len(facets):
+            raise ProblemError(
+                f"region {region}: no facet of the {self} lies there; give a part of a straight "
+                f"side{self._named()}"
+            )
+        part = Boundary(str(region), self.points[facets])
+        if isinstance(region, Segment):
+            wanted, found = region.measure(self.span), part.measure(self.span)
+            if abs(found - wanted) > 2 * self.tolerance:
+                raise ProblemError(
+                    f"region {region}: {found:g} of its {wanted:g} m are facets of the {self}; let "
+                    "it end where facets do, on one straight side"
+                )
+            return part
+        inside[facets] = False
+        cut = inside.any() or self._goes_on_inside(region)
+        if cut or self._ends_amid_facets(region):
+            how = "goes on inside the body" if cut else "ends between the ends of a facet"
+            raise ProblemError(f"region {region}: it {how} of the {self}{self._named()}")
+        return part
+
+    def places_in(self, region: Region) -> Array:
+        """Nodes (k, d) in m that lie in a region which is no part of a side.
+
+        Raises
+        ------
+        ProblemError
+            If none does, or it ends between two of them.
+        """
+        extent = tuple(None if isinstance(entry, tuple) else entry for entry in region.extent)
+        whole = self.points[Region(extent).select(self.points, self.tolerance)]
+        inside = whole[region.select(whole, self.tolerance)]
+        if not len(inside):
+            raise ProblemError(f"region {region}: no point of the {self} lies there")
+        for axis, entry in enumerate(region.extent):
+            if isinstance(entry, tuple):
+                reached, there = inside[:, axis], whole[:, axis]
+                low, high = max(entry[0], there.min()), min(entry[1], there.max())
+                if max(reached.min() - low, high - reached.max()) > self.tolerance:
+                    raise ProblemError(
+                        f"region {region}: the points of the {self} there run from {AXES[axis]} = "
+                        f"{reached.min():g} to {reached.max():g} m; let it end at points"
+                    )
+        return np.asarray(inside)
+
+    def _named(self) -> str:
+        return f", or a side by name: {', '.join(self.boundaries)}" if self.boundaries else ""
+
+    def _goes_on_inside(self, region: Region) -> bool:
+        """Whether cells reach through the plane of a region, within it."""
+        (axis,), room = region.normal_axes, self.tolerance
+        plane = float(region.corners(self.span)[0, axis])
+        x = self.points[self.cells][..., axis]
+        through = (x.min(axis=1) < plane - room) & (x.max(axis=1) > plane + room)
+        low, high = sections(self.points[self.cells[through]], axis, plane)
+        return bool(region.overlaps(low, high, room).any())
+
+    def _ends_amid_facets(self, region: Region) -> bool:
+        """Whether facets in the plane of a region reach across its rim."""
+        places, room = self.points[self.surface], self.tolerance
+        flat = Region(tuple(None if isinstance(e, tuple) else e for e in region.extent))
+        inside = [each.select(places.reshape(-1, self.dim), room) for each in (flat, region)]
+        level, whole = (each.reshape(self.surface.shape).all(axis=1) for each in inside)
+        part = places[level & ~whole]
+        return bool(region.overlaps(part.min(axis=1), part.max(axis=1), room).any())
+
+    def _take(self, name: str, array: Array | Index) -> None:
+        array.setflags(write=False)
+        object.__setattr__(self, name, array)
+
+    def _refuse_misfits(self) -> None:
+        n, k = len(self.points), len(self.kind.nodes)
+        if self.points.ndim != 2 or self.points.shape[1] != self.dim or not n:
+            raise ProblemError(
+                f"mesh points: shape {self.points.shape}; {self.shape} needs (n, {self.dim})"
+            )
+        if self.cells.ndim != 2 or self.cells.shape[1] != k or not len(self.cells):
+            raise ProblemError(f"mesh cells: shape {self.cells.shape}; {self.shape} needs (c, {k})")
+        if self.cells.min() < 0 or self.cells.max() >= n:
+            raise ProblemError(
+                f"mesh cells: points {self.cells.min()} to {self.cells.max()}; there are 0 to "
+                f"{n - 1}"
+            )
+        refuse_too_many("mesh", n)
+
+    def _refuse_no_size(self) -> None:
+        size = max(high - low for low, high in self.span)
+        away = float(np.abs(self.points).max())
+        metres("mesh: its longest side", size)
+        if 4 * np.finfo(float).eps * away > self.tolerance:
+            raise ProblemError(
+                f"mesh: {size:g} m long and {away:g} m from the origin, where coordinates no "
+                "longer tell its places apart; move it to the origin"
+            )
+
+    def _name(self, boundaries: object) -> None:
+        if not isinstance(boundaries, Mapping):
+            raise ProblemError(f"mesh boundaries: {shown(boundaries)}; give facets by their names")
+        sides = {name: self._checked(name, facets) for name, facets in boundaries.items()}
+        object.__setattr__(self, "boundaries", sides)
+
+    def _checked(self, name: object, given: Index) -> Index:
+        """Facets of a boundary, each once, as the surface lists them."""
+        said = f"mesh boundary {shown(name)}"
+        if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
+            raise ProblemError(f"{said}: give 1 to {LONGEST_NAME} printable letters as its name")
+        facets = integers(said, given)
+        k = self.surface.shape[1]
+        if not facets.size:
+            raise ProblemError(f"{said}: no facet in it; leave it out")
+        if facets.ndim != 2 or facets.shape[1] != k:
+            raise ProblemError(f"{said}: shape {facets.shape}; {self.shape} needs (f, {k})")
+        both = np.sort(np.concatenate([self.surface, facets]), axis=1)
+        _, first, which = np.unique(both, axis=0, return_index=True, return_inverse=True)
+        at = first[which.ravel()[len(self.surface) :]]
+        unknown = np.flatnonzero(at >= len(self.surface))
+        if len(unknown):
+            raise ProblemError(
+                f"{said}: facet {facets[unknown[0]].tolist()} is not on the surface, as the side "
+                "of one cell alone; leave it out"
+            )
+        found = self.surface[np.unique(at)]
+        found.setflags(write=False)
+        return np.asarray(found)

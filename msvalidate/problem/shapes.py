@@ -1,0 +1,315 @@
+"""Shapes of cells and of their facets: reference nodes, maps, areas and where a place lies.
+
+Nodes are numbered as in VTK (and meshio): corners, mid-sides, middles of faces, the middle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from msvalidate.problem.values import Array, Index, Mask
+
+GAUSS = {1: 11, 2: 6}
+"""Gauss points along each axis of an edge and of a face: what quadratic cells enclose, whose
+integrands are of degree 5 at most, comes out exact; an edge bent by a quarter of its length is
+measured to 1e-10."""
+NEWTON_STEPS = 30
+"""Steps within which the place in a cell that is mapped to a point is found: straight simplices
+take one, others five."""
+AT_REST, SINGULAR = 1e-12, 1e-15
+"""A step, in the unit cell, far below where two places are one; and the part of a map's squared
+slopes that is added to them, so that a place where the map has no inverse raises no error."""
+AT_ONCE = 20_000
+"""Pairs of a point and a cell that are looked into at once: 27 nodes of each take 40 MB."""
+BULGE = {1: 5 / 4, 2: 5 / 3, 3: 2.0}
+"""How far a quadratic map of so many axes reaches beyond its nodes at most, as a multiple of their
+distance from any place: the largest sum of its shape functions' magnitudes (Lebesgue's constant).
+On a line 5/4, so 25/16 in a square and 125/64 in a cube; 5/3 in a triangle, 2 in a tetrahedron."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A cell or facet: `corners` corner nodes, then what lies between them.
+
+    Parameters
+    ----------
+    name
+        meshio's.
+    nodes
+        (k, dim) places of the nodes in the unit simplex or cube.
+    corners
+        Number of corners.
+    rings
+        Corners of each facet, counter-clockwise as seen from outside.
+    simplex
+        Whether a line (of one axis), triangle or tetrahedron; else a square or cube.
+    degree
+        1 of straight sides, 2 with mid-sides.
+    """
+
+    name: str
+    nodes: Array
+    corners: int
+    rings: tuple[tuple[int, ...], ...]
+    simplex: bool
+    degree: int
+
+    @property
+    def dim(self) -> int:
+        """Number of axes of the unit cell: 1 of an edge, 2 of a face, 3 of a solid."""
+        return int(self.nodes.shape[1])
+
+    @cached_property
+    def facets(self) -> Index:
+        """Nodes (facets, k) of each facet, corners first, in the order of the facet's own shape."""
+        ring = np.array(self.rings)
+        if self.degree == 1:
+            return ring
+        return np.array([self._with_middles(corners) for corners in ring])
+
+    def _with_middles(self, ring: Index) -> list[int]:
+        """Corners of a facet, the middles of its edges, and its own where a square has one."""
+        following = np.roll(ring, -1)
+        groups = [ring] if len(ring) == 2 else list(np.column_stack([ring, following]))
+        if len(ring) == 4:
+            groups.append(ring)
+        middles = [self.nodes[group].mean(axis=0) for group in groups]
+        apart = [np.abs(self.nodes - middle).sum(axis=1) for middle in middles]
+        return [*ring.tolist(), *(int(distance.argmin()) for distance in apart)]
+
+    @cached_property
+    def powers(self) -> Index:
+        """Exponents (k, dim) of the monomials that the shape functions are made of."""
+        every = product(range(self.degree + 1), repeat=self.dim)
+        fit = [p for p in every if not self.simplex or sum(p) <= self.degree]
+        return np.array(fit)
+
+    @cached_property
+    def _coefficients(self) -> Array:
+        return np.asarray(np.linalg.inv(_monomials(self.nodes, self.powers)), dtype=float)
+
+    def values(self, places: Array) -> Array:
+        """Shape functions (q, k) at places (q, dim) of the unit cell."""
+        return np.asarray(_monomials(places, self.powers) @ self._coefficients)
+
+    def slopes(self, places: Array) -> Array:
+        """Derivatives (q, k, dim) of the shape functions at places (q, dim)."""
+        parts = []
+        for axis in range(self.dim):
+            lowered = self.powers.copy()
+            lowered[:, axis] = np.maximum(lowered[:, axis] - 1, 0)
+            monomials = self.powers[:, axis] * _monomials(places, lowered)
+            parts.append(monomials @ self._coefficients)
+        return np.stack(parts, axis=2)
+
+    @property
+    def middle(self) -> Array:
+        """The middle (dim,) of the unit cell."""
+        return np.asarray(self.nodes[: self.corners].mean(axis=0))
+
+    def clipped(self, places: Array) -> Array:
+        """The places (q, dim), those outside the unit cell moved onto it."""
+        inside = np.clip(places, 0.0, 1.0)
+        if self.simplex:
+            inside /= np.maximum(inside.sum(axis=1, keepdims=True), 1.0)
+        return np.asarray(inside)
+
+    @cached_property
+    def quadrature(self) -> tuple[Array, Array]:
+        """Places (q, dim) and weights (q,) of Gauss's rule; a triangle's is a square's, collapsed.
+
+        With x = s, y = (1 - s) t the square's unit area becomes 1 - s (Duffy 1982).
+        """
+        x, w = np.polynomial.legendre.leggauss(GAUSS[self.dim])
+        x, w = (x + 1) / 2, w / 2
+        grid = np.array(list(product(x, repeat=self.dim)))
+        weight = np.array([math.prod(each) for each in product(w, repeat=self.dim)])
+        if self.simplex and self.dim == 2:
+            s, t = grid.T
+            return np.column_stack([s, (1 - s) * t]), weight * (1 - s)
+        return grid, weight
+
+    @cached_property
+    def bernstein(self) -> tuple[Array, Array]:
+        """Places (q, dim) and matrix (q, q) from a Jacobian's values there to its coefficients.
+
+        A polynomial lies between the least and the largest of its Bernstein coefficients.
+        """
+        dim, p = self.dim, self.degree
+        if self.simplex:
+            order = dim * (p - 1)
+            every = product(range(order + 1), repeat=dim)
+            index = np.array([[*a, order - sum(a)] for a in every if sum(a) <= order])
+            many = [math.factorial(order) / math.prod(map(math.factorial, a)) for a in index]
+            places = index[:, :dim] / order if order else np.full((1, dim), 1 / (dim + 1))
+            whole = np.column_stack([places, 1 - places.sum(axis=1)])
+            matrix = np.array(many) * _monomials(whole, index)
+        else:
+            order = dim * p - 1
+            index = np.array(list(product(range(order + 1), repeat=dim)))
+            places = index / order
+            many = [math.prod(math.comb(order, i) for i in a) for a in index]
+            matrix = np.array(many) * _monomials(places, index)
+            matrix *= _monomials(1 - places, order - index)
+        return np.asarray(places), np.asarray(np.linalg.inv(matrix), dtype=float)
+
+
+def _monomials(places: Array, powers: Index) -> Array:
+    """Products (q, k) of the coordinates (q, dim) to the powers (k, dim)."""
+    return np.asarray(np.prod(places[:, None, :] ** powers, axis=2))
+
+
+def _shape(
+    names: tuple[str, str],
+    corners: Sequence[tuple[int, ...]],
+    rings: Sequence[tuple[int, ...]],
+    between: Sequence[tuple[int, ...]],
+) -> list[Shape]:
+    """The shape with straight sides and the one with middles of some groups of corners."""
+    straight = np.array(corners, dtype=float)
+    middles = [straight[list(group)].mean(axis=0) for group in between]
+    simplex = len(corners) == straight.shape[1] + 1
+    outside = tuple(rings)
+    return [
+        Shape(names[0], straight, len(corners), outside, simplex, 1),
+        Shape(names[1], np.array([*straight, *middles]), len(corners), outside, simplex, 2),
+    ]
+
+
+_TRIANGLE = [(0, 1), (1, 2), (2, 0)]
+_SQUARE = [(0, 1), (1, 2), (2, 3), (3, 0)]
+_TETRAHEDRON = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+_CUBE = [(0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)]
+_CUBE_EDGES = [*_SQUARE, (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+_UNIT_CUBE = [(x, y, z) for z in (0, 1) for x, y in [(0, 0), (1, 0), (1, 1), (0, 1)]]
+
+SHAPES = {
+    shape.name: shape
+    for pair in (
+        _shape(("line", "line3"), [(0,), (1,)], [(0,), (1,)], [(0, 1)]),
+        _shape(("triangle", "triangle6"), [(0, 0), (1, 0), (0, 1)], _TRIANGLE, _TRIANGLE),
+        _shape(
+            ("quad", "quad9"),
+            [(0, 0), (1, 0), (1, 1), (0, 1)],
+            _SQUARE,
+            [*_SQUARE, (0, 1, 2, 3)],
+        ),
+        _shape(
+            ("tetra", "tetra10"),
+            [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)],
+            _TETRAHEDRON,
+            [*_TRIANGLE, (0, 3), (1, 3), (2, 3)],
+        ),
+        _shape(
+            ("hexahedron", "hexahedron27"),
+            _UNIT_CUBE,
+            _CUBE,
+            [*_CUBE_EDGES, *_CUBE, (0, 1, 2, 3, 4, 5, 6, 7)],
+        ),
+    )
+    for shape in pair
+}
+CELLS = tuple(name for name, shape in SHAPES.items() if shape.dim > 1)
+"""Names of what a mesh may consist of."""
+FACETS = {(shape.dim + 1, len(shape.nodes)): shape for shape in SHAPES.values() if shape.dim < 3}
+"""The shape of a facet by the body's number of axes and the facet's number of nodes."""
+
+
+def area_vectors(places: Array) -> tuple[Array, Array]:
+    """Gauss points (f, q, d) in m of facets with nodes (f, k, d), and area vectors outwards there.
+
+    The vectors (f, q, d), in m or m², hold the weights: they sum to integrals. The nodes run
+    counter-clockwise as seen from outside, in the plane round the body.
+    """
+    shape = FACETS[places.shape[2], places.shape[1]]
+    at, weights = shape.quadrature
+    x = np.einsum("qk,fkd->fqd", shape.values(at), places)
+    along = np.einsum("qke,fkd->efqd", shape.slopes(at), places)
+    if shape.dim == 1:
+        normal = np.stack([along[0, ..., 1], -along[0, ..., 0]], axis=-1)
+    else:
+        normal = np.cross(along[0], along[1])
+    return x, normal * weights[:, None]
+
+
+def enclosed(places: Array) -> float:
+    """Area (m²) or volume (m³) within facets (f, k, d) that close: ∮ x·n dA / d (Gauss), exact."""
+    middle = places.mean(axis=(0, 1))
+    x, normal = area_vectors(places - middle)
+    return float(np.einsum("fqd,fqd->", x, normal) / places.shape[2])
+
+
+def facet_areas(places: Array) -> Array:
+    """Length (m) or area (m²) of each of some facets (f, k, d), bent ones by Gauss's rule."""
+    _, normal = area_vectors(places)
+    return np.asarray(np.linalg.norm(normal, axis=2).sum(axis=1))
+
+
+def facet_middles(places: Array) -> Array:
+    """The place (f, d) in m that the middle of the unit facet is mapped to, of facets (f, k, d)."""
+    shape = FACETS[places.shape[2], places.shape[1]]
+    return np.asarray(np.einsum("qk,fkd->fd", shape.values(shape.middle[None]), places))
+
+
+def meetings(shape: Shape, places: Array, points: Array, tolerance: float) -> tuple[Index, Index]:
+    """Pairs (p,), (p,) of a cell or facet (f, k, d) and a point (n, d) within `tolerance` (m).
+
+    A tree of the points names those near each cell; Newton's steps then look for the place of the
+    unit cell that is mapped there (Gauss's and Newton's where a facet has fewer axes than space).
+    """
+    if not len(points):
+        return np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp)
+    middle = places.mean(axis=1)
+    reach = np.linalg.norm(places - middle[:, None], axis=2).max(axis=1)
+    if shape.degree == 2:
+        reach = reach * BULGE[shape.dim]
+    near = KDTree(points).query_ball_point(middle, reach * (1 + 1e-9) + tolerance)
+    cell = np.repeat(np.arange(len(places)), [len(each) for each in near])
+    point = np.fromiter((i for each in near for i in each), dtype=np.intp, count=len(cell))
+    meets = np.zeros(len(cell), dtype=bool)
+    for start in range(0, len(cell), AT_ONCE):
+        part = slice(start, start + AT_ONCE)
+        meets[part] = _apart(shape, places[cell[part]], points[point[part]]) <= tolerance
+    return cell[meets], point[meets]
+
+
+def on_any(shape: Shape, places: Array, points: Array, tolerance: float) -> Mask:
+    """Mask (n,) of points (n, d) within `tolerance` (m) of some cells or facets (f, k, d)."""
+    found = np.zeros(len(points), dtype=bool)
+    found[meetings(shape, places, points, tolerance)[1]] = True
+    return found
+
+
+def _apart(shape: Shape, nodes: Array, x: Array) -> Array:
+    """Distance (p,) in m of points (p, d) from cells (p, k, d), exact where it is none."""
+    at = np.tile(shape.middle, (len(x), 1))
+    moving = np.arange(len(x))
+    straight = shape.simplex and shape.degree == 1  # the first step gets there, whatever clips it
+    for _ in range(1 if straight else NEWTON_STEPS):
+        if not len(moving):
+            break
+        step = _step(shape, nodes[moving], x[moving], at[moving])
+        # Far outside the map may have no inverse.
+        after = np.clip(at[moving] + step, -0.5, 1.5)
+        still = np.abs(after - at[moving]).max(axis=1) <= AT_REST
+        at[moving] = after
+        moving = moving[~still]
+    miss = x - np.einsum("pk,pkd->pd", shape.values(shape.clipped(at)), nodes)
+    return np.asarray(np.linalg.norm(miss, axis=1))
+
+
+def _step(shape: Shape, nodes: Array, x: Array, at: Array) -> Array:
+    """Newton's step (p, dim), of least squares, from places of the unit cell towards points."""
+    miss = x - np.einsum("pk,pkd->pd", shape.values(at), nodes)
+    along = np.einsum("pke,pkd->ped", shape.slopes(at), nodes)
+    square = np.einsum("ped,pfd->pef", along, along)
+    square += SINGULAR * np.einsum("pee->p", square)[:, None, None] * np.eye(shape.dim)
+    wanted = np.einsum("ped,pd->pe", along, miss)
+    return np.asarray(np.linalg.solve(square, wanted[..., None])[..., 0])

@@ -1,0 +1,514 @@
+"""Meshes as bodies: their volume, their surface, parts of it, and what is no mesh."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from msvalidate.problem import (
+    SHAPES,
+    Boundary,
+    Box,
+    Isotropic,
+    Mesh,
+    PointForce,
+    Problem,
+    ProblemError,
+    Region,
+    Segment,
+    Support,
+    Traction,
+    corners_of,
+    enclosed,
+    measure_of,
+    prescribed,
+)
+from msvalidate.problem.shapes import area_vectors
+
+CELLS = [name for name, shape in SHAPES.items() if shape.dim > 1]
+STRAIGHT = [name for name in CELLS if SHAPES[name].degree == 1]
+BENT = [name for name in CELLS if SHAPES[name].degree == 2]
+examples = settings(max_examples=25, deadline=None)
+seeds = st.integers(0, 2**32 - 1)
+every_shape = pytest.mark.parametrize("shape", CELLS)
+ROUNDING = 1e-12
+"""Sums of a hundred terms of size one, each rounded by 1e-16."""
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+def split(shape):
+    """Cells that fill a unit square or cube, as reference places (cells, corners, dim)."""
+    kind = SHAPES[shape]
+    corners = SHAPES["quad" if kind.dim == 2 else "hexahedron"].nodes
+    if not kind.simplex:
+        return corners[None]
+    if kind.dim == 2:
+        return corners[[[0, 1, 2], [0, 2, 3]]]
+    paths = [(1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1)]  # round the diagonal from 0 to 6
+    return corners[[[0, a, b, 6] for a, b in paths]]
+
+
+def grid(shape, counts=(2, 2, 2), size=(2.0, 1.0, 0.5), bend=lambda x: x, **names):
+    """Mesh of a box in equal cells, bent by a function of points, with sides chosen by masks."""
+    kind = SHAPES[shape]
+    d = kind.dim
+    counts, size = np.array(counts[:d]), np.array(size[:d])
+    linear = SHAPES[CELLS[CELLS.index(shape) - (kind.degree - 1)]]
+    weights = linear.values(kind.nodes)
+    places = []
+    for block in np.ndindex(*counts):
+        for corners in split(shape):
+            places.append((weights @ corners + block) * 2)
+    whole = np.rint(np.array(places)).astype(int)  # nodes are at corners and halfway
+    keys, cells = np.unique(whole.reshape(-1, d), axis=0, return_inverse=True)
+    x = keys / 2 / counts * size
+    mesh = Mesh(bend(x), cells.reshape(len(places), -1), shape)
+    sides = {name: mesh.surface[mask(x)[mesh.surface].all(axis=1)] for name, mask in names.items()}
+    return mesh.named(sides)
+
+
+def left(x):
+    return x[:, 0] == 0
+
+
+def right(x):
+    return np.abs(x[:, 0] - 2) < 1e-9
+
+
+def ring(shape, counts=(2, 4), inner=1.0, outer=2.0):
+    """A quarter of a ring: along x the radius, along y the angle."""
+
+    def bend(x):
+        r, angle = inner + (outer - inner) * x[:, 0] / 2, np.pi / 2 * x[:, 1]
+        rest = x[:, 2:]
+        return np.column_stack([r * np.cos(angle), r * np.sin(angle), rest])
+
+    return grid(shape, (*counts, 1), bend=bend, inner=left, outer=right)
+
+
+# --- volume and surface ---------------------------------------------------------------------------
+
+
+@every_shape
+def test_box_has_its_volume_and_sides(shape):
+    mesh = grid(shape, left=left, right=right)
+    d = mesh.dim
+    assert mesh.volume == pytest.approx(math.prod((2.0, 1.0, 0.5)[:d]), rel=ROUNDING)
+    assert mesh.span == Box((2.0, 1.0, 0.5)[:d]).span
+    for name in ("left", "right"):
+        side = mesh.side(name)
+        assert side.measure(mesh.span) == pytest.approx(1.0 if d == 2 else 0.5, rel=ROUNDING)
+        _, normal = area_vectors(side.places)
+        outward = normal.sum(axis=(0, 1))
+        assert np.sign(outward[0]) == (1 if name == "right" else -1)
+    total = 6.0 if d == 2 else 2 * (2 + 1 + 0.5)
+    assert mesh.whole_surface.measure(mesh.span) == pytest.approx(total, rel=ROUNDING)
+
+
+@given(seeds, st.sampled_from(CELLS))
+@examples
+def test_facets_close_and_volume_is_that_of_the_cells(seed, shape):
+    rng = np.random.default_rng(seed)
+
+    def shaken(x):
+        return x + rng.uniform(-0.015, 0.015, x.shape)
+
+    mesh = grid(shape, bend=shaken)
+    _, normal = area_vectors(mesh.points[mesh.surface])
+    assert np.abs(normal.sum(axis=(0, 1))).max() < ROUNDING
+    # The second route: the Jacobian's integral over each cell, at Gauss's points of a cube.
+    kind = mesh.kind
+    x, w = np.polynomial.legendre.leggauss(6)
+    at = np.array(list(np.ndindex(*[6] * mesh.dim)))
+    places, weight = ((x + 1) / 2)[at], np.prod((w / 2)[at], axis=1)
+    if kind.simplex:  # collapsed: x, (1 - x) y, (1 - x)(1 - y) z
+        left_over = np.ones(len(at))
+        for axis in range(mesh.dim):
+            collapsed = places[:, axis] * left_over
+            weight = weight * left_over ** (axis > 0)
+            left_over = left_over - collapsed
+            places[:, axis] = collapsed
+    columns = np.einsum("qke,ckd->cqde", kind.slopes(places), mesh.points[mesh.cells])
+    assert mesh.volume == pytest.approx((np.linalg.det(columns) @ weight).sum(), rel=1e-11)
+
+
+@given(seeds, st.sampled_from(CELLS))
+@examples
+def test_numbering_does_not_matter(seed, shape):
+    rng = np.random.default_rng(seed)
+    mesh = grid(shape, left=left)
+    new = rng.permutation(len(mesh.points))
+    points = np.empty_like(mesh.points)
+    points[new] = mesh.points
+    cells = new[mesh.cells][rng.permutation(len(mesh.cells))]
+    facets = new[mesh.boundaries["left"]]
+    other = Mesh(points, cells, shape, {"left": facets[:, rng.permutation(facets.shape[1])]})
+    assert other.volume == pytest.approx(mesh.volume, rel=ROUNDING)
+    side, same = (body.side("left") for body in (mesh, other))
+    assert np.array_equal(side.corners(mesh.span), same.corners(mesh.span))
+    assert side.measure(mesh.span) == pytest.approx(same.measure(other.span), rel=ROUNDING)
+    assert np.array_equal(np.sort(new[np.unique(mesh.surface)]), np.unique(other.surface))
+
+
+@pytest.mark.parametrize("shape", ["triangle6", "quad9"])
+def test_ring_with_bent_sides_nears_its_area(shape):
+    # Parabolas through points of a circle miss its area by the fourth power of their angle.
+    exact = np.pi / 4 * (2**2 - 1**2)
+    off = [abs(ring(shape, (2, n)).volume - exact) for n in (2, 4, 8)]
+    rates = np.log2(np.array(off[:-1]) / off[1:])
+    assert rates == pytest.approx(4, abs=0.15)
+    straight = [abs(ring(shape[:-1], (2, n)).volume - exact) for n in (8,)]
+    assert straight[0] > 100 * off[-1]
+
+
+def test_arc_is_measured():
+    # The length of one parabola through (1, 0), (s, s), (0, 1), by its closed form.
+    s = math.sqrt(0.5)
+    arc = ring("quad9", (1, 1), inner=0.5, outer=1.0)
+    rise, chord = math.sqrt(2) * s - math.sqrt(0.5), math.sqrt(2)
+    root = math.sqrt(chord**2 + 16 * rise**2)
+    exact = root / 2 + chord**2 / (8 * rise) * math.log((4 * rise + root) / chord)
+    assert arc.side("outer").measure(arc.span) == pytest.approx(exact, rel=1e-9)
+
+
+def test_enclosed_does_not_depend_on_where_the_body_is():
+    mesh = ring("quad9")
+    far = mesh.points[mesh.surface] + 1e6
+    assert enclosed(far) == pytest.approx(mesh.volume, rel=1e-9)  # coordinates keep 1e-10 there
+
+
+# --- parts of the surface -------------------------------------------------------------------------
+
+
+@every_shape
+def test_boundary_selects_just_its_points(shape):
+    mesh = grid(shape, left=left)
+    chosen = mesh.side("left").select(mesh.points, mesh.tolerance)
+    assert np.array_equal(chosen, left(mesh.points))
+    rng = np.random.default_rng(0)
+    x = rng.uniform(0.0, 0.5, (200, mesh.dim))
+    x[:100, 0] = 0.0
+    assert np.array_equal(mesh.side("left").select(x, 1e-9), x[:, 0] == 0)
+    beside = x + 3e-9 * np.eye(mesh.dim)[0]
+    assert not mesh.side("left").select(beside, 1e-9).any()
+
+
+@pytest.mark.parametrize("shape", BENT)
+def test_boundary_selects_points_of_bent_facets(shape):
+    mesh = ring(shape)
+    side = mesh.side("outer")
+    nodes = np.unique(mesh.boundaries["outer"])
+    assert np.array_equal(np.flatnonzero(side.select(mesh.points, mesh.tolerance)), nodes)
+    kind = SHAPES[{2: "line3", 3: "triangle6" if mesh.kind.simplex else "quad9"}[mesh.dim]]
+    rng = np.random.default_rng(1)
+    at = kind.clipped(rng.uniform(size=(50, kind.dim)))
+    on = np.einsum("qk,fkd->fqd", kind.values(at), side.places).reshape(-1, mesh.dim)
+    assert side.select(on, 1e-9).all()
+    outwards = on[:, :2] / np.linalg.norm(on[:, :2], axis=1)[:, None]
+    off = on.copy()
+    off[:, :2] += 1e-6 * outwards
+    assert not side.select(off, 1e-9).any()
+
+
+@every_shape
+def test_points_are_told_inside_from_outside(shape):
+    mesh = ring(shape, (2, 3))
+    rng = np.random.default_rng(2)
+    x = rng.uniform(-0.2, 2.2, (500, mesh.dim))
+    r, angle = np.hypot(x[:, 0], x[:, 1]), np.arctan2(x[:, 1], x[:, 0])
+    inside = (r > 1) & (r < 2) & (angle > 0) & (angle < np.pi / 2)
+    if mesh.dim == 3:
+        inside &= (x[:, 2] > 0) & (x[:, 2] < 0.5)
+    # Chords and parabolas leave the circle by what an angle of 15 degrees lets them.
+    sure = np.minimum(np.abs(r - 1), np.abs(r - 2)) > 2 * (1 - np.cos(np.pi / 12))
+    assert sure.sum() > 100
+    assert np.array_equal(mesh.contains(x)[sure], inside[sure])
+    assert mesh.contains(mesh.points).all()
+
+
+def test_unknown_name_lists_the_names():
+    mesh = grid("quad", left=left, right=right)
+    with refused("boundary 'top': the mesh has 'left', 'right'; choose one of them"):
+        mesh.side("top")
+    with refused("boundary 'top': the mesh has none with a name"):
+        grid("quad").side("top")
+
+
+def test_region_over_a_whole_side_is_its_facets():
+    # Cook's outline: the right side is 16 long, the body's span 60.
+    corners = np.array([[0, 0], [48, 44], [48, 60], [0, 44.0]])
+    mesh = Mesh(corners, np.array([[0, 1, 2, 3]]), "quad")
+    side = Region((48.0, None))
+    assert measure_of(side, mesh) == pytest.approx(16)
+    assert np.array_equal(corners_of(side, mesh), [[48, 44], [48, 60]])
+    slope = Segment((0.0, 0.0), (48.0, 44.0))
+    assert measure_of(slope, mesh) == pytest.approx(math.hypot(48, 44))
+
+
+@pytest.mark.parametrize(
+    ("region", "message"),
+    [
+        (Region((1.0, None)), "no facet of the mesh of 4 quad cells, 2 x 1 m lies there"),
+        (Region((0.0, (0.0, 0.3))), "no facet of the mesh"),
+        (Region((0.0, (0.0, 0.7))), "ends between the ends of a facet"),
+        (Region((3.0, None)), "reaches outside the body"),
+        (Region((0.0, (0.0, 1.5))), "reaches outside the body"),
+        (Segment((0.0, 0.0), (0.0, 0.7)), "0.5 of its 0.7 m are facets"),
+        (Segment((0.0, 0.0), (2.0, 1.0)), "no facet of the mesh"),
+        (Region((0.0, None, None)), "has 3 axes, the body 2"),
+    ],
+)
+def test_regions_that_are_no_part_of_a_side(region, message):
+    with refused(message):
+        corners_of(region, grid("quad"))
+
+
+def ell():
+    """An L of three unit squares around a corner at (1, 1)."""
+    x = np.array([[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1], [0, 2], [1, 2.0]])
+    return Mesh(x, np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6]]), "quad")
+
+
+def test_region_that_goes_on_inside_is_refused():
+    assert measure_of(Region((2.0, None)), ell()) == pytest.approx(1)
+    assert measure_of(Region((1.0, (1.0, 2.0))), ell()) == pytest.approx(1)
+    with refused("region (x = 1): it goes on inside the body of the mesh of 3 quad cells"):
+        corners_of(Region((1.0, None)), ell())
+
+
+def test_a_side_above_a_slope_is_not_taken_to_go_on_inside():
+    # Cells below the slope from (1, 1) to (2, 1.5) reach past x = 1 and above y = 1, not both.
+    x = np.array([[0, 0], [0.9, 0], [2, 0], [2, 1.5], [1, 1], [1, 2], [0, 2]])
+    cells = np.array([[0, 1, 4], [1, 2, 3], [1, 3, 4], [0, 4, 5], [0, 5, 6]])
+    mesh = Mesh(x, cells, "triangle")
+    assert measure_of(Region((1.0, (1.0, 2.0))), mesh) == pytest.approx(1)
+    for longer in (Region((1.0, None)), Region((1.0, (0.9, 2.0)))):
+        with refused("it goes on inside the body of the mesh of 5 triangle cells"):
+            corners_of(longer, mesh)
+
+
+def test_line_of_a_solid_ends_at_points():
+    mesh = grid("hexahedron")
+    assert np.array_equal(corners_of(Region((0.0, 0.0, None)), mesh)[:, 2], [0, 0.25, 0.5])
+    assert np.array_equal(corners_of(Region((0.0, 0.0, (0.0, 0.25))), mesh)[:, 2], [0, 0.25])
+    with refused("the points of the mesh of 8 hexahedron cells, 2 x 1 x 0.5 m there run from z"):
+        corners_of(Region((0.0, 0.0, (0.0, 0.4))), mesh)
+    with refused("no point of the mesh"):
+        corners_of(Region((0.3, 0.0, None)), mesh)
+
+
+def test_problem_on_a_mesh():
+    mesh = grid("quad9", left=left, right=right)
+    clamp = Support(mesh.side("left"), (0.0, 0.0))
+    problem = Problem(
+        mesh,
+        Isotropic(E=1e6, nu=0.3),
+        (clamp,),
+        (Traction(mesh.side("right"), (1.0, 0.0)), PointForce((2.0, 1.0), (0.0, 1.0))),
+    )
+    held, _ = prescribed(problem, mesh.points)
+    assert np.array_equal(held.all(axis=1), left(mesh.points))
+    with refused("support on boundary 'left': the discretised body has points from y = 0 to 0.5"):
+        prescribed(problem, mesh.points[mesh.points[:, 1] < 0.7])
+    with refused("supports leave the body free: translation along y"):
+        Problem(mesh, problem.material, (Support(mesh.side("left"), (0.0, None)),))
+
+
+def test_boundary_of_another_body_is_refused():
+    mesh, other = (
+        grid("quad", left=left),
+        grid("quad", size=(4.0, 1.0), far=lambda x: x[:, 0] > 3.9),
+    )
+    strange = other.side("far")
+    with refused("region boundary 'far' reaches outside the body"):
+        Problem(mesh, Isotropic(1e6, 0.3), (Support(strange, (0.0, 0.0)),))
+    inner = Boundary("inner", np.array([[[0.0, 0.0], [2.0, 1.0]]]))
+    with refused("support on boundary 'inner': from (0, 0) to (1, 0.5) m it is not on one side"):
+        Problem(grid("quad", (1, 1)), Isotropic(1e6, 0.3), (Support(inner, (0.0, 0.0)),))
+
+
+def test_meshes_are_equal_by_their_cells():
+    mesh, same = grid("tetra", left=left), grid("tetra")
+    assert mesh == same
+    assert hash(mesh) == hash(same)
+    assert mesh != grid("tetra", (2, 2, 1))
+    assert mesh != "mesh"
+    again = pickle.loads(pickle.dumps(mesh))  # noqa: S301 - our own bytes, as a sweep sends them
+    assert again == mesh
+    assert again.side("left").measure(again.span) == pytest.approx(0.5)
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.points[0] = 1.0
+
+
+# --- what is no mesh ------------------------------------------------------------------------------
+
+SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("points", "cells", "shape", "message"),
+    [
+        (SQUARE, [[0, 1, 2, 3]], "pentagon", "mesh shape: 'pentagon'; choose triangle, triangle6"),
+        (SQUARE, [[0, 1, 2, 3]], "tetra", "mesh points: shape (4, 2); tetra needs (n, 3)"),
+        (SQUARE, [[0, 1, 2]], "quad", "mesh cells: shape (1, 3); quad needs (c, 4)"),
+        (SQUARE, np.empty((0, 4), int), "quad", "mesh cells: shape (0, 4)"),
+        (SQUARE, [[0, 1, 2, 4]], "quad", "mesh cells: points 0 to 4; there are 0 to 3"),
+        (SQUARE, [[0, 1, 2, -1]], "quad", "mesh cells: points -1 to 2; there are 0 to 3"),
+        (SQUARE, [[0, 1, 2, 2.5]], "quad", "give whole numbers"),
+        (SQUARE * NAN, [[0, 1, 2, 3]], "quad", "mesh points: nan at index (0, 0)"),
+        (SQUARE * 1e101, [[0, 1, 2, 3]], "quad", "nothing is beyond 1e+100 m"),
+        (SQUARE + 1e8, [[0, 1, 2, 3]], "quad", "mesh: 1 m long and 1e+08 m from the origin"),
+        (SQUARE, [[3, 2, 1, 0]], "quad", "cell 0 at (0.5, 0.5) is inverted, flat or folded"),
+        (SQUARE, [[0, 2, 1, 3]], "quad", "is inverted, flat or folded"),
+        (SQUARE, [[0, 1, 1, 3], [1, 2, 3, 1]], "quad", "is inverted, flat or folded"),
+        (SQUARE, [[0, 1, 2], [0, 3, 2]], "triangle", "cell 1 at (0.333333, 0.666667) is inverted"),
+        (SQUARE, [[0, 1, 2]], "triangle", "1 belong to no cell, the first is point 3 at (0, 1)"),
+        (SQUARE, [[0, 1, 2], [0, 2, 3], [0, 1, 2]], "triangle", "cells 0 and 2 overlap"),
+        (
+            np.vstack([SQUARE, SQUARE[2]]),
+            [[0, 1, 2], [0, 4, 3]],
+            "triangle",
+            "mesh points: point 2 at (1, 1) coincides with point 4; merge them",
+        ),
+        (
+            np.array([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [0, -1], [2, -1.0]]),
+            [[0, 1, 2, 3], [5, 6, 1, 4], [5, 4, 0, 5]],
+            "quad",
+            "is inverted, flat or folded",
+        ),
+        (
+            np.array([[0, 0], [2, 0], [0, 2], [1, 0], [0, -1], [2, -1.0]]),
+            [[0, 1, 2], [0, 4, 3], [4, 5, 3], [3, 5, 1]],
+            "triangle",
+            "point 3 at (1, 0) lies in cell 0 or on a side of it, and is none of its points",
+        ),
+        (
+            np.vstack([SQUARE, SQUARE + 0.5]),
+            [[0, 1, 2, 3], [4, 5, 6, 7]],
+            "quad",
+            "point 4 at (0.5, 0.5) lies in cell 0 or on a side of it",
+        ),
+        (
+            np.vstack([3 * SQUARE, SQUARE + 1]),
+            [[0, 1, 2, 3], [4, 5, 6, 7]],
+            "quad",
+            "point 4 at (1, 1) lies in cell 0",
+        ),
+    ],
+)
+def test_bad_meshes_are_refused(points, cells, shape, message):
+    with refused(message):
+        Mesh(points, cells, shape)
+
+
+def test_mid_sides_that_fold_a_cell_are_refused():
+    mesh = grid("triangle6", (1, 1))
+    for step, good in ((0.05, True), (0.6, False)):
+        x = mesh.points.copy()
+        x[(np.abs(x - [1.0, 0.5]) < 1e-9).all(axis=1)] += (step, -step)
+        if good:
+            assert Mesh(x, mesh.cells, "triangle6").volume == pytest.approx(2, rel=ROUNDING)
+        else:
+            with refused("is inverted, flat or folded"):
+                Mesh(x, mesh.cells, "triangle6")
+
+
+@given(seeds, st.sampled_from(BENT[:3]))
+@examples
+def test_a_cell_is_refused_if_and_only_if_it_folds(seed, shape):
+    rng = np.random.default_rng(seed)
+    kind = SHAPES[shape]
+    nodes = kind.nodes + rng.uniform(-0.2, 0.2, kind.nodes.shape)
+    x = rng.uniform(size=(5000, kind.dim))
+    if kind.simplex:
+        x = rng.dirichlet(np.full(kind.dim + 1, 0.5), 5000)[:, : kind.dim]
+    columns = np.einsum("qke,kd->qde", kind.slopes(np.vstack([x, kind.nodes])), nodes)
+    least = np.linalg.det(columns).min()
+    try:
+        Mesh(nodes, np.arange(len(nodes))[None], shape)
+        assert least > 0
+    except ProblemError:
+        assert least < 0.05  # the unit cell's is 1; samples miss the least by little
+
+
+def test_a_body_within_the_bulge_of_another_is_refused():
+    # A speck near the middle of an arc: beyond its chord, on either side of the arc.
+    mesh = ring("triangle6", (1, 2))
+    middle = np.array([np.cos(np.pi / 8), np.sin(np.pi / 8)])
+    cells = np.vstack([mesh.cells, np.arange(6) + len(mesh.points)])
+    for radius, overlaps in ((1.95, True), (2.001, False)):
+        assert radius > 2 * np.cos(np.pi / 8)
+        speck = radius * middle + 0.01 * SHAPES["triangle6"].nodes
+        points = np.vstack([mesh.points, speck])
+        if overlaps:
+            with refused("cells must meet in whole sides, and not overlap"):
+                Mesh(points, cells, "triangle6")
+        else:
+            assert Mesh(points, cells, "triangle6").volume > mesh.volume
+
+
+def test_neighbours_share_their_mid_sides():
+    mesh = grid("triangle6", (1, 1))
+    shared = int(np.flatnonzero((np.abs(mesh.points - [1.0, 0.5]) < 1e-9).all(axis=1))[0])
+    cells = mesh.cells.copy()
+    cells[1][cells[1] == shared] = len(mesh.points)
+    with refused("cells 0 and 1 share corners but not the mid-sides between them"):
+        Mesh(np.vstack([mesh.points, [1.05, 0.5]]), cells, "triangle6")
+
+
+@pytest.mark.parametrize(
+    ("boundaries", "message"),
+    [
+        ({"in": [[1, 2]]}, "boundary 'in': facet [1, 2] is not on the surface"),
+        ({"no": [[0, 3]]}, "boundary 'no': facet [0, 3] is not on the surface"),
+        ({"no": [[0, 99]]}, "boundary 'no': facet [0, 99] is not on the surface"),
+        ({"none": np.empty((0, 2), int)}, "boundary 'none': no facet in it; leave it out"),
+        ({"odd": [[0, 1, 2]]}, "boundary 'odd': shape (1, 3); triangle needs (f, 2)"),
+        ({"": [[0, 1]]}, "give 1 to 100 printable letters as its name"),
+        ({3: [[0, 1]]}, "give 1 to 100 printable letters as its name"),
+        ([[0, 1]], "mesh boundaries: [[0, 1]]; give facets by their names"),
+    ],
+)
+def test_bad_boundaries_are_refused(boundaries, message):
+    points = np.array([[0, 0], [1, 0], [0, 1], [1, 1.0]])
+    with refused(message):
+        Mesh(points, [[0, 1, 2], [1, 3, 2]], "triangle", boundaries)
+    with refused(message):
+        Mesh(points, [[0, 1, 2], [1, 3, 2]], "triangle").named(boundaries)
+
+
+def test_facets_are_listed_once_and_turned_outwards():
+    mesh = grid("triangle", (1, 1), left=left)
+    (facet,) = mesh.boundaries["left"]
+    assert np.array_equal(mesh.named({"left": [facet[::-1], facet]}).boundaries["left"], [facet])
+
+
+@pytest.mark.parametrize(
+    ("places", "message"),
+    [(np.zeros((0, 2, 2)), "places (0, 2, 2)"), (np.zeros((1, 5, 2)), "places (1, 5, 2)")],
+)
+def test_bad_boundary_places(places, message):
+    with refused(message):
+        Boundary("side", places)
+
+
+@every_shape
+def test_shape_functions(shape):
+    kind = SHAPES[shape]
+    assert kind.values(kind.nodes) == pytest.approx(np.eye(len(kind.nodes)), abs=1e-12)
+    x = kind.clipped(np.random.default_rng(3).uniform(size=(20, kind.dim)))
+    assert kind.values(x).sum(axis=1) == pytest.approx(1)
+    h = 1e-6
+    for axis, e in enumerate(np.eye(kind.dim)):
+        slope = (kind.values(x + h * e) - kind.values(x - h * e)) / (2 * h)
+        assert kind.slopes(x)[:, :, axis] == pytest.approx(slope, abs=1e-8)
