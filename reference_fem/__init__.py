@@ -1,12 +1,14 @@
 """Finite element reference on scikit-fem; shares the statement of the problem, no numerical code.
 
-Two entry points: `solve_problem` for a `Problem`, and `solve` for a mesh given as arrays.
+Entry points: `solve_problem` for a `Problem`, and `solve` or `solve_mixed` for a mesh as arrays.
 """
 
 from reference_fem.body import Solution, solve_problem
 from reference_fem.discretisation import Discretisation, discretise
 from reference_fem.elasticity import solve
+from reference_fem.from_mesh import mesh_discretisation
 from reference_fem.meshing import box_discretisation, polygon_discretisation
+from reference_fem.mixed import solve_mixed
 from reference_fem.refinement import Estimate, refine
 
 __all__ = [
@@ -15,8 +17,10 @@ __all__ = [
     "Solution",
     "box_discretisation",
     "discretise",
+    "mesh_discretisation",
     "polygon_discretisation",
     "refine",
     "solve",
+    "solve_mixed",
     "solve_problem",
 ]

@@ -1,4 +1,4 @@
-"""From a `Problem` to finite elements: mesh of the box, supports, consistent loads, solution."""
+"""From a `Problem` to finite elements: supports, consistent loads, the solution."""
 
 from __future__ import annotations
 
@@ -13,33 +13,52 @@ from msvalidate.problem import (
     BodyForce,
     Domain,
     Field,
-    Index,
+    Material,
+    Mesh,
     PointForce,
     Problem,
     ProblemError,
-    SolverError,
     Traction,
+    enclosed,
+    facet_areas,
+    facet_middles,
     instance,
+    measure_of,
     place_name,
     prescribed,
     vectors_at,
 )
 from reference_fem.discretisation import Discretisation
-from reference_fem.elasticity import solve_on
+from reference_fem.elasticity import VOIGT, elastic_tensor, solve_on
+from reference_fem.facets import Facets
+from reference_fem.mixed import lame, solve_mixed_on
+from reference_fem.stress import engineering_strain, gradient, pressure_at
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
     """Displacement (n, d) in m at the nodes of a discretisation.
 
+    Parameters
+    ----------
+    body, displacement
+        The discretisation and the displacements of its nodes.
+    material
+        What stress follows from; None if only displacements are asked for.
+    pressure
+        (v,) in Pa at the corners of cells, in the order of `body.vertices`, of mixed elements:
+        p = λ div u, positive in tension. None of displacement elements.
+
     Raises
     ------
     ProblemError
-        If there is not one displacement a node.
+        If there is not one displacement a node, or one pressure a corner.
     """
 
     body: Discretisation
     displacement: Array
+    material: Material | None = None
+    pressure: Array | None = None
 
     def __post_init__(self) -> None:
         instance("body", self.body, Discretisation)
@@ -47,6 +66,13 @@ class Solution:
         if shape != self.body.points.shape:
             raise ProblemError(f"solution: shape {shape}; give an array {self.body.points.shape}")
         self.displacement.setflags(write=False)
+        if self.material is not None:
+            instance("material", self.material, Material)
+        if self.pressure is not None:
+            wanted = self.body.vertices.shape
+            if np.shape(self.pressure) != wanted:
+                raise ProblemError(f"pressure: shape {np.shape(self.pressure)}; give {wanted}")
+            self.pressure.setflags(write=False)
 
     def at(self, points: ArrayLike) -> Array:
         """Displacement (p, d) in m at points (p, d) of the body.
@@ -58,14 +84,70 @@ class Solution:
         """
         return np.asarray(self.body.interpolation(points) @ self.displacement)
 
+    def strain(self, points: ArrayLike) -> Array:
+        """Strain (p, 3 or 6) at points (p, d): xx, yy, xy or xx, yy, zz, yz, xz, xy.
 
-def solve_problem(problem: Problem, body: Discretisation) -> Solution:
+        Shears are engineering ones, twice the tensor's. Where cells meet, the mean over them. Plane
+        strain has no other; in plane stress εzz = -nu/(1 - nu)·(εxx + εyy).
+
+        Raises
+        ------
+        ProblemError
+            If a point lies outside the body.
+        """
+        return engineering_strain(gradient(self.body, self.displacement, points))
+
+    def stress(self, points: ArrayLike) -> Array:
+        """Stress (p, 3 or 6) in Pa at points (p, d), tension positive, in the order of `strain`.
+
+        σ = C:ε of `strain`, so it jumps between cells and is their mean where they meet. Of mixed
+        elements σ = 2με + p I with the pressure that was solved for, which has no jumps. Plane
+        stress has no σzz; in plane strain σzz = nu·(σxx + σyy).
+
+        Raises
+        ------
+        ProblemError
+            If a point lies outside the body, or the solution was made without its material.
+        """
+        law = self.material
+        if law is None:
+            raise ProblemError("stress: the solution was made without a material; give it one")
+        if self.pressure is None:
+            return np.asarray(self.strain(points) @ elastic_tensor(law).T)
+        d, pairs = self.body.dim, len(VOIGT[self.body.dim]) - self.body.dim
+        mu, _ = lame(law)
+        stress = self.strain(points) * ([2 * mu] * d + [mu] * pairs)
+        stress[:, :d] += self.pressure_at(points)[:, None]
+        return stress
+
+    def pressure_at(self, points: ArrayLike) -> Array:
+        """Pressure λ div u (p,) in Pa at points (p, d), positive in tension, of mixed elements.
+
+        Raises
+        ------
+        ProblemError
+            If a point lies outside the body, or the elements were not mixed.
+        """
+        if self.pressure is None:
+            raise ProblemError("pressure: displacement elements have none; solve with mixed=True")
+        return pressure_at(self.body, self.pressure, points)
+
+
+def solve_problem(problem: Problem, body: Discretisation, *, mixed: bool = False) -> Solution:
     """Solve a problem on a discretisation of its domain, such as `box_discretisation` gives.
+
+    Parameters
+    ----------
+    problem, body
+        What is asked, and the mesh.
+    mixed
+        Seek displacement and pressure together (Taylor-Hood): for nu near 1/2 and 1/2 itself, in
+        plane strain and space, on quadratic elements. Displacement elements lock there.
 
     Raises
     ------
     ProblemError
-        If a support or load does not meet the mesh.
+        If a support or load does not meet the mesh, or mixed elements are not for the material.
     SolverError
         If the solution fails its residual check.
     """
@@ -73,7 +155,11 @@ def solve_problem(problem: Problem, body: Discretisation) -> Solution:
     held, displacement = prescribed(problem, body.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what is infinite
         force = nodal_forces(problem, body)
-    return Solution(body, solve_on(body, problem.material, held, displacement, force))
+    law = problem.material
+    if mixed:
+        found, pressure = solve_mixed_on(body, law, held, displacement, force)
+        return Solution(body, found, law, pressure)
+    return Solution(body, solve_on(body, law, held, displacement, force), law)
 
 
 def _refuse_other_body(problem: Problem, body: Discretisation) -> None:
@@ -84,8 +170,12 @@ def _refuse_other_body(problem: Problem, body: Discretisation) -> None:
         raise ProblemError(f"{problem.name}: a {domain.dim}D {domain}, meshed in {body.dim}D")
     reached = np.array([body.points.min(axis=0), body.points.max(axis=0)])
     low, high = np.array(domain.span).T
-    off = np.abs(reached - (low, high)).max()
-    if off > domain.tolerance or abs(body.basis.dx.sum() - domain.volume) > 1e-9 * domain.volume:
+    off = np.abs(reached - (low, high)).max() > domain.tolerance
+    volume = enclosed(body.points[body.surface])
+    # Only boxes are known by their span and volume; others by where their sides are, too.
+    if isinstance(domain, Mesh) and not off:
+        off = not domain.on_boundary(body.points[np.unique(body.surface)])
+    if off or abs(volume - domain.volume) > 1e-9 * domain.volume:
         raise ProblemError(
             f"{problem.name}: the mesh spans {place_name(reached[0])} to {place_name(reached[1])} "
             f"m, the domain {place_name(low)} to {place_name(high)} m, a {domain}; mesh the "
@@ -100,8 +190,6 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
     ------
     ProblemError
         If a point force meets no node, or a loaded part does not end at cell edges.
-    SolverError
-        If cells in the plane are too thin to be integrated over.
     """
     force = np.zeros(body.points.shape)
     tolerance, thickness = problem.domain.tolerance, problem.material.thickness
@@ -115,85 +203,34 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
                 )
             force[at] += load.force
         elif isinstance(load, Traction):
-            name = f"traction on {load.region}"
-            facets = _loaded_facets(problem.domain, load, body)
-            if body.dim == 3:
-                force += _on_faces(name, load.traction, facets, body)
-                continue
-            force += thickness * _integrated(name, load.traction, _edges(name, body, facets), body)
+            facets = _loaded(problem.domain, load, body)
+            x = facets.places
+            field = vectors_at(f"traction on {load.region}", load.traction, x.reshape(-1, body.dim))
+            force += thickness * facets.integrated(field.reshape(x.shape))
         elif isinstance(load, BodyForce):
-            order = 2 * body.element.degree + 2
-            basis = skfem.Basis(body.basis.mesh, body.basis.elem, intorder=order)
+            basis = body.quadrature(2 * body.element.degree + 2)
             force += thickness * _integrated("body force", load.force, basis, body)
     return force
 
 
-def _edges(name: str, body: Discretisation, facets: Index) -> skfem.FacetBasis:
-    """Basis on the loaded edges.
+def _loaded(domain: Domain, load: Traction, body: Discretisation) -> Facets:
+    """The sides of cells that a traction acts on: all of their nodes lie on the loaded part.
 
-    The library finds their points inside quadrilaterals by iterating to an absolute 1e-12 of the
-    cell, which coordinates do not resolve in cells that are tiny beside their distance from the
-    origin. In triangles it need not iterate.
+    So does their middle: all corners of a side may belong to others that meet there.
     """
-    order = 2 * body.element.degree + 2
-    try:
-        return skfem.FacetBasis(body.basis.mesh, body.basis.elem, facets=facets, intorder=order)
-    except Exception as error:  # the library raises no narrower class
-        smallest = float(np.ptp(body.points[body.cells], axis=1).min())
-        raise SolverError(
-            f"{name}: the points of its edges cannot be found in slanted cells as small as "
-            f"{smallest:.2g} m; take less grading, fewer cells, or triangles (P1 or P2)"
-        ) from error
-
-
-def _loaded_facets(domain: Domain, load: Traction, body: Discretisation) -> Index:
-    mesh = body.basis.mesh
-    inside = load.region.select(mesh.p.T, domain.tolerance)
-    boundary = mesh.boundary_facets()
-    facets = boundary[inside[mesh.facets[:, boundary]].all(axis=0)]
-    if body.dim == 2:
-        ends = mesh.p[:, mesh.facets[:, facets]]
-        covered = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0).sum()
-    else:  # half the product of the diagonals, or of two sides of a triangle
-        corners = mesh.p.T[mesh.facets[:, facets]]
-        product = np.cross(corners[2] - corners[0], corners[-1] - corners[1])
-        covered = np.linalg.norm(product, axis=1).sum() / 2
-    wanted = load.region.measure(domain.span)
+    inside = load.region.select(body.points, domain.tolerance)
+    nodes = body.surface[inside[body.surface].all(axis=1)]
+    within = load.region.select(facet_middles(body.points[nodes]), domain.tolerance)
+    facets = Facets(body, nodes[within])
+    covered = float(facet_areas(body.points[facets.nodes]).sum())
+    wanted = measure_of(load.region, domain)
     if abs(covered - wanted) > 1e-9 * wanted:
         sides = "edges" if body.dim == 2 else "faces"
         raise ProblemError(
             f"traction on {load.region}: covers no whole number of mesh {sides}; "
             f"choose cells whose {sides} end where the loaded part ends"
         )
-    return np.asarray(facets)
-
-
-def _on_faces(
-    name: str, vector: tuple[float, ...] | Field, facets: Index, body: Discretisation
-) -> Array:
-    """∫ φ_i f over faces, as (n, 3) by node: the shape functions there are those of the face.
-
-    The library would look for the points of the faces in the cells, as on edges, and not find them
-    in cells that are graded.
-    """
-    mesh = body.basis.mesh
-    vertices = mesh.facets[:, facets].T
-    face = skfem.ElementQuad1() if vertices.shape[1] == 4 else skfem.ElementTriP1()
-    X, weights = skfem.quadrature.get_quadrature(face, 2 * body.element.degree + 2)
-    shapes = [face.lbasis(X, i) for i in range(vertices.shape[1])]
-    value, slope = (
-        np.array([np.broadcast_to(f[k], (*n, len(weights))) for f in shapes])
-        for k, n in ((0, ()), (1, (2,)))
-    )
-    corners = mesh.p.T[vertices]
-    x = np.einsum("kq,fkd->fqd", value, corners)
-    along, across = np.einsum("keq,fkd->efqd", slope, corners)
-    area = np.linalg.norm(np.cross(along, across), axis=2) * weights
-    traction = vectors_at(name, vector, x.reshape(-1, 3)).reshape(x.shape)
-    force = np.zeros(body.points.shape)
-    nodes = body.node[body.basis.nodal_dofs[0, vertices]]
-    np.add.at(force, nodes, np.einsum("kq,fq,fqd->fkd", value, area, traction))
-    return force
+    return facets
 
 
 def _integrated(

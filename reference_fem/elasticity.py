@@ -63,9 +63,10 @@ def solve(
     ----------
     points, cells
         (n, d) in m, and (c, nodes) in VTK order: corners counter-clockwise, then mid-sides, then
-        the centre; in space the first face's corners counter-clockwise as seen from the others.
+        the centre; in space the first face's corners counter-clockwise as seen from the others,
+        then edges, faces and the centre. Mid-sides off straight edges curve them.
     element
-        "Q1", "Q2", "P1" or "P2" in the plane, "H1" or "T1" in space.
+        "Q1", "Q2", "P1" or "P2" in the plane, "H1", "H2", "T1" or "T2" in space.
     material
         Plane state and thickness are the material's.
     fixed
@@ -81,6 +82,21 @@ def solve(
         If the solution fails its residual check.
     """
     body = discretise(points, cells, element)
+    return solve_on(body, material, *arrays(body, fixed, nodal_forces))
+
+
+def arrays(
+    body: Discretisation,
+    fixed: Iterable[tuple[int, int, float]],
+    nodal_forces: Iterable[tuple[int, int, float]],
+) -> tuple[Mask, Array, Array]:
+    """Held components (n, d), their values (m) and the forces (N) of rows as `solve` takes them.
+
+    Raises
+    ------
+    ProblemError
+        If a row is wrong, or two contradict each other.
+    """
     shape = body.points.shape
     held = np.zeros(shape, dtype=bool)
     displacement, force = np.zeros(shape), np.zeros(shape)
@@ -90,7 +106,15 @@ def solve(
         held[node, component], displacement[node, component] = True, value
     for node, component, value in _rows("nodal_forces", nodal_forces, shape):
         force[node, component] += value
-    return solve_on(body, material, held, displacement, force)
+    return held, displacement, force
+
+
+def refuse_shapes(body: Discretisation, **named: Array | Mask) -> None:
+    """Raise a `ProblemError` for an array that has not one value for each component of a node."""
+    instance("body", body, Discretisation)
+    for name, array in named.items():
+        if np.shape(array) != body.points.shape:
+            raise ProblemError(f"{name}: shape {np.shape(array)}; give {body.points.shape}")
 
 
 def solve_on(
@@ -105,10 +129,7 @@ def solve_on(
     SolverError
         If the solution fails its residual check.
     """
-    instance("body", body, Discretisation)
-    for name, array in (("held", held), ("displacement", displacement), ("force", force)):
-        if np.shape(array) != body.points.shape:
-            raise ProblemError(f"{name}: shape {np.shape(array)}; give {body.points.shape}")
+    refuse_shapes(body, held=held, displacement=displacement, force=force)
     refuse_free_motions("finite element body", body.points, held)
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
         return _solved(body, stiffness(body, material), held, displacement, force)
@@ -141,7 +162,7 @@ def _solved(
 def _in_space(body: Discretisation, held: Mask, K: csr_matrix, load: Array) -> Array:
     """Solution of the free part of a body in space by the way that its shape makes the faster."""
     free = np.flatnonzero(~held.T.ravel())
-    entries, products = envelope(body.gradients[0][0], held)
+    entries, products = envelope(body.links, held)
     if products > MOST_PRODUCTS and in_one_piece(body):
         fits = entries <= MOST_ENTRIES
         steps = max(LEAST_STEPS, int(products / PRODUCTS_A_STEP)) if fits else MOST_STEPS
@@ -169,8 +190,12 @@ def stiffness(body: Discretisation, material: Material) -> csr_matrix:
     instance("material", material, Material)
     if material.dim != body.dim:
         raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
+    return weighted(body, material.thickness * full_tensor(elastic_tensor(material)))
+
+
+def weighted(body: Discretisation, C: Array) -> csr_matrix:
+    """Σ_cd C_acbd ∫ ∂c φi ∂d φj (d·n, d·n), component-major, of a constant tensor (d, d, d, d)."""
     d, G = body.dim, body.gradients
-    C = material.thickness * full_tensor(elastic_tensor(material))
     with within_memory(len(body.points), "nodes"):
         blocks = [
             [sum(C[a, c, b, e] * G[c][e] for c in range(d) for e in range(d)) for b in range(d)]
@@ -201,7 +226,8 @@ def elastic_tensor(material: Material) -> Array:
         lam = E * nu / ((1 + nu) * (1 - 2 * nu))
     else:
         raise ProblemError(
-            "nu = 1/2: displacement elements need a compressible body; take nu < 1/2"
+            "nu = 1/2: displacement elements need a compressible body; take nu < 1/2, or mixed "
+            "elements (solve_mixed, or solve_problem with mixed=True)"
         )
     d = material.dim
     C = np.diag([2 * mu] * d + [mu] * (d * (d - 1) // 2))

@@ -28,11 +28,14 @@ from msvalidate.problem import (
     shown,
     whole,
 )
-from reference_fem.discretisation import ELEMENTS, Discretisation, discretise
+from reference_fem.discretisation import Discretisation, discretise
+from reference_fem.elements import ELEMENTS, Element
 
 MOST_NODES = {2: 4_000_000, 3: 1_000_000}
 """Nodes of a mesh, by dimension, beyond which none is made: assembly takes 4 kB for each in the
 plane (Q2) and 15 kB in space (H1), as measured, so that 16 GB hold these."""
+MOST_NODES_OF = {"H2": 400_000}
+"""Fewer of these: 40 kB for each, as each shares a cell with 60 others."""
 NODES_PER_TRIANGLE = 2
 """Corners and mid-sides of a large mesh of triangles for each triangle, at most."""
 
@@ -53,9 +56,9 @@ def box_discretisation(
         The domain.
     cells
         Number of quadrilaterals or hexahedra along each axis (one number serves all); P1 and P2
-        cut each in two, T1 in six.
+        cut each in two, T1 and T2 in six.
     element
-        "Q1", "Q2", "P1" or "P2" in the plane, "H1" or "T1" in space.
+        "Q1", "Q2", "P1" or "P2" in the plane, "H1", "H2", "T1" or "T2" in space.
     grading
         1 spaces the lines evenly; g > 1 draws them to both ends of each axis as s^g, towards the
         corners, where clamped bodies have singular stress.
@@ -84,7 +87,7 @@ def box_discretisation(
     refuse_too_many(
         f"mesh of {' x '.join(map(str, each))} cells",
         math.prod(kind.degree * n + 1 for n in each),
-        MOST_NODES[box.dim],
+        MOST_NODES_OF.get(element, MOST_NODES[box.dim]),
     )
     if through is None:
         through = ((),) * box.dim
@@ -334,7 +337,8 @@ def _triangles(number: Index, degree: int) -> Index:
 def _hexahedra(number: Index, degree: int) -> Index:
     """Cells in VTK order from the node numbers (layers along z, rows along y) of a grid."""
     ring = [(0, 0), (0, 1), (1, 1), (1, 0)]
-    return _cells(number, degree, [(layer, *place) for layer in (0, 1) for place in ring])
+    corners = np.array([(layer, *place) for layer in (0, 1) for place in ring])
+    return _cells(number, degree, _with_middles(corners, ELEMENTS[f"H{degree}"]))
 
 
 def _tetrahedra(number: Index, degree: int) -> Index:
@@ -347,8 +351,15 @@ def _tetrahedra(number: Index, degree: int) -> Index:
         path = [0 * first, first, first + second, first + second + third]
         if np.linalg.det([third, second, first]) < 0:  # places are (z, y, x)
             path[1], path[2] = path[2], path[1]
-        cells.append(_cells(number, degree, [tuple(place) for place in path]))
+        places = _with_middles(np.array(path), ELEMENTS[f"T{degree}"])
+        cells.append(_cells(number, degree, places))
     return np.concatenate(cells)
+
+
+def _with_middles(corners: Index, kind: Element) -> list[tuple[int, ...]]:
+    """Places (layer, row, column) of all nodes in a block of the grid, from those of corners."""
+    places = np.round(kind.degree * kind.means @ corners).astype(int)
+    return [tuple(place) for place in places.tolist()]
 
 
 _CUTS = {"Q": _quadrilaterals, "P": _triangles, "H": _hexahedra, "T": _tetrahedra}

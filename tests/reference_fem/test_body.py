@@ -13,9 +13,11 @@ from msvalidate.problem import (
     Box,
     Isotropic,
     PointForce,
+    Polygon,
     Problem,
     ProblemError,
     Region,
+    Segment,
     Support,
     Traction,
 )
@@ -321,6 +323,21 @@ def test_traction_that_ends_inside_an_edge_is_refused(element, cells):
         ProblemError, match=r"traction on \(0.4 <= x <= 0.6.*covers no whole number"
     ):
         forces(Traction(part, (0.0, 1.0)), element, cells)
+
+
+@pytest.mark.parametrize("grading", [1.0, 4.0, 6.0])
+def test_traction_on_cells_that_are_slanted_and_tiny(grading):
+    # Each edge is mapped by its own nodes: nothing is looked for inside cells of 1e-8 m.
+    grid = reference_fem.box_discretisation(Box((1.0, 1.0)), 20, "Q1", grading)
+    outline = Polygon(((0.0, 0.0), (1.0, 0.0), (1.5, 1.0), (0.5, 1.0)))
+    top = Traction(Segment((0.5, 1.0), (1.5, 1.0)), (1.0, -2.0))
+    held = Support(Segment((0.0, 0.0), (1.0, 0.0)), (0.0, 0.0))
+    points = grid.points @ np.array([[1.0, 0.0], [0.5, 1.0]])
+    mesh = reference_fem.discretise(points, grid.cells, "Q1")
+    problem = Problem(outline, MATERIALS["plane_stress"], (held,), (top,))
+    force = nodal_forces(problem, mesh)
+    assert force.sum(axis=0) == pytest.approx(THICKNESS * np.array([1.0, -2.0]), rel=1e-12)
+    assert moment(points, force) == pytest.approx(-3 * THICKNESS, rel=1e-12)
 
 
 def test_traction_works_at_the_low_and_the_high_end_alike():

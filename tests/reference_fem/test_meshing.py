@@ -73,7 +73,7 @@ def test_grading_crowds_lines_to_both_ends():
     [
         ((BOX, 4, "Q3"), "Q3 .*one of Q1, Q2, P1, P2"),
         ((BOX, (4, 4, 4)), "give one or two whole numbers"),
-        ((Box((1.0, 1.0, 1.0)), 4), "Q2 in a box 1 x 1 x 1 m; in 3D, give one of H1, T1"),
+        ((Box((1.0, 1.0, 1.0)), 4), "Q2 in a box 1 x 1 x 1 m; in 3D, give one of H1, H2, T1, T2"),
         ((BOX, 4, "H1"), "H1 in a box 1.2 x 0.8 m; in 2D, give one of Q1, Q2, P1, P2"),
         ((BAR, 4), "in a polygon of 4 vertices, 1.6 x 0.519615 m; give a Box"),
         ((BOX, 0), "mesh cells: 0; give a whole number, 1 or more"),

@@ -1,0 +1,230 @@
+"""Nearly or wholly incompressible elasticity: displacement and pressure sought together.
+
+    2μ ∫ ε(u):ε(v) + ∫ p div v = ∫ b·v   for all v,
+    ∫ q div u - 1/λ ∫ p q = 0            for all q,
+
+with continuous displacement of the second degree and continuous pressure of the first, which stay
+accurate as 1/λ goes to 0 (Taylor and Hood 1973, doi:10.1016/0045-7930(73)90027-3; Boffi, Brezzi and
+Fortin 2013, doi:10.1007/978-3-642-36519-5, section 8.8). Displacement elements lock there.
+
+The pressure is p = λ div u, positive in tension: σ = 2με + p I.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import skfem
+from numpy.typing import ArrayLike
+from scipy.sparse import block_array, csr_array, diags_array, hstack
+from scipy.sparse.linalg import splu
+
+from msvalidate.problem import (
+    Array,
+    Isotropic,
+    Mask,
+    Material,
+    ProblemError,
+    SolverError,
+    chosen,
+    instance,
+    refuse_free_motions,
+)
+from reference_fem.discretisation import Discretisation, discretise
+from reference_fem.effort import within_memory
+from reference_fem.elasticity import RESIDUAL, arrays, full_tensor, refuse_shapes, weighted
+
+TAYLOR_HOOD = {"P2-P1": "P2", "Q2-Q1": "Q2", "T2-T1": "T2", "H2-H1": "H2"}
+"""Elements of displacement and pressure, and the first of the two."""
+SINGULAR = 1e-14
+"""What a mode leaves that the system does not feel, relative to the terms that cancel: rounding."""
+PIVOT = 0.1
+"""Least pivot relative to the largest of its column: some on the diagonal are zero at nu = 1/2."""
+
+
+def solve_mixed(
+    points: ArrayLike,
+    cells: ArrayLike,
+    element: str,
+    material: Material,
+    fixed: Iterable[tuple[int, int, float]],
+    nodal_forces: Iterable[tuple[int, int, float]],
+) -> tuple[Array, Array]:
+    """Displacement (n, d) in m of the nodes and pressure (v,) in Pa at the corners of cells.
+
+    The pressures are in the order of `Discretisation.vertices`: by rising number of the corners.
+
+    Parameters
+    ----------
+    points, cells
+        As for `solve`, of a quadratic element.
+    element
+        "P2-P1" or "Q2-Q1" in the plane, "T2-T1" or "H2-H1" in space.
+    material
+        Isotropic, in plane strain or solid, with 0 < nu <= 1/2.
+    fixed, nodal_forces
+        As for `solve`.
+
+    Raises
+    ------
+    ProblemError
+        If the mesh or a row is wrong, the body can move rigidly, or the material is another.
+    SolverError
+        If the system is singular, as at nu = 1/2 in a body held all round, or the solution fails
+        its residual check.
+    """
+    chosen("mixed element", element, TAYLOR_HOOD)
+    body = discretise(points, cells, TAYLOR_HOOD[element])
+    return solve_mixed_on(body, material, *arrays(body, fixed, nodal_forces))
+
+
+def solve_mixed_on(
+    body: Discretisation, material: Material, held: Mask, displacement: Array, force: Array
+) -> tuple[Array, Array]:
+    """Displacement (n, d) in m and pressure (v,) in Pa under held components, values, forces (N).
+
+    Raises
+    ------
+    ProblemError
+        If a rigid motion is free, or the body or its material is not for mixed elements.
+    SolverError
+        If the system is singular, or the solution fails its residual check.
+    """
+    refuse_shapes(body, held=held, displacement=displacement, force=force)
+    with within_memory(len(body.points), "nodes"):
+        system = _system(body, material)
+    refuse_free_motions("finite element body", body.points, held)
+    free = ~held.T.ravel()
+    u = np.where(held, displacement, 0.0).T.ravel()
+    load = force.T.ravel()
+    with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
+        found = system.solved(free, load - system.A @ u, -(system.B @ u))
+        u[free], p = found[: free.sum()], found[free.sum() :]
+        system.check(free, u, p, load)
+    return u.reshape(body.dim, -1).T.copy(), p
+
+
+@dataclass(frozen=True, eq=False)
+class _System:
+    """A u + Bᵀ p = f and B u - M p = 0, component-major, thickness included."""
+
+    A: csr_array
+    B: csr_array
+    M: csr_array
+
+    def solved(self, free: Mask, load: Array, swelling: Array) -> Array:
+        """Free displacements (m), then pressures (Pa): scaled so that each equation is near 1.
+
+        The scale of a pressure is the diagonal of B A⁻¹ Bᵀ + M, with the diagonal of A for A.
+        """
+        A, B = self.A[free][:, free], self.B[:, free]
+        stiff = A.diagonal()
+        soft = (B * B) @ (1 / stiff) + self.M.diagonal()
+        if not (soft > 0).all() or not (stiff > 0).all():
+            raise SolverError(_NO_VOLUME)
+        scale = 1 / np.sqrt(np.concatenate([stiff, soft]))
+        S = diags_array(scale)
+        K = S @ block_array([[A, B.T], [B, -self.M]], format="csr") @ S
+        return np.asarray(scale * _direct(K, scale * np.concatenate([load[free], swelling])))
+
+    def check(self, free: Mask, u: Array, p: Array, load: Array) -> None:
+        """Refuse what leaves more than rounding in either equation."""
+        both, total = hstack([self.A, self.B.T], "csr"), np.concatenate([u, p])
+        below = hstack([self.B, -self.M], "csr")
+        for name, rows, right in (
+            ("force", both[free], load[free]),
+            ("volume", below, np.zeros(len(p))),
+        ):
+            left = np.abs(rows @ total - right).max(initial=0.0)  # all may be held
+            scale = (abs(rows) @ np.abs(total) + np.abs(right)).max(initial=0.0)
+            if not left <= RESIDUAL * scale:
+                raise SolverError(
+                    f"mixed finite elements: residual of {name} {left:.3g} against terms of "
+                    f"{scale:.3g}; the system is singular or badly scaled"
+                )
+
+
+_NO_VOLUME = (
+    "mixed finite elements: the system is singular: at nu = 1/2 the pressure of a body held all "
+    "round has no value, and a part that hangs by a corner can move; leave part of the surface "
+    "free, join the parts, or take nu < 1/2"
+)
+
+
+def _direct(K: csr_array, right: Array) -> Array:
+    """Solution of a symmetric indefinite system by a factor, refined once."""
+    with within_memory(len(right), "unknowns"):
+        try:
+            factor = splu(
+                K.tocsc(),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=PIVOT,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError as error:
+            raise SolverError(_NO_VOLUME) from error
+    # What the system does not feel hides from the residual, not from two inverse iterations.
+    mode = np.random.default_rng(0).normal(size=len(right))
+    for _ in range(2):
+        mode = factor.solve(mode)
+        mode /= np.abs(mode).max()
+    if not np.abs(K @ mode).max() > SINGULAR * (abs(K) @ np.abs(mode)).max():
+        raise SolverError(_NO_VOLUME)
+    found = factor.solve(right)
+    return np.asarray(found + factor.solve(right - K @ found))
+
+
+def _system(body: Discretisation, material: Material) -> _System:
+    """The matrices of a body and material that mixed elements are for."""
+    instance("body", body, Discretisation)
+    mu, inverse = lame(material)
+    if material.dim != body.dim:
+        raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
+    if body.element.degree != 2:
+        raise ProblemError(
+            f"mixed elements: {body.element.name} has displacements of degree 1; take one of "
+            f"{', '.join(TAYLOR_HOOD.values())}, with pressure of degree 1"
+        )
+    d, t = body.dim, material.thickness
+    pairs = d * (d - 1) // 2
+    A = weighted(body, t * full_tensor(np.diag([2 * mu] * d + [mu] * pairs)))
+    basis = body.basis
+    pressure = skfem.Basis(
+        basis.mesh, body.element.linear, mapping=basis.mapping, quadrature=(basis.X, basis.W)
+    )
+    column = np.argsort(body.node)
+    parts = []
+    for axis in range(d):
+        form = skfem.BilinearForm(lambda u, v, _, axis=axis: v * u.grad[axis])
+        parts.append(t * csr_array(form.assemble(basis, pressure))[:, column])
+    mass = skfem.BilinearForm(lambda p, q, _: p * q).assemble(pressure)
+    return _System(csr_array(A), hstack(parts, "csr"), t * inverse * csr_array(mass))
+
+
+def lame(material: Material) -> tuple[float, float]:
+    """Lamé's μ (Pa) and 1/λ (1/Pa), finite at nu = 1/2.
+
+    Raises
+    ------
+    ProblemError
+        If mixed elements are not for this material.
+    """
+    instance("material", material, Material)
+    if not isinstance(material, Isotropic):
+        raise ProblemError(
+            "mixed elements: the material is anisotropic; take displacement elements"
+        )
+    E, nu = material.E, material.nu
+    if material.state == "plane_stress":
+        raise ProblemError(
+            "mixed elements: plane stress leaves thickness free to change, so that nothing locks "
+            "at nu = 1/2; take displacement elements"
+        )
+    if nu <= 0:
+        raise ProblemError(
+            f"mixed elements: nu = {nu:g} has no pressure that grows with volume (λ <= 0); take "
+            "displacement elements, or nu above 0"
+        )
+    return E / (2 * (1 + nu)), (1 + nu) * (1 - 2 * nu) / (E * nu)

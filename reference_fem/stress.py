@@ -1,0 +1,74 @@
+"""Strain and stress at points: gradients of the elements' own functions, in the cells there.
+
+Gradients jump from cell to cell. At a point that several cells share, such as a node, the value is
+the mean over these cells, each counted once. Inside a cell it is the cell's own: nothing is
+smoothed, so that the order of convergence is that of the gradient.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from msvalidate.problem import Array, Index
+from reference_fem.discretisation import Discretisation
+from reference_fem.elasticity import VOIGT
+
+
+def gradient(body: Discretisation, displacement: Array, points: ArrayLike) -> Array:
+    """∂u_k/∂x_l as (p, d, d) at points (p, d) of the body, of nodal values (n, d).
+
+    ∇φ = J⁻ᵀ ∂φ/∂ξ, with J = ∂x/∂ξ of the map onto the cell.
+
+    Raises
+    ------
+    ProblemError
+        If a point lies outside the body.
+    """
+    point, cell, local = body.incident(points)
+    nodes = body.nodes_of(cell)
+    _, slope = body.element.functions(local)
+    along = np.einsum("kjq,kqd->qjd", slope, body.points[nodes])  # Jᵀ
+    change = np.einsum("kjq,kqd->qjd", slope, displacement[nodes])
+    each = np.linalg.solve(along, change).transpose(0, 2, 1)
+    return _mean(point, each)
+
+
+def engineering_strain(gradient: Array) -> Array:
+    """Strain (p, 3 or 6) of displacement gradients (p, d, d), its shears doubled.
+
+    In Voigt's order: xx, yy, xy or xx, yy, zz, yz, xz, xy.
+    """
+    rows = [
+        gradient[:, a, a] if a == b else gradient[:, a, b] + gradient[:, b, a]
+        for a, b in VOIGT[gradient.shape[1]]
+    ]
+    return np.stack(rows, axis=1)
+
+
+def pressure_at(body: Discretisation, pressure: Array, points: ArrayLike) -> Array:
+    """Pressure (p,) at points (p, d), of values (v,) at the corners of cells: it is continuous.
+
+    Raises
+    ------
+    ProblemError
+        If a point lies outside the body.
+    """
+    point, cell, local = body.incident(points)
+    corners = body.nodes_of(cell)[: body.element.corners]
+    linear = body.element.linear
+    values = np.array([linear.lbasis(local.T, i)[0] for i in range(len(corners))])
+    known = pressure[np.searchsorted(body.vertices, corners)]
+    return _mean(point, (values * known).sum(axis=0))
+
+
+def _mean(point: Index, values: Array) -> Array:
+    """Means by point, which are numbered without a gap and rise, of values (q, ...)."""
+    count = np.bincount(point)
+    shape = len(count), len(point)
+    share = csr_array((1 / count[point], (point, np.arange(len(point)))), shape)
+    flat = share @ values.reshape(len(point), math.prod(values.shape[1:]))
+    return np.asarray(flat.reshape(len(count), *values.shape[1:]))
