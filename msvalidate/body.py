@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.homogenise import default_constants
-from msvalidate.lattice import Lattice, boundary_weights
+from msvalidate.calibrate import Calibration, stiffnesses
+from msvalidate.lattice import Constants, CutLattice, Lattice, boundary_weights
+from msvalidate.lattice.corners import quadrilateral_shares
+from msvalidate.local_shear import LocalShear
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import (
     SIDES,
@@ -13,16 +15,16 @@ from msvalidate.problem import (
     BodyForce,
     Box,
     Index,
+    Mesh,
     PointForce,
     Problem,
     ProblemError,
     Traction,
     chosen,
-    finite,
     instance,
+    measure_of,
     number,
     prescribed,
-    shown,
     vectors_at,
 )
 from msvalidate.volumes import Volumes
@@ -34,7 +36,7 @@ RIGHT = 1e-9
 def lattice_network(
     problem: Problem,
     lattice: Lattice,
-    constants: tuple[float, ...] | None = None,
+    constants: Constants | Calibration | None = None,
     *,
     volume: float = 0.0,
     weights: str = "shared",
@@ -47,8 +49,9 @@ def lattice_network(
     problem, lattice
         The lattice must fill the problem's domain.
     constants
-        Spring constants (N/m) per kind of spring; by default those of the problem's isotropic
-        material, if the lattice can be it.
+        Spring constants (N/m) per kind of spring, or a calibration, which brings what stands
+        beside the springs too; by default those of the problem's isotropic material, if the
+        lattice can be it by springs alone.
     volume
         κ of every cell, in N/m with the thickness in the plane, in Pa in space: see
         `msvalidate.volumes`. By default none resists a change of volume.
@@ -65,31 +68,36 @@ def lattice_network(
     """
     instance("problem", problem, Problem)
     instance("lattice", lattice, Lattice)
+    if isinstance(lattice, CutLattice):
+        raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
     if lattice.domain != problem.domain:
         raise ProblemError(
             f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
             "build it from the problem's own"
         )
-    if constants is None:
-        constants = default_constants(problem.material, lattice)
-    k = finite("spring constants", constants)
-    if k.shape != (lattice.kinds,):
-        raise ProblemError(
-            f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
-        )
+    k, kappa, k_t = stiffnesses(problem.material, lattice, constants, volume)
+    weight = boundary_weights(lattice, weights)
     held, displacement = prescribed(problem, lattice.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
         force, masses = _nodal_force(problem, lattice), _nodal_mass(problem, lattice, mass)
     return spring_network(
         lattice.points,
         lattice.springs,
-        k[lattice.kind] * lattice.factor * boundary_weights(lattice, weights),
+        k[lattice.kind] * lattice.factor * weight,
         mass=masses,
         held=held,
         displacement=displacement,
         force=force,
-        volumes=_volumes(lattice, volume),
+        volumes=_volumes(lattice, kappa),
+        shear=_shear(lattice, k_t[lattice.kind] * lattice.factor * weight),
     )
+
+
+def _shear(lattice: Lattice, stiffness: Array) -> LocalShear | None:
+    """Springs that resist shear, where there are any; strains count each by its share."""
+    if not stiffness.any():
+        return None
+    return LocalShear(lattice.points, lattice.springs, stiffness, lattice.share)
 
 
 def _volumes(lattice: Lattice, stiffness: float) -> Volumes | None:
@@ -169,13 +177,20 @@ def _force_by_facets(load: Traction, lattice: Lattice) -> Array:
     body, points, name = lattice.domain, lattice.points, f"traction on {load.region}"
     inside = load.region.select(points, body.tolerance)
     facets = lattice.facets[inside[lattice.facets].all(axis=1)]
+    # Both ends of a facet may be on parts that it joins, as on two sides of a mesh's corner.
+    facets = facets[load.region.select(points[facets].mean(axis=1), body.tolerance)]
     corners = points[facets]
     edges = corners[:, [2**axis for axis in range(body.dim - 1)]] - corners[:, [0]]
+    twisted = isinstance(body, Mesh) and facets.shape[1] == 4  # no rectangles, perhaps not flat
     if facets.shape[1] == 3:
         area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1) / 2
+    elif twisted:
+        parts = quadrilateral_shares(corners)
+        area = parts.sum(axis=(1, 2))
+        parts /= area[:, None, None]
     else:
         area = np.linalg.norm(edges, axis=2).prod(axis=1)
-    wanted = load.region.measure(body.span)
+    wanted = measure_of(load.region, body)
     if abs(area.sum() - wanted) > 1e-9 * wanted:
         raise ProblemError(
             f"{name}: covers no whole number of cell edges; "
@@ -187,7 +202,7 @@ def _force_by_facets(load: Traction, lattice: Lattice) -> Array:
     traction = vectors_at(name, load.traction, corners.reshape(-1, body.dim)).reshape(corners.shape)
     if facets.shape[1] == 3:
         parts = _triangle_shares(facets, corners, area, regular=lattice.regular)
-    else:
+    elif not twisted:
         parts = _facet_shares(facets.shape[1])
     shares = area[:, None, None] * np.einsum("fab,fbc->fac", parts, traction)
     force = np.zeros(points.shape)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from msvalidate.network import Network
-from msvalidate.problem import Problem, ProblemError, Traction, instance, number
+from msvalidate.problem import Problem, ProblemError, Traction, instance, measure_of, number
 
 
 def every_spring(network: Network, size: float) -> Network:
@@ -67,7 +67,7 @@ def lumped_tractions(problem: Problem, network: Network, size: float) -> Network
                 f"traction on {load.region}: no point of the network lies there; give the "
                 "problem's own network"
             )
-        total = load.region.measure(problem.domain.span) * problem.material.thickness
+        total = measure_of(load.region, problem.domain) * problem.material.thickness
         force[loaded] += total * np.array(load.traction) / loaded.sum()
     return replace(network, force=network.force + size * (force - network.force))
 

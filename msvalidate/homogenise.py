@@ -1,4 +1,4 @@
-"""Floor 1: the elastic solid that a lattice is: its tensor, relaxed, its constants, its frequency.
+"""Floor 1: the elastic solid that a lattice is: its tensor, relaxed, and its highest frequency.
 
 A uniform strain moves the cells as wholes; inside a cell the points move on until no force is left.
 What that releases lies between the affine tensor, which holds them back, and the relaxed one:
@@ -27,8 +27,6 @@ from msvalidate.linear import factorised, softest_mode
 from msvalidate.problem import (
     Array,
     Index,
-    Isotropic,
-    Material,
     ProblemError,
     SolverError,
     chosen,
@@ -42,12 +40,7 @@ from msvalidate.problem import (
 )
 from msvalidate.stiffness import (
     ALIKE,
-    Moduli,
-    in_plane,
-    moduli,
     spring_tensor,
-    square_constants,
-    triangular_constants,
     voigt_directions,
 )
 
@@ -148,58 +141,38 @@ def network_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arra
     return spring_tensor(lattice.vectors, per_spring, lattice.domain.volume)
 
 
-def default_constants(material: Material, lattice: Lattice) -> tuple[float, ...]:
-    """Spring constants (N/m), one a kind, of the lattice that is the material.
+def follows_strain(pattern: Pattern) -> bool:
+    """Whether the points stay where a uniform strain takes them, whatever the constants.
+
+    They do where each kind of spring by itself leaves no force on them: where every point is a
+    centre of symmetry. The affine tensor is then exact, and linear in the constants.
 
     Raises
     ------
     ProblemError
-        If it cannot be, or the material is given as a tensor.
+        If it is no pattern.
     """
-    instance("lattice", lattice, Lattice)
-    if not isinstance(material, Isotropic):
-        raise ProblemError("spring constants: the material is a tensor; give the constants")
-    if lattice.name == "triangular":
-        return triangular_constants(material)
-    if lattice.name in ("square", "square at 45°"):
-        return square_constants(material)
-    if lattice.pattern is None:
-        raise ProblemError(f"spring constants: none known for {lattice.name}; give the constants")
-    return _isotropic_constants(material, lattice.pattern, lattice.spacing)
+    instance("pattern", pattern, Pattern)
+    for kind in range(pattern.kinds):
+        k = np.where(pattern.kind == kind, pattern.factor, 0.0)
+        force = strain_forces(len(pattern.points), pattern.springs, pattern.vectors, k)
+        most = float((k * np.linalg.norm(pattern.vectors, axis=1)).max())
+        if np.abs(force).max() > ALIKE * most:
+            return False
+    return True
 
 
-def _isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -> Constants:
-    """Those of the pattern's rules that make it isotropic, scaled to the material's modulus."""
-    if pattern.dim == 2:
-        E, nu = in_plane(material)
-    elif material.state == "solid":
-        E, nu = material.E, material.nu
-    else:
-        raise ProblemError(f"{pattern.name} lattice: material in {material.state}; give a solid")
-    found = [(k, _isotropic(pattern, k, spacing)) for k in pattern.rules.values()]
-    solids = [(k, solid) for k, solid in found if solid is not None]
-    if not solids:
-        raise ProblemError(
-            f"{pattern.name} lattice: none of its rules, {', '.join(pattern.rules)}, makes it "
-            "isotropic; give the constants"
-        )
-    for constants, solid in solids:
-        if abs(nu - solid.nu) <= ALIKE:
-            return tuple(k * E / solid.E for k in constants)
-    known = " and ".join(f"{solid.nu:.6g}" for _, solid in solids)
-    raise ProblemError(
-        f"{pattern.name} lattice: nu = {nu:.6g}; its rules make it isotropic at {known} only: take "
-        "that ratio, or give the constants"
-    )
-
-
-def _isotropic(pattern: Pattern, constants: Constants, spacing: float) -> Moduli | None:
-    """Moduli of an isotropic solid; None of any other."""
-    try:
-        found = moduli(homogenised(pattern, constants, spacing).tensor)
-    except ProblemError:
-        return None
-    return found if abs(found.zener - 1) <= ALIKE else None
+def strain_forces(count: int, springs: Index, vectors: Array, stiffness: Array) -> Array:
+    """Forces (n, d, v) in N on the points of a periodic cell under the unit Voigt strains."""
+    length = np.linalg.norm(vectors, axis=1)
+    normal = vectors / length[:, None]
+    # A unit strain stretches a spring by L v, and it pulls at both ends.
+    tension = (stiffness * length)[:, None, None] * normal[:, :, None]
+    pull = tension * voigt_directions(normal)[:, None, :]
+    force = np.zeros((count, *pull.shape[1:]))
+    np.add.at(force, springs[:, 0], pull)
+    np.add.at(force, springs[:, 1], -pull)
+    return force
 
 
 def periodic(
@@ -238,14 +211,8 @@ def periodic(
         )
     if pairs.min() < 0 or pairs.max() >= n:
         raise ProblemError(f"springs: {pairs.min()} to {pairs.max()}; there are {n} points")
-    length = np.linalg.norm(vector, axis=1)
-    normal = vector / length[:, None]
-    # A unit strain stretches a spring by L v; what it pulls at its two ends is F.
-    pull = (k * length)[:, None, None] * normal[:, :, None] * voigt_directions(normal)[:, None, :]
-    F = np.zeros((n, vector.shape[1], len(affine)))
-    np.add.at(F, pairs[:, 0], pull)
-    np.add.at(F, pairs[:, 1], -pull)
-    right = F.reshape(-1, len(affine))
+    right = strain_forces(n, pairs, vector, k).reshape(-1, len(affine))
+    normal = vector / np.linalg.norm(vector, axis=1)[:, None]
     K = _stiffness(n, pairs, k[:, None, None] * normal[:, :, None] * normal[:, None, :])
     u, floppy = _at_rest(K, right, vector.shape[1])
     tensor = affine - right.T @ u / volume

@@ -20,7 +20,7 @@ import numpy as np
 from numba import njit
 
 from msvalidate.network import Network
-from msvalidate.problem import Array
+from msvalidate.problem import Array, ProblemError
 
 
 def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -285,6 +285,11 @@ def advance(
 
 def _laws(network: Network) -> tuple[Any, Any, Any, Any, Any]:
     """Springs, and cells as one tuple; where there are none, of the same types and empty."""
+    if network.shear is not None:
+        raise ProblemError(
+            "network: its shear springs have no compiled form, which relaxations and long motions "
+            "take; ask for equilibrium, or take a volume energy"
+        )
     springs = network.springs, network.vector, network.stiffness, network.rest_length
     cells = network.volumes
     if cells is None:

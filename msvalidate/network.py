@@ -1,10 +1,11 @@
 """Floor 1: a spring network from any list of points and springs: energy, force and tangent.
 
 A spring between points i and j with d = x_j - x_i pulls along its *current* direction:
-energy ½k(|d| - L0)², force on i k(|d| - L0)·d/|d|, the opposite on j. Cells that resist a change of
-volume may stand beside the springs: `msvalidate.volumes`.
+energy ½k(|d| - L0)², force on i k(|d| - L0)·d/|d|, the opposite on j. Beside the springs may stand
+cells that resist a change of volume, `msvalidate.volumes`, and springs that resist shear,
+`msvalidate.local_shear`.
 
-This is the plain NumPy form; `msvalidate.kernels` holds the compiled one.
+This is the plain NumPy form; `msvalidate.kernels` holds the compiled one of springs and cells.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
+from msvalidate import local_shear
 from msvalidate import volumes as cells
+from msvalidate.local_shear import LocalShear
 from msvalidate.problem import (
     LONGEST,
     Array,
@@ -59,6 +62,8 @@ class Network:
         (n, d) external force (N).
     volumes
         Cells of the same points that resist a change of volume, if there are any.
+    shear
+        Springs between the same points that resist shear, if there are any.
 
     Raises
     ------
@@ -75,6 +80,7 @@ class Network:
     displacement: Array
     force: Array
     volumes: Volumes | None = None
+    shear: LocalShear | None = None
 
     def __post_init__(self) -> None:
         points = coordinates("points", self.points)
@@ -108,10 +114,12 @@ class Network:
         together = distance <= max(1e-14 * float(np.abs(points).max()), 1 / LONGEST)
         _refuse("spring length", distance, together, "m; its two points coincide")
         object.__setattr__(self, "held", held)
-        if self.volumes is not None:
-            instance("volumes", self.volumes, Volumes)
-            if not np.array_equal(self.volumes.points, self.points):
-                raise ProblemError("volumes: of other points than the network's; give its own")
+        for name, kind in (("volumes", Volumes), ("shear", LocalShear)):
+            part = getattr(self, name)
+            if part is not None:
+                instance(name, part, kind)
+                if not np.array_equal(part.points, self.points):
+                    raise ProblemError(f"{name}: of other points than the network's; give its own")
         for array in (self.springs, self.held):
             array.setflags(write=False)
 
@@ -172,14 +180,15 @@ def spring_network(
     displacement: ArrayLike | None = None,
     force: ArrayLike | None = None,
     volumes: Volumes | None = None,
+    shear: LocalShear | None = None,
 ) -> Network:
     """Network from any list of points and springs.
 
     Parameters
     ----------
-    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes
+    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, shear
         As in `Network`. One number serves for all springs or points. Rest lengths default to the
-        distances in `points`, an unstressed network; supports, loads and volumes default to none.
+        distances in `points`, an unstressed network; the rest defaults to none.
 
     Raises
     ------
@@ -206,6 +215,7 @@ def spring_network(
         displacement=finite("displacement", zero if displacement is None else displacement),
         force=finite("force", zero if force is None else force),
         volumes=volumes,
+        shear=shear,
     )
 
 
@@ -213,7 +223,8 @@ def energy(network: Network, position: Array) -> float:
     """Energy (J) stored in springs and cells at `position` (n, d) in m."""
     _, length = _stretched(network, position)
     stored = float(0.5 * network.stiffness @ (length - network.rest_length) ** 2)
-    return stored + (cells.energy(network.volumes, position) if network.volumes else 0.0)
+    stored += cells.energy(network.volumes, position) if network.volumes else 0.0
+    return stored + (local_shear.energy(network.shear, position) if network.shear else 0.0)
 
 
 def internal_force(network: Network, position: Array) -> Array:
@@ -226,14 +237,16 @@ def internal_force(network: Network, position: Array) -> Array:
         for end, sign in ((0, 1.0), (1, -1.0)):
             weights = sign * pull[:, axis]
             force[:, axis] += np.bincount(network.springs[:, end], weights, len(position))
-    return force + cells.force(network.volumes, position) if network.volumes else force
+    if network.volumes:
+        force = force + cells.force(network.volumes, position)
+    return force + local_shear.force(network.shear, position) if network.shear else force
 
 
 def tangent(network: Network, position: Array) -> csr_array:
     """Tangent stiffness (n·d, n·d) in N/m at `position`, row n·d of point-major components.
 
-    A spring's block is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness. Cells add
-    theirs.
+    A spring's block is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness. Cells and
+    shear springs add theirs.
     """
     vector, length = _stretched(network, position)
     n = vector / length[:, None]
@@ -242,7 +255,9 @@ def tangent(network: Network, position: Array) -> csr_array:
     k = network.stiffness[:, None, None]
     block = k * along + k * (1 - network.rest_length / length)[:, None, None] * across
     K = _scatter(network, block)
-    return csr_array(K + cells.tangent(network.volumes, position)) if network.volumes else K
+    if network.volumes:
+        K = csr_array(K + cells.tangent(network.volumes, position))
+    return csr_array(K + local_shear.tangent(network.shear, position)) if network.shear else K
 
 
 def mode_energy(network: Network, position: Array, motion: Array) -> float:
@@ -259,7 +274,11 @@ def mode_energy(network: Network, position: Array, motion: Array) -> float:
     slack[np.abs(slack) < 1e-12] = 0.0
     across = (change**2).sum(axis=1) - along**2
     stored = float(network.stiffness @ (along**2 + slack * across))
-    return stored + (cells.mode_energy(network.volumes, position, motion) if network.volumes else 0)
+    if network.volumes:
+        stored += cells.mode_energy(network.volumes, position, motion)
+    if network.shear:
+        stored += local_shear.mode_energy(network.shear, position, motion)
+    return stored
 
 
 def force_scale(network: Network, position: Array) -> float:
@@ -280,6 +299,8 @@ def force_scale(network: Network, position: Array) -> float:
             met = met + np.bincount(network.springs[:, end], tension, len(position))
         if network.volumes:
             met = met + cells.force_met(network.volumes, position)
+        if network.shear:
+            met = met + local_shear.force_met(network.shear, position)
     scale = float(met[~network.held.all(axis=1)].max(initial=0.0))
     if not math.isfinite(scale):
         raise SolverError(
@@ -302,6 +323,8 @@ def force_roundoff(network: Network, reach: float | None = None) -> Array:
     met = 1.0 * np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
     if network.volumes:
         met = met + cells.roundoff_met(network.volumes, reach)
+    if network.shear:
+        met = met + local_shear.roundoff_met(network.shear, reach)
     return np.asarray(np.finfo(float).eps * met)[:, None]
 
 

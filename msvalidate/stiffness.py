@@ -283,10 +283,18 @@ def isotropic_part(tensor: Array) -> Array:
     ProblemError
         As for `isotropic_moduli`.
     """
-    d, mean = AXES_OF[len(_voigt(tensor))], isotropic_moduli(tensor)
-    mu = mean.E / (2 * (1 + mean.nu))
-    lame = 2 * mu * mean.nu / (1 - (d - 1) * mean.nu)
-    return cubic_tensor(d, lame + 2 * mu, lame, mu)
+    mean = isotropic_moduli(tensor)
+    return isotropic_tensor(AXES_OF[len(_voigt(tensor))], mean.E, mean.nu)
+
+
+def isotropic_tensor(dim: int, E: float, nu: float) -> Array:
+    """Voigt tensor of E and nu of its own axes (in the plane the in-plane ones), nu below 1/(d-1).
+
+    C12 = E nu/((1 + nu)(1 - (d - 1) nu)), C44 = E/(2(1 + nu)), C11 = C12 + 2·C44.
+    """
+    mu = E / (2 * (1 + nu))
+    lame = 2 * mu * nu / (1 - (dim - 1) * nu)
+    return cubic_tensor(dim, lame + 2 * mu, lame, mu)
 
 
 def cubic_part(tensor: Array) -> Array:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from msvalidate.problem import Array, Index, ProblemError, coordinates, finite, integers
+from msvalidate.problem import Array, Index, ProblemError, coordinates, finite, instance, integers
 
 _HEXAHEDRON = (
     (0, 3, 2, 1),
@@ -56,6 +56,10 @@ SURFACES: dict[tuple[int, int], tuple[Index, float]] = {
 each determinant that counts. In the plane the third corner is the normal."""
 
 
+LARGEST = 1e300
+"""Stiffness (N/m) of cells that may meet at a point: sums of it then stay finite."""
+
+
 @dataclass(frozen=True, eq=False)
 class Volumes:
     """Cells of a network that resist a change of volume. Arrays are made read-only.
@@ -74,7 +78,7 @@ class Volumes:
     Raises
     ------
     ProblemError
-        Naming the array and its first bad entry, or the cell that is inside out.
+        Naming the array and its first bad entry, or the cell that has no volume or less.
     """
 
     points: Array
@@ -107,6 +111,13 @@ class Volumes:
                 f"cells: cell {cell} has volume {self.rest_volume[cell]:g}; list its corners "
                 "counter-clockwise, in space in VTK order"
             )
+        with np.errstate(over="ignore"):
+            met = stiffness_met(self)
+        if not (met <= LARGEST).all():
+            raise ProblemError(
+                f"stiffness of volumes: {np.abs(met).max():g} N/m meet at a point; choose units "
+                f"that leave it below {LARGEST:g}"
+            )
 
     @property
     def dim(self) -> int:
@@ -135,7 +146,17 @@ def cell_volumes(points: ArrayLike, cells: ArrayLike) -> Array:
         As for `Volumes`.
     """
     t = integers("cells", cells)
-    return Volumes(coordinates("points", points), t, np.zeros(len(t))).rest_volume
+    return Volumes(coordinates("points", points), t, np.zeros(t.shape[:1])).rest_volume
+
+
+def growth(volumes: Volumes, displacement: Array, *, linear: bool = False) -> Array:
+    """V/V0 - 1 (c,) of the cells under a displacement (n, d) in m, or what is linear in it."""
+    u = _fitting("displacement", volumes, displacement)
+    if not linear:
+        return _dilatation(volumes, volumes.points + u)
+    slope = _gradient(volumes, volumes.points)
+    change = np.einsum("cka,cka->c", slope, u[volumes.cells])
+    return np.asarray(change / volumes.rest_volume)
 
 
 def energy(volumes: Volumes, position: Array) -> float:
@@ -163,7 +184,8 @@ def force_met(volumes: Volumes, position: Array) -> Array:
 def stiffness_met(volumes: Volumes) -> Array:
     """Sum (n,) of |κ| |∂V/∂x|²/V0 (N/m) at each point: what its cells resist its own moves with."""
     g = _gradient(volumes, volumes.points)
-    own = np.abs(volumes.stiffness / volumes.rest_volume)[:, None] * (g**2).sum(axis=2)
+    root = np.sqrt(np.abs(volumes.stiffness)) / np.sqrt(volumes.rest_volume)
+    own = ((root[:, None, None] * g) ** 2).sum(axis=2)
     return np.asarray(
         np.bincount(volumes.cells.ravel(), own.ravel(), len(volumes.points)), dtype=float
     )
@@ -190,8 +212,8 @@ def tangent(volumes: Volumes, position: Array) -> csr_array:
     """
     c, corners = volumes.cells.shape
     d, size = volumes.dim, corners * volumes.dim
-    g = _gradient(volumes, position).reshape(c, size)
     kappa, j = volumes.stiffness, _dilatation(volumes, position)
+    g = _gradient(volumes, position).reshape(c, size)
     block = (kappa / volumes.rest_volume)[:, None, None] * g[:, :, None] * g[:, None, :]
     if j.any():
         block += (kappa * j)[:, None, None] * _second(volumes, position).reshape(c, size, size)
@@ -206,15 +228,24 @@ def mode_energy(volumes: Volumes, position: Array, motion: Array) -> float:
 
     Cells within 1e-12 of their rest volume count as unstressed, as springs do.
     """
-    w = motion[volumes.cells]
-    change = (_gradient(volumes, position) * w).sum(axis=(1, 2))
     j = _dilatation(volumes, position)
+    w = _fitting("motion", volumes, motion)[volumes.cells]
+    change = (_gradient(volumes, position) * w).sum(axis=(1, 2))
     j[np.abs(j) < 1e-12] = 0.0
     stretched = volumes.stiffness / volumes.rest_volume @ change**2
     if not j.any():
         return float(stretched)
     bent = np.einsum("cia,ciajb,cjb->c", w, _second(volumes, position), w)
     return float(stretched + (volumes.stiffness * j) @ bent)
+
+
+def _fitting(name: str, volumes: Volumes, values: Array) -> Array:
+    """Values (n, d) of the network's points, refused unless there is one for each."""
+    instance("volumes", volumes, Volumes)
+    given = finite(name, values)
+    if given.shape != volumes.points.shape:
+        raise ProblemError(f"{name}: shape {given.shape}; give an array {volumes.points.shape}")
+    return given
 
 
 def _padded(volumes: Volumes, values: Array, normal: float) -> Array:
@@ -242,7 +273,7 @@ def _volume(volumes: Volumes, position: Array) -> Array:
 def _dilatation(volumes: Volumes, position: Array) -> Array:
     """V/V0 - 1 (c,) from the moves of the corners, without the digits that V and V0 share."""
     X = _padded(volumes, volumes.points, 1.0)
-    u = _padded(volumes, position - volumes.points, 0.0)
+    u = _padded(volumes, _fitting("position", volumes, position) - volumes.points, 0.0)
     x = X + u
     triangles, part = volumes.surface
     p, q, r = triangles.T

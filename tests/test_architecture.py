@@ -239,14 +239,21 @@ FLOORS = {
     "msvalidate": 0,  # the version only
     "msvalidate.problem": 0,
     "msvalidate.body": 1,
+    "msvalidate.calibrate": 1,
     "msvalidate.candidate": 2,
+    "msvalidate.cut": 1,
     "msvalidate.faults": 1,
+    "msvalidate.fit": 1,
     "msvalidate.homogenise": 1,
     "msvalidate.kernels": 1,
     "msvalidate.lattice": 1,
     "msvalidate.linear": 1,
+    "msvalidate.local_shear": 1,
+    "msvalidate.mesh_file": 1,
     "msvalidate.network": 1,
+    "msvalidate.stable_range": 1,
     "msvalidate.singularity": 1,
+    "msvalidate.spring_constants": 1,
     "msvalidate.stiffness": 1,
     "msvalidate.volumes": 1,
     "msvalidate.equilibrium": 2,
@@ -256,6 +263,7 @@ FLOORS = {
     "msvalidate.relaxations": 2,
     "msvalidate.viscous": 2,
     "msvalidate.spectrum": 2,
+    "msvalidate.stress": 2,
     "reference_fem": 2,
     "msvalidate.baseline": 3,
     "msvalidate.catalogue": 3,
@@ -459,6 +467,33 @@ def test_writing_guard_fires(planted):
 )
 def test_writing_guard_lets_pass(allowed):
     assert writes(allowed) == []
+
+
+# --- mesh files -----------------------------------------------------------------------------------
+
+
+def uses_meshio(text):
+    """Imports of the library that reads mesh files; it may also write, and end the program."""
+    return [name for name in imported(text) if within(name, "meshio")]
+
+
+@every_module
+def test_only_one_module_knows_meshio(module):
+    assert bool(uses_meshio(source(module))) == (module == "msvalidate.mesh_file")
+    assert "meshio.write" not in source(module)
+
+
+@pytest.mark.parametrize(
+    "planted",
+    [
+        "import meshio",
+        "import meshio as m",
+        "from meshio import read",
+        "def f():\n import meshio.vtk",
+    ],
+)
+def test_meshio_guard_fires(planted):
+    assert uses_meshio(planted)
 
 
 # --- docstrings -----------------------------------------------------------------------------------

@@ -2,10 +2,13 @@
 
 A lattice is a function that returns a `Pattern`, what repeats; `patterns` has one a lattice, and
 `voronoi` makes random ones. As a `Lattice`, a body: `fill` puts whole cells of any pattern in a
-box, `turned` cuts one at any angle, `voronoi_box` fills one at random.
+box, `turned` cuts one at any angle, `cut_lattice` cuts one to an outline, `voronoi_box` fills one
+at random, `mesh_lattice` takes a mesh's edges.
 """
 
 from msvalidate.lattice import patterns
+from msvalidate.lattice.cut import CutLattice, cut_lattice
+from msvalidate.lattice.edges import EDGE_RULES, mesh_lattice
 from msvalidate.lattice.filled import WEIGHTS, Lattice, boundary_weights, fill
 from msvalidate.lattice.pattern import Constants, Pattern, repeated
 from msvalidate.lattice.plane import (
@@ -20,15 +23,19 @@ from msvalidate.lattice.turned import turned
 from msvalidate.lattice.voronoi import STIFFNESS_RULES, voronoi, voronoi_box
 
 __all__ = [
+    "EDGE_RULES",
     "SIN60",
     "STIFFNESS_RULES",
     "WEIGHTS",
     "Constants",
+    "CutLattice",
     "Lattice",
     "Pattern",
     "boundary_weights",
+    "cut_lattice",
     "diagonal_square",
     "fill",
+    "mesh_lattice",
     "patterns",
     "repeated",
     "square",

@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 
 from msvalidate.body import lattice_network
+from msvalidate.calibrate import default_constants
 from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import default_constants
 from msvalidate.lattice import Lattice, square
 from msvalidate.network import Network
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.homogenise import default_constants, network_tensor
+from msvalidate.calibrate import default_constants
+from msvalidate.homogenise import network_tensor
 from msvalidate.lattice import (
     WEIGHTS,
     diagonal_square,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate import kernels
+from msvalidate import kernels, volumes
 from msvalidate.body import lattice_network
 from msvalidate.equilibrium import equilibrium
 from msvalidate.lattice import fill, patterns
@@ -182,6 +182,8 @@ SQUARE = CELLS[2, 4]
         ({"cells": [[0, 1, 2, 2.5]]}, "whole numbers"),
         ({"stiffness": [np.nan]}, "stiffness"),
         ({"stiffness": [1.0, 2.0]}, r"shape \(2,\); these cells need \(1,\)"),
+        ({"stiffness": [-1e308]}, r"5e\+307 N/m meet at a point; choose units"),
+        ({"cells": 3}, "give triangles or quadrilaterals"),
         ({"points": SQUARE[:, :1]}, "cells"),
     ],
 )
@@ -195,3 +197,34 @@ def test_cells_of_other_points_are_refused():
     network = cell_network(SQUARE)
     with pytest.raises(ProblemError, match="volumes: of other points than the network's"):
         replace(network, points=network.points + 1.0)
+
+
+def test_cells_that_are_none_are_refused_where_volumes_are_asked():
+    with pytest.raises(ProblemError, match="give triangles or quadrilaterals"):
+        cell_volumes(SQUARE, 3)
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        volumes.energy,
+        volumes.force,
+        volumes.force_met,
+        volumes.tangent,
+        lambda v, x: volumes.mode_energy(v, x, SQUARE),
+        lambda v, x: volumes.mode_energy(v, SQUARE, x),
+        volumes.growth,
+        lambda v, x: volumes.growth(v, x, linear=True),
+    ],
+)
+@pytest.mark.parametrize("given_", [SQUARE[:3], np.concatenate([SQUARE, SQUARE]), np.nan * SQUARE])
+def test_positions_that_do_not_fit_are_refused(asked, given_):
+    with pytest.raises(ProblemError, match=r"give an array \(4, 2\)|every value must be finite"):
+        asked(one_cell(SQUARE), given_)
+
+
+def test_stiffness_that_meets_has_its_value_in_the_largest_units():
+    # At a corner of a cube ∂V/∂x is h²/4 along each of three axes.
+    for h in (1e-90, 1.0, 1e90):
+        met = volumes.stiffness_met(one_cell(h * CELLS[3, 8], 2.0))
+        np.testing.assert_allclose(met, 2.0 * h * 3 / 16, rtol=1e-13)

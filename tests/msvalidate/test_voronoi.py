@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from msvalidate.body import lattice_network
+from msvalidate.calibrate import default_constants
 from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import default_constants, homogenised
+from msvalidate.homogenise import homogenised
 from msvalidate.lattice import STIFFNESS_RULES, boundary_weights, voronoi, voronoi_box
 from msvalidate.lattice.point_sets import POINT_SETS
 from msvalidate.lattice.tessellation import bounded_tessellation

@@ -1,0 +1,195 @@
+"""The outline of a plane body, and how much of each square of a grid lies inside it."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from msvalidate.problem import (
+    Array,
+    Boundary,
+    Box,
+    Domain,
+    Index,
+    Mask,
+    Mesh,
+    Part,
+    Polygon,
+    ProblemError,
+    corners_of,
+    shown,
+)
+
+ARC = 32
+"""Straight pieces that a bent side is drawn by: their area is off by some 1e-4 of what lies between
+the side and its chord."""
+NO_PRISM = 1e-3
+"""Part of its volume by which a solid may miss base × height: more than the drawing of bent sides
+takes."""
+
+
+def outline(domain: Domain) -> shapely.Geometry:
+    """The area that a plane body covers, or the base of a box in space, as a shapely geometry.
+
+    Raises
+    ------
+    ProblemError
+        If the body has no one outline.
+    """
+    if isinstance(domain, Box):
+        return shapely.box(0.0, 0.0, *domain.size[:2])
+    if isinstance(domain, Polygon):
+        return shapely.Polygon(domain.corners)
+    if not isinstance(domain, Mesh):
+        raise ProblemError(f"outline: a {shown(domain)}; give a Box, a Polygon or a Mesh")
+    sides = domain.surface if domain.dim == 2 else _rim(domain)
+    lines = _drawn(domain.points[sides][..., :2]).reshape(-1, 2, 2)
+    area = shapely.build_area(shapely.multilinestrings(lines))
+    if domain.dim == 3:
+        _refuse_no_prism(domain, area)
+    return area
+
+
+def _drawn(sides: Array) -> Array:
+    """Ends (f, pieces, 2, 2) in m of straight pieces of sides (f, 2, 2), or bent ones (f, 3, 2)."""
+    if sides.shape[1] == 2:
+        return sides[:, None]
+    s = np.linspace(0, 1, ARC + 1)
+    values = np.stack([(2 * s - 1) * (s - 1), s * (2 * s - 1), 4 * s * (1 - s)], axis=1)
+    places = np.einsum("sk,fkd->fsd", values, sides)
+    return np.stack([places[:, :-1], places[:, 1:]], axis=2)
+
+
+def _rim(mesh: Mesh) -> Index:
+    """Nodes (f, 2 or 3) of the sides round the facets of a solid where z is least."""
+    z = mesh.points[mesh.surface][..., 2]
+    base = mesh.surface[(z <= mesh.span[2][0] + mesh.tolerance).all(axis=1)]
+    if not len(base):
+        raise ProblemError(f"outline: {mesh} has no flat base where z is least; give a prism")
+    ends = _ends(base.shape[1])
+    sides = base[:, ends].reshape(-1, ends.shape[1])
+    _, first, times = np.unique(
+        np.sort(sides[:, :2], axis=1), axis=0, return_index=True, return_counts=True
+    )
+    return np.asarray(sides[first[times == 1]])
+
+
+def _ends(nodes: int) -> Index:
+    """Nodes (sides, 2 or 3) of each side of a facet of so many: ends, and the middle if it has."""
+    k = 3 if nodes in {3, 6} else 4
+    ends = [[i, (i + 1) % k] + ([k + i] if nodes > k else []) for i in range(k)]
+    return np.array(ends)
+
+
+def _refuse_no_prism(mesh: Mesh, base: shapely.Geometry) -> None:
+    low, high = mesh.span[2]
+    if abs(mesh.volume - base.area * (high - low)) > NO_PRISM * mesh.volume:
+        raise ProblemError(
+            f"outline: {mesh}, {mesh.volume:g} m³, is no prism along z: its base has "
+            f"{base.area:g} m² and it is {high - low:g} m high; give one"
+        )
+
+
+def moments(body: shapely.Geometry, low: Array, side: float) -> Array:
+    """Integrals (c, 2, 2) over the body's part of each square, relative to the square's area.
+
+    Entry [i, j] is that of N_i(ξ) N_j(η), with N_0(s) = 1 - s and N_1(s) = s, and ξ and η from 0 to
+    1 along a square's sides: the area that belongs to each of its corners, 1/4 of a square inside.
+    Exact for a body with straight edges: by Green's theorem round the edges of what is cut out.
+
+    Parameters
+    ----------
+    low
+        (c, 2) corner (m) of each square where both coordinates are least.
+    side
+        Of the squares, m.
+    """
+    squares = shapely.box(*low.T, *(low + side).T)
+    shapely.prepare(body)
+    inside = shapely.contains_properly(body, squares)
+    found = np.where(inside[:, None, None], 0.25, np.zeros((1, 2, 2)))
+    (cut,) = np.nonzero(~inside & shapely.intersects(body, squares))
+    if len(cut):
+        found[cut] = _moments(shapely.intersection(body, squares[cut]), low[cut], side)
+    return np.asarray(found)
+
+
+def inside(body: shapely.Geometry, points: Array, tolerance: float) -> Mask:
+    """Mask (n,) of the points (n, 2) inside a body by more than `tolerance` (m)."""
+    shapely.prepare(body)
+    places = shapely.points(points)
+    found = shapely.contains_properly(body, places)
+    edge = shapely.boundary(body)
+    shapely.prepare(edge)  # an index of its pieces: most points are far from all of them
+    found[found] = ~shapely.dwithin(edge, places[found], tolerance)
+    return np.asarray(found)
+
+
+def outside(body: shapely.Geometry, points: Array, tolerance: float) -> Mask:
+    """Mask (n,) of the points (n, 2) outside a body by more than `tolerance` (m)."""
+    return np.asarray(shapely.distance(body, shapely.points(points)) > tolerance)
+
+
+def straight_pieces(part: Part, domain: Domain) -> Array:
+    """Ends (q, 2, 2) in m of the straight lines that a part of an outline is drawn by.
+
+    In space the part is one of a mesh's walls.
+
+    Raises
+    ------
+    ProblemError
+        If it is no part of the body's sides.
+    """
+    if isinstance(domain, Mesh):
+        places = part.places if isinstance(part, Boundary) else domain.part(part).places
+        if domain.dim == 3:  # of walls, the lines that they stand on and end at
+            if (np.ptp(places[..., 2], axis=1) <= domain.tolerance).any():
+                raise ProblemError(f"{part}: some of its facets lie across z; give walls alone")
+            ends = _ends(places.shape[1])
+            places = places[:, ends].reshape(-1, ends.shape[1], 3)
+        lines = _drawn(places[..., :2]).reshape(-1, 2, 2)
+        long = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > domain.tolerance
+        return np.asarray(lines[long])
+    corners = corners_of(part, domain)
+    if len(corners) != 2:
+        raise ProblemError(f"{part}: no line on the outline; give a side, or a part of one")
+    return corners[None]
+
+
+def crossed(pieces: Array, low: Array, side: float) -> Index:
+    """Indices of the squares, of low corners (c, 2) in m, that lines (q, 2, 2) run through."""
+    squares = shapely.STRtree(shapely.box(*low.T, *(low + side).T))
+    return np.unique(squares.query(shapely.linestrings(pieces), predicate="intersects")[1])
+
+
+def _moments(pieces: Array, low: Array, side: float) -> Array:
+    """Integrals, as of `moments`, over areas with straight edges: one for each square."""
+    polygons, owner = _polygons(pieces)
+    rings, of_polygon = shapely.get_rings(polygons, return_index=True)
+    hole = np.concatenate([[False], of_polygon[1:] == of_polygon[:-1]])[: len(rings)]
+    places, ring = shapely.get_coordinates(rings, return_index=True)
+    square = owner[of_polygon[ring]]
+    xi, eta = ((places - low[square]) / side).T
+    edge = np.flatnonzero(ring[1:] == ring[:-1])
+    x0, y0, x1, y1 = xi[edge], eta[edge], xi[edge + 1], eta[edge + 1]
+    cross = x0 * y1 - x1 * y0
+    terms = (
+        cross / 2,
+        cross * (x0 + x1) / 6,
+        cross * (y0 + y1) / 6,
+        cross * (2 * x0 * y0 + x0 * y1 + x1 * y0 + 2 * x1 * y1) / 24,
+    )
+    # A ring may run either way round; its area is positive unless it bounds a hole.
+    turn = np.sign(np.bincount(ring[edge], terms[0], len(rings))) * np.where(hole, -1.0, 1.0)
+    one, x, y, xy = (
+        np.bincount(square[edge], turn[ring[edge]] * term, len(pieces)) for term in terms
+    )
+    corners = np.array([[one - x - y + xy, y - xy], [x - xy, xy]])
+    return np.asarray(np.maximum(corners.transpose(2, 0, 1), 0.0))
+
+
+def _polygons(pieces: Array) -> tuple[Array, Index]:
+    """The polygons that areas consist of, and which area each belongs to; lines are left out."""
+    parts, owner = shapely.get_parts(pieces, return_index=True)
+    is_area: Mask = shapely.get_type_id(parts) == shapely.GeometryType.POLYGON
+    return parts[is_area], owner[is_area]

@@ -1,0 +1,221 @@
+"""Constants fitted to displacements: recovered, near finite elements, and what is left open."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import reference_fem
+from msvalidate import fit
+from msvalidate.body import lattice_network
+from msvalidate.calibrate import calibrate
+from msvalidate.equilibrium import equilibrium
+from msvalidate.fit import fitted_constants
+from msvalidate.lattice import square, voronoi_box
+from msvalidate.problem import (
+    Box,
+    Isotropic,
+    Problem,
+    ProblemError,
+    SolverError,
+    Support,
+    Traction,
+)
+
+BOX = Box((2.0, 1.0))
+GRID = square(BOX, (8, 4))
+LOADS = {
+    "pull": ("right", (1e-3, 0.0)),
+    "bend": ("right", (0.0, 1e-3)),
+    "lift": ("top", (0.0, 1e-3)),
+}
+
+
+def problems(*loads, nu=0.3):
+    clamp = (Support(BOX.side("left"), (0.0, 0.0)),)
+    for load in loads or LOADS:
+        side, traction = LOADS[load]
+        yield Problem(BOX, Isotropic(1.0, nu), clamp, (Traction(BOX.side(side), traction),))
+
+
+def networks(constants, volume=0.0, *, lattice=GRID, loads=()):
+    return [lattice_network(p, lattice, constants, volume=volume) for p in problems(*loads)]
+
+
+def moves(*built):
+    return [equilibrium(network).displacement for network in built]
+
+
+def test_constants_come_back_from_their_own_displacements():
+    wanted = moves(*networks((2.3, 0.7), -0.2))
+    found = fitted_constants(networks((1.0, 1.0), 1.0), wanted, GRID.kind)
+    assert (*found.constants, found.volume) == pytest.approx((2.3, 0.7, -0.2), abs=1e-9)
+    assert found.residual < 1e-12
+    assert 1 < found.condition < 100
+
+
+def test_constants_of_very_different_size_and_units_come_back():
+    wanted = moves(*networks((3e9, 1e6)))
+    found = fitted_constants(networks((1.0, 1.0)), wanted, GRID.kind)
+    assert found.constants == pytest.approx((3e9, 1e6), rel=1e-6)
+    assert found.volume == 0.0
+
+
+def test_a_random_network_comes_back_by_kinds():
+    lattice = voronoi_box(BOX, 0.2, seed=3)
+    kind = (lattice.springs.sum(axis=1) % 3).astype(int)
+    built = networks((1.0,), lattice=lattice, loads=("pull", "bend"))
+    true = np.array([1.0, 2.0, 0.4])
+    wanted = moves(*[network.scaled(true[kind]) for network in built])
+    found = fitted_constants(built, wanted, kind, start=(1.0, 1.0, 1.0))
+    assert found.constants == pytest.approx(true, rel=1e-9)
+
+
+def test_slopes_are_the_differences_of_the_misfit():
+    built = networks((1.0, 1.0), 1.0)
+    (case,) = fit._cases(built[:1], moves(built[0]), GRID.kind, 2, None)
+    p = np.array([2.3, 0.7, -0.2])
+    _, slope = fit._misfit(case, p)
+    for j, step in enumerate(1e-6 * np.eye(3)):
+        ahead, behind = (fit._misfit(case, p + s)[0] for s in (step, -step))
+        np.testing.assert_allclose(
+            slope[:, j], (ahead - behind) / 2e-6, atol=1e-7 * np.abs(slope).max()
+        )
+
+
+def test_weights_of_zero_leave_points_out():
+    wanted = [move.copy() for move in moves(*networks((2.3, 0.7)))]
+    for move in wanted:
+        move[-1] *= 2
+    counted = np.ones(len(GRID.points))
+    counted[-1] = 0.0
+    found = fitted_constants(networks((1.0, 1.0)), wanted, GRID.kind, weights=[counted] * 3)
+    assert found.constants == pytest.approx((2.3, 0.7), rel=1e-9)
+    assert fitted_constants(networks((1.0, 1.0)), wanted, GRID.kind).residual > 0.01
+
+
+def test_a_constant_that_is_not_there_comes_out_as_nothing():
+    # Displacements that would take a negative k2 end at its bound.
+    wanted = [
+        move * np.array([1.0, -1.0]) for move in moves(*networks((1.0, 1.0), loads=("pull",)))
+    ]
+    found = fitted_constants(networks((1.0, 1.0), loads=("pull",)), wanted, GRID.kind)
+    assert 0 <= found.constants[1] < 1e-3 * found.constants[0]
+    assert found.residual > 0.01
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.45])
+def test_fitted_to_finite_elements_they_come_near_the_calibrated(nu):
+    wrong, left = [], []
+    for n in (4, 8):
+        lattice = square(BOX, (2 * n, n))
+        asked = list(problems(nu=nu))
+        mesh = reference_fem.box_discretisation(BOX, (32, 16), "Q2")
+        wanted = [reference_fem.solve_problem(p, mesh).at(lattice.points) for p in asked]
+        built = [lattice_network(p, lattice, (1.0, 1.0), volume=1.0) for p in asked]
+        found = fitted_constants(built, wanted, lattice.kind)
+        exact = calibrate(1.0, nu, lattice)
+        wrong.append(
+            np.abs(np.subtract((*found.constants, found.volume), (*exact.constants, exact.volume)))
+        )
+        left.append(found.residual)
+    # The constants make up for part of the discretisation's error, which is of second order.
+    assert (np.array(wrong[1]) < 0.6 * np.array(wrong[0])).all()
+    assert wrong[1].max() < 0.05
+    assert 1.7 < np.log2(left[0] / left[1]) < 2.1
+
+
+# Refusals ---------------------------------------------------------------------------------------
+
+
+def stretched(lattice, constants, volume):
+    """A block in tension, which knows C11 and C12 alone."""
+    supports = (Support(BOX.side("left"), (0.0, None)), Support(BOX.side("bottom"), (None, 0.0)))
+    pull = (Traction(BOX.side("right"), (1e-3, 0.0)),)
+    problem = Problem(BOX, Isotropic(1.0, 0.3), supports, pull)
+    return lattice_network(problem, lattice, constants, volume=volume)
+
+
+def test_what_a_stretch_leaves_open_is_named():
+    wanted = moves(stretched(GRID, (2.0, 1.0), 0.1))
+    with pytest.raises(ProblemError, match="leave k2 and κ open"):
+        fitted_constants([stretched(GRID, (1.0, 1.0), 1.0)], wanted, GRID.kind)
+    found = fitted_constants(
+        [stretched(GRID, (1.0, 1.0), 0.0)], moves(stretched(GRID, (2.0, 1.0), 0.0)), GRID.kind
+    )
+    assert found.constants == pytest.approx((2.0, 1.0), rel=1e-9)
+
+
+@pytest.mark.parametrize("scale", [1e-50, 1e50])
+def test_displacements_of_any_size_have_their_constants(scale):
+    wanted = [scale * u for u in moves(*networks((2.0, 0.7)))]
+    found = fitted_constants(networks((1.0, 1.0)), wanted, GRID.kind)
+    assert found.constants == pytest.approx((2.0 / scale, 0.7 / scale), rel=1e-9)
+
+
+def test_what_no_constants_come_near_is_refused():
+    # A pull that shortens: the stiffest network is the nearest, and it does not move.
+    with pytest.raises(SolverError, match="a residual of 1, as of no displacement at all"):
+        fitted_constants(UNIT, [-u for u in WANTED], GRID.kind)
+
+
+def test_prescribed_displacements_leave_a_common_factor_open():
+    supports = (Support(BOX.side("left"), (0.0, 0.0)), Support(BOX.side("right"), (0.1, 0.0)))
+    network = lattice_network(Problem(BOX, Isotropic(1.0, 0.3), supports), GRID, (1.0, 1.0))
+    wanted = moves(network.scaled(np.where(GRID.kind == 0, 2.0, 1.0)))
+    with pytest.raises(ProblemError, match="leave k1 and k2 open; add one that tells, with forces"):
+        fitted_constants([network], wanted, GRID.kind)
+
+
+UNIT = networks((1.0, 1.0))
+WANTED = moves(*UNIT)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: fitted_constants([], [], GRID.kind), "no network; give a list"),
+        (lambda: fitted_constants(UNIT[0], WANTED[0], GRID.kind), "no network; give a list"),
+        (lambda: fitted_constants(UNIT, None, GRID.kind), "3 networks, no list of displacements"),
+        (lambda: fitted_constants(UNIT, WANTED[:2], GRID.kind), "3 networks, 2 displacements"),
+        (lambda: fitted_constants(UNIT, WANTED, GRID.kind[1:]), "from 0 up without a gap"),
+        (lambda: fitted_constants(UNIT, WANTED, 2 * GRID.kind), "from 0 up without a gap"),
+        (lambda: fitted_constants(UNIT, [w[1:] for w in WANTED], GRID.kind), "wanted displacement"),
+        (
+            lambda: fitted_constants(UNIT, [0 * w for w in WANTED], GRID.kind),
+            "nothing that counts moves",
+        ),
+        (
+            lambda: fitted_constants(UNIT, WANTED, GRID.kind, weights=[np.zeros(45)] * 3),
+            "give a load case that moves free points of weight above 0",
+        ),
+        (
+            lambda: fitted_constants(
+                [replace(UNIT[0], force=0 * UNIT[0].force)], WANTED[:1], GRID.kind
+            ),
+            "nothing moves the networks; load them by forces",
+        ),
+        (lambda: fitted_constants(UNIT, [np.nan * w for w in WANTED], GRID.kind), "wanted disp"),
+        (
+            lambda: fitted_constants(UNIT, WANTED, GRID.kind, weights=[-np.ones(45)] * 3),
+            "one of 0 or more a point",
+        ),
+        (lambda: fitted_constants(UNIT, WANTED, GRID.kind, start=(1.0, 0.0)), "2 constants above"),
+        (
+            lambda: fitted_constants([UNIT[0], *networks((1.0, 1.0), 1.0)[1:]], WANTED, GRID.kind),
+            "volumes in some networks only",
+        ),
+        (
+            lambda: fitted_constants(
+                [replace(UNIT[0], rest_length=1.1 * UNIT[0].rest_length)], WANTED[:1], GRID.kind
+            ),
+            "a spring is stressed at rest",
+        ),
+        (lambda: fitted_constants([None], WANTED[:1], GRID.kind), "network: None; give a Network"),
+    ],
+)
+def test_bad_questions_are_refused(call, said):
+    with pytest.raises(ProblemError, match=said):
+        call()

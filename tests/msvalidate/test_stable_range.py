@@ -1,0 +1,110 @@
+"""How far below zero shear springs and volumes may go: by waves, and by whole bodies and tori."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.linalg import eigvalsh
+
+from msvalidate import local_shear
+from msvalidate.lattice import fill, patterns, repeated
+from msvalidate.lattice.pattern import by_shells
+from msvalidate.local_shear import LocalShear
+from msvalidate.network import spring_network, tangent
+from msvalidate.problem import Box, ProblemError
+from msvalidate.stable_range import least_ratio, least_volume
+
+ISOTROPIC = {
+    "square": (1.0, 0.5),
+    "triangular": (1.0,),
+    "cubic18": (1.0, 1.0),
+    "cubic26": (11 / 3, 1.0, 1.0),
+    "bcc": (1.0, 2 / 3),
+    "fcc": (1.0, 0.25),
+}
+WHERE_UNSTABLE = {"square": -3, "triangular": -5 / 3, "cubic18": -3, "bcc": -2, "fcc": -5 / 4}
+"""Least κ over μ. -3 is λ + 2μ = 0 of a long wave, κ being added to λ = μ."""
+
+
+@pytest.mark.parametrize("name", ISOTROPIC)
+def test_the_waves_of_an_endless_lattice_allow_every_ratio_of_a_stable_solid(name):
+    pattern = getattr(patterns, name)()
+    # Long waves of 1e-3 rad miss their limit by the square of it.
+    assert least_ratio(pattern, ISOTROPIC[name]) == pytest.approx(-2 / pattern.dim, rel=1e-6)
+
+
+def test_a_body_allows_less_and_the_more_the_larger_it_is():
+    # By the matrices of whole bodies, with nothing of the waves'.
+    least = [body_ratio(patterns.square(), n) for n in (2, 4, 8)]
+    assert least == sorted(least, reverse=True)
+    assert -1 < least[2] < -0.99
+    assert least == pytest.approx([-0.952, -0.979, -0.993], abs=1e-3)
+
+
+def body_ratio(pattern, cells):
+    """Ratio of shear to central springs from which a free body has a motion without energy."""
+    lattice = fill(pattern, Box((1.0,) * pattern.dim), cells)
+    k = np.array(ISOTROPIC["square"])[lattice.kind] * lattice.share
+    network = spring_network(lattice.points, lattice.springs, k)
+    central = tangent(network, network.points).toarray()
+    shear = LocalShear(lattice.points, lattice.springs, k, lattice.share)
+    values, modes = np.linalg.eigh(central)
+    modes = modes[:, values > 1e-10 * values[-1]]
+    assert modes.shape[1] == len(values) - 3
+    across = local_shear.tangent(shear, lattice.points).toarray()
+    return -1 / eigvalsh(modes.T @ across @ modes, modes.T @ central @ modes)[-1]
+
+
+def test_waves_that_cost_nothing_are_refused():
+    with pytest.raises(ProblemError, match="cubic 6 lattice: some wave costs its central springs"):
+        least_ratio(patterns.cubic6(), (1.0,))
+
+
+@pytest.mark.parametrize("name", WHERE_UNSTABLE)
+def test_volumes_bear_so_much(name):
+    pattern = getattr(patterns, name)()
+    mu = pattern.tensor(ISOTROPIC[name])[-1, -1]
+    assert least_volume(pattern, ISOTROPIC[name]) == pytest.approx(WHERE_UNSTABLE[name] * mu)
+
+
+@pytest.mark.parametrize("name", ["triangular", "bcc", "fcc"])
+def test_a_torus_is_stable_to_just_there(name):
+    # Two cells along each axis, closed to a ring: all waves of phase 0 and pi, as one matrix.
+    pattern = getattr(patterns, name)()
+    least = least_volume(pattern, ISOTROPIC[name])
+    springs, volumes = torus(pattern, ISOTROPIC[name])
+    lowest = [np.linalg.eigvalsh(springs + part * least * volumes)[0] for part in (0.999, 1.001)]
+    assert lowest[0] > -1e-13
+    assert lowest[1] < -1e-5
+
+
+def torus(pattern, constants):
+    """Stiffness of the springs and of the volumes with κ = 1 of a ring of two cells an axis."""
+    twice = repeated(pattern, 2)
+    n, d = twice.points.shape
+    normal = twice.vectors / np.linalg.norm(twice.vectors, axis=1)[:, None]
+    stretch = np.zeros((len(normal), n, d))
+    each = np.arange(len(normal))
+    np.add.at(stretch, (each, twice.springs[:, 1]), normal)
+    np.add.at(stretch, (each, twice.springs[:, 0]), -normal)
+    stretch = stretch.reshape(len(normal), -1)
+    size, corners = np.array(pattern.size), list(product((0, 1), repeat=d))
+    slopes = []
+    for cell in corners:
+        slope = np.zeros((n, d))
+        for place in corners:
+            at = (np.add(cell, place) % 2) * size
+            (point,) = np.flatnonzero(np.abs(twice.points - at).max(axis=1) < 1e-9)
+            slope[point] += (2 * np.array(place) - 1) * np.prod(size) / size / 2 ** (d - 1)
+        slopes.append(slope.ravel())
+    slopes = np.array(slopes)
+    k = twice.stiffness(constants)
+    return (stretch.T * k) @ stretch, slopes.T @ slopes / np.prod(size)
+
+
+def test_cells_without_a_corner_are_refused():
+    shifted = by_shells("shifted", (1.0, 1.0), [(0.5, 0.5)], (1.0, 2**0.5), {"one": (1.0, 1.0)})
+    with pytest.raises(ProblemError, match="no point in the corner of its cell"):
+        least_volume(shifted, (1.0, 0.5))
