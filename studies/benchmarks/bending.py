@@ -1,0 +1,157 @@
+"""Bending: how stiff is a beam of square cells in pure bending, at any Poisson's ratio?
+
+Question   Moment over curvature of a beam of N square cells through its height.
+Candidate  Linear equilibrium of springs with a volume energy, edges shared.
+Reference  A closed form. Far from the ends every column of cells bends alike: a row of points at
+           height y is stretched by its strain y, the springs inside a row of cells by y in its
+           middle, and the row's height changes by -s y of itself. With axial springs k1, and with
+           k2 + κ = C12 for diagonals and volume together, the energy of a unit square of cells is
+
+               k1 T + M (k1 s² + C12 (1 - s)²),
+
+           T = N³/12 + N/6 the trapezium rule of ∫y², M = N³/12 - N/12 the midpoint rule. It is
+           least at s = C12/(k1 + C12) = C12/C11 = nu, where it is k1 (T + nu M); and Et = k1
+           (1 + nu). So
+
+               EI_eff/EI = (T + nu M)/((1 + nu) N³/12) = 1 + ((2 - nu)/(1 + nu))/N²,
+
+           E and nu those of the plane: in plane strain E/(1 - nu²) and nu/(1 - nu) of the solid's.
+Expected   The closed form to rounding, and no locking: as the plane's ratio nears 1 the beam is
+           stiffer by 1/(2N²) and no more, for a cell resists the change of its whole area only and
+           a bent cell keeps that. Stiffest against its solid at low nu: 2/N² at 0, 3/N² at -1/4.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.candidate import Candidate, springs
+from msvalidate.compare import worst
+from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.lattice import square
+from msvalidate.problem import (
+    Array,
+    Box,
+    Isotropic,
+    Problem,
+    Region,
+    Support,
+    Traction,
+)
+from msvalidate.stiffness import in_plane
+from msvalidate.sweep import Setting
+from studies.benchmarks import cases, models
+
+HEIGHTS, QUICK_HEIGHTS = (1, 2, 4, 8), (1, 2, 4)
+"""Cells through the height."""
+LENGTH = 12
+"""Heights. The consistent forces of a linear traction are not quite the network's own pure bending;
+what they add decays as exp(-4.2·distance/height), to 1e-11 of itself at the middle."""
+MODULUS, MOMENT = 1e5, 100.0
+"""Pa and N·m, one metre thick and high; the answer is linear."""
+MATERIALS = (
+    *(Isotropic(E=MODULUS, nu=nu) for nu in (-0.25, 0.0, 0.2, 1 / 3, 0.45, 0.49, 0.499)),
+    *(Isotropic(E=MODULUS, nu=nu, state="plane_strain") for nu in (0.4, 0.45, 0.49, 0.499)),
+)
+COLUMNS = {
+    **cases.COLUMNS,
+    "nu_plane": "Poisson's ratio of strains in the plane: nu, or nu/(1 - nu) in plane strain (1)",
+}
+TOLERANCES = (
+    Tolerance(
+        "pure bending at any ratio: EI_eff/EI against 1 + ((2 - nu)/(1 + nu))/N²",
+        1e-8,
+        "1",
+        "exact on a network, on a network: left are rounding, 1e-16 times a condition number of "
+        "up to 1e6, and its loss in second differences of the deflection, (8·12/2)² over 8",
+    ),
+)
+
+
+def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+    """Compare the candidate's beams with the closed form."""
+    setting = setting or Setting()
+    sizes = QUICK_HEIGHTS if setting.quick else HEIGHTS
+    rows: list[dict[str, object]] = []
+    for material in MATERIALS:
+        nu = in_plane(material)[1]
+        found = setting.sweep(partial(bending_stiffness, candidate, material), sizes, "bent beams")
+        for n, value in zip(sizes, found, strict=True):
+            quantity = cases.Quantity(
+                "pure bending",
+                f"EI_eff/EI, {material.state.replace('_', ' ')}",
+                "1",
+                1 + (2 - nu) / (1 + nu) / n**2,
+                "1 + ((2 - nu)/(1 + nu))/N², nu of the plane",
+                material.nu,
+            )
+            (row,) = cases.rows(quantity, models.method("square", nu), (n,), (value,))
+            rows.append(row | {"nu_plane": nu})
+    table = pd.DataFrame(rows)
+    seen = worst(table["value"], table["accepted"])
+    low, high = table["nu_plane"].min(), table["nu_plane"].max()
+    finding = (
+        "Beams of springs with a volume energy bend as 1 + ((2 - nu)/(1 + nu))/N² says, to "
+        f"rounding, for ratios of the plane from {low:.3g} to {high:.3g}: they do not lock."
+    )
+    return Evidence(
+        tables={"bending": table},
+        observed={TOLERANCES[0].quantity: seen},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        figures={"bending": drawn},
+        findings=(finding,),
+        rounding={"against_accepted": 1e-8, "against_limit": 1e-8},
+    )
+
+
+def bending_stiffness(candidate: Candidate, material: Isotropic, cells: int) -> float:
+    """EI_eff/EI of a beam 1 m high under end moments, from the curvature at its middle."""
+    length = float(LENGTH)
+    beam = Box((length, 1.0))
+
+    def pull(points: Array) -> Array:
+        return 12 * MOMENT * np.outer(points[:, 1] - 0.5, (1.0, 0.0))
+
+    def push(points: Array) -> Array:
+        return -pull(points)
+
+    problem = Problem(
+        beam,
+        material,
+        (Support(Region((0.0, 0.0)), (0.0, 0.0)), Support(Region((length, 0.0)), (None, 0.0))),
+        (Traction(beam.side("right"), pull), Traction(beam.side("left"), push)),
+        name="pure bending",
+    )
+    network = models.network_of(problem, square(beam, (LENGTH * cells, cells)))
+    move = candidate(problem, network, "linear")
+    bottom = network.points[:, 1] == 0
+    deflection = move[bottom, 1][np.argsort(network.points[bottom, 0])]
+    middle = LENGTH * cells // 2
+    left, centre, right = deflection[middle - 1 : middle + 2]
+    curvature = (left - 2 * centre + right) * cells**2
+    return float(MOMENT / abs(curvature) / (in_plane(material)[0] / 12))
+
+
+def drawn(tables: Tables) -> Figure:
+    """N² (EI_eff/EI - 1) against the ratio: all N on one curve."""
+    table = tables["bending"]
+    figure, (axis,) = figures.new(size=(4.6, 3.3))
+    nu = np.linspace(-0.3, 1.0, 200)
+    axis.plot(nu, (2 - nu) / (1 + nu), color="grey", label="(2 - nu)/(1 + nu)")
+    for i, n in enumerate(sorted(set(table["cells"]))):
+        rows = table[table["cells"] == n]
+        axis.plot(
+            rows["nu_plane"], n**2 * (rows["value"] - 1), figures.MARKERS[i],
+            color=figures.COLOURS[i], ms=9 - 2 * i, mfc="none", label=f"springs, N = {n}",
+        )  # fmt: skip  # points of all N lie on each other
+    axis.set(
+        xlabel="Poisson's ratio of the plane (1)", ylabel="N² (EI_eff/EI - 1) (1)", ylim=(0, None)
+    )
+    figures.shared_legend(figure, [axis], columns=3)
+    return figure

@@ -1,0 +1,221 @@
+"""Cases: the layout that all benchmarks share: a value beside the accepted one, mesh by mesh.
+
+A question makes a `Quantity` for every number that the literature, or a closed form, accepts, and
+`rows` for every method that is to give it; `convergence` draws them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.evidence import Tables
+from msvalidate.problem import Array
+from reference_fem.refinement import richardson
+
+ROUNDING = 1e-10
+"""Relative difference below which a value is exact: 1e-16 times a condition number of up to 1e6."""
+PLAUSIBLE = (0.5, 6.0)
+"""Orders that two meshes can show: quadratic elements have 4 in displacements at their corners."""
+DOUBTFUL = 0.25
+"""Part of a difference that the limit's own uncertainty may be: it moves an order by 0.3."""
+FINDING_DIGITS = 3
+VOLUME = " + volume energy"
+"""In the names of methods that have one."""
+COLUMNS = {
+    "benchmark": "name of the benchmark",
+    "quantity": "what is compared, and where",
+    "unit": "unit of accepted, limit and value in this row",
+    "accepted": "value that is accepted for it (unit of the row)",
+    "source": "where the accepted value is from",
+    "limit": "value at vanishing spacing: in closed form, or by our finite elements (unit of the "
+    "row)",
+    "limit_uncertainty": "how far limit may be off, relative; 0 for a closed form (1)",
+    "method": "what computed the value: springs or finite elements, and which",
+    "nu": "Poisson's ratio of the material (1)",
+    "cells": "cells along the side, or in the length, that the question names; of a patch all that "
+    "it has (1)",
+    "value": "the computed value (unit of the row)",
+    "against_accepted": "value - accepted, relative to accepted (1)",
+    "against_limit": "value - limit, relative to limit (1)",
+    "uncertainty": "how far the value may be from that of this method at vanishing spacing, "
+    'relative, by Richardson\'s rule from three meshes, or "none" with fewer (1)',
+    "order": "power of the spacing with which against_limit falls from the row above, or a word: "
+    '"coarsest" (nothing above), "exact" (rounding is left), "not resolved" (limit_uncertainty is '
+    'more than a quarter of it), "not asymptotic" (it changes sign, or the power is outside 0.5 '
+    "to 6)",
+}
+"""Of every table whose rows are by `rows`."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of a benchmark and the value that is accepted for it.
+
+    `limit`: what meshes converge to, where that is known better than the accepted value: in closed
+    form or by our own finite elements, with its relative uncertainty.
+    """
+
+    benchmark: str
+    name: str
+    unit: str
+    accepted: float
+    source: str
+    nu: float
+    limit: float | None = None
+    limit_uncertainty: float = 0.0
+
+    @property
+    def goal(self) -> float:
+        """The limit where there is one of its own, else the accepted value."""
+        return self.accepted if self.limit is None else self.limit
+
+
+def rows(
+    quantity: Quantity, method: str, cells: Sequence[int], values: Iterable[float]
+) -> list[dict[str, object]]:
+    """Rows of one method, coarsest mesh first."""
+    found = list(values)
+    head: dict[str, object] = {"benchmark": quantity.benchmark, "quantity": quantity.name}
+    head |= {"unit": quantity.unit, "accepted": quantity.accepted, "source": quantity.source}
+    head |= {"limit": quantity.goal, "limit_uncertainty": quantity.limit_uncertainty}
+    head |= {"method": method, "nu": quantity.nu}
+    away = [value / quantity.goal - 1 for value in found]
+    table = []
+    for i, (n, value) in enumerate(zip(cells, found, strict=True)):
+        row: dict[str, object] = {
+            "cells": n,
+            "value": value,
+            "against_accepted": value / quantity.accepted - 1,
+        }
+        row |= {"against_limit": away[i], "uncertainty": uncertainty(cells[: i + 1], found)}
+        table.append(head | row | {"order": order(cells, away, i, quantity.limit_uncertainty)})
+    return table
+
+
+def order(cells: Sequence[int], away: Sequence[float], at: int, doubt: float = 0.0) -> float | str:
+    """Power of the spacing with which a difference fell to row `at`, or a word: see `COLUMNS`."""
+    if at == 0:
+        return "coarsest"
+    before, after = away[at - 1], away[at]
+    if abs(after) <= ROUNDING:
+        return "exact"
+    if doubt > DOUBTFUL * abs(after):
+        return "not resolved"
+    if before * after <= 0:
+        return "not asymptotic"
+    power = float(np.log(before / after) / np.log(cells[at] / cells[at - 1]))
+    return power if PLAUSIBLE[0] <= power <= PLAUSIBLE[1] else "not asymptotic"
+
+
+def uncertainty(cells: Sequence[int], values: Sequence[float]) -> float | str:
+    """Richardson's of the last of these meshes, relative; three must double their cells."""
+    at = len(cells)
+    if at < 3 or cells[at - 3] * 4 != cells[at - 1] or cells[at - 2] * 2 != cells[at - 1]:
+        return "none"
+    coarse, medium, fine = (np.array([values[i]]) for i in range(at - 3, at))
+    estimate = richardson(coarse, medium, fine, int(cells[at - 1]), PLAUSIBLE[1])
+    return float(abs(estimate.uncertainty[0] / fine[0]))
+
+
+def finest(table: pd.DataFrame) -> pd.DataFrame:
+    """The row of the finest mesh of every quantity and method, in their order."""
+    keys = ["benchmark", "quantity", "nu", "method"]
+    return table.groupby(keys, sort=False).tail(1).reset_index(drop=True)
+
+
+def orders(table: pd.DataFrame) -> Array:
+    """Orders (rows,), words, which are none, as NaN: what has no order fails where one is due."""
+    return np.asarray(pd.to_numeric(table["order"], errors="coerce"))
+
+
+def of_springs(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows of networks, those of elements left out."""
+    return table[table["method"].str.startswith("springs")]
+
+
+def fits(table: pd.DataFrame) -> bool:
+    """Whether a table has the layout."""
+    return set(COLUMNS) <= set(table)
+
+
+def summary(tables: Tables) -> pd.DataFrame:
+    """All benchmarks on their finest meshes, of those tables that have the layout."""
+    found = [finest(table[list(COLUMNS)]) for table in tables.values() if fits(table)]
+    return pd.concat(found, ignore_index=True)
+
+
+def said(table: pd.DataFrame) -> str:
+    """Words for a finding: each method's difference to the accepted value on its finest mesh."""
+    seen = finest(table)
+    many = len(set(seen["quantity"])) > 1, len(set(seen["nu"])) > 1
+    words = []
+    for row in seen.to_dict("records"):
+        about = [row["method"]]
+        about += [row["quantity"]] if many[0] else []
+        about += [f"nu = {row['nu']:.3g}"] if many[1] else []
+        percent = 100 * row["against_accepted"]
+        words.append(f"{percent:+.{FINDING_DIGITS - 1}g} % ({', '.join(about)})")
+    return "; ".join(words)
+
+
+def convergence(name: str, xlabel: str, tables: Tables) -> Figure:
+    """Differences to the limit against cells, an axis for every quantity and Poisson's ratio."""
+    panels = list(tables[name].groupby(["quantity", "nu"], sort=False))
+    methods = list(dict.fromkeys(map(alike, tables[name]["method"])))
+    columns = 2 if len(panels) == 4 else min(len(panels), 3)
+    lines = -(-len(panels) // columns)
+    width = 4.4 if columns == 1 else 3.3
+    figure, axes = figures.new(columns, lines, size=(width, 3.0), sharey=True)
+    for axis in axes[len(panels) :]:
+        axis.set_visible(False)
+    for axis, ((quantity, nu), rows_here) in zip(axes, panels, strict=False):
+        draw(axis, rows_here, methods)
+        volume = rows_here["method"].str.contains(VOLUME, regex=False).any()
+        above = f"{quantity}, nu = {nu:.3g}"
+        axis.set_title(f"{above}\nsprings with a volume energy" if volume else above, fontsize=9)
+    for axis in axes[-columns:]:
+        axis.set_xlabel(xlabel)
+    for axis in axes[::columns]:
+        axis.set_ylabel("difference to the limit (%)")
+    figures.shared_legend(figure, axes[: len(panels)], columns=max(2, columns))
+    return figure
+
+
+def alike(method: str) -> str:
+    """What methods are drawn alike by: springs are so with a volume energy, which nu asks for."""
+    return method.replace(VOLUME, "")
+
+
+def draw(axis: Axes, table: pd.DataFrame, methods: Sequence[str]) -> None:
+    """Series of one quantity, what is exact left out, and the uncertainty of its limit."""
+    style: dict[str, Any]
+    for method, series in table.groupby(table["method"].map(alike), sort=False):
+        i = methods.index(str(method))
+        style = {"color": figures.COLOURS[i % 6], "marker": figures.MARKERS[i % 6]}
+        size = 100 * series["against_limit"].abs()
+        shown = size > 100 * ROUNDING
+        style["ls"] = "--" if str(method).startswith("FEM") else "-"
+        axis.loglog(series["cells"][shown], size[shown], label=str(method), **style)
+    doubt = float(table["limit_uncertainty"].max())
+    if doubt:
+        axis.axhline(100 * doubt, color="grey", ls=":", label="uncertainty of the limit")
+    ticks = sorted(set(table["cells"]))
+    axis.set_xticks(ticks, [str(n) for n in ticks])
+
+
+def drawing(name: str, body: str, xlabel: str) -> Any:
+    """`convergence` of one table, as `Evidence.figures` wants it; the caption names the body."""
+
+    def draw_convergence(tables: Tables) -> Figure:
+        return convergence(name, xlabel, tables)
+
+    draw_convergence.__doc__ = f"{body}: differences to the limit, mesh by mesh."
+    return draw_convergence

@@ -1,0 +1,122 @@
+"""Curved outlines: bodies solved by quadratic elements and by lattices cut to the outline.
+
+Springs are cells of the square lattice, cut by the outline (`msvalidate.lattice.cut`), with an
+energy of the cells' volumes where nu is not 1/3. A network's stress at its outline is that of a
+polynomial through the displacements near by (`msvalidate.stress.fitted_stress`): a quadratic one,
+whose own error has order 2, and a quartic one, which leaves the network's error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+import reference_fem
+from msvalidate.calibrate import calibrated
+from msvalidate.candidate import Candidate
+from msvalidate.compare import observed_order
+from msvalidate.cut import cut_network
+from msvalidate.lattice import Pattern, patterns
+from msvalidate.lattice.cut import CutLattice, cut_lattice
+from msvalidate.network import Network
+from msvalidate.problem import Array, Isotropic, Mesh, Problem, Support
+from msvalidate.stiffness import CAUCHY
+from msvalidate.stress import fitted_stress, whole_points
+from studies.benchmarks import models
+from studies.benchmarks.shapes import Meshed
+
+FITS = {"quadratic": (2, 24), "quartic": (4, 60)}
+"""Degree of the polynomial that stresses of networks are read off, and points: four a coefficient.
+From the side of a body they reach 6 and 10 cells deep."""
+SPRINGS_ALONE = CAUCHY[2]
+"""Poisson's ratio of springs alone, in plane stress."""
+CUT = "square, cut"
+"""What tables call the lattice."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpringBody:
+    """Displacements (n, d) in m at the points of a cut lattice, and the tensor (Pa) it stands for.
+
+    `whole`: the points all of whose cells are inside the body.
+    """
+
+    lattice: CutLattice
+    displacement: Array
+    tensor: Array
+
+    def stress(self, places: Array, fit: str) -> Array:
+        """Stress (p, 3) or (p, 6) in Pa at places (p, d)."""
+        whole = whole_points(self.lattice)
+        points, move = self.lattice.points[whole], self.displacement[whole]
+        degree, count = FITS[fit]
+        return fitted_stress(points, move, places, self.tensor, degree=degree, count=count)
+
+
+def method(nu: float, fit: str) -> str:
+    """What tables call the network that stands for plane stress at this ratio, read by a fit."""
+    return f"{models.method(CUT, nu)}, {fit} fit"
+
+
+def elastic(problem: Problem) -> reference_fem.Solution:
+    """Finite elements on the problem's own mesh."""
+    mesh = problem.domain
+    if not isinstance(mesh, Mesh):
+        raise TypeError(f"{problem.name}: give a problem on a mesh")
+    return reference_fem.solve_problem(problem, reference_fem.mesh_discretisation(mesh))
+
+
+def spring_body(
+    candidate: Candidate, problem: Problem, spacing: float, pattern: Pattern | None = None
+) -> SpringBody:
+    """The candidate's answer on a lattice cut to the body, its lines along both axes."""
+    kind = pattern or patterns.square()
+    lattice = cut_lattice(kind, problem.domain, spacing)
+    network, tensor = spring_model(problem, lattice, kind)
+    return SpringBody(lattice, candidate(problem, network, "linear"), tensor)
+
+
+def spring_model(problem: Problem, lattice: CutLattice, kind: Pattern) -> tuple[Network, Array]:
+    """Network for the problem's isotropic material, and its tensor in Pa."""
+    material = problem.material
+    if not isinstance(material, Isotropic):
+        raise TypeError(f"{problem.name}: give an isotropic material")
+    made = calibrated(material, kind, spacing=lattice.spacing)
+    network = cut_network(problem, lattice, made.constants, volume=made.volume)
+    return network, made.tensor / material.thickness
+
+
+def fitted_orders(table: pd.DataFrame) -> list[float]:
+    """Orders fitted to all meshes of each method and ratio of rows as of `cases`."""
+    series = table.groupby(["method", "nu"], sort=False)
+    return [observed_order(1 / each["cells"], each["against_limit"]) for _, each in series]
+
+
+def quarter_supports(mesh: Mesh) -> tuple[Support, ...]:
+    """Mirror symmetry about the sides "bottom" and "left", whatever the axes."""
+    free: tuple[None, ...] = (None,) * (mesh.dim - 2)
+    return (
+        Support(mesh.side("bottom"), (None, 0.0, *free)),
+        Support(mesh.side("left"), (0.0, None, *free)),
+    )
+
+
+def field(
+    candidate: Candidate,
+    meshes: Callable[[int], Meshed],
+    problem: Callable[[Mesh], Problem],
+    sizes: tuple[int, int, float],
+) -> tuple[Array, Array, Array]:
+    """Places (p, 2) and stresses (p, 3) in Pa there of elements and of springs, for a picture.
+
+    `sizes`: n of the mesh drawn, of the mesh solved, a multiple of it so that every place is in the
+    body, and the springs' spacing (m).
+    """
+    drawn, solved, spacing = sizes
+    places = meshes(drawn).points
+    fine = problem(meshes(solved).mesh)
+    of_springs = spring_body(candidate, fine, spacing).stress(places, "quartic")
+    return places, np.asarray(elastic(fine).stress(places)), of_springs

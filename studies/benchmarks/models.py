@@ -1,0 +1,31 @@
+"""Models: the springs that stand for a material, with a volume energy where its ratio asks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msvalidate.body import lattice_network
+from msvalidate.calibrate import calibrated
+from msvalidate.lattice import Lattice
+from msvalidate.network import Network
+from msvalidate.problem import Isotropic, Problem, ProblemError
+from msvalidate.stiffness import CAUCHY
+from studies.benchmarks import cases
+
+
+def method(lattice: str, nu: float, dim: int = 2) -> str:
+    """Name of the network that stands for a ratio: in the plane, that of strains in it."""
+    return f"springs{'' if np.isclose(nu, CAUCHY[dim]) else cases.VOLUME}, {lattice}"
+
+
+def network_of(problem: Problem, grid: Lattice) -> Network:
+    """Network for an isotropic problem: springs alone where they will do, or cells beside them.
+
+    Raises
+    ------
+    ProblemError
+        If the material is not isotropic, or the lattice cannot be it.
+    """
+    if not isinstance(problem.material, Isotropic):
+        raise ProblemError(f"{problem.name}: give an isotropic material")
+    return lattice_network(problem, grid, calibrated(problem.material, grid))
