@@ -17,7 +17,6 @@ from msvalidate.lattice import Lattice, square, trapezium, triangular, zigzag_bl
 from msvalidate.problem import (
     Array,
     Box,
-    Domain,
     Index,
     Material,
     Part,
@@ -134,7 +133,7 @@ class Body:
     """
 
     lattice: str
-    domain: Domain
+    domain: Box | Polygon
     spacing: float
     cells: tuple[int, int]
     places: dict[str, Part]

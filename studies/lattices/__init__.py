@@ -9,7 +9,8 @@ its springs. One question a file:
 - `cost`: steps to rest;
 - `choice`: one table of it all, to choose a lattice by;
 - `controls`: the smallest fault that this study notices;
-- `voronoi`: the same of random lattices, and how a ratio of zero comes about.
+- `voronoi`: the same of random lattices, and how a ratio of zero comes about;
+- `ratio`: whether any Poisson's ratio is reached, and what becomes of rubber.
 
 Candidate: displacements predicted for a problem and its network, and the solid that a lattice is
 said to be. Reference: closed forms, differences of energy, scikit-fem finite elements.
@@ -25,6 +26,8 @@ from msvalidate.homogenise import homogenised
 from msvalidate.sweep import Setting
 from studies.lattices import choice, clamped, controls, cost, solids, uniform
 from studies.lattices.cases import Solid
+from studies.lattices.ratio import any_ratio, near_half
+from studies.lattices.ratio import faults as ratio_faults
 from studies.lattices.voronoi import bodies, faults, zero
 from studies.lattices.voronoi import solids as random_solids
 
@@ -50,6 +53,7 @@ FAULTS = {
         "questions": ("uniform",),
     },
     **faults.FAULTS,
+    **ratio_faults.FAULTS,
 }
 """Negative controls: arguments of `run` under which a tolerance must fail, asked of the question
 that should notice."""
@@ -80,6 +84,8 @@ def run(
             "random_solids": lambda: random_solids.run(solid, setting),
             "random_bodies": lambda: bodies.run(candidate, setting, solid),
             "zero": lambda: zero.run(candidate, setting, solid),
+            "any_ratio": lambda: any_ratio(candidate, setting),
+            "rubber": lambda: near_half(candidate, setting),
         },
         questions,
     )

@@ -1,0 +1,44 @@
+"""Figure of the ranges of Poisson's ratio that lattices reach, by each route."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.calibrate import ROUTES
+from msvalidate.evidence import Tables
+
+
+def draw(tables: Tables) -> Figure:
+    """Ranges of the ratio as bars, a row for each lattice and route."""
+    table = tables["routes"]
+    figure, (axis,) = figures.new(size=(6.0, 0.27 * len(table) + 1.0))
+    names = list(dict.fromkeys(table["lattice"]))
+    for place, (_, row) in enumerate(table.iterrows()):
+        y = place + 0.6 * names.index(row["lattice"])
+        colour = figures.COLOURS[list(ROUTES).index(row["route"])]
+        low, high = row["nu_from"], row["nu_to"]
+        label = row["route"] if place < len(ROUTES) else None
+        if low == high:
+            axis.plot([low], [y], "D", color=colour, label=label)
+        else:
+            axis.barh(y, high - low, left=low, color=colour, height=0.75, label=label)
+        axis.text(
+            high + 0.02,
+            y,
+            f"{low:.3g} to {high:.3g}" if low < high else f"{low:.3g}",
+            va="center",
+            fontsize=7,
+        )
+    middle = [
+        np.mean([i for i, name in enumerate(table["lattice"]) if name == own]) + 0.6 * number
+        for number, own in enumerate(names)
+    ]
+    axis.set_yticks(middle, names)
+    axis.set(xlim=(-1.05, 1.4), xlabel="Poisson's ratio along the lattice's axes (1)")
+    axis.set_ylabel("lattice")
+    axis.invert_yaxis()
+    axis.grid(visible=False, axis="y")
+    figures.shared_legend(figure, [axis], columns=3)
+    return figure
