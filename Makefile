@@ -36,8 +36,9 @@ check: $(VENV)/runs
 report: $(VENV)/runs
 	$(RUN) report
 
+# As many workers as cores, so a thread each.
 test: $(VENV)/develops
-	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder $(ARGS)
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder $(ARGS)
 
 # make lint      style, make types: types, make format: rewrite to style
 lint: $(VENV)/develops
