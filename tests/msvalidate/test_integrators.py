@@ -26,6 +26,7 @@ from msvalidate.integrators import (
 from msvalidate.network import energy, spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.spectrum import extreme_frequencies
+from msvalidate.volumes import Volumes
 
 TRUE = {name: scheme for name, scheme in INTEGRATORS.items() if not scheme.variant}
 every_scheme = pytest.mark.parametrize("name", INTEGRATORS)
@@ -318,6 +319,15 @@ def test_motion_runs_backwards(name, networks, data):
     np.testing.assert_allclose(back.position, position, atol=1e-12)
 
 
+MIRRORED = {
+    (2, 3): [0, 2, 1],
+    (2, 4): [0, 3, 2, 1],
+    (3, 4): [0, 2, 1, 3],
+    (3, 8): [0, 3, 2, 1, 4, 7, 6, 5],
+}
+"""(axes, corners) of a cell -> its corners as VTK lists them after a reflection."""
+
+
 @every_scheme
 @examples
 @given(data=st.data(), seed=st.integers(0, 2**32 - 1))
@@ -329,13 +339,20 @@ def test_numbering_place_and_direction_change_nothing(name, networks, data, seed
     away = rng.uniform(-3, 3, network.dim)
     order, springs = (rng.permutation(len(rows)) for rows in (position, network.springs))
     number = np.argsort(order)
+    points, cells = network.points[order] @ turn + away, network.volumes
+    if cells is not None:  # in a mirror what was counter-clockwise is clockwise
+        corners = number[cells.cells]
+        if np.linalg.det(turn) < 0:
+            corners = corners[:, MIRRORED[network.dim, corners.shape[1]]]
+        cells = Volumes(points, corners, cells.stiffness)
     other = spring_network(
-        network.points[order] @ turn + away,
+        points,
         number[network.springs[springs]],
         network.stiffness[springs],
         rest_length=network.rest_length[springs],
         mass=network.mass[order],
         force=network.force[order] @ turn,
+        volumes=cells,
     )
     velocity, rate = rng.normal(size=position.shape), rng.uniform(0, 1, len(position))
     one, two = (

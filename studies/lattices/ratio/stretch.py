@@ -53,7 +53,12 @@ TOLERANCES = (
         "an identity; left is rounding, 1e-16 times a condition number of at most 1e6, where κ is "
         "500 times μ",
     ),
-    Tolerance("volume energy: E of stretched blocks, relative", EXACT, "1", "as of nu"),
+    Tolerance(
+        "volume energy: E of stretched blocks, relative",
+        EXACT,
+        "1",
+        "an identity too, with the same rounding as nu",
+    ),
     Tolerance(
         "volume energy: displacement of stretched blocks, relative to the pull",
         EXACT,
