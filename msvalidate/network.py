@@ -220,7 +220,7 @@ def spring_network(
 
 
 def energy(network: Network, position: Array) -> float:
-    """Energy (J) stored in springs and cells at `position` (n, d) in m."""
+    """Energy (J) stored in springs, cells and shear springs at `position` (n, d) in m."""
     _, length = _stretched(network, position)
     stored = float(0.5 * network.stiffness @ (length - network.rest_length) ** 2)
     stored += cells.energy(network.volumes, position) if network.volumes else 0.0
@@ -228,7 +228,7 @@ def energy(network: Network, position: Array) -> float:
 
 
 def internal_force(network: Network, position: Array) -> Array:
-    """Force (n, d) in N of springs and cells on the points at `position` (n, d) in m."""
+    """Force (n, d) in N of all springs and cells on the points at `position` (n, d) in m."""
     vector, length = _stretched(network, position)
     tension = network.stiffness * (length - network.rest_length)
     pull = (tension / length)[:, None] * vector

@@ -129,26 +129,11 @@ def cut_lattice(
         If the pattern is not such a one, no cell is left, the points are too many, or a value is
         out of range.
     """
-    steps = _steps(pattern)
-    h = metres("cut lattice: spacing", spacing)
-    instance("body", domain, Domain)
+    steps, h = _steps(pattern), metres("cut lattice: spacing", spacing)
+    _refuse_misfit(pattern, domain, rule, sliver)
     d = domain.dim
-    if pattern.dim != d:
-        raise ProblemError(f"{pattern.name} lattice: a {shown(domain)}; give one of {pattern.dim}D")
-    chosen("cut lattice: rule", rule, RULES)
-    if not 0 <= number("cut lattice: sliver", sliver) < 1:
-        raise ProblemError(f"cut lattice: sliver {sliver:g}; give 0 or more and less than 1")
     base = _origin(origin, domain, h)
-    index, part, body = _grid(domain, h, base, sliver)
-    counted = _by_rule(part, rule)
-    some = counted.sum(axis=1) > 0
-    if not some.any():
-        raise ProblemError(
-            f"cut lattice: no cell of {h:g} m has half of it inside the body; choose a smaller "
-            "spacing, or rule 'moment'"
-        )
-    lost = 1 - part[some].sum() * h**d / body
-    index, part = index[some], counted[some]
+    index, part, lost = _kept(domain, h, base, rule, sliver)
     number_of, cells = _numbered(index)
     points = base + h * number_of
     springs, kind, factor = _springs(pattern, steps, cells, part)
@@ -171,8 +156,33 @@ def cut_lattice(
         fraction=part.sum(axis=1),
         corner_volume=corner_volume,
         inside=inside(outline(domain), points[:, :2], domain.tolerance),
-        lost=max(float(lost), 0.0),
+        lost=lost,
     )
+
+
+def _refuse_misfit(pattern: Pattern, domain: Domain, rule: str, sliver: float) -> None:
+    instance("body", domain, Domain)
+    if pattern.dim != domain.dim:
+        raise ProblemError(f"{pattern.name} lattice: a {shown(domain)}; give one of {pattern.dim}D")
+    chosen("cut lattice: rule", rule, RULES)
+    if not 0 <= number("cut lattice: sliver", sliver) < 1:
+        raise ProblemError(f"cut lattice: sliver {sliver:g}; give 0 or more and less than 1")
+
+
+def _kept(
+    domain: Domain, h: float, base: Array, rule: str, sliver: float
+) -> tuple[Index, Array, float]:
+    """Cells (c, d) that are kept, the parts that count of each, and the part of the body lost."""
+    index, part, body = _grid(domain, h, base, sliver)
+    counted = _by_rule(part, rule)
+    some = counted.sum(axis=1) > 0
+    if not some.any():
+        raise ProblemError(
+            f"cut lattice: no cell of {h:g} m has half of it inside the body; choose a smaller "
+            "spacing, or rule 'moment'"
+        )
+    lost = 1 - part[some].sum() * h**domain.dim / body
+    return index[some], counted[some], max(float(lost), 0.0)
 
 
 def _steps(pattern: Pattern) -> Index:
