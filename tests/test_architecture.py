@@ -280,7 +280,13 @@ FLOORS = {
     "msvalidate.arguments": 5,
     "msvalidate.study": 5,
 }
-UNITS = ("msvalidate.lattice", "msvalidate.problem", "reference_fem", "studies")
+UNITS = (
+    "msvalidate.kernels",
+    "msvalidate.lattice",
+    "msvalidate.problem",
+    "reference_fem",
+    "studies",
+)
 """Packages that stand on one floor as a whole."""
 JUDGE = ("msvalidate.compare", "msvalidate.evidence")
 
