@@ -170,6 +170,8 @@ def euler_cromer(
     *,
     compiled: bool = True,
     warn: bool = True,
+    threads: int = 1,
+    path: kernels.Path = "auto",
 ) -> State:
     """State after `steps` Euler-Cromer steps of `dt` (s); held components do not move.
 
@@ -188,6 +190,8 @@ def euler_cromer(
         False runs the plain NumPy form, the oracle of the compiled one.
     warn
         As in `motion`.
+    threads, path
+        As in `kernels.Motion`, of the compiled form.
 
     Raises
     ------
@@ -205,10 +209,11 @@ def euler_cromer(
     v = np.where(network.held, 0.0, state.velocity)
     force, start = np.empty_like(u), network.points + u
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
-        kernels.force_and_energy(network, u, force)
+        moving = kernels.Motion(network, path=path, threads=threads)
+        moving.force_and_energy(u, force)
         pushed = np.where(network.held, 0.0, (force + network.force) / network.mass[:, None])
         reach = _reach(network, Moving(start, v, pushed), dt * steps)
-        kernels.advance(network, u, v, *factors_of(EULER_CROMER)(dt, rate), dt, steps)
+        moving.advance(u, v, *factors_of(EULER_CROMER)(dt, rate), dt, steps)
         end = State(network.points + u, v)
         return _finite_motion(end, start, reach, (dt, EULER_CROMER.name))
 

@@ -1,9 +1,8 @@
 """Floor 1: the compiled loops: forces of springs and cells, and steps of what moves by them.
 
 The only compiled code of the package. Its plain form is `msvalidate.network.internal_force` and the
-plain loop of `msvalidate.integrate`; tests hold the two together on random networks. `axes` is a
-tuple with one entry per axis: its length is a constant of the compiled form, so inner loops unroll.
-Cells have three axes always, in the plane the normal as one more corner: see `msvalidate.volumes`.
+plain loop of `msvalidate.integrate`; tests hold them together on random networks. A uniform lattice
+takes steps by `stencil`, which knows its springs without lists, any other network by `sweep`.
 
 Displacements are advanced, not positions: a spring is its vector at rest plus the difference of two
 displacements. Positions are rounded to an eps of the body, and stiff modes that decay slowly gather
@@ -13,25 +12,177 @@ from coming to rest.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from msvalidate.kernels import springs
+from msvalidate.kernels import bending, stencil
+from msvalidate.kernels.general import MOST_WAVES, Sweep, Threads
+from msvalidate.kernels.grid import recognised
 from msvalidate.network import Network
-from msvalidate.problem import Array, ProblemError
+from msvalidate.problem import Array, ProblemError, chosen, instance, whole
+
+Path = Literal["auto", "general", "lattice"]
+PATHS: tuple[Path, ...] = ("auto", "general", "lattice")
+
+
+class Motion:
+    """A network made ready for many calls: its places in memory, found once.
+
+    Parameters
+    ----------
+    network
+        Springs, and cells if there are any.
+    path
+        "general": by lists of springs; "lattice": by a stencil, for uniform lattices only; "auto"
+        takes this where it serves. Results agree to rounding.
+    threads
+        Among which the general path shares its points; they change no bit of the motion. A lattice
+        with more than one takes the general path.
+    waves
+        Steps that may follow each other through the caches on the general path; with 1 memory is
+        passed over once a step. They change no bit either.
+
+    Raises
+    ------
+    ProblemError
+        If there are shear springs, the network is no uniform lattice but is to be one, or an
+        argument is out of range.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        *,
+        path: Path = "auto",
+        threads: int = 1,
+        waves: int = MOST_WAVES,
+    ) -> None:
+        instance("network", network, Network)
+        _refuse_shear(network)
+        chosen("path", path, PATHS)
+        whole("threads", threads, 1)
+        whole("waves", waves, 1)
+        grid = recognised(network) if path == "lattice" or (path, threads) == ("auto", 1) else None
+        if path == "lattice" and (grid is None or threads > 1):
+            why = "more than one thread" if grid else "a network that is no uniform lattice"
+            raise ProblemError(f"path: lattice, for {why}; take path auto or general")
+        self._network, self._grid, self._threads = network, grid, threads
+        self._waves = waves
+        self._sweep: Sweep | None = None
+        self._shared: Threads | None = None
+        self._held = np.flatnonzero(network.held)
+
+    @property
+    def path(self) -> Path:
+        """The path taken, "general" or "lattice"."""
+        return "general" if self._grid is None else "lattice"
+
+    @property
+    def bytes_a_step(self) -> int:
+        """Bytes that pass between memory and processor in a step, where no cache holds them."""
+        return (
+            self._general.bytes_a_step if self._grid is None else stencil.bytes_a_step(self._grid)
+        )
+
+    @property
+    def _general(self) -> Sweep:
+        if self._sweep is None:
+            self._sweep = Sweep(self._network, waves=self._waves)
+        return self._sweep
+
+    def force_and_energy(self, displacement: Array, out: Array) -> float:
+        """As `kernels.force_and_energy`."""
+        self._refuse_shape(displacement=displacement, out=out)
+        force = _written("out", out)
+        stored = self._general.force(_flat(displacement), force)
+        _put_back((out, force))
+        return stored
+
+    def advance(
+        self,
+        displacement: Array,
+        velocity: Array,
+        keep: Array,
+        push: Array,
+        dt: float,
+        steps: int,
+        *,
+        kinetic: float = 0.0,
+        to_peak: bool = False,
+    ) -> tuple[int, float, bool]:
+        """As `kernels.advance`."""
+        self._refuse_shape(displacement=displacement, velocity=velocity, keep=keep, push=push)
+        u, v = _written("displacement", displacement), _written("velocity", velocity)
+        v.ravel()[self._held] = 0.0
+        moving, dt, kinetic = (u, v, _flat(keep), _flat(push)), float(dt), float(kinetic)
+        ended = 0, kinetic, False
+        if whole("steps", steps, 0):
+            ended = self._advance(moving, dt, steps, kinetic, to_peak)
+        _put_back((displacement, u), (velocity, v))
+        return ended
+
+    def _advance(
+        self,
+        moving: tuple[Array, Array, Array, Array],
+        dt: float,
+        steps: int,
+        kinetic: float,
+        to_peak: bool,
+    ) -> tuple[int, float, bool]:
+        if self._grid is not None:
+            return stencil.advance(self._grid, *moving, dt, steps, kinetic, to_peak)
+        if self._threads == 1 or to_peak:
+            return self._general.advance(*moving, dt, steps, kinetic, to_peak)
+        if self._shared is None:
+            self._shared = Threads(self._network, self._threads)
+        return self._shared.advance(*moving, dt, steps)
+
+    def _refuse_shape(self, **values: Array) -> None:
+        """Compiled code looks at no index: other shapes would read, or write, beside the arrays."""
+        shape = self._network.points.shape
+        for name, value in values.items():
+            needed = shape[:1] if name in {"keep", "push"} else shape
+            if np.shape(value) != needed:
+                raise ProblemError(f"{name}: shape {np.shape(value)}; give {needed}")
+
+
+def _flat(values: Array) -> Array:
+    """As compiled code takes arrays, so that it is compiled once: C-contiguous and writable."""
+    kept = type(values) is np.ndarray and values.dtype == np.float64
+    if kept and values.flags.c_contiguous and values.flags.writeable:
+        return values  # as below, in a tenth of the time
+    return np.require(values, np.float64, ("C", "W"))
+
+
+def _written(name: str, values: Array) -> Array:
+    """An array to be written to, or a copy of it that is `_flat`; see `_put_back`."""
+    if not (isinstance(values, np.ndarray) and values.dtype == np.float64):
+        kind = getattr(values, "dtype", type(values).__name__)
+        raise ProblemError(f"{name}: {kind}; give an array of float64, which is written to")
+    if not values.flags.writeable:
+        raise ProblemError(f"{name}: read-only; give a copy, which is written to")
+    return _flat(values)
+
+
+def _put_back(*written: tuple[Array, Array]) -> None:
+    for given, flat in written:
+        if flat is not given:
+            given[...] = flat
 
 
 def force_and_energy(network: Network, displacement: Array, out: Array) -> float:
-    """Write the force (n, d) in N at a displacement into `out`; return the energy (J) stored."""
-    axes = tuple(range(network.dim))
-    return float(springs.force_and_energy(axes, displacement, *_laws(network), out))
+    """Write the force (n, d) in N at a displacement into `out`; return the energy (J) stored.
+
+    `Motion` serves many calls for one network.
+    """
+    return Motion(network, path="general").force_and_energy(displacement, out)
 
 
 def curvature(network: Network, displacement: Array, way: Array) -> float:
     """Second derivative (N·m) of the stored energy along `way` (n, d) in m: wayᵀ K way."""
     axes = tuple(range(network.dim))
-    return float(springs.curvature(axes, displacement, way, *_laws(network)))
+    return float(bending.curvature(axes, displacement, way, *_laws(network)))
 
 
 def advance(
@@ -45,49 +196,43 @@ def advance(
     *,
     kinetic: float = 0.0,
     to_peak: bool = False,
+    threads: int = 1,
+    path: Path = "auto",
 ) -> tuple[int, float, bool]:
     """Advance displacement (m) and velocity (m/s), both (n, d), in place; held components stay.
 
     v = keep·v + push·(F_internal + F_external)/m, then u += dt·v, with `keep` (n,) and `push` (n,)
     in s: every scheme with one velocity a step and viscosity. Returns the steps done, the kinetic
     energy (J) of the last, and whether it ended there because that fell: `to_peak` stops after the
-    first such step, counted from `kinetic`.
+    first such step, counted from `kinetic`, and is for one thread. `threads` and `path` as in
+    `Motion`, which serves many calls for one network.
+
+    Raises
+    ------
+    ProblemError
+        As `Motion`, and if an array is of another shape, or displacement or velocity are none of
+        float64 that can be written to. Numbers are not looked at: a NaN comes out as one.
     """
-    axes = tuple(range(network.dim))
-    with np.errstate(over="ignore"):  # the motion that it gives is refused
-        kick = np.where(network.held, 0.0, (push / network.mass)[:, None])
-    velocity[network.held] = 0.0
-    done, energy, fell = springs.advance(
-        axes,
-        displacement,
-        velocity,
-        *_laws(network),
-        network.force,
-        network.mass,
-        keep,
-        kick,
-        dt,
-        steps,
-        kinetic,
-        to_peak,
-        np.empty_like(displacement),
-    )
-    return int(done), float(energy), bool(fell)
+    motion = Motion(network, path=path, threads=threads)
+    moving = displacement, velocity, keep, push
+    return motion.advance(*moving, dt, steps, kinetic=kinetic, to_peak=to_peak)
 
 
-def _laws(network: Network) -> tuple[Any, Any, Any, Any, Any]:
-    """Springs, and cells as one tuple; where there are none, of the same types and empty."""
+def _refuse_shear(network: Network) -> None:
     if network.shear is not None:
         raise ProblemError(
             "network: its shear springs have no compiled form, which relaxations and long motions "
             "take; ask for equilibrium, or take a volume energy"
         )
+
+
+def _laws(network: Network) -> tuple[Any, Any, Any, Any, Any]:
+    """Springs, and cells as one tuple; where there are none, an empty one."""
+    _refuse_shear(network)
     each = network.springs, network.vector, network.stiffness, network.rest_length
     cells = network.volumes
     if cells is None:
-        none = np.zeros(0)
-        empty = np.zeros((0, 3), dtype=np.intp)
-        return *each, (network.points, empty, empty, 1.0, none, none)
-    triangles, part = cells.surface
-    laws = network.points, cells.cells, triangles, part, cells.stiffness, cells.rest_volume
-    return *each, laws
+        return *each, ()
+    corners = tuple(range(cells.cells.shape[1]))
+    laws = network.points, network.dim * cells.cells, cells.stiffness, cells.rest_volume
+    return *each, (corners, *(np.ascontiguousarray(law) for law in laws))

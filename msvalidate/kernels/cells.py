@@ -1,109 +1,248 @@
 """Compiled forces of cells that resist a change of volume; plain form: `msvalidate.volumes`.
 
-Cells have three axes always, in the plane the normal as one more corner.
+The volume of a cell, in the plane its area, is a sum of determinants of its edges and diagonals. A
+shape is one function of cells at rest and their displacement, both as `corners` has them; it gives
+a multiple of the change V - V0, and of the slope ∂V/∂x at the corners but the first, whose own is
+minus their sum. The change is what each column of a determinant adds as it moves,
+
+    det(p, q, r) - det(P, Q, R) = det(p - P, q, r) + det(P, q - Q, r) + det(P, Q, r - R),
+
+free of the digits that V and V0 share.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
-import numpy as np
+from numba.extending import overload
 
 from msvalidate.kernels.compiling import compiled
+from msvalidate.kernels.corners import (
+    gather,
+    inner,
+    moved,
+    numbers,
+    numbers_or_zero,
+    pull,
+    quotient,
+    still,
+)
+from msvalidate.kernels.lanes import WIDTH, spread, total
 
 
-def _gather(axes: Any, values: Any, cell: Any, local: Any) -> Any:
-    for c in range(len(cell)):
-        for a in range(len(axes)):
-            local[c, a] = values[cell[c], a] - values[cell[0], a]
+def _minus(a: Any, b: Any) -> Any:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-_gather = compiled(_gather)
+def _plus(a: Any, b: Any) -> Any:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-def _volume_change(triangles: Any, X: Any, u: Any, x: Any, g: Any) -> Any:
-    """V - V0 and, in `g`, ∂V/∂x, in sixths or so: a cell at rest X, moved by u to x."""
-    g[:] = 0.0
-    change = 0.0
-    for t in range(len(triangles)):
-        p, q, r = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        for a in range(3):
-            b, c = (a + 1) % 3, (a + 2) % 3
-            across = x[q, b] * x[r, c] - x[q, c] * x[r, b]
-            g[p, a] += across
-            g[q, a] += x[r, b] * x[p, c] - x[r, c] * x[p, b]
-            g[r, a] += x[p, b] * x[q, c] - x[p, c] * x[q, b]
-            change += u[p, a] * across
-            change += X[p, a] * (u[q, b] * x[r, c] - u[q, c] * x[r, b])
-            change += X[p, a] * (X[q, b] * u[r, c] - X[q, c] * u[r, b])
-    return change
+def _dot(a: Any, b: Any) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-_volume_change = compiled(_volume_change)
+def _cross(a: Any, b: Any) -> Any:
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
 
 
-def _volume_bend(triangles: Any, x: Any, w: Any) -> Any:
-    """Second derivative of V along w, in sixths or so."""
-    bend = 0.0
-    for t in range(len(triangles)):
-        p, q, r = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        for a in range(3):
-            b, c = (a + 1) % 3, (a + 2) % 3
-            bend += x[p, a] * (w[q, b] * w[r, c] - w[q, c] * w[r, b])
-            bend += x[q, a] * (w[r, b] * w[p, c] - w[r, c] * w[p, b])
-            bend += x[r, a] * (w[p, b] * w[q, c] - w[p, c] * w[q, b])
-    return 2 * bend
+_minus = compiled(_minus, fused=True, inner=True)
+_plus = compiled(_plus, fused=True, inner=True)
+_dot = compiled(_dot, fused=True, inner=True)
+_cross = compiled(_cross, fused=True, inner=True)
 
 
-_volume_bend = compiled(_volume_bend)
+def _area(P: Any, Q: Any, dp: Any, dq: Any) -> Any:
+    """Change of p × q from P and Q on, and its slopes in p and q."""
+    px, py, qx, qy = P[0] + dp[0], P[1] + dp[1], Q[0] + dq[0], Q[1] + dq[1]
+    change = (dp[0] * qy - dp[1] * qx) + (P[0] * dq[1] - P[1] * dq[0])
+    return change, (qy, -qx), (-py, px)
 
 
-def volume_force(axes: Any, displacement: Any, volumes: Any, out: Any) -> Any:
-    """Add the force of all cells to `out`; return their energy."""
-    points, cells, triangles, part, kappa, rest = volumes
-    X, u, x, g = np.zeros((4, cells.shape[1] + 1, 3))
-    X[-1, 2] = x[-1, 2] = 1.0  # in the plane, the normal
-    energy = 0.0
-    for e in range(len(cells)):
-        cell = cells[e]
-        _gather(axes, points, cell, X)
-        _gather(axes, displacement, cell, u)
-        for c in range(len(cell)):
-            for a in range(len(axes)):
-                x[c, a] = X[c, a] + u[c, a]
-        j = part * _volume_change(triangles, X, u, x, g) / rest[e]
-        energy += 0.5 * kappa[e] * rest[e] * j * j
-        pressure = part * kappa[e] * j
-        for c in range(len(cell)):
-            for a in range(len(axes)):
-                out[cell[c], a] -= pressure * g[c, a]
-    return energy
+def _determinant(P: Any, Q: Any, R: Any, dp: Any, dq: Any, dr: Any) -> Any:
+    """Change of p·(q × r) from P, Q and R on, and its slopes in p, q and r."""
+    p, q, r = _plus(P, dp), _plus(Q, dq), _plus(R, dr)
+    across = _cross(q, r)
+    change = _dot(dp, across) + _dot(P, _plus(_cross(dq, r), _cross(Q, dr)))
+    return change, across, _cross(r, p), _cross(p, q)
 
 
-volume_force = compiled(volume_force)
+_area = compiled(_area, fused=True, inner=True)
+_determinant = compiled(_determinant, fused=True, inner=True)
 
 
-def volume_curvature(axes: Any, displacement: Any, way: Any, volumes: Any) -> Any:
-    """Second derivative of the energy of all cells along `way`."""
-    points, cells, triangles, part, kappa, rest = volumes
-    X, u, x, g, w = np.zeros((5, cells.shape[1] + 1, 3))
-    X[-1, 2] = x[-1, 2] = 1.0
-    total = 0.0
-    for e in range(len(cells)):
-        cell = cells[e]
-        _gather(axes, points, cell, X)
-        _gather(axes, displacement, cell, u)
-        _gather(axes, way, cell, w)
-        for c in range(len(cell)):
-            for a in range(len(axes)):
-                x[c, a] = X[c, a] + u[c, a]
-        j = part * _volume_change(triangles, X, u, x, g) / rest[e]
-        change = 0.0
-        for c in range(len(cell)):
-            for a in range(len(axes)):
-                change += part * g[c, a] * w[c, a]
-        total += kappa[e] * (change * change / rest[e] + part * j * _volume_bend(triangles, x, w))
-    return total
+def _triangle(X: Any, u: Any) -> Any:
+    """2 V = x1 × x2."""
+    change, at_1, at_2 = _area(X[0], X[1], u[0], u[1])
+    return change, (at_1, at_2)
 
 
-volume_curvature = compiled(volume_curvature)
+def _quadrilateral(X: Any, u: Any) -> Any:
+    """2 V = x2 × (x3 - x1), of the diagonals."""
+    across = X[2][0] - X[0][0], X[2][1] - X[0][1]
+    moved_across = u[2][0] - u[0][0], u[2][1] - u[0][1]
+    change, at_2, at_3 = _area(X[1], across, u[1], moved_across)
+    return change, ((-at_3[0], -at_3[1]), at_2, at_3)
+
+
+def _tetrahedron(X: Any, u: Any) -> Any:
+    """6 V = x1·(x2 × x3)."""
+    change, at_1, at_2, at_3 = _determinant(X[0], X[1], X[2], u[0], u[1], u[2])
+    return change, (at_1, at_2, at_3)
+
+
+def _columns(a: Any, b: Any, c: Any, d: Any, end: Any) -> Any:
+    """Columns p, q and r of one of the determinants of a hexahedron."""
+    return _plus(_minus(c, a), _minus(d, b)), _minus(end, c), b
+
+
+_columns = compiled(_columns, fused=True, inner=True)
+
+
+def _hexahedron(X: Any, u: Any) -> Any:
+    """12 V, three determinants round the diagonal from corner 0 to corner 6.
+
+    The volume of the trilinear map, so the one between bilinear faces: J. Grandy, *Efficient
+    computation of volume of hexahedral cells*, UCRL-ID-128886 (1997).
+    """
+    X1, X2, X3, X4, X5, X6, X7 = X
+    u1, u2, u3, u4, u5, u6, u7 = u
+    P, Q, R = _columns(X1, X2, X3, X7, X6)
+    first, p1, q1, r1 = _determinant(P, Q, R, *_columns(u1, u2, u3, u7, u6))
+    P, Q, R = _columns(X3, X7, X4, X5, X6)
+    second, p2, q2, r2 = _determinant(P, Q, R, *_columns(u3, u7, u4, u5, u6))
+    P, Q, R = _columns(X4, X5, X1, X2, X6)
+    third, p3, q3, r3 = _determinant(P, Q, R, *_columns(u4, u5, u1, u2, u6))
+    a, b, c = _minus(p3, p1), _minus(p1, p2), _minus(p2, p3)
+    slope = (
+        _minus(a, q3),
+        _plus(a, r1),
+        _minus(b, q1),
+        _minus(c, q2),
+        _plus(c, r3),
+        _plus(_plus(q1, q2), q3),
+        _plus(b, r2),
+    )
+    return first + second + third, slope
+
+
+_SHAPES: dict[tuple[int, int], tuple[Callable[..., Any], float]] = {
+    (2, 2): (_triangle, 1 / 2),
+    (2, 3): (_quadrilateral, 1 / 2),
+    (3, 3): (_tetrahedron, 1 / 6),
+    (3, 7): (_hexahedron, 1 / 12),
+}
+"""(axes, corners but the first) of a cell -> a multiple of its volume, and what part V is of it."""
+
+
+def _multiple(X: Any, u: Any) -> Any:
+    """Change and slope of a multiple of V, of the shape with so many corners."""
+    raise NotImplementedError
+
+
+def _part(X: Any) -> Any:
+    """What part of the multiple V is."""
+    raise NotImplementedError
+
+
+@overload(_multiple, jit_options={"forceinline": True, "fastmath": {"contract"}})
+def _multiple_of_shape(X: Any, u: Any) -> Any:
+    return _SHAPES[len(X.dtype), len(X)][0]
+
+
+@overload(_part)
+def _part_of_shape(X: Any) -> Any:
+    part = _SHAPES[len(X.dtype), len(X)][1]
+
+    def the_part(X: Any) -> Any:
+        return part
+
+    return the_part
+
+
+def _response(axes: Any, corners: Any, X: Any, u: Any, laws: Any, first: Any, count: Any) -> Any:
+    """Energy of some cells, and their force: a factor and a slope."""
+    cells, kappa, rest = laws
+    at_rest = gather(axes, corners, X, cells, first, count)
+    moves = gather(axes, corners, u, cells, first, count)
+    part = _part(at_rest)
+    multiple, slope = _multiple(at_rest, moves)
+    change = part * multiple
+    pressure = numbers_or_zero(kappa, first, count) * quotient(change, numbers(rest, first, count))
+    return 0.5 * (pressure * change), part * pressure, slope
+
+
+_response = compiled(_response, fused=True, inner=True)
+
+
+def push(
+    axes: Any,
+    corners: Any,
+    X: Any,
+    u: Any,
+    cells: Any,
+    kappa: Any,
+    rest: Any,
+    begin: Any,
+    end: Any,
+    F: Any,
+) -> Any:
+    """Add the force of the cells from `begin` to `end` to F (n, d); return their energy.
+
+    They sit at X + u, points at rest and displacements, and have the stiffness κ (c,) and the
+    volume V0 (c,) at rest. `cells` (c, k), of any whole numbers, say where in X, u and F a corner's
+    components begin: 3i of points (n, 3). Arrays are C-contiguous, and indices are not checked.
+    """
+    laws = cells, kappa, rest
+    stored = spread(0.0)
+    whole = end - (end - begin) % WIDTH
+    for e in range(begin, whole, WIDTH):
+        energies, pressure, slope = _response(axes, corners, X, u, laws, e, WIDTH)
+        pull(axes, corners, F, cells, e, WIDTH, pressure, slope)
+        stored = stored + energies
+    if whole < end:
+        energies, pressure, slope = _response(axes, corners, X, u, laws, whole, end - whole)
+        pull(axes, corners, F, cells, whole, end - whole, pressure, slope)
+        stored = stored + energies
+    return total(stored)
+
+
+push = compiled(push, fused=True)
+
+
+def _bent(axes: Any, u: Any, way: Any, volumes: Any) -> Any:
+    corners, points, cells, kappa, rest = volumes
+    bend = spread(0.0)
+    for e in range(0, len(cells), WIDTH):
+        count = min(WIDTH, len(cells) - e)
+        _, pressure, slope = _response(axes, corners, points, u, (cells, kappa, rest), e, count)
+        w = gather(axes, corners, way, cells, e, count)
+        change = _part(w) * inner(slope, w)
+        strained = quotient(change * change, numbers(rest, e, count))
+        # V is a form of degree d: its second derivative is (d - 1) slope(w)·(w, or x in space).
+        x = w
+        if len(axes) == 3:
+            at_rest = gather(axes, corners, points, cells, e, count)
+            x = moved(at_rest, gather(axes, corners, u, cells, e, count))
+        second = (len(axes) - 1.0) * inner(_multiple(w, still(w))[1], x)
+        bend = bend + (numbers_or_zero(kappa, e, count) * strained + pressure * second)
+    return total(bend)
+
+
+def _nothing_bent(axes: Any, u: Any, way: Any, volumes: Any) -> Any:
+    return 0.0
+
+
+def volume_curvature(axes: Any, u: Any, way: Any, volumes: Any) -> Any:
+    """Second derivative of the energy of all cells along `way`. No volumes are ()."""
+    raise NotImplementedError
+
+
+@overload(volume_curvature, jit_options={"fastmath": {"contract"}})
+def _volume_curvature(axes: Any, u: Any, way: Any, volumes: Any) -> Any:
+    return _bent if len(volumes) else _nothing_bent

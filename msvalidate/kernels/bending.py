@@ -1,0 +1,40 @@
+"""Compiled curvature of the energy along a direction; plain form: `network.tangent`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from msvalidate.kernels.cells import volume_curvature
+from msvalidate.kernels.compiling import compiled
+
+
+def curvature(
+    axes: Any,
+    u: Any,
+    way: Any,
+    springs: Any,
+    vector: Any,
+    stiffness: Any,
+    rest_length: Any,
+    volumes: Any,
+) -> Any:
+    """Second derivative of the energy along `way`."""
+    total = volume_curvature(axes, u, way, volumes)
+    for e in range(len(springs)):
+        i, j = springs[e, 0], springs[e, 1]
+        square = apart = along = 0.0
+        for a in range(len(axes)):
+            now = vector[e, a] + (u[j, a] - u[i, a])
+            change = way[j, a] - way[i, a]
+            square += now * now
+            apart += change * change
+            along += now * change
+        stretched = along * along / square
+        slack = 1 - rest_length[e] / np.sqrt(square)
+        total += stiffness[e] * (stretched + slack * (apart - stretched))
+    return total
+
+
+curvature = compiled(curvature)

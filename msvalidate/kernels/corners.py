@@ -1,0 +1,269 @@
+"""Corners of `WIDTH` cells side by side, as values of compiled code.
+
+Cells of k corners are a tuple of k - 1 vectors, their corners seen from their first, each a tuple
+of d `Lanes`. Seen from the first corner, a cell far away has the digits of one near. `axes` and
+`corners` are tuples whose lengths, d and k, are constants of the compiled form; every loop below is
+unrolled while the code is generated. A corner of all cells is read as it lies and turned by
+shuffles, which cost less than the machine's own gathers. Of fewer than `WIDTH` cells, `count`, the
+last stands in the places left, without a stiffness.
+"""
+
+from __future__ import annotations
+
+import operator
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.errors import TypingError
+from numba.extending import overload
+
+from msvalidate.kernels.lanes import LANES, WIDTH, Lanes, instruction
+
+_DOUBLE, _INDEX, _FUSED = ir.DoubleType(), ir.IntType(64), ("contract",)
+
+
+def _shuffled(builder: Any, a: Any, b: Any, places: list[int]) -> Any:
+    kind = ir.VectorType(ir.IntType(32), len(places))
+    return builder.shuffle_vector(a, b, ir.Constant(kind, places))
+
+
+def _undefined() -> Any:
+    return ir.Constant(ir.VectorType(_DOUBLE, WIDTH), ir.Undefined)
+
+
+def _loaded(builder: Any, pointer: Any) -> Any:
+    value = builder.load(pointer)
+    value.align = 8
+    return value
+
+
+def _contiguous(*arrays: Any) -> None:
+    if any(array.layout != "C" for array in arrays):
+        raise TypingError("corners: arrays must be C-contiguous")
+
+
+def _lanes(builder: Any, first: Any, count: Any) -> list[Any]:
+    """Numbers of the cells side by side, from the first on."""
+    last = builder.sub(count, _INDEX(1))
+    steps = [_INDEX(0)]
+    for lane in map(_INDEX, range(1, WIDTH)):
+        steps.append(builder.select(builder.icmp_signed("<", lane, last), lane, last))
+    return [builder.add(first, step) for step in steps]
+
+
+def _points(context: Any, builder: Any, arrays: Any, given: Any, sizes: tuple[int, int]) -> Any:
+    """Function (corner) -> pointers to it in each cell: to its first two components and its third.
+
+    `arrays` are the types of values and cells, `given` their values, first cell and count.
+    """
+    d, k = sizes
+    values, cells = (
+        context.make_array(kind)(context, builder, array).data
+        for kind, array in zip(arrays, given[:2], strict=True)
+    )
+    widened = builder.sext if arrays[1].dtype.signed else builder.zext
+    rows = [builder.mul(lane, _INDEX(k)) for lane in _lanes(builder, *given[2:])]
+    pair = ir.VectorType(_DOUBLE, 2).as_pointer()
+
+    def at(row: Any, corner: int) -> Any:
+        index = builder.load(builder.gep(cells, [builder.add(row, _INDEX(corner))]))
+        whole = index if index.type == _INDEX else widened(index, _INDEX)
+        first = builder.gep(values, [whole])
+        return builder.bitcast(first, pair), builder.gep(first, [_INDEX(2)]) if d == 3 else None
+
+    return lambda corner: [at(row, corner) for row in rows]
+
+
+def _read(builder: Any, pointers: list[Any]) -> list[Any]:
+    """A corner of all cells as it lies: [x0 y0 x2 y2], [x1 y1 x3 y3], in space [z0 z1 z2 z3]."""
+    pairs = [_loaded(builder, pair) for pair, _ in pointers]
+    values = [_shuffled(builder, pairs[i], pairs[i + 2], [0, 1, 2, 3]) for i in (0, 1)]
+    if pointers[0][1] is None:
+        return values
+    third = _undefined()
+    for lane, (_, pointer) in enumerate(pointers):
+        third = builder.insert_element(third, _loaded(builder, pointer), _INDEX(lane))
+    return [*values, third]
+
+
+def _turned(builder: Any, read: list[Any]) -> list[Any]:
+    """What `_read` gave, or differences of it, as a value per axis; the reverse is `_returned`."""
+    places = [[axis, 4 + axis, 2 + axis, 6 + axis] for axis in (0, 1)]
+    return [_shuffled(builder, read[0], read[1], place) for place in places] + read[2:]
+
+
+def _returned(builder: Any, values: list[Any]) -> list[tuple[Any, Any]]:
+    """Values per axis as (first two components, third) of each cell."""
+    places = [0, 4, 2, 6], [1, 5, 3, 7]
+    both = [_shuffled(builder, values[0], values[1], order) for order in places]
+    out = []
+    for lane in range(WIDTH):
+        half = [lane // 2 * 2, lane // 2 * 2 + 1]
+        pair = _shuffled(builder, both[lane % 2], _undefined(), half)
+        third = builder.extract_element(values[2], _INDEX(lane)) if values[2:] else None
+        out.append((pair, third))
+    return out
+
+
+def _leaves(builder: Any, body: Any) -> list[Any]:
+    unpacked: Any = cgutils.unpack_tuple
+    return [value for vector in unpacked(builder, body) for value in unpacked(builder, vector)]
+
+
+def _bundled(context: Any, builder: Any, body: Any, values: list[Any]) -> Any:
+    d = len(body.dtype)
+    vectors = [
+        context.make_tuple(builder, body.dtype, values[i : i + d]) for i in range(0, len(values), d)
+    ]
+    return context.make_tuple(builder, body, vectors)
+
+
+@instruction
+def gather(
+    _typing: Any, axes: Any, corners: Any, values: Any, cells: Any, first: Any, count: Any
+) -> Any:
+    """Corners of cells (c, k) among values (n, d): of `count` of them from `first` on."""
+    _contiguous(values, cells)
+    d, k = len(axes), len(corners)
+    tuple_of: Any = types.UniTuple
+    body = tuple_of(tuple_of(LANES, d), k - 1)
+
+    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        points = _points(context, builder, (values, cells), given[2:], (d, k))
+        seen = [_read(builder, points(corner)) for corner in range(k)]
+        turned = []
+        for corner in seen[1:]:
+            apart = [builder.fsub(*pair) for pair in zip(corner, seen[0], strict=True)]
+            turned += _turned(builder, apart)
+        return _bundled(context, builder, body, turned)
+
+    return body(axes, corners, values, cells, types.int64, types.int64), code
+
+
+@instruction
+def pull(
+    _typing: Any,
+    axes: Any,
+    corners: Any,
+    out: Any,
+    cells: Any,
+    first: Any,
+    count: Any,
+    force: Any,
+    slope: Any,
+) -> Any:
+    """Take force · slope from `out` (n, d) at all corners but the first, which gets their sum.
+
+    One cell after the other, for they may share a corner.
+    """
+    _contiguous(out, cells)
+    d, k = len(axes), len(corners)
+
+    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        points = _points(context, builder, (out, cells), given[2:6], (d, k))
+        back = [builder.fmul(given[6], value) for value in _leaves(builder, given[7])]
+        sums = back[:d]
+        for i in range(d, len(back)):
+            sums[i % d] = builder.fadd(sums[i % d], back[i])
+        for corner in range(k):
+            change = back[(corner - 1) * d : corner * d] if corner else sums
+            combine = builder.fsub if corner else builder.fadd
+            steps = zip(points(corner), _returned(builder, change), strict=True)
+            for (pair, third), (by_pair, by_third) in steps:
+                builder.store(combine(_loaded(builder, pair), by_pair), pair).align = 8
+                if third is not None:
+                    builder.store(combine(_loaded(builder, third), by_third), third).align = 8
+        return context.get_dummy_value()
+
+    return types.void(axes, corners, out, cells, types.int64, types.int64, force, slope), code
+
+
+def _reader(beyond: bool) -> Any:
+    @instruction
+    def some(_typing: Any, values: Any, first: Any, count: Any) -> Any:
+        _contiguous(values)
+
+        def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+            data = context.make_array(values)(context, builder, given[0]).data
+            lanes, read = _lanes(builder, *given[1:]), _undefined()
+            for lane, number in enumerate(lanes):
+                value = _loaded(builder, builder.gep(data, [number]))
+                if not beyond:
+                    inside = builder.icmp_signed("<", _INDEX(lane), given[2])
+                    value = builder.select(inside, value, ir.Constant(_DOUBLE, 0.0))
+                read = builder.insert_element(read, value, _INDEX(lane))
+            return read
+
+        return LANES(values, types.int64, types.int64), code
+
+    return some
+
+
+numbers = _reader(beyond=True)
+"""Numbers (c,) of cells: of `count` from `first` on, the last standing in the places left."""
+
+numbers_or_zero = _reader(beyond=False)
+"""The same with 0 in the places left."""
+
+
+@instruction
+def moved(_typing: Any, body: Any, move: Any) -> Any:
+    """Corners after a displacement of theirs."""
+
+    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        pairs = zip(*(_leaves(builder, one) for one in given), strict=True)
+        return _bundled(context, builder, body, [builder.fadd(*pair) for pair in pairs])
+
+    return body(body, move), code
+
+
+@instruction
+def still(_typing: Any, body: Any) -> Any:
+    """No displacement, of as many corners."""
+
+    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        none = ir.Constant(ir.VectorType(_DOUBLE, WIDTH), [ir.Constant(_DOUBLE, 0.0)] * WIDTH)
+        return _bundled(context, builder, body, [none for _ in _leaves(builder, given[0])])
+
+    return body(body), code
+
+
+@instruction
+def inner(_typing: Any, slope: Any, move: Any) -> Any:
+    """Sum over corners and axes of the products of two bodies' components."""
+
+    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        pairs = list(zip(*(_leaves(builder, one) for one in given), strict=True))
+        total = builder.fmul(*pairs[0], flags=_FUSED)
+        for pair in pairs[1:]:
+            total = builder.fadd(total, builder.fmul(*pair, flags=_FUSED), flags=_FUSED)
+        return total
+
+    return LANES(slope, move), code
+
+
+@instruction
+def quotient(_typing: Any, a: Any, b: Any) -> Any:
+    """Compute a/b."""
+
+    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        return builder.fdiv(*given)
+
+    return LANES(LANES, LANES), code
+
+
+@instruction
+def _negative(_typing: Any, a: Any) -> Any:
+    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        return builder.fneg(*given)
+
+    return LANES(LANES), code
+
+
+@overload(operator.neg)
+def _negated(a: Any) -> Any:
+    def negated(a: Any) -> Any:
+        return _negative(a)
+
+    return negated if isinstance(a, Lanes) else None

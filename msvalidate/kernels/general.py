@@ -1,0 +1,236 @@
+"""Any network as the compiled sweep takes it: tables of places, and the way there and back."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from msvalidate.kernels import sweep
+from msvalidate.kernels.rows import aligned
+from msvalidate.layout import BLOCK, TOGETHER, Layout
+from msvalidate.network import Network
+from msvalidate.problem import LONGEST, Array, ProblemError
+from msvalidate.volumes import Volumes
+
+CACHE = 2**22
+"""Bytes that waves of steps may hold between them: what one core may count on of the last cache."""
+INDICES = 2**32
+"""Numbers that a table may hold: where they are is told in 32 bits."""
+MOST_WAVES = 10
+"""Steps behind each other: more win nothing, as memory is passed over once in so many already."""
+TWICE = 0.1
+"""Part of the places that threads may move in common, so that they meet but once in many steps."""
+
+
+class Sweep:
+    """A network, or the part of its places that a layout has, and the tables in which it moves.
+
+    One thread at a time may use it.
+
+    Raises
+    ------
+    ProblemError
+        If there are too many points for the tables.
+    """
+
+    def __init__(
+        self, network: Network, layout: Layout | None = None, waves: int = MOST_WAVES
+    ) -> None:
+        self.layout = network.layout if layout is None else layout
+        n, d = self.layout.points, network.dim
+        self._most_waves = waves
+        self._axes, self._half = tuple(range(d)), 2 * d - 2
+        if 2 * self._half * (n + 1) > INDICES:
+            most = INDICES // (2 * self._half) - 1
+            raise ProblemError(f"network: {n} points; take at most {most} in {d} dimensions")
+        self._order = order = self.layout.order if len(self.layout.order) else np.arange(n)
+        self._rest, self._still = network.points[order], _zeros(n, 2 * self._half)
+        with np.errstate(over="ignore", divide="ignore"):  # the motion that it gives is refused
+            self._still[:, :d] = np.where(network.held[order], 0.0, 1 / network.mass[order, None])
+        self._still[:, self._half : self._half + d] = network.force[order]
+        self._mass = network.mass[order]
+        self._springs = self._springs_of()
+        self._cells = self._cells_of(network.volumes)
+        self.place, self.flow = _zeros(n + 1, 2 * self._half), _zeros(n + 1, 2 * self._half)
+        # Where springs that fill up end: they need a length, and no point gets there.
+        self.place[n, :d] = 2 * LONGEST
+        self._keep, self._push = _zeros(n), _zeros(n)
+
+    def _springs_of(self) -> tuple[Any, ...]:
+        layout, wide = self.layout, 2 * self._half
+        ends = ((wide * places).astype(np.uint32) for places in (layout.owner, layout.other))
+        laws = aligned(2 * len(layout.other))
+        for at, law in enumerate((layout.stiffness, layout.tension)):
+            laws.reshape(-1, 2, TOGETHER)[:, at] = self._in_turn(law).reshape(-1, TOGETHER)
+        return layout.first, *ends, laws
+
+    def _in_turn(self, law: Array) -> Array:
+        """Values of springs in the order in which `sweep` computes four of them."""
+        turn = [0, 2, 1, 3] if self._half == 2 else [0, 1, 2, 3]
+        values = aligned(len(law))
+        values.reshape(-1, TOGETHER)[:] = law.reshape(-1, TOGETHER)[:, turn]
+        return values
+
+    def _cells_of(self, cells: Volumes | None) -> tuple[Any, ...]:
+        layout = self.layout
+        if cells is None or not len(layout.cells):
+            return ()
+        laws = (law[layout.cell_order] for law in (cells.stiffness, cells.rest_volume))
+        return 2 * self._half * layout.cells, *laws, layout.first_cell
+
+    @property
+    def bytes_a_step(self) -> int:
+        """Bytes that pass between memory and processor in a step, where no cache holds them."""
+        lists = sum(table.nbytes for table in (*self._springs, *self._cells))
+        # Where places are and how they flow comes and goes; the rest comes.
+        return int(lists + 4 * self.flow.nbytes + self._still.nbytes + 3 * self._mass.nbytes)
+
+    @cached_property
+    def _forces(self) -> Array:
+        """Room for the forces of a block's springs."""
+        first, n = self.layout.first, self.layout.points
+        ends = first[np.minimum(np.arange(-(-n // BLOCK) + 1) * BLOCK, n)]
+        return aligned(int(np.diff(ends).max()) * self._half)
+
+    @property
+    def _tables(self) -> tuple[Array, Array, Array]:
+        return self.place.ravel(), self.flow.ravel(), self._forces
+
+    def _cells_in(self, place: Array, flow: Array) -> tuple[Any, ...]:
+        if not self._cells:
+            return ()
+        corners = tuple(range(self._cells[0].shape[1]))
+        return corners, place, place[self._half :], *self._cells, flow
+
+    def enter(self, u: Array, v: Array, keep: Array, push: Array) -> None:
+        """Take over displacement, velocity, keep and push of the network's points."""
+        tables = self.place, self.flow, self._keep, self._push
+        moving = u, v, keep, push
+        sweep.enter(self._order, self._rest, self._still, moving, tables, self._half)
+
+    def leave(self, u: Array, v: Array, begin: int = 0, end: int | None = None) -> None:
+        """Hand displacement and velocity back, of the places from `begin` to `end`."""
+        end = self.layout.points if end is None else end
+        tables = self.place, self.flow
+        sweep.leave(self._order, tables, (u, v), self._half, begin, end)
+
+    def run(
+        self, dt: float, steps: int, kinetic: float = 0.0, to_peak: bool = False
+    ) -> tuple[int, float, bool]:
+        """Steps done, kinetic energy (J) of the last, whether it ended there as that fell."""
+        step = _zeros(4)
+        step[2 if self._half == 2 else 0 :] = dt
+        place, flow, forces = self._tables
+        done, energy, fell = sweep.run(
+            self._axes,
+            (place, flow, forces),
+            self._springs,
+            self._cells_in(place, flow),
+            (self._still.ravel(), self._keep, self._push, self._mass),
+            step,
+            (steps, *self._waves(steps, to_peak)),
+            kinetic,
+            to_peak,
+        )
+        return int(done), float(energy), bool(fell)
+
+    def _waves(self, steps: int, to_peak: bool) -> tuple[int, int]:
+        """How many steps follow each other, and how many blocks apart."""
+        piece = max(1, -(-self.layout.span // BLOCK))
+        held = piece * BLOCK * self.bytes_a_step / self.layout.points
+        waves = 1 if to_peak else max(1, min(self._most_waves, steps, int(CACHE / held) - 1))
+        return waves, piece
+
+    def advance(
+        self,
+        u: Array,
+        v: Array,
+        keep: Array,
+        push: Array,
+        dt: float,
+        steps: int,
+        kinetic: float = 0.0,
+        to_peak: bool = False,
+    ) -> tuple[int, float, bool]:
+        """As `kernels.advance`, but that v must be 0 where points are held."""
+        self.enter(u, v, keep, push)
+        ended = self.run(dt, steps, kinetic, to_peak)
+        self.leave(u, v)
+        return ended
+
+    @cached_property
+    def _compliance(self) -> Array:
+        k = self.layout.stiffness
+        return self._in_turn(np.divide(1.0, k, out=np.zeros_like(k), where=k > 0))
+
+    def force(self, u: Array, out: Array) -> float:
+        """Write the force (n, d) in N at displacements (n, d) in m; return the energy (J)."""
+        self.enter(u, out, self._keep, self._push)
+        place, flow, forces = self._tables
+        cells = self._cells_in(place, flow)
+        stored = sweep.force(
+            self._axes, (place, flow, forces), self._springs, self._compliance, cells
+        )
+        at = self.layout.order if len(self.layout.order) else slice(None)
+        out[at] = self.flow[:-1, : u.shape[1]]
+        return float(stored)
+
+
+class Threads:
+    """A network whose places are shared by threads, each with some of its neighbours' beside.
+
+    What is not a thread's own goes wrong from the outside inwards, by the longest spring a step;
+    before its own places are reached, it is copied anew. Each place meets the same operations in
+    the same order as in one thread.
+    """
+
+    def __init__(self, network: Network, threads: int) -> None:
+        layout, n = network.layout, len(network.points)
+        each = -(-n // threads // BLOCK) * BLOCK
+        self._cuts = [*range(0, n, each), n]
+        reach = max(layout.span, 1)
+        self.between = max(1, min(MOST_WAVES, int(TWICE * each / 2 / reach)))
+        beside = -(-self.between * reach // BLOCK) * BLOCK
+        self._ends = [
+            (max(0, begin - beside), min(n, end + beside))
+            for begin, end in zip(self._cuts, self._cuts[1:], strict=False)
+        ]
+        self._parts = [Sweep(network, layout.part(*ends)) for ends in self._ends]
+        self._mass = network.mass
+
+    def advance(
+        self, u: Array, v: Array, keep: Array, push: Array, dt: float, steps: int
+    ) -> tuple[int, float, bool]:
+        """As `kernels.advance`, to no peak, of one step or more; v is 0 where points are held."""
+        with ThreadPoolExecutor(len(self._parts)) as pool:
+            list(pool.map(lambda part: part.enter(u, v, keep, push), self._parts))
+            for done in range(0, steps, self.between):
+                now = min(self.between, steps - done)
+                list(pool.map(lambda part: part.run(dt, now), self._parts))  # noqa: B023
+                self._exchange()
+        for part, ends, begin, end in zip(
+            self._parts, self._ends, self._cuts, self._cuts[1:], strict=False
+        ):
+            part.leave(u, v, begin - ends[0], end - ends[0])
+        with np.errstate(over="ignore", invalid="ignore"):  # as compiled code, that says nothing
+            return steps, 0.5 * float(self._mass @ (v**2).sum(axis=1)), False
+
+    def _exchange(self) -> None:
+        """Copy places beside a part from the part whose own they are."""
+        for part, (first, last) in zip(self._parts, self._ends, strict=True):
+            for other, (start, _), begin, end in zip(
+                self._parts, self._ends, self._cuts, self._cuts[1:], strict=False
+            ):
+                low, high = max(first, begin), min(last, end)
+                if other is not part and low < high:
+                    for mine, given in ((part.place, other.place), (part.flow, other.flow)):
+                        mine[low - first : high - first] = given[low - start : high - start]
+
+
+def _zeros(*shape: int) -> Array:
+    zeros = aligned(*shape)
+    zeros[:] = 0.0
+    return zeros

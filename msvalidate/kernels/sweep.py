@@ -1,0 +1,275 @@
+"""Compiled steps of any network: forces and motion in one pass over memory, in place.
+
+Places come in blocks (`msvalidate.layout`). The springs of a block are computed four side by side
+into a buffer that stays in the first cache; then each place takes up the forces of its own springs,
+hands their opposites to the other ends, which come later, and moves: all forces on it are known,
+and no later place asks where it was. Several steps may run as waves behind each other, so that
+memory is passed over once for all of them; each place meets the same operations in the same order.
+
+A place has one row of four numbers in each table in the plane, and two in space: `place` its rest
+and displacement, `flow` force and velocity, `still` mobility (1/m, 0 where held) and load. Plain
+form: `msvalidate.network.internal_force`, and `msvalidate.integrate.motion`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from msvalidate.kernels.cells import push as push_cells
+from msvalidate.kernels.compiling import compiled
+from msvalidate.kernels.lanes import load, load_half, root_and_quotient, spread, start, store, total
+from msvalidate.kernels.turning import (
+    components,
+    crossed,
+    first_halves,
+    halves_added,
+    pairs,
+    rows,
+)
+from msvalidate.layout import BLOCK, TOGETHER
+
+
+def _apart(axes: Any, place: Any, i: Any, j: Any) -> Any:
+    """Vector from place i to place j; in the plane its two parts, side by side."""
+    apart = load(place, j) - load(place, i)
+    if len(axes) == 3:
+        apart = apart + (load(place, j + 4) - load(place, i + 4))
+    return apart
+
+
+_apart = compiled(_apart, inner=True)
+
+
+def _vectors(axes: Any, place: Any, owner: Any, other: Any, e: Any) -> Any:
+    """Components of the vectors of four springs from e on."""
+    i, j = owner[e >> 1], owner[(e >> 1) + 1]
+    a = _apart(axes, place, i, other[e])
+    b = _apart(axes, place, i, other[e + 1])
+    c = _apart(axes, place, j, other[e + 2])
+    d = _apart(axes, place, j, other[e + 3])
+    if len(axes) == 3:
+        return components(a, b, c, d)
+    x, y = halves_added(a, c, b, d)  # the order of the laws, from which `pairs` come in turn
+    return x, y, y
+
+
+_vectors = compiled(_vectors, inner=True)
+
+
+def _pull(axes: Any, place: Any, springs: Any, e: Any, end: Any, forces: Any) -> Any:
+    """Put the forces of springs on their owners one after the other; return twice their energy."""
+    owner, other, laws, compliance = springs
+    at, stored = 0, spread(0.0)
+    while e < end:
+        x, y, z = _vectors(axes, place, owner, other, e)
+        square = x * x + y * y
+        if len(axes) == 3:
+            square = square + z * z
+        length, share = root_and_quotient(load(laws, 2 * e + 4), square)
+        pull = load(laws, 2 * e) - share
+        if compliance is not None:
+            force = pull * length
+            stored = stored + load(compliance, e) * (force * force)
+        if len(axes) == 3:
+            a, b, c, d = rows(pull * x, pull * y, pull * z, spread(0.0))
+            store(forces, at + 8, c)
+            store(forces, at + 12, d)
+        else:
+            a, b = pairs(pull * x, pull * y)
+        store(forces, at, a)
+        store(forces, at + 4, b)
+        e += TOGETHER
+        at += TOGETHER * (2 * len(axes) - 2)
+    return total(stored)
+
+
+_pull = compiled(_pull, fused=True, inner=True)
+
+
+def _force_of(axes: Any, forces: Any, spring: Any) -> Any:
+    return load(forces, 4 * spring) if len(axes) == 3 else load_half(forces, 2 * spring)
+
+
+_force_of = compiled(_force_of, inner=True)
+
+
+def _gathered(axes: Any, flow: Any, other: Any, forces: Any, mine: Any, i: Any) -> Any:
+    """Force on place i, from earlier ones and its own springs, whose other ends get the opposite.
+
+    `mine` is the first of its springs, the one behind the last, and the block's first.
+    """
+    force = load(flow, i)
+    e, end, begin = mine
+    while e < end:
+        first = _force_of(axes, forces, e - begin)
+        second = _force_of(axes, forces, e - begin + 1)
+        j, k = other[e], other[e + 1]
+        store(flow, j, load(flow, j) - first)
+        store(flow, k, load(flow, k) - second)
+        force = force + (first + second)
+        e += 2
+    return force
+
+
+_gathered = compiled(_gathered, inner=True)
+
+
+def _moved(axes: Any, place: Any, flow: Any, point: Any, i: Any, force: Any, dt: Any) -> Any:
+    """Move place i under a force; m·v² of it in lanes, in the plane twice."""
+    still, keep, push, mass = point
+    own = load(still, i)
+    if len(axes) == 3:
+        v = keep * load(flow, i + 4) + (push * own) * force
+        store(flow, i, load(still, i + 4))
+        store(flow, i + 4, v)
+        store(place, i + 4, load(place, i + 4) + dt * v)
+    else:
+        parts = first_halves(push * own, spread(keep)) * force  # the velocity beside the force
+        v = parts + crossed(parts, parts)
+        store(flow, i, crossed(own, v))
+        store(place, i, load(place, i) + dt * v)
+    return mass * (v * v)
+
+
+_moved = compiled(_moved, fused=True, inner=True)
+
+
+def _block(axes: Any, tables: Any, springs: Any, cells: Any, points: Any, dt: Any, b: Any) -> Any:
+    """Move the places of block b by one step; twice their kinetic energy."""
+    place, flow, forces = tables
+    n, still, keep, push, mass = points
+    first, other, wide = springs[0], springs[2], 4 * (len(axes) - 1)
+    i, last = b * BLOCK, min(n, (b + 1) * BLOCK)
+    begin = first[i]
+    _pull(axes, place, springs[1:], begin, first[last], forces)
+    _push(axes, cells, b)
+    twice = spread(0.0)
+    while i < last:
+        mine = first[i], first[i + 1], begin
+        force = _gathered(axes, flow, other, forces, mine, i * wide)
+        point = still, keep[i], push[i], mass[i]
+        twice = twice + _moved(axes, place, flow, point, i * wide, force, dt)
+        i += 1
+    return total(twice) / (4 - len(axes))
+
+
+def _push(axes: Any, cells: Any, b: Any) -> Any:
+    """Add the forces of a block's cells to the flow; return their energy."""
+    stored = 0.0
+    if len(cells):
+        corners, rest, displacement, lists, kappa, volume, first, flow = cells
+        stored = push_cells(
+            axes, corners, rest, displacement, lists, kappa, volume, first[b], first[b + 1], flow
+        )
+    return stored
+
+
+_push = compiled(_push, inner=True)
+_block = compiled(_block, fused=True, inner=True)
+
+
+def _starts(springs: Any) -> Any:
+    first, owner, other, laws = springs
+    return start(first), start(owner), start(other), start(laws)
+
+
+_starts = compiled(_starts, inner=True)
+
+
+def run(
+    axes: Any,
+    tables: Any,
+    springs: Any,
+    cells: Any,
+    points: Any,
+    step: Any,
+    schedule: Any,
+    kinetic: Any,
+    to_peak: Any,
+) -> Any:
+    """Steps done, kinetic energy of the last, and whether it ended there because that fell.
+
+    `schedule` is the number of steps, of waves, and of blocks in a piece, which no spring is longer
+    than: a piece may take a step when it and the next one have taken the last.
+    """
+    steps, waves, piece = schedule
+    place, flow, forces = tables
+    still, keep, push, mass = points
+    blocks = -(-len(mass) // BLOCK)
+    pieces = -(-blocks // piece)
+    moved = start(place), start(flow), start(forces)
+    values = len(mass), start(still), start(keep), start(push), start(mass)
+    lists, dt = (*_starts(springs), None), load(start(step), 0)
+    done = 0
+    while done < steps:
+        side = min(waves, steps - done)
+        twice = 0.0
+        for front in range(pieces + side - 1):
+            for wave in range(max(0, front - pieces + 1), min(side, front + 1)):
+                begin = (front - wave) * piece
+                for b in range(begin, min(begin + piece, blocks)):
+                    moving = _block(axes, moved, lists, cells, values, dt, b)
+                    if wave == side - 1:
+                        twice += moving
+        done += side
+        if to_peak and 0.5 * twice < kinetic:
+            return done, 0.5 * twice, True
+        kinetic = 0.5 * twice
+    return done, kinetic, False
+
+
+run = compiled(run, fused=True)
+
+
+def force(axes: Any, tables: Any, springs: Any, compliance: Any, cells: Any) -> Any:
+    """Put the forces of springs and cells into the flow; return their energy."""
+    place, flow, forces = start(tables[0]), start(tables[1]), start(tables[2])
+    lists = (*_starts(springs), start(compliance))
+    first, n, wide = springs[0], len(springs[0]) - 1, 4 * (len(axes) - 1)
+    tables[1][:] = 0.0
+    stored = 0.0
+    for b in range(-(-n // BLOCK)):
+        begin, last = first[b * BLOCK], min(n, (b + 1) * BLOCK)
+        stored += 0.5 * _pull(axes, place, lists[1:], begin, first[last], forces)
+        stored += _push(axes, cells, b)
+        for i in range(b * BLOCK, last):
+            mine = first[i], first[i + 1], begin
+            store(flow, i * wide, _gathered(axes, flow, lists[2], forces, mine, i * wide))
+    return stored
+
+
+force = compiled(force, fused=True)
+
+
+def enter(order: Any, rest: Any, still: Any, moving: Any, tables: Any, half: Any) -> Any:
+    """Put displacement, velocity, keep and push of points where their places are.
+
+    `order` is the point of each place; `tables` are where these four `moving` go.
+    """
+    u, v, keep, push = moving
+    place, flow, kept, pushed = tables
+    for i in range(len(kept)):
+        point = order[i]
+        for a in range(u.shape[1]):
+            place[i, a] = rest[i, a]
+            place[i, half + a] = u[point, a]
+            flow[i, a] = still[i, half + a]
+            flow[i, half + a] = v[point, a] if still[i, a] else 0.0
+        kept[i], pushed[i] = keep[point], push[point]
+
+
+enter = compiled(enter)
+
+
+def leave(order: Any, tables: Any, moved: Any, half: Any, begin: Any, end: Any) -> Any:
+    """Take displacement and velocity of points from the places from `begin` to `end`."""
+    u, v = moved
+    place, flow = tables
+    for i in range(begin, end):
+        point = order[i]
+        for a in range(u.shape[1]):
+            u[point, a] = place[i, half + a]
+            v[point, a] = flow[i, half + a]
+
+
+leave = compiled(leave)
