@@ -8,13 +8,14 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.linear import Factor, factorised, softest_mode
+from msvalidate.linear import Factor, factorised, is_factored, softest_mode
+from msvalidate.mechanism import is_loose, named
+from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
 from msvalidate.network import (
     Network,
     force_roundoff,
     force_scale,
     internal_force,
-    mode_energy,
     tangent,
 )
 from msvalidate.problem import (
@@ -22,7 +23,6 @@ from msvalidate.problem import (
     SolverError,
     chosen,
     instance,
-    place_name,
     refuse_free_motions,
 )
 
@@ -31,8 +31,6 @@ TOLERANCE = 1e-11
 rounding). Convergence is quadratic, so what is reached is usually rounding."""
 ITERATIONS = 25
 """Newton steps a load increment may take: far more than quadratic convergence needs."""
-NO_STIFFNESS = 1e-24
-"""Energy of a motion, relative to what its components would cost one by one, that is rounding."""
 SMALLEST_INCREMENT = 2.0**-12
 LARGEST_TURN = 0.5
 """Change of a spring in one Newton step, relative to its length, beyond which the load increment is
@@ -77,6 +75,7 @@ def equilibrium(
         "linear": one solve with the tangent at the reference points, valid to first order in the
         displacement. "nonlinear": Newton's method, in load increments where one step is too many.
         Either way the tangent must be positive: the network is stable where it is linearised.
+        It is factorised at any size; `relax` by "newton_multigrid" takes less of large networks.
 
     Raises
     ------
@@ -105,14 +104,26 @@ def at_rest(network: Network, position: Array, iterations: int) -> Equilibrium:
     )
 
 
-def is_stable(network: Network, position: Array) -> bool:
-    """Whether every free motion from `position` (n, d) in m meets stiffness: no negative mode."""
+def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> bool:
+    """Whether every free motion from `position` (n, d) in m meets stiffness: no negative mode.
+
+    Up to `linear.LARGEST_FACTORED` components the signs of pivots decide. Beyond, a random load
+    does: a yes is then very likely, as `multigrid.is_positive` says. `cycle` is a multigrid cycle
+    of the same network close by, where there is one.
+    """
     instance("network", network, Network)
-    free = np.flatnonzero(~network.held.ravel())
-    if not len(free):
+    free = ~network.held
+    if not is_factored(free):
+        A = restrained(network, position)
+        if cycle is not None and is_positive(A, network, position, cycle):
+            return True
+        own = cycle_of(A, network, position)  # a no needs its own cycle
+        return is_positive(A, network, position, own)
+    if network.held.all():
         return True
+    inside = np.flatnonzero(free.ravel())
     try:
-        return factorised(tangent(network, position)[free][:, free]).negative == 0
+        return factorised(tangent(network, position)[inside][:, inside]).negative == 0
     except RuntimeError:
         return False
 
@@ -219,37 +230,41 @@ def tangent_move(
 
 
 def refuse_mechanism(network: Network) -> None:
-    """Raise `SolverError` if some motion from the reference points meets no stiffness."""
-    free = np.flatnonzero(~network.held.ravel())
-    if len(free):
-        _regular(network, network.points, tangent(network, network.points)[free][:, free])
+    """Raise `SolverError` if some motion from the reference points meets no stiffness.
+
+    Networks too large for a factor are asked by multigrid, which may overlook one; a motion that
+    it does name meets none.
+    """
+    x = network.points
+    if network.held.all():
+        return
+    if is_factored(~network.held):
+        free = np.flatnonzero(~network.held.ravel())
+        _regular(network, x, tangent(network, x)[free][:, free])
+        return
+    A = restrained(network, x)
+    mode = softest_motion(A, network, x)
+    if mode.any() and is_loose(network, x, mode, A.diagonal()):
+        raise SolverError(named(network, mode))
 
 
 def _regular(network: Network, x: Array, K: csr_array) -> Factor:
     """Factor of the free part of the tangent at `x`, refused if some motion meets no stiffness.
 
-    The motion that the tangent resists least is judged by the springs that it stretches: energies
-    of a few parts in 1e16 squared belong to a mechanism, while the softest mode of a cantilever
-    20,000 cells long and one high still has 1e-18.
+    The motion that the tangent resists least is judged by the springs that it stretches.
     """
-    stiffness = K.diagonal()
+    stiffness = np.zeros(network.points.size)
+    free = ~network.held.ravel()
+    stiffness[free] = K.diagonal()
     try:
-        factor = factorised(K) if stiffness.all() else None
+        factor = factorised(K) if stiffness[free].all() else None
     except RuntimeError:
         factor = None
     mode = np.zeros(network.points.size)
-    mode[~network.held.ravel()] = softest_mode(K, factor)
-    apart = float(mode[~network.held.ravel()] ** 2 @ np.abs(stiffness))
-    motion = mode.reshape(network.points.shape)
-    if factor is not None and abs(mode_energy(network, x, motion)) > NO_STIFFNESS * apart:
-        return factor
-    point = int(np.linalg.norm(motion, axis=1).argmax())
-    way = np.round(motion[point] / np.linalg.norm(motion[point]), 3)
-    raise SolverError(
-        f"equilibrium: the network is a mechanism: nothing resists point {point} at "
-        f"{place_name(network.points[point])} moving along {place_name(way)}; "
-        "add springs or supports"
-    )
+    mode[free] = softest_mode(K, factor)
+    if factor is None or is_loose(network, x, mode, stiffness):
+        raise SolverError(named(network, mode))
+    return factor
 
 
 def _rounding(x: Array) -> float:

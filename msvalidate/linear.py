@@ -9,11 +9,14 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import splu
 
-from msvalidate.problem import Array, SolverError
+from msvalidate.problem import Array, Mask, SolverError
 
 SWEEPS = 2
 """Inverse iterations: each shrinks what is not the softest mode by a ratio of eigenvalues, which is
 all but zero where that mode has no stiffness."""
+LARGEST_FACTORED = {2: 15_000, 3: 5_000}
+"""Free components, by axes, up to which questions of a spectrum are put to a factor: a quarter
+of a second of SuperLU. In space its work grows with the square of the components."""
 NO_NUMBER = 1e-280
 """Entries below which a matrix has no digits left for a fraction of them."""
 
@@ -64,6 +67,11 @@ def factorised(matrix: csr_array) -> Factor:
     if not np.array_equal(lu.perm_r, lu.perm_c):  # a zero on the diagonal: not positive definite
         negative = max(negative, 1)
     return Factor(lu, negative)
+
+
+def is_factored(free: Mask) -> bool:
+    """Whether a network with free components (n, d) is small enough for a factor of its tangent."""
+    return bool(np.count_nonzero(free) <= LARGEST_FACTORED[free.shape[1]])
 
 
 def softest_mode(matrix: csr_array, factor: Factor | None = None) -> Array:

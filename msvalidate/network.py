@@ -16,10 +16,12 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_array
+from scipy.sparse import bsr_array, csr_array
 
 from msvalidate import local_shear
 from msvalidate import volumes as cells
+from msvalidate.blocks import Blocks, blocks_of
+from msvalidate.layout import Layout, laid_out
 from msvalidate.local_shear import LocalShear
 from msvalidate.problem import (
     LONGEST,
@@ -141,16 +143,28 @@ class Network:
         return vector
 
     @cached_property
+    def layout(self) -> Layout:
+        """How its points and springs lie in memory for the compiled sweep."""
+        cells = np.zeros((0, 1), dtype=np.intp) if self.volumes is None else self.volumes.cells
+        n, d = self.points.shape
+        return laid_out(n, d, self.springs, self.stiffness, self.rest_length, cells)
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """Where each spring's blocks stand in a tangent."""
+        return blocks_of(self.springs, len(self.points))
+
+    @cached_property
     def frequency_bound(self) -> float:
         """Frequency (rad/s) that none exceeds at the reference positions: Gershgorin's circles.
 
         ω² ≤ max over free components i of Σ_j |K_ij|/m_i: no eigenvalues are solved for.
         """
-        free = np.flatnonzero(~self.held.ravel())
-        K = tangent(self, self.points)[free][:, free]
+        free = ~self.held.ravel()
         mass = np.repeat(self.mass, self.dim)[free]
+        rows = abs(tangent(self, self.points)) @ free.astype(float)
         with np.errstate(over="ignore"):  # infinite is a bound too
-            return float(np.sqrt((abs(K).sum(axis=1) / mass).max(initial=0.0)))
+            return float(np.sqrt((rows[free] / mass).max(initial=0.0)))
 
     def scaled(self, factor: Array | float) -> Network:
         """The same network with every spring's stiffness times `factor`, a number or (m,).
@@ -248,16 +262,31 @@ def tangent(network: Network, position: Array) -> csr_array:
     A spring's block is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness. Cells and
     shear springs add theirs.
     """
+    return csr_array(tangent_blocks(network, position))
+
+
+def tangent_blocks(network: Network, position: Array) -> bsr_array:
+    """The tangent of `tangent`, kept as one d × d block for every two points that are joined."""
     vector, length = _stretched(network, position)
     n = vector / length[:, None]
-    along = n[:, :, None] * n[:, None, :]
-    across = np.eye(network.dim) - along
-    k = network.stiffness[:, None, None]
-    block = k * along + k * (1 - network.rest_length / length)[:, None, None] * across
-    K = _scatter(network, block)
+    across = network.stiffness * (1 - network.rest_length / length)
+    along = network.stiffness - across
+
+    def entry(a: int, b: int) -> Array:
+        # n nᵀ first, so that it is rounded alike in springs of any stiffness: long and slender
+        # bodies keep two digits more.
+        elastic = along * (n[:, a] * n[:, b])
+        return elastic + across if a == b else elastic
+
+    K = network.blocks.summed(network.springs, network.dim, entry)
+    added = []
     if network.volumes:
-        K = csr_array(K + cells.tangent(network.volumes, position))
-    return csr_array(K + local_shear.tangent(network.shear, position)) if network.shear else K
+        added.append(cells.tangent(network.volumes, position))
+    if network.shear:
+        added.append(local_shear.tangent(network.shear, position))
+    if not added:
+        return K
+    return bsr_array(sum(added, csr_array(K)), blocksize=(network.dim, network.dim))
 
 
 def mode_energy(network: Network, position: Array, motion: Array) -> float:
@@ -343,19 +372,6 @@ def _stretched(network: Network, position: Array) -> tuple[Array, Array]:
             "pushed into one place, where no direction is left; reduce the load"
         )
     return vector, length
-
-
-def _scatter(network: Network, block: Array) -> csr_array:
-    """Assemble spring blocks (m, d, d): plus on the two diagonals, minus off them."""
-    d, size = network.dim, network.points.size
-    dof = network.springs[:, :, None] * d + np.arange(d)
-    rows, columns, values = [], [], []
-    for a, b in ((0, 0), (1, 1), (0, 1), (1, 0)):
-        rows.append(np.broadcast_to(dof[:, a, :, None], block.shape).ravel())
-        columns.append(np.broadcast_to(dof[:, b, None, :], block.shape).ravel())
-        values.append((block if a == b else -block).ravel())
-    entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return csr_array(entries, shape=(size, size))
 
 
 def _pairs(springs: ArrayLike, n: int) -> Index:

@@ -20,6 +20,8 @@ from tqdm import tqdm
 from msvalidate import kernels
 from msvalidate.equilibrium import Equilibrium, at_rest, is_stable, refuse_mechanism
 from msvalidate.integrate import SPECTRUM_ERROR
+from msvalidate.linear import is_factored
+from msvalidate.multigrid import Cycle, cycle_of, restrained
 from msvalidate.network import Network, force_roundoff, force_scale
 from msvalidate.problem import (
     Array,
@@ -93,8 +95,9 @@ class Run:
 
     A method changes `displacement` and `velocity` (n, d) in place, tells `moved` of it, and asks
     `balance` for forces. Before its first `yield` it may set `dt`, `rate` and `limit`, in seconds,
-    that messages name; `inertia` (n, 1) or (n, d), if its masses are not the network's; and
-    `most_steps`, after how many it has failed, if frequencies do not say so.
+    that messages name; `inertia` (n, d), if its masses are not the network's; and
+    `most_steps`, after how many it has failed, if frequencies do not say so. It may leave `cycle`,
+    a multigrid cycle of a tangent, for the judge of stability.
     """
 
     def __init__(
@@ -108,29 +111,40 @@ class Run:
         self._given = frequencies
         self.displacement = np.array(network.displacement)
         self.velocity = np.zeros_like(self.displacement)
-        self.inertia = network.mass[:, None]
+        self.inertia = np.repeat(network.mass[:, None], network.dim, axis=1)
         self.dt, self.rate, self.limit = 0.0, np.zeros(1), math.inf
         self.steps, self.evaluations, self.until = 0, 0, 0
         self.most_steps = self._critically_damped
+        self.cycle: Cycle | None = None
         self.stored = 0.0
         self._force = np.empty_like(self.displacement)
         self._known = False
+        self._held = np.flatnonzero(network.held)
         self._at_lengths = 4 * force_roundoff(network, 0.0)
         self._per_metre = 4 * force_roundoff(network, 1.0) - self._at_lengths
         self._softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
         self._stiffest, self._loaded = _stiffest(network), float(np.abs(network.force).max())
         self._floor = self._at_lengths
+        self._met = math.inf, self.displacement
         self._reach = DIVERGED * float(np.ptp(network.points, axis=0).max())
+
+    @cached_property
+    def motion(self) -> kernels.Motion:
+        """What advances displacement and velocity, and knows the forces."""
+        return kernels.Motion(self.network)
 
     @cached_property
     def frequencies(self) -> tuple[float, float]:
         """Lowest and highest natural frequency (rad/s) at the reference points."""
         if self._given is not None:
             return self._given
-        lowest, highest = extreme_frequencies(self.network, tolerance=SPECTRUM_ERROR)
+        network = self.network
+        if not is_factored(~network.held):
+            self.cycle = cycle_of(restrained(network, network.points), network, network.points)
+        lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR, cycle=self.cycle)
         if lowest <= SLOWEST * highest:  # a mechanism, or masses far apart
             try:
-                refuse_mechanism(self.network)
+                refuse_mechanism(network)
             except SolverError as error:
                 raise SolverError(
                     f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism "
@@ -169,38 +183,59 @@ class Run:
     def balance(self) -> Array:
         """Out-of-balance force (n, d) in N at the present displacement, 0 where it is held."""
         if not self._known:
-            self.stored = kernels.force_and_energy(self.network, self.displacement, self._force)
+            self.stored = self.motion.force_and_energy(self.displacement, self._force)
             self._force += self.network.force
-            self._force[self.network.held] = 0.0
+            self._force.ravel()[self._held] = 0.0
             self._known = True
         return self._force
 
     def look(self) -> tuple[int, float, float]:
         """Step, residual force (N) and kinetic energy (J); raises if the run has diverged."""
-        residual = float(np.abs(self.balance()).max())
-        kinetic = float(0.5 * (self.inertia * self.velocity**2).sum())
-        moved = np.abs(self.displacement).max()
+        residual = largest(self.balance())
+        kinetic = 0.5 * float(np.vdot(self.inertia * self.velocity, self.velocity))
+        moved = largest(self.displacement)
         self._floor = self._at_lengths + moved * self._per_metre
         if not (math.isfinite(residual) and math.isfinite(kinetic) and moved < self._reach):
             raise SolverError(self._diverged)
         return self.steps, residual, kinetic
 
     def resting(self, look: tuple[int, float, float]) -> bool:
-        """Whether residual and kinetic energy are both below what the tolerance asks for."""
+        """Whether residual and kinetic energy are both below what the tolerance asks for.
+
+        Bounds of the forces that meet at a point are asked first: to sum them takes as long as many
+        steps.
+        """
         rounding = self.rounding
         still = max(self.tolerance**2 * self.stored, rounding / self._softest * rounding)
-        if look[2] > still:  # the usual case, and the cheaper question
+        if look[2] > still:  # the usual case, and the cheapest question
             return False
         # Forces that meet at a point add up to √(2·energy·Σk) at most, by Cauchy and Schwarz.
         bound = math.sqrt(2 * self.stored * self._stiffest) if self._stiffest else math.inf
         if look[1] > max(self.tolerance * (bound + 2 * self._loaded), rounding):
             return False
+        if look[1] > max(self.tolerance * self._most_met(), rounding):
+            return False
         held = self.network.held
         if (self.displacement[held] != self.network.displacement[held]).any():
             return False
-        scale = force_scale(self.network, self.position)
-        small = np.maximum(self.tolerance * scale, self._floor)
+        small = np.maximum(self.tolerance * self.force_met(), self._floor)
         return bool((np.abs(self.balance()) <= small).all())
+
+    def force_met(self) -> float:
+        """Largest sum of force magnitudes (N) that meet at a free point now."""
+        self._met = force_scale(self.network, self.position), self.displacement.copy()
+        return self._met[0]
+
+    def _most_met(self) -> float:
+        """What that sum (N) cannot exceed: a spring's force changes by k times its ends' moves.
+
+        Where cells stand beside springs they stiffen as they are deformed; rest is then seen a few
+        looks later, never too early.
+        """
+        met, there = self._met
+        if not self._stiffest or not math.isfinite(met):
+            return math.inf
+        return met + 2 * self._stiffest * largest(self.displacement - there)
 
     def result(self, looks: list[tuple[int, float, float]], seconds: float) -> Relaxation:
         """The run as it is now."""
@@ -257,12 +292,17 @@ class Run:
         largest = looks[0][1]
         if not largest:
             return
-        scale = force_scale(self.network, self.position)
+        scale = self._met[0] if math.isfinite(self._met[0]) else self.force_met()
         target = max(self.tolerance * scale, self.rounding)
         way = math.log(largest / max(looks[-1][1], target)) / math.log(max(largest / target, 2))
         bar.n = max(bar.n, min(way, 1.0))
         bar.set_postfix(step=looks[-1][0], residual=f"{looks[-1][1]:.2g} N", refresh=False)
         bar.update(0)
+
+
+def largest(values: Array) -> float:
+    """Largest magnitude, NaN if there is one, without an array of magnitudes."""
+    return float(max(values.max(), -values.min())) if values.size else 0.0
 
 
 def _stiffest(network: Network) -> float:
@@ -365,10 +405,11 @@ def relax(
         return run.result([], 0.0)
     with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
         found, at_ease = _walked(run, method, (max_steps, stride), watch)
-    if at_ease and not is_stable(network, found.equilibrium.position):
+    if at_ease and not is_stable(network, found.equilibrium.position, run.cycle):
         raise SolverError(
             f"{method.title} came to rest after {found.steps} steps where the network is unstable "
-            "(its tangent stiffness has a negative mode); disturb the symmetry or reduce the load"
+            "(some motion from there meets no stiffness, or less); disturb the symmetry or reduce "
+            "the load"
         )
     return found
 

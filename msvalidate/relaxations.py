@@ -7,19 +7,17 @@ they are what their papers write for equal masses.
 from __future__ import annotations
 
 import math
-import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from scipy.sparse import bsr_matrix, csr_array, diags_array
 
 from msvalidate import kernels
-from msvalidate.equilibrium import LARGEST_TURN, largest_turn, refuse_mechanism, tangent_move
 from msvalidate.integrators import LEAPFROG
 from msvalidate.network import tangent
-from msvalidate.problem import Array, SolverError, rigid_motions
-from msvalidate.relax import SAFETY, Method, Run, patiently
+from msvalidate.newton import NEWTON, NEWTON_MULTIGRID
+from msvalidate.problem import Array, SolverError
+from msvalidate.relax import SAFETY, Method, Run, largest, patiently
 from msvalidate.viscous import ALGORITHM1, viscous
 
 # FIRE's numbers are the paper's.
@@ -45,12 +43,6 @@ the energy, is not asked for: near rest it is lost in rounding."""
 TRIALS = 40
 ROUNDED = 100
 """Multiple of the rounding of forces at which a search that finds no better place has arrived."""
-MULTIGRID_ERROR = 1e-6
-"""Relative residual of a linear solve: Newton then gains six digits a step."""
-MULTIGRID_CYCLES = 300
-NEWTON_STEPS = 50
-"""Linear solves after which Newton's method is given up."""
-_LESS = "reduce the load, or use equilibrium, which raises it in increments"
 
 
 def _kinetic_damping(run: Run) -> Iterator[None]:
@@ -69,8 +61,7 @@ def _kinetic_damping(run: Run) -> Iterator[None]:
     while True:
         yield
         still = kinetic == 0
-        done, energy, fell = kernels.advance(
-            run.network,
+        done, energy, fell = run.motion.advance(
             run.displacement,
             run.velocity,
             keep,
@@ -97,24 +88,25 @@ def _fire(run: Run) -> Iterator[None]:
     _, highest = run.frequencies
     run.limit = 2 / highest
     run.dt = FIRE_LARGEST / highest
-    mass = np.repeat(run.network.mass[:, None], run.network.dim, axis=1)
     velocity, dt, mix, downhill = run.velocity, FIRE_FIRST * run.dt, FIRE_MIX, 0
+    acceleration, product = np.empty_like(velocity), np.empty_like(velocity)
     while True:
         yield
         force = run.balance()
-        acceleration = force / mass
-        power = np.vdot(force, velocity)
+        np.divide(force, run.inertia, out=acceleration)
+        power, turned = np.vdot(force, velocity), 0.0
         if power > 0:
-            downhill += 1
-            speed = np.vdot(mass * velocity, velocity)
+            speed = np.vdot(np.multiply(run.inertia, velocity, out=product), velocity)
+            turned = mix * np.sqrt(speed / np.vdot(force, acceleration))
             velocity *= 1 - mix
-            velocity += mix * np.sqrt(speed / np.vdot(force, acceleration)) * acceleration
+            downhill += 1
             if downhill > FIRE_DELAY:
                 dt, mix = min(FIRE_GROWTH * dt, run.dt), FIRE_MIX_DECAY * mix
         elif velocity.any():
             velocity[:], dt, mix, downhill = 0.0, FIRE_CUT * dt, FIRE_MIX, 0
-        velocity += dt * acceleration
-        run.displacement += dt * velocity
+        acceleration *= turned + dt
+        velocity += acceleration
+        run.displacement += np.multiply(velocity, dt, out=product)
         run.moved(1, 1)
 
 
@@ -171,10 +163,11 @@ def _conjugate_gradients(run: Run) -> Iterator[None]:
         force = run.balance().copy()
         steepest = force / stiffness
         turned = float(np.vdot(force - old, steepest))
-        way = steepest + (max(0.0, turned / before) if before else 0.0) * way
+        way *= max(0.0, turned / before) if before else 0.0
+        way += steepest
         if np.vdot(force, way) <= 0 or not _searched(run, way):
-            way = steepest
-            if not _searched(run, way) and np.abs(force).max() > ROUNDED * run.rounding:
+            way[:] = steepest
+            if not _searched(run, way) and largest(force) > ROUNDED * run.rounding:
                 raise SolverError(
                     f"{run.title}: no step along the force lowers its slope at iteration "
                     f"{run.steps + 1}; the network collapses under this load: reduce it"
@@ -193,7 +186,7 @@ def _searched(run: Run, way: Array) -> bool:
         return False
     bend = kernels.curvature(run.network, run.displacement, way)
     run.moved(evaluations=1)
-    farthest = 0.5 * float(run.network.rest_length.min()) / float(np.abs(way).max())
+    farthest = 0.5 * float(run.network.rest_length.min()) / largest(way)
     length = min(slope / bend, farthest) if bend > 0 else farthest
     start, near, far = run.displacement.copy(), 0.0, math.inf
     for _ in range(TRIALS):
@@ -207,76 +200,6 @@ def _searched(run: Run, way: Array) -> bool:
     run.displacement[:] = start
     run.moved()
     return False
-
-
-Move = Callable[[Run, csr_array, Array, Array], Array]
-"""Move (n, d) from a run's position by a tangent, an unbalanced load and a move of what is held."""
-
-
-def _newton(move: Move, run: Run) -> Iterator[None]:
-    """Newton's method at full load, shortened where a step would stretch or turn a spring far."""
-    run.most_steps = lambda: NEWTON_STEPS
-    network = run.network
-    run.displacement[:] = 0.0  # what is held goes along with the first steps
-    run.moved()
-    while True:
-        yield
-        x = run.position
-        ahead = network.displacement - run.displacement
-        step = move(run, tangent(network, x), run.balance(), ahead)
-        part = min(1.0, LARGEST_TURN / max(largest_turn(network, x, step), 1e-300))
-        run.displacement += part * step
-        if part == 1:
-            run.displacement[network.held] = network.displacement[network.held]
-        run.moved(1, 1)
-
-
-def _direct(run: Run, K: csr_array, load: Array, ahead: Array) -> Array:
-    move, stable = tangent_move(run.network, run.position, K, load, ahead)
-    if not stable:
-        raise SolverError(
-            f"{run.title}: the tangent has a negative mode at iteration {run.steps + 1}; {_LESS}"
-        )
-    return move
-
-
-def _multigrid(run: Run, K: csr_array, load: Array, ahead: Array) -> Array:
-    """By conjugate gradients with smoothed aggregation, coarse spaces from the rigid motions."""
-    from pyamg import smoothed_aggregation_solver  # noqa: PLC0415  half a second for one method
-
-    free = ~run.network.held.ravel()
-    held = np.where(free, 0.0, ahead.ravel())
-    right = np.where(free, load.ravel() - K @ held, 0.0)
-    inside = diags_array(free.astype(float))
-    # What is held keeps its rows, so that each point has a block.
-    A = inside @ K @ inside + diags_array(np.where(free, 0.0, K.diagonal().max()))
-    centred = run.position - run.position.mean(axis=0)
-    rigid = rigid_motions(centred / np.abs(centred).max()).reshape(free.size, -1)
-    levels = smoothed_aggregation_solver(
-        bsr_matrix(A, blocksize=(run.network.dim,) * 2), B=rigid * free[:, None]
-    )
-    residuals: list[float] = []
-    with warnings.catch_warnings(record=True):  # what it warns of is in `info`
-        move, info = levels.solve(
-            right,
-            tol=MULTIGRID_ERROR,
-            maxiter=MULTIGRID_CYCLES,
-            accel="cg",
-            residuals=residuals,
-            return_info=True,
-        )
-    cycles = len(residuals) - 1
-    run.moved(0, cycles)
-    if info < 0:
-        raise SolverError(f"{run.title}: the tangent is not positive; {_LESS}")
-    if not math.isfinite(residuals[-1]):
-        refuse_mechanism(run.network)
-    if not residuals[-1] <= MULTIGRID_ERROR * residuals[0]:
-        left = residuals[-1] / residuals[0]
-        raise SolverError(
-            f"{run.title}: residual {left:.1g} of the first after {cycles} cycles; {_LESS}"
-        )
-    return np.asarray(move + held).reshape(load.shape)
 
 
 RELAXATIONS = {
@@ -310,20 +233,7 @@ RELAXATIONS = {
         _conjugate_gradients,
         look_every=1,
     ),
-    "newton": Method(
-        "newton",
-        "Newton's method",
-        "Nocedal and Wright (2006), Numerical Optimization, section 11.1; factor by SuperLU",
-        partial(_newton, _direct),
-        look_every=1,
-    ),
-    "newton_multigrid": Method(
-        "newton_multigrid",
-        "Newton's method by multigrid",
-        "Vaněk, Mandel and Brezina (1996), Computing 56, 179; Bell, Olson and Schroder (2022), "
-        "PyAMG, J. Open Source Softw. 7, 4142",
-        partial(_newton, _multigrid),
-        look_every=1,
-    ),
+    "newton": NEWTON,
+    "newton_multigrid": NEWTON_MULTIGRID,
 }
 """Name -> method."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 from scipy.linalg import eigvalsh
 from scipy.sparse import csr_array, diags_array, eye_array
-from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 
-from msvalidate.linear import NO_NUMBER, factorised
+from msvalidate.linear import NO_NUMBER, factorised, is_factored
+from msvalidate.multigrid import Cycle, cycle_of, restrained
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
     Array,
@@ -25,10 +27,19 @@ DENSE = 600
 """Degrees of freedom up to which a dense solver is the faster one."""
 LARGEST_DENSE = 10_000
 """Degrees of freedom of the largest dense matrix made, close to a gigabyte."""
+FEW = 10
+"""Lowest frequencies that large networks are asked for without a factor."""
+FIRST_STEPS, MOST_STEPS = 5, 200
+"""Of the iteration for large networks: to tell a square from its neighbours, and in all."""
 
 
 def natural_frequencies(
-    network: Network, count: int = 10, position: Array | None = None, *, tolerance: float = 0.0
+    network: Network,
+    count: int = 10,
+    position: Array | None = None,
+    *,
+    tolerance: float = 0.0,
+    cycle: Cycle | None = None,
 ) -> tuple[Array, float]:
     """The lowest `count` and the highest natural frequency (rad/s), undamped, supports held.
 
@@ -45,6 +56,8 @@ def natural_frequencies(
     tolerance
         Relative error of the squares at which large networks stop iterating; 0 is rounding. The
         highest frequencies of a lattice lie close together, and their last digits cost the most.
+    cycle
+        Of multigrid, for this network close by, where there is one.
 
     Raises
     ------
@@ -76,7 +89,17 @@ def natural_frequencies(
         lowest, highest = squares[:count], squares[-1]
     else:
         highest = _largest(matrix, tolerance)
-        lowest = _smallest(matrix, count, highest, tolerance)
+        if count > FEW or is_factored(~network.held):
+            lowest = _smallest(matrix, count, highest, tolerance)
+        else:
+            A = restrained(network, place)
+            cycle = cycle or cycle_of(A, network, place)
+            if cycle.falling is None:
+                inverse = _on_free(cycle, network)
+                lowest = _smallest_of_many(matrix, inverse, count, highest, tolerance)
+            else:
+                weight = np.repeat(network.mass, network.dim) @ cycle.falling**2
+                lowest = np.array([cycle.falling @ (A @ cycle.falling) / weight])
     if lowest[0] < -1e-10 * highest:
         raise SolverError(
             f"natural frequencies: omega² = {lowest[0]:g} 1/s²; the network is unstable there"
@@ -85,10 +108,14 @@ def natural_frequencies(
 
 
 def extreme_frequencies(
-    network: Network, position: Array | None = None, *, tolerance: float = 0.0
+    network: Network,
+    position: Array | None = None,
+    *,
+    tolerance: float = 0.0,
+    cycle: Cycle | None = None,
 ) -> tuple[float, float]:
     """Lowest and highest natural frequency (rad/s); see `natural_frequencies`."""
-    lowest, highest = natural_frequencies(network, 1, position, tolerance=tolerance)
+    lowest, highest = natural_frequencies(network, 1, position, tolerance=tolerance, cycle=cycle)
     return float(lowest[0]), highest
 
 
@@ -155,3 +182,42 @@ def _smallest(matrix: csr_array, count: int, highest: float, tolerance: float) -
     except (ArpackError, RuntimeError) as error:
         raise SolverError(f"lowest natural frequencies: the iteration failed ({error})") from error
     return np.sort(values)
+
+
+def _smallest_of_many(
+    matrix: csr_array, inverse: LinearOperator, count: int, highest: float, tolerance: float
+) -> Array:
+    """Without a factor: locally optimal conjugate gradients (Knyazev 2001), by multigrid.
+
+    The error of a square is that of its residual squared over the gap to the next (Kato), so a
+    tenth of the tolerance's root is asked of the residual; rounding is of the highest square.
+    """
+    modes = np.random.default_rng(0).normal(size=(matrix.shape[0], count))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of residuals, which are judged below
+        squares, modes = lobpcg(matrix, modes, M=inverse, largest=False, maxiter=FIRST_STEPS)
+        least = float(np.abs(squares).min())
+        allowed = max(0.1 * math.sqrt(tolerance) * least, 10 * np.finfo(float).eps * highest)
+        squares, modes = lobpcg(
+            matrix, modes, M=inverse, largest=False, maxiter=MOST_STEPS, tol=allowed
+        )
+    left = float(np.linalg.norm(matrix @ modes - modes * squares, axis=0).max())
+    if not left <= 2 * allowed:  # its last digits are rounding
+        raise SolverError(
+            f"lowest natural frequencies: residual {left:.3g} 1/s² of squares, where {allowed:.3g} "
+            "is asked; ask for fewer of them, or of a network with fewer points"
+        )
+    return np.sort(squares)
+
+
+def _on_free(cycle: Cycle, network: Network) -> LinearOperator:
+    """A cycle of the stiffness as one of M^(-1/2) K M^(-1/2) on the free components."""
+    inside = np.flatnonzero(~network.held.ravel())
+    root = np.sqrt(np.repeat(network.mass, network.dim)[inside])
+
+    def applied(residual: Array) -> Array:
+        force = np.zeros(network.held.size)
+        force[inside] = root * residual.ravel()
+        return np.asarray(root * cycle(force)[inside])
+
+    return LinearOperator((len(inside), len(inside)), matvec=applied, dtype=float)

@@ -14,7 +14,6 @@ from functools import partial
 
 from numpy.typing import ArrayLike
 
-from msvalidate import kernels
 from msvalidate.integrate import StabilityWarning, damping_rate
 from msvalidate.integrators import EULER_CROMER, Integrator, factors_of, stability_limit
 from msvalidate.network import Network
@@ -109,9 +108,7 @@ def _viscous(
     keep, push = factors_of(scheme)(run.dt, run.rate)
     while True:
         yield
-        done, *_ = kernels.advance(
-            run.network, run.displacement, run.velocity, keep, push, run.dt, run.block
-        )
+        done, *_ = run.motion.advance(run.displacement, run.velocity, keep, push, run.dt, run.block)
         run.moved(done, done)
 
 

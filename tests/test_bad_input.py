@@ -607,9 +607,7 @@ def test_too_little_memory_is_told(geometry, monkeypatch):
     def no_memory(*_args, **_options):
         raise MemoryError
 
-    module = {"factor": "msvalidate.linear", "finite elements": "reference_fem.elasticity"}[
-        geometry
-    ]
+    module = {"factor": "msvalidate.linear", "finite elements": "reference_fem.factor"}[geometry]
     monkeypatch.setattr(f"{module}.splu", no_memory)
     with pytest.raises(SolverError, match="more memory than there is; take fewer cells"):
         equilibrium(NETWORK) if geometry == "factor" else reference_fem.solve_problem(PROBLEM, MESH)

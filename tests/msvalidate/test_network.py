@@ -18,6 +18,7 @@ from msvalidate.network import (
     internal_force,
     spring_network,
     tangent,
+    tangent_blocks,
 )
 from msvalidate.problem import ProblemError
 from msvalidate.volumes import Volumes
@@ -180,6 +181,40 @@ def test_one_stretched_spring():
     block = 2.0 * along + 0.4 * across
     expected = np.block([[block, -block], [-block, block]])
     np.testing.assert_allclose(tangent(network, network.points).toarray(), expected, rtol=1e-13)
+
+
+@examples
+@given(data=st.data(), doubled=st.booleans())
+def test_the_tangent_is_the_sum_of_its_springs(networks, data, doubled):
+    """Entry by entry from the formula, springs side by side and turned round among them."""
+    network, position = data.draw(networks(stressed=True))
+    network = replace(network, volumes=None)
+    if doubled:
+        again = np.concatenate([network.springs, network.springs[::2, ::-1]])
+        many = np.arange(len(again)) % len(network.springs)
+        network = replace(
+            network,
+            springs=again,
+            stiffness=network.stiffness[many],
+            rest_length=network.rest_length[many],
+        )
+    d, n = network.dim, len(network.points)
+    expected = np.zeros((n, d, n, d))
+    for (i, j), k, rest in zip(
+        network.springs, network.stiffness, network.rest_length, strict=True
+    ):
+        vector = position[j] - position[i]
+        length = np.linalg.norm(vector)
+        along = np.outer(vector, vector) / length**2
+        block = k * along + k * (1 - rest / length) * (np.eye(d) - along)
+        for a, b, sign in ((i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)):
+            expected[a, :, b, :] += sign * block
+    expected = expected.reshape(n * d, n * d)
+    within = 1e-14 * np.abs(expected).max()  # order of summation
+    np.testing.assert_allclose(tangent(network, position).toarray(), expected, atol=within)
+    np.testing.assert_array_equal(
+        tangent_blocks(network, position).toarray(), tangent(network, position).toarray()
+    )
 
 
 def test_springs_side_by_side_add():

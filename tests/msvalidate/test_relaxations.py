@@ -88,7 +88,8 @@ def test_looking_changes_nothing_but_the_count_of_evaluations(method, lattice_bo
     network, places = sheet(lattice_body, PUSH), []
     for every in (1, 7):
         stop = 21 if method.look_every > 1 else 7
-        run = relax(network, method, watch=lambda run, s=stop: run.steps >= s, look_every=every)
+        options = {"tolerance": 1e-13, "look_every": every}  # a look may end Newton's method before
+        run = relax(network, method, watch=lambda run, s=stop: run.steps >= s, **options)
         places.append(run.equilibrium.position)
     # A compiled block of steps rounds like its steps one by one.
     np.testing.assert_allclose(*places, rtol=0, atol=1e-13)
@@ -159,12 +160,12 @@ def test_evaluations_are_those_made(name, lattice_body, monkeypatch):
 
         return counted
 
-    for kernel, count in (
-        ("advance", lambda found: found[0]),
-        ("force_and_energy", lambda _: 1),
-        ("curvature", lambda _: 1),
+    for where, kernel, count in (
+        (kernels.Motion, "advance", lambda found: found[0]),
+        (kernels.Motion, "force_and_energy", lambda _: 1),
+        (kernels, "curvature", lambda _: 1),
     ):
-        monkeypatch.setattr(kernels, kernel, counting(getattr(kernels, kernel), count))
+        monkeypatch.setattr(where, kernel, counting(getattr(where, kernel), count))
     run = relax(sheet(lattice_body, PUSH), RELAXATIONS[name])
     assert run.evaluations <= made["all"] <= run.evaluations + len(run.history) + 1
 
@@ -293,7 +294,9 @@ def test_masses_far_apart_are_no_mechanism(lattice_body):
 
 def test_newton_is_given_up_after_its_own_number_of_steps(lattice_body):
     crush = Traction(SHEET.side("right"), (-50.0, 0.0))
-    with pytest.raises(SolverError, match=r"negative mode|not at rest after 50 steps"):
+    with pytest.raises(
+        SolverError, match=r"negative mode|no stiffness, or less|not at rest after 50 steps"
+    ):
         relax(sheet(lattice_body, crush), RELAXATIONS["newton"])
 
 

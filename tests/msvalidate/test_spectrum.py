@@ -9,17 +9,19 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvalsh
 
-from msvalidate import spectrum
+from msvalidate import linear, spectrum
 from msvalidate.equilibrium import equilibrium
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.spectrum import extreme_frequencies, natural_frequencies
 
 
-@pytest.fixture(params=["dense", "sparse"], autouse=True)
+@pytest.fixture(params=["dense", "factor", "multigrid"], autouse=True)
 def solver(request, monkeypatch):
-    """Every test runs through both solvers."""
+    """Every test runs through all solvers."""
     monkeypatch.setattr(spectrum, "DENSE", 10**9 if request.param == "dense" else 0)
+    if request.param == "multigrid":
+        monkeypatch.setattr(linear, "LARGEST_FACTORED", {2: 0, 3: 0})
     return request.param
 
 

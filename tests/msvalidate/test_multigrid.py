@@ -1,0 +1,276 @@
+"""Multigrid on networks: solutions of a factor, verdicts of its pivots, cycles that do not grow."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import spsolve
+
+from msvalidate import linear
+from msvalidate.equilibrium import equilibrium, is_stable, refuse_mechanism
+from msvalidate.linear import factorised
+from msvalidate.multigrid import MOST_CYCLES, conjugate_gradients, cycle_of, is_positive, restrained
+from msvalidate.network import spring_network, tangent
+from msvalidate.problem import Box, Region, SolverError, Support, Traction
+from msvalidate.relax import relax
+from msvalidate.relaxations import RELAXATIONS
+
+SHEET = Box((2.0, 1.0))
+PUSH = Traction(SHEET.side("top"), (0.004, -0.01))
+MULTIGRID = RELAXATIONS["newton_multigrid"]
+
+
+def sheet(lattice_body, n, **rules):
+    return lattice_body((2.0, 1.0), (2 * n, n), loads=(PUSH,), **rules)
+
+
+def system(network, position=None):
+    """The restrained tangent of a network, and its cycle."""
+    position = network.points if position is None else position
+    A = restrained(network, position)
+    return A, cycle_of(A, network, position)
+
+
+without_factors = pytest.mark.usefixtures("only_multigrid")
+
+
+@pytest.fixture
+def only_multigrid(monkeypatch):
+    """Every network counts as too large for a factor."""
+    monkeypatch.setattr(linear, "LARGEST_FACTORED", {2: 0, 3: 0})
+
+
+@pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
+def test_a_solution_is_that_of_a_factor_in_any_unit(lattice_body, independent, unit):
+    for network in (sheet(lattice_body, 12), independent("s2")[0]):
+        A, cycle = system(network.scaled(unit))
+        force = np.where(network.held, 0.0, network.force).ravel()
+        found = conjugate_gradients(A, force, cycle, 1e-12)
+        expected = spsolve(A.tocsc(), force)
+        assert found.left <= 1e-12
+        within = 1e-9 * np.abs(expected).max()
+        np.testing.assert_allclose(found.solution, expected, rtol=0, atol=within)
+
+
+def test_restrained_is_the_free_part_and_a_positive_diagonal(networks_with_supports):
+    for network in networks_with_supports:
+        K = tangent(network, network.points).toarray()
+        A = restrained(network, network.points)
+        free = ~network.held.ravel()
+        A = A.toarray()
+        np.testing.assert_array_equal(A[np.ix_(free, free)], K[np.ix_(free, free)])
+        held = A[~free]
+        assert (np.diag(A)[~free] > 0).all()
+        assert np.count_nonzero(held) == len(held)
+        np.testing.assert_array_equal(A, A.T)
+
+
+@pytest.fixture
+def networks_with_supports(lattice_body, independent):
+    """A sheet that slides along one side, and one in space."""
+    slides = (Support(SHEET.side("left"), (0.0, None)), Support(Region((0.0, 0.0)), (None, 0.0)))
+    return sheet(lattice_body, 3, supports=slides), independent("s2")[0]
+
+
+def test_the_same_system_has_the_same_solution_to_the_last_digit(lattice_body):
+    network = sheet(lattice_body, 24)
+    one, two = (relax(network, MULTIGRID).equilibrium.displacement for _ in range(2))
+    np.testing.assert_array_equal(one, two)
+
+
+def test_cycles_of_a_solution_and_of_a_verdict_do_not_grow(lattice_body):
+    """Sixteen times the components: the verdict asks for 1.2 digits more, others for none."""
+    cycles = []
+    for n in (12, 48):
+        network = sheet(lattice_body, n)
+        A, cycle = system(network)
+        force = np.where(network.held, 0.0, network.force).ravel()
+        cycles.append(conjugate_gradients(A, force, cycle, 1e-8).cycles)
+    assert cycles[1] <= cycles[0] + 6  # a digit takes one and a half cycles or two
+    assert cycles[1] < 24
+
+
+def test_newton_solves_no_further_than_the_next_tangent_can_use(lattice_body):
+    """Turned by a hundredth: all its solves together cost less than two to the last digit."""
+    network = sheet(lattice_body, 32)
+    network = replace(network, force=0.02 * network.force)
+    A, cycle = system(network)
+    force = np.where(network.held, 0.0, network.force).ravel()
+    one = conjugate_gradients(A, force, cycle, 1e-12).cycles
+    run = relax(network, MULTIGRID)
+    assert run.steps >= 3
+    assert run.evaluations - run.steps < 2 * one
+
+
+def test_multigrid_rests_where_newton_does_and_is_quiet(lattice_body, recwarn, capfd):
+    network = sheet(lattice_body, 16)
+    expected = equilibrium(network, "nonlinear").displacement
+    found = relax(network, MULTIGRID).equilibrium.displacement
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
+    assert not recwarn.list
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_load_that_is_none_takes_no_cycle(lattice_body):
+    A, cycle = system(sheet(lattice_body, 4))
+    found = conjugate_gradients(A, np.zeros(A.shape[0]), cycle, 1e-3)
+    assert (found.cycles, found.left) == (0, 0.0)
+    assert not found.solution.any()
+
+
+# --- verdicts without a factor ----------------------------------------------------------------
+
+
+def column(lattice_body, over, cells=(80, 8)):
+    """A clamped column and its straight place under `over` times its Euler load (N).
+
+    π²EI/4L² with the bending stiffness of a lattice, 1 + ((2 - nu)/(1 + nu))/n² times EI for n
+    cells through the height: as in `test_equilibrium`.
+    """
+    euler = np.pi**2 / 12 / 400 * (1 + 1.25 / cells[1] ** 2)
+    squeeze = Traction(Region((10.0, None)), (-over * euler, 0.0))
+    network = lattice_body((10.0, 1.0), cells, loads=(squeeze,))
+    # Uniform compression, the first order of what the traction makes: load over E of 1 Pa.
+    strain = over * euler
+    nu = 1 / 3
+    middle = network.points - [0.0, 0.5]
+    return network, network.points + middle * [-strain, nu * strain]
+
+
+@without_factors
+@pytest.mark.parametrize(("over", "stable"), [(0.5, True), (0.9, True), (1.2, False), (5, False)])
+def test_a_column_is_stable_up_to_its_euler_load(lattice_body, over, stable):
+    network, straight = column(lattice_body, over)
+    free = np.flatnonzero(~network.held.ravel())
+    K = tangent(network, straight)[free][:, free]
+    assert (factorised(K).negative == 0) is stable  # the pivots' verdict
+    assert is_stable(network, straight) is stable
+    # So it is by a cycle of the network at rest, as a relaxation hands it on.
+    assert is_stable(network, straight, system(network)[1]) is stable
+
+
+@pytest.mark.parametrize("name", [name for name in RELAXATIONS if name != "newton"])
+def test_methods_take_the_same_steps_without_factors(lattice_body, monkeypatch, name):
+    """What large networks ask of multigrid: frequencies to plan by, and a verdict at rest."""
+    network = sheet(lattice_body, 20)  # too large for dense frequencies as well
+    by_factor = relax(network, RELAXATIONS[name], tolerance=1e-8)
+    monkeypatch.setattr(linear, "LARGEST_FACTORED", {2: 0, 3: 0})
+    monkeypatch.setattr(linear, "splu", None)
+    by_multigrid = relax(network, RELAXATIONS[name], tolerance=1e-8)
+    assert by_multigrid.steps == pytest.approx(by_factor.steps, rel=0.01)
+    np.testing.assert_allclose(
+        by_multigrid.equilibrium.displacement, by_factor.equilibrium.displacement, atol=1e-7
+    )
+
+
+@without_factors
+@pytest.mark.parametrize("name", ["viscous_leapfrog", "newton_multigrid"])
+def test_a_column_that_rests_straight_beyond_its_euler_load_is_refused(lattice_body, name):
+    """Exactly straight, nothing disturbs it: only the verdict knows."""
+    network, _ = column(lattice_body, 1.5, cells=(40, 4))
+    with pytest.raises(SolverError, match=r"unstable|negative mode|not positive"):
+        relax(network, RELAXATIONS[name], max_steps=100_000)
+
+
+@without_factors
+def test_what_buckles_in_one_place_is_refused(lattice_body):
+    network = sheet(lattice_body, 16)
+    around = (network.springs == len(network.points) // 2).any(axis=1)
+    swollen = replace(network, rest_length=np.where(around, 3.0, 1.0) * network.rest_length)
+    assert not is_stable(swollen, swollen.points)
+    assert not is_stable(swollen, swollen.points, system(network)[1])
+
+
+@without_factors
+@pytest.mark.parametrize("n", [2, 5, 20, 70])
+def test_a_mechanism_is_not_stable(hinged_blocks, n):
+    """Of 70 cells a side its stiffness is rounded up, and a random load meets nothing negative."""
+    network = hinged_blocks(n)
+    assert not is_stable(network, network.points)
+    assert not is_stable(network, network.points, system(network)[1])
+    with pytest.raises(SolverError, match=r"mechanism: nothing resists point .* moving along"):
+        relax(network, MULTIGRID, max_steps=20)
+
+
+@without_factors
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_a_point_on_one_spring_is_named(lattice_body, turn):
+    """What it meets across is 0, or the rounding of a turn; by multigrid and by a factor."""
+    block = lattice_body((1.0, 1.0), 12)
+    n = len(block.points)
+    c, s = np.cos(turn), np.sin(turn)
+    network = spring_network(
+        np.vstack([block.points, [1.05, 0.5]]) @ [[c, s], [-s, c]],
+        np.vstack([block.springs, [n // 2, n]]),
+        np.append(block.stiffness, 1.0),
+        held=np.vstack([block.held, [False, False]]),
+        force=np.vstack([block.force, [0.001 * -s, 0.001 * c]]),
+    )
+    with pytest.raises(SolverError, match=f"nothing resists point {n} at"):
+        relax(network, MULTIGRID)
+    with pytest.raises(SolverError, match=f"nothing resists point {n} at"):
+        equilibrium(network)
+
+
+@without_factors
+def test_a_column_that_buckles_is_no_mechanism(lattice_body):
+    """Unstable is not loose: its springs resist every motion, some by falling."""
+    network, straight = column(lattice_body, 1.5, cells=(40, 4))
+    squeezed = replace(network, points=straight)
+    refuse_mechanism(network)
+    refuse_mechanism(squeezed)
+    assert not is_stable(squeezed, straight)
+
+
+@without_factors
+def test_prestress_alone_may_make_a_network_stable():
+    """A string of unstressed springs is loose across; pulled, it is not."""
+    points = np.stack([np.arange(50.0), np.zeros(50)], axis=1)
+    springs = np.stack([np.arange(49), np.arange(1, 50)], axis=1)
+    held = np.zeros(points.shape, dtype=bool)
+    held[[0, -1]] = True
+    for rest, stable in ((1.0, False), (0.9, True), (1.1, False)):
+        string = spring_network(points, springs, 2.0, rest_length=rest, held=held)
+        assert is_stable(string, string.points) is stable
+
+
+@without_factors
+def test_the_verdict_at_rest_is_that_of_the_pivots(lattice_body, independent):
+    for network in (sheet(lattice_body, 16), independent("s3")[0], independent("s2")[0]):
+        assert is_stable(network, equilibrium(network, "nonlinear").position)
+
+
+def test_only_a_load_without_a_mode_misses_it(lattice_body):
+    """What a yes rests on: a residual keeps its part along a mode of negative energy."""
+    network, straight = column(lattice_body, 1.2, cells=(40, 4))
+    _, cycle = system(network)
+    A = restrained(network, straight)
+    values, modes = np.linalg.eigh(A.toarray())
+    assert values[0] < 0 < values[1]
+    load = np.where(network.held, 0.0, np.random.default_rng(0).normal(size=network.held.shape))
+    with_it = conjugate_gradients(A, load.ravel(), cycle, 1e-6)
+    blind = load.ravel() - modes[:, 0] * (modes[:, 0] @ load.ravel())
+    without = conjugate_gradients(A, blind, cycle, 1e-6)
+    assert with_it.negative
+    assert without.left <= 1e-6 or without.negative
+
+
+def test_a_matrix_that_is_negative_is_told_by_its_motion():
+    """Two points on a line, one spring that pushes: its motion across falls."""
+    pair = spring_network(
+        [[0, 0], [1, 0]], [[0, 1]], 1.0, rest_length=2.0, held=[[True, True], [False, False]]
+    )
+    A, cycle = system(pair)
+    assert cycle.falling is not None
+    assert cycle.falling @ (A @ cycle.falling) < 0
+    assert not is_positive(A, pair, pair.points, cycle)
+
+
+def test_few_cycles_are_no_solution(lattice_body):
+    A, cycle = system(sheet(lattice_body, 16))
+    force = np.random.default_rng(1).normal(size=A.shape[0])
+    found = conjugate_gradients(A, force, cycle, 1e-12, most=2)
+    assert found.cycles == 2 < MOST_CYCLES
+    assert found.left > 1e-12
