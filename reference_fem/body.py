@@ -26,12 +26,14 @@ from msvalidate.problem import (
     measure_of,
     place_name,
     prescribed,
+    shown,
     vectors_at,
 )
 from reference_fem.discretisation import Discretisation
-from reference_fem.elasticity import VOIGT, elastic_tensor, solve_on
+from reference_fem.elasticity import VOIGT, elastic_tensor, stiffness
 from reference_fem.facets import Facets
-from reference_fem.mixed import lame, solve_mixed_on
+from reference_fem.mixed import lame, mixed_solution
+from reference_fem.solver import Solved, Solver
 from reference_fem.stress import engineering_strain, gradient, pressure_at
 
 
@@ -48,6 +50,8 @@ class Solution:
     pressure
         (v,) in Pa at the corners of cells, in the order of `body.vertices`, of mixed elements:
         p = λ div u, positive in tension. None of displacement elements.
+    solved
+        How the displacements were found; None where they were given.
 
     Raises
     ------
@@ -59,6 +63,7 @@ class Solution:
     displacement: Array
     material: Material | None = None
     pressure: Array | None = None
+    solved: Solved | None = None
 
     def __post_init__(self) -> None:
         instance("body", self.body, Discretisation)
@@ -133,7 +138,9 @@ class Solution:
         return pressure_at(self.body, self.pressure, points)
 
 
-def solve_problem(problem: Problem, body: Discretisation, *, mixed: bool = False) -> Solution:
+def solve_problem(
+    problem: Problem, body: Discretisation, *, mixed: bool = False, solver: str = "auto"
+) -> Solution:
     """Solve a problem on a discretisation of its domain, such as `box_discretisation` gives.
 
     Parameters
@@ -143,11 +150,14 @@ def solve_problem(problem: Problem, body: Discretisation, *, mixed: bool = False
     mixed
         Seek displacement and pressure together (Taylor-Hood): for nu near 1/2 and 1/2 itself, in
         plane strain and space, on quadratic elements. Displacement elements lock there.
+    solver
+        One of `solver.SOLVERS`, as for a `Solver`; of mixed elements "auto" or "superlu".
 
     Raises
     ------
     ProblemError
-        If a support or load does not meet the mesh, or mixed elements are not for the material.
+        If a support or load does not meet the mesh, mixed elements are not for the material, or the
+        solver is unknown, not there or not for this body.
     SolverError
         If the solution fails its residual check.
     """
@@ -157,9 +167,16 @@ def solve_problem(problem: Problem, body: Discretisation, *, mixed: bool = False
         force = nodal_forces(problem, body)
     law = problem.material
     if mixed:
-        found, pressure = solve_mixed_on(body, law, held, displacement, force)
-        return Solution(body, found, law, pressure)
-    return Solution(body, solve_on(body, law, held, displacement, force), law)
+        if solver not in ("auto", "superlu"):
+            raise ProblemError(
+                f"solver: {shown(solver)}; mixed elements are indefinite, take auto or superlu"
+            )
+        found, pressure, solved = mixed_solution(body, law, held, displacement, force)
+        return Solution(body, found, law, pressure, solved)
+    with np.errstate(over="ignore", invalid="ignore"):
+        ready = Solver(body, stiffness(body, law), held, solver)
+    found, solved = ready.solve(displacement, force)
+    return Solution(body, found, law, solved=solved)
 
 
 def _refuse_other_body(problem: Problem, body: Discretisation) -> None:

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 import skfem
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_matrix
+from scipy.sparse import coo_array, csr_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from msvalidate.problem import Array, Index, ProblemError, chosen, coordinates
+from reference_fem.assembly import Pattern, gradient_products, pattern
 from reference_fem.checks import (
     checked_cells,
     refuse_crossed,
@@ -90,14 +92,34 @@ class Discretisation:
         """Nodes (v,) that are corners of cells, in rising order."""
         return np.unique(self.cells[:, : self.element.corners])
 
+    @cached_property
+    def in_one_piece(self) -> bool:
+        """Whether all cells hang together by whole sides.
+
+        Its cells bend for no motion but rigid ones, and two with a common side move as one: such a
+        body has no mechanism, and supports that stop its rigid motions hold it.
+        """
+        faces = self.faces
+        # In space three corners of a face tell it from all others.
+        each = np.sort(faces.reshape(-1, faces.shape[2]), axis=1)[:, : self.dim]
+        number = each @ len(self.points) ** np.arange(self.dim)
+        order = np.argsort(number)
+        (shared,) = (np.diff(number[order]) == 0).nonzero()
+        cell = order // faces.shape[1]
+        size = len(self.cells)
+        pairs = (np.ones(len(shared)), (cell[shared], cell[shared + 1]))
+        graph = coo_array(pairs, shape=(size, size))
+        return bool(connected_components(graph, directed=False)[0] == 1)
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """Pairs of nodes that share a cell."""
+        return pattern(self.nodes_of(np.arange(len(self.cells))).T, len(self.points))
+
     @property
     def links(self) -> csr_matrix:
-        """Matrix (n, n), an entry for two nodes that share a cell; gradients may have none."""
-        count, nodes = self.cells.shape
-        row = np.arange(0, self.cells.size + 1, nodes)
-        shape = (count, len(self.points))
-        held = csr_matrix((np.ones(self.cells.size, dtype=np.int8), self.cells.ravel(), row), shape)
-        return csr_matrix(held.T @ held)
+        """Matrix (n, n), an entry for two nodes that share a cell."""
+        return self.pattern.matrix(np.ones(len(self.pattern.columns)))
 
     def quadrature(self, order: int) -> Any:
         """The basis with points that integrate polynomials of such a degree exactly."""
@@ -105,27 +127,19 @@ class Discretisation:
         return skfem.Basis(self.basis.mesh, self.basis.elem, mapping=mapping, intorder=order)
 
     @cached_property
-    def gradients(self) -> list[list[csr_matrix]]:
-        """∫ ∂φi/∂xc ∂φj/∂xd as matrices [c][d] of shape (n, n), rows and columns by node.
+    def gradients(self) -> Array:
+        """∫ ∂φi/∂xc ∂φj/∂xd (d, d, e), an entry for each pair of nodes of the `pattern`.
 
-        Every constant tensor's stiffness is a combination of these: assembled once, on a scalar
-        basis, they cost a fraction of a vector form.
+        Every constant tensor's stiffness is a combination of these: made once, on a scalar basis,
+        they cost a fraction of a vector form.
 
         Raises
         ------
         SolverError
             If memory does not suffice.
         """
-        d = self.dim
         with within_memory(len(self.points), "nodes"):
-            upper = {(a, b): self._integral(a, b) for a in range(d) for b in range(a, d)}
-            return [[upper[a, b] if a <= b else upper[b, a].T for b in range(d)] for a in range(d)]
-
-    def _integral(self, a: int, b: int) -> csr_matrix:
-        form = skfem.BilinearForm(lambda u, v, _: v.grad[a] * u.grad[b])
-        matrix = form.assemble(self.basis).tocoo()
-        pair = (self.node[matrix.row], self.node[matrix.col])
-        return csr_matrix((matrix.data, pair), shape=matrix.shape)
+            return gradient_products(self.basis, self.pattern)
 
     def interpolation(self, points: ArrayLike) -> csr_matrix:
         """Matrix (p, n) that takes nodal values to values at points (p, d) of the body.

@@ -16,8 +16,9 @@ def envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:
     """Entries of a factor within the envelope, and products to make it: Σ b and Σ b² by row.
 
     b is how far a row reaches to the left of the diagonal in the ordering of Cuthill and McKee
-    (1969), reversed. A factor is made in another ordering, with half the entries in a cube and 1.4
-    times as many in a bar: the count is for choosing, cheap and the same on every machine.
+    (1969), reversed. A factor is made by nested dissection, with half as many entries in a cube of
+    hexahedra and twice as many in a bar: the count is for choosing, cheap and the same on every
+    machine.
 
     Parameters
     ----------

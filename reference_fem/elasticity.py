@@ -6,43 +6,22 @@ from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import bmat, csr_matrix
-from scipy.sparse.linalg import splu
+from scipy.sparse import csr_matrix
 
 from msvalidate.problem import (
     Array,
-    Index,
     Isotropic,
     Mask,
     Material,
     ProblemError,
-    SolverError,
     finite,
     instance,
-    place_name,
-    refuse_free_motions,
     shown,
 )
 from reference_fem.discretisation import Discretisation, discretise
-from reference_fem.effort import envelope, within_memory
-from reference_fem.multigrid import MOST_STEPS, in_one_piece, multigrid
+from reference_fem.effort import within_memory
+from reference_fem.solver import Solver, refuse_shapes
 
-RESIDUAL = 1e-9
-"""Largest accepted residual relative to the terms that cancel in it; a direct solve of a regular
-system leaves 1e-13."""
-NO_STIFFNESS = 1e-14
-"""Strain energy of a mode that is rounding, relative to what its components cost one by one."""
-MOST_PRODUCTS = 4e9
-"""Products of a factor's envelope, in space, beyond which multigrid may be faster: half a second to
-three. A cube of 12 x 12 x 12 cells has 3.6e9, a bar of 200 x 4 x 4 has 1.3e8. In the plane a factor
-is faster to a million unknowns and more."""
-MOST_ENTRIES = 5e7
-"""Entries of a factor's envelope up to which one is made where multigrid fails: it takes 10
-bytes for each in hexahedra, 30 in tetrahedra, 2 GB at most. A cube of 18 x 18 x 18 has 3e7."""
-PRODUCTS_A_STEP = 2e8
-"""Products of a factor that take no less time than a step of multigrid: what it may waste."""
-LEAST_STEPS = 60
-"""Steps that multigrid is always given: well-shaped cells take 40."""
 VOIGT = {
     2: ((0, 0), (1, 1), (0, 1)),
     3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)),
@@ -109,69 +88,31 @@ def arrays(
     return held, displacement, force
 
 
-def refuse_shapes(body: Discretisation, **named: Array | Mask) -> None:
-    """Raise a `ProblemError` for an array that has not one value for each component of a node."""
-    instance("body", body, Discretisation)
-    for name, array in named.items():
-        if np.shape(array) != body.points.shape:
-            raise ProblemError(f"{name}: shape {np.shape(array)}; give {body.points.shape}")
-
-
 def solve_on(
-    body: Discretisation, material: Material, held: Mask, displacement: Array, force: Array
+    body: Discretisation,
+    material: Material,
+    held: Mask,
+    displacement: Array,
+    force: Array,
+    *,
+    solver: str = "auto",
 ) -> Array:
     """Displacement (n, d) in m under held components (n, d), their values (m) and forces (N).
+
+    For many loads, or to know how it was solved, make a `Solver` of the `stiffness`.
 
     Raises
     ------
     ProblemError
-        If a rigid motion is free, or the material is not for this body or not compressible.
+        If a rigid motion is free, the material is not for this body or not compressible, or the
+        solver is unknown, not there or not for this body.
     SolverError
-        If the solution fails its residual check.
+        If part of the body can move without strain, or the solution fails its residual check.
     """
     refuse_shapes(body, held=held, displacement=displacement, force=force)
-    refuse_free_motions("finite element body", body.points, held)
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
-        return _solved(body, stiffness(body, material), held, displacement, force)
-
-
-def _solved(
-    body: Discretisation, K: csr_matrix, held: Mask, displacement: Array, force: Array
-) -> Array:
-    known = held.T.ravel()
-    u = np.where(held, displacement, 0.0).T.ravel()
-    load = force.T.ravel()
-    free = np.flatnonzero(~known)
-    if len(free):
-        rows = K[free]
-        acting = load[free] - rows @ u
-        if body.dim == 3:
-            u[free] = _in_space(body, held, K, acting)
-        else:
-            u[free] = _direct(body, free, rows[:, free], acting)
-        residual = np.abs(rows @ u - load[free]).max()
-        scale = (abs(rows) @ np.abs(u) + np.abs(load[free])).max()
-        if not residual <= RESIDUAL * scale:
-            raise SolverError(
-                f"finite elements: residual {residual:.3g} N against forces of {scale:.3g} N; "
-                "the system is singular or badly scaled"
-            )
-    return u.reshape(body.dim, -1).T.copy()
-
-
-def _in_space(body: Discretisation, held: Mask, K: csr_matrix, load: Array) -> Array:
-    """Solution of the free part of a body in space by the way that its shape makes the faster."""
-    free = np.flatnonzero(~held.T.ravel())
-    entries, products = envelope(body.links, held)
-    if products > MOST_PRODUCTS and in_one_piece(body):
-        fits = entries <= MOST_ENTRIES
-        steps = max(LEAST_STEPS, int(products / PRODUCTS_A_STEP)) if fits else MOST_STEPS
-        try:
-            return multigrid(body, held, K, load, min(steps, MOST_STEPS))
-        except SolverError:  # thin cells, or nu near 1/2, which a factor does not mind
-            if not fits:
-                raise
-    return _direct(body, free, K[free][:, free], load)
+        ready = Solver(body, stiffness(body, material), held, solver)
+    return ready.solve(displacement, force)[0]
 
 
 def stiffness(body: Discretisation, material: Material) -> csr_matrix:
@@ -195,13 +136,9 @@ def stiffness(body: Discretisation, material: Material) -> csr_matrix:
 
 def weighted(body: Discretisation, C: Array) -> csr_matrix:
     """Σ_cd C_acbd ∫ ∂c φi ∂d φj (d·n, d·n), component-major, of a constant tensor (d, d, d, d)."""
-    d, G = body.dim, body.gradients
     with within_memory(len(body.points), "nodes"):
-        blocks = [
-            [sum(C[a, c, b, e] * G[c][e] for c in range(d) for e in range(d)) for b in range(d)]
-            for a in range(d)
-        ]
-        return bmat(blocks, format="csr")
+        blocks = np.tensordot(C, body.gradients, axes=((1, 3), (0, 1)))
+        return body.pattern.component_major(blocks)
 
 
 def elastic_tensor(material: Material) -> Array:
@@ -243,33 +180,6 @@ def full_tensor(C: Array) -> Array:
         for j, (c, e) in enumerate(VOIGT[d]):
             T[a, b, c, e] = T[b, a, c, e] = T[a, b, e, c] = T[b, a, e, c] = C[i, j]
     return T
-
-
-def _direct(body: Discretisation, free: Index, K: csr_matrix, load: Array) -> Array:
-    """Solution of the free part, refused if part of the body can move without strain."""
-    # Symmetric ordering with diagonal pivots: several times faster than the general default.
-    options = {"SymmetricMode": True}
-    ordering = "MMD_AT_PLUS_A"
-    with within_memory(len(free), "unknowns"):
-        try:
-            factor = splu(K.tocsc(), permc_spec=ordering, diag_pivot_thresh=0.0, options=options)
-        except RuntimeError as error:
-            raise SolverError(
-                "finite elements: the stiffness is singular: a part of the body can move without "
-                "strain; join the parts or hold each"
-            ) from error
-    # A zero-energy mode hides from the residual, not from two steps of inverse iteration.
-    mode = np.random.default_rng(0).normal(size=len(free))
-    for _ in range(2):
-        mode = factor.solve(mode)
-        mode /= np.abs(mode).max()
-    if abs(mode @ (K @ mode)) <= NO_STIFFNESS * (mode**2 @ K.diagonal()):
-        place = body.points[free[np.abs(mode).argmax()] % len(body.points)]
-        raise SolverError(
-            f"finite elements: the part of the body around {place_name(place)} can move without "
-            "strain; join it to the rest by an edge, or hold it"
-        )
-    return np.asarray(factor.solve(load))
 
 
 def _rows(

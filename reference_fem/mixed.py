@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from time import perf_counter
 
 import numpy as np
 import skfem
@@ -34,7 +35,8 @@ from msvalidate.problem import (
 )
 from reference_fem.discretisation import Discretisation, discretise
 from reference_fem.effort import within_memory
-from reference_fem.elasticity import RESIDUAL, arrays, full_tensor, refuse_shapes, weighted
+from reference_fem.elasticity import arrays, full_tensor, weighted
+from reference_fem.solver import RESIDUAL, Solved, refuse_shapes
 
 TAYLOR_HOOD = {"P2-P1": "P2", "Q2-Q1": "Q2", "T2-T1": "T2", "H2-H1": "H2"}
 """Elements of displacement and pressure, and the first of the two."""
@@ -92,7 +94,15 @@ def solve_mixed_on(
     SolverError
         If the system is singular, or the solution fails its residual check.
     """
+    return mixed_solution(body, material, held, displacement, force)[:2]
+
+
+def mixed_solution(
+    body: Discretisation, material: Material, held: Mask, displacement: Array, force: Array
+) -> tuple[Array, Array, Solved]:
+    """As `solve_mixed_on`, and how it was solved: the larger residual of forces and of volumes."""
     refuse_shapes(body, held=held, displacement=displacement, force=force)
+    began = perf_counter()
     with within_memory(len(body.points), "nodes"):
         system = _system(body, material)
     refuse_free_motions("finite element body", body.points, held)
@@ -102,8 +112,9 @@ def solve_mixed_on(
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
         found = system.solved(free, load - system.A @ u, -(system.B @ u))
         u[free], p = found[: free.sum()], found[free.sum() :]
-        system.check(free, u, p, load)
-    return u.reshape(body.dim, -1).T.copy(), p
+        left = system.check(free, u, p, load)
+    solved = Solved("superlu", "mixed elements: indefinite", left, 0, perf_counter() - began)
+    return u.reshape(body.dim, -1).T.copy(), p, solved
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,8 +140,9 @@ class _System:
         K = S @ block_array([[A, B.T], [B, -self.M]], format="csr") @ S
         return np.asarray(scale * _direct(K, scale * np.concatenate([load[free], swelling])))
 
-    def check(self, free: Mask, u: Array, p: Array, load: Array) -> None:
-        """Refuse what leaves more than rounding in either equation."""
+    def check(self, free: Mask, u: Array, p: Array, load: Array) -> float:
+        """Larger residual of the two equations, relative; refused if it is more than rounding."""
+        worst = 0.0
         both, total = hstack([self.A, self.B.T], "csr"), np.concatenate([u, p])
         below = hstack([self.B, -self.M], "csr")
         for name, rows, right in (
@@ -144,6 +156,8 @@ class _System:
                     f"mixed finite elements: residual of {name} {left:.3g} against terms of "
                     f"{scale:.3g}; the system is singular or badly scaled"
                 )
+            worst = max(worst, float(left / scale) if scale else 0.0)
+        return worst
 
 
 _NO_VOLUME = (

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
-from scipy.sparse import bsr_array, coo_array, csr_array, csr_matrix, diags_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import bsr_array, csr_array, csr_matrix, diags_array
 from scipy.sparse.linalg import LinearOperator
 
 from msvalidate.problem import Array, Mask, SolverError, rigid_motions
@@ -21,26 +22,8 @@ MOST_STEPS = 500
 """Cells of good shape take 20 to 40, cells ten times as long as wide 100, nu = 0.499 takes 200."""
 
 
-def in_one_piece(body: Discretisation) -> bool:
-    """Whether all cells hang together by faces.
-
-    Its cells bend for no motion but rigid ones, and two with a common face move as one: such a body
-    has no mechanism, and supports that stop its rigid motions hold it.
-    """
-    faces = body.faces
-    each = np.sort(faces.reshape(-1, faces.shape[2]), axis=1)
-    _, number = np.unique(each, axis=0, return_inverse=True)
-    cell = np.repeat(np.arange(len(faces)), faces.shape[1])
-    number = number.ravel() + len(faces)  # a graph of cells and faces
-    size = number.max() + 1
-    graph = coo_array((np.ones(len(cell)), (cell, number)), shape=(size, size))
-    return bool(connected_components(graph, directed=False)[0] == 1)
-
-
-def multigrid(
-    body: Discretisation, held: Mask, K: csr_matrix, load: Array, steps: int = MOST_STEPS
-) -> Array:
-    """Displacement (f,) in m of the free components under forces (f,) in N.
+class Hierarchy:
+    """Levels of a supported body's stiffness, ready for any load.
 
     Parameters
     ----------
@@ -48,45 +31,71 @@ def multigrid(
         Whose rigid motions make the coarse spaces.
     held
         Components (n, d) that are held; the others are free.
-    K, load
-        Stiffness of all components (N/m) and forces on the free ones (N), component-major.
-    steps
-        Most steps of conjugate gradients, each with one cycle.
+    K
+        Stiffness (N/m) of all components, component-major.
 
     Raises
     ------
     SolverError
-        If the error does not come down, or memory does not suffice.
+        If memory does not suffice.
     """
-    unit, largest = float(K.diagonal().max()), float(np.abs(load).max())
-    if largest == 0:
-        return np.zeros(load.shape)
-    if not (np.isfinite(largest) and np.finfo(float).tiny <= unit and np.isfinite(K.data).all()):
-        return np.full(load.shape, np.nan)  # which no residual allows
-    free = ~held.ravel()
-    # By node: what is held keeps its rows, so that every node has a block.
-    by_node = np.arange(held.size).reshape(body.dim, -1).T.ravel()
-    inside = diags_array(free.astype(float))
-    A = inside @ (K[by_node][:, by_node] / unit) @ inside + diags_array(1.0 - free)
-    right = np.zeros(held.shape)
-    right.T[~held.T] = load / largest
-    with within_memory(len(load), "unknowns"):
-        found = _conjugate_gradients(A, right.ravel(), _cycle(body, free, A), steps)
-    return np.asarray(found.reshape(held.shape).T[~held.T] * (largest / unit))
+
+    def __init__(self, body: Discretisation, held: Mask, K: csr_matrix) -> None:
+        self._held, self._unit = held, float(K.diagonal().max())
+        self._numbers = bool(np.finfo(float).tiny <= self._unit and np.isfinite(K.data).all())
+        if not self._numbers:
+            return
+        free = ~held.ravel()
+        # By node: what is held keeps its rows, so that every node has a block.
+        by_node = np.arange(held.size).reshape(body.dim, -1).T.ravel()
+        inside = diags_array(free.astype(float))
+        with within_memory(int(free.sum()), "unknowns"):
+            scaled = K[by_node][:, by_node] / self._unit
+            self._A = inside @ scaled @ inside + diags_array(1.0 - free)
+            self._cycle = _cycle(body, free, self._A)
+
+    def solve(self, load: Array, steps: int = MOST_STEPS) -> tuple[Array, int]:
+        """Displacement (f,) in m of the free components under forces (f,) in N, and steps taken.
+
+        Parameters
+        ----------
+        load
+            Forces on the free components, component-major.
+        steps
+            Most steps of conjugate gradients, each with one cycle.
+
+        Raises
+        ------
+        SolverError
+            If the error does not come down.
+        """
+        largest = float(np.abs(load).max())
+        if largest == 0:
+            return np.zeros(load.shape), 0
+        if not (self._numbers and np.isfinite(largest)):
+            return np.full(load.shape, np.nan), 0  # which no residual allows
+        right = np.zeros(self._held.shape)
+        right.T[~self._held.T] = load / largest
+        with within_memory(len(load), "unknowns"):
+            found, taken = _conjugate_gradients(self._A, right.ravel(), self._cycle, steps)
+        free = found.reshape(self._held.shape).T[~self._held.T]
+        return np.asarray(free * (largest / self._unit)), taken
 
 
-def _conjugate_gradients(A: csr_array, b: Array, cycle: LinearOperator, most: int) -> Array:
-    """Solution of A x = b to `ERROR`, from at most so many steps."""
+def _conjugate_gradients(
+    A: csr_array, b: Array, cycle: LinearOperator, most: int
+) -> tuple[Array, int]:
+    """Solution of A x = b to `ERROR`, and its steps, at most so many."""
     x, residual = np.zeros(len(b)), b
     ahead = cycle @ residual
-    allowed, steps = ERROR * np.linalg.norm(ahead), 0
-    while np.linalg.norm(ahead) > allowed:
+    allowed, steps = ERROR * _norm(ahead), 0
+    while _norm(ahead) > allowed:
         direction = ahead  # afresh, from a residual that no recursion has let drift
-        while np.linalg.norm(ahead) > allowed:
-            force, power = A @ direction, residual @ ahead
-            stiff = direction @ force
+        while _norm(ahead) > allowed:
+            force, power = A @ direction, _dot(residual, ahead)
+            stiff = _dot(direction, force)
             if steps == most or not (stiff > 0 and power > 0):  # or rounding is all that is left
-                left = np.linalg.norm(ahead) * ERROR / allowed
+                left = _norm(ahead) * ERROR / allowed
                 raise SolverError(
                     f"finite elements: error {left:.1g} of the displacement after {steps} steps of "
                     "conjugate gradients; take cells of better shape, fewer of them, or a smaller "
@@ -95,11 +104,20 @@ def _conjugate_gradients(A: csr_array, b: Array, cycle: LinearOperator, most: in
             x = x + power / stiff * direction
             residual = residual - power / stiff * force
             ahead = cycle @ residual
-            direction = ahead + residual @ ahead / power * direction
+            direction = ahead + _dot(residual, ahead) / power * direction
             steps += 1
         residual = b - A @ x
         ahead = cycle @ residual
-    return x
+    return x, steps
+
+
+def _dot(a: Array, b: Array) -> float:
+    """Sum of products, in one order: that of BLAS, and the last digits, depend on its threads."""
+    return float(np.einsum("i,i", a, b))
+
+
+def _norm(a: Array) -> float:
+    return math.sqrt(_dot(a, a))
 
 
 def _cycle(body: Discretisation, free: Mask, A: csr_array) -> LinearOperator:

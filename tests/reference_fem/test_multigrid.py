@@ -20,7 +20,6 @@ from msvalidate.problem import (
 )
 from reference_fem.discretisation import discretise
 from reference_fem.effort import envelope
-from reference_fem.multigrid import in_one_piece
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -44,7 +43,7 @@ PROMISED = 1e-9
 
 
 def answer(problem, body, most, monkeypatch):
-    monkeypatch.setattr("reference_fem.elasticity.MOST_PRODUCTS", most)
+    monkeypatch.setattr("reference_fem.solver.MOST_PRODUCTS", {"superlu": most, "cholmod": most})
     return reference_fem.solve_problem(problem, body).displacement
 
 
@@ -70,9 +69,9 @@ def test_both_solvers_agree(element, grading, material, supports, monkeypatch):
     problem = Problem(BOX, material, supports, (PULL, WEIGHT))
     body = reference_fem.box_discretisation(BOX, 7 if element[1] == "1" else 4, element, grading)
     with monkeypatch.context() as only:
-        only.setattr("reference_fem.elasticity.multigrid", refused)
+        only.setattr("reference_fem.solver.Hierarchy", refused)
         direct = answer(problem, body, np.inf, only)
-    monkeypatch.setattr("reference_fem.elasticity._direct", refused)
+    monkeypatch.setattr("reference_fem.solver.factorised", refused)
     iterated = answer(problem, body, 0, monkeypatch)
     assert np.abs(direct).max() > 0.1
     assert np.abs(iterated - direct).max() <= AGREE * np.abs(direct).max()
@@ -108,10 +107,10 @@ def test_what_multigrid_finds_hard_is_solved_directly(size, cells, grading, nu, 
     problem, body = pulled(size, cells, grading, nu)
     assert body.points.size > 4000
     with monkeypatch.context() as only:
-        only.setattr("reference_fem.elasticity.multigrid", refused)
+        only.setattr("reference_fem.solver.Hierarchy", refused)
         direct = reference_fem.solve_problem(problem, body).displacement
     # The same where multigrid is asked first, and is wrong or stalls.
-    monkeypatch.setattr("reference_fem.elasticity.LEAST_STEPS", 5)
+    monkeypatch.setattr("reference_fem.solver.LEAST_STEPS", 5)
     again = answer(problem, body, 0, monkeypatch)
     np.testing.assert_array_equal(again, direct)
 
@@ -130,30 +129,28 @@ def test_what_multigrid_finds_hard_is_solved_directly(size, cells, grading, nu, 
 def test_multigrid_keeps_its_promise_or_says_that_it_cannot(size, cells, grading, nu, monkeypatch):
     problem, body = pulled(size, cells, grading, nu)
     direct = answer(problem, body, np.inf, monkeypatch)
-    monkeypatch.setattr("reference_fem.elasticity._direct", refused)
-    monkeypatch.setattr("reference_fem.elasticity.MOST_ENTRIES", 0)
+    monkeypatch.setattr("reference_fem.solver.factorised", refused)
+    monkeypatch.setattr("reference_fem.solver.MOST_ENTRIES", 0)
     iterated = answer(problem, body, 0, monkeypatch)
     assert np.abs(iterated - direct).max() <= PROMISED * np.abs(direct).max()
 
 
-@pytest.mark.parametrize(("element", "n"), [("T1", 16), ("H2", 6), ("T2", 7)])
+@pytest.mark.parametrize(("element", "n"), [("T1", 12), ("H2", 5), ("T2", 6)])
 def test_other_elements_of_large_bodies_are_iterated_too(element, n, monkeypatch):
-    # Gradients of tetrahedra cut from cubes vanish between many of their nodes, but not all do.
     body = reference_fem.box_discretisation(BOX, n, element)
-    fewer = body.gradients[0][0].nnz < body.links.nnz
-    assert fewer == (element[0] == "T")
-    monkeypatch.setattr("reference_fem.elasticity._direct", refused)
-    found = reference_fem.solve_problem(Problem(BOX, SOFT, CLAMP, (PULL,)), body)
-    assert np.isfinite(found.displacement).all()
+    monkeypatch.setattr("reference_fem.solver.factorised", refused)
+    # What is large, ten times smaller: a test need not wait for it.
+    found = answer(Problem(BOX, SOFT, CLAMP, (PULL,)), body, 1e3, monkeypatch)
+    assert np.isfinite(found).all()
 
 
 def test_large_bodies_in_space_are_iterated_and_others_are_not(monkeypatch):
-    large = reference_fem.box_discretisation(BOX, 13, "H1")
-    monkeypatch.setattr("reference_fem.elasticity._direct", refused)
+    large = reference_fem.box_discretisation(BOX, 17, "H1")
+    monkeypatch.setattr("reference_fem.solver.factorised", refused)
     found = reference_fem.solve_problem(Problem(BOX, SOFT, CLAMP, (PULL,)), large)
     assert np.isfinite(found.displacement).all()
     monkeypatch.undo()
-    monkeypatch.setattr("reference_fem.elasticity.multigrid", refused)
+    monkeypatch.setattr("reference_fem.solver.Hierarchy", refused)
     plate = Box((1.0, 1.0))
     held = (Support(plate.side("left"), (0.0, 0.0)),)
     flat = Problem(plate, Isotropic(1.0, 0.3), held, (BodyForce((0.0, -1.0)),))
@@ -187,8 +184,8 @@ def test_numbers_beyond_all_are_a_solver_error(E, force, monkeypatch):
 
 
 def test_no_convergence_is_a_solver_error(monkeypatch):
-    monkeypatch.setattr("reference_fem.elasticity.MOST_STEPS", 3)
-    monkeypatch.setattr("reference_fem.elasticity.MOST_ENTRIES", 0)
+    monkeypatch.setattr("reference_fem.solver.MOST_STEPS", 3)
+    monkeypatch.setattr("reference_fem.solver.MOST_ENTRIES", 0)
     body = reference_fem.box_discretisation(BOX, 4, "H1")
     with pytest.raises(SolverError, match=r"after 3 steps of conjugate gradients; take cells of"):
         answer(Problem(BOX, SOFT, CLAMP, (PULL,)), body, 0, monkeypatch)
@@ -199,14 +196,14 @@ def test_too_little_memory_is_told(monkeypatch):
         raise MemoryError
 
     monkeypatch.setattr("pyamg.smoothed_aggregation_solver", no_memory)
-    monkeypatch.setattr("reference_fem.elasticity.splu", no_memory)
+    monkeypatch.setattr("reference_fem.factor.splu", no_memory)
     body = reference_fem.box_discretisation(BOX, 4, "H1")
     with pytest.raises(SolverError, match="300 unknowns take more memory than there is; take few"):
         answer(Problem(BOX, SOFT, CLAMP, (PULL,)), body, 0, monkeypatch)
 
 
 def test_a_free_body_is_refused(monkeypatch):
-    monkeypatch.setattr("reference_fem.elasticity.MOST_PRODUCTS", 0)
+    monkeypatch.setattr("reference_fem.solver.MOST_PRODUCTS", {"superlu": 0, "cholmod": 0})
     body = reference_fem.box_discretisation(BOX, 3, "H1")
     edge = np.flatnonzero((body.points[:, :2] == 0).all(axis=1))
     fixed = [(node, axis, 0.0) for node in edge for axis in range(3)]
@@ -217,17 +214,17 @@ def test_a_free_body_is_refused(monkeypatch):
 @pytest.mark.parametrize("element", ["H1", "T1"])
 def test_one_piece_is_told_from_several(element):
     body = reference_fem.box_discretisation(BOX, (3, 2, 2), element)
-    assert in_one_piece(body)
+    assert body.in_one_piece
     # Without the cells between the two ends along x there are two pieces.
     middle = body.points[body.cells].mean(axis=1)[:, 0]
     cells = body.cells[(middle < 0.4) | (middle > 0.8)]
     used, kept = np.unique(cells, return_inverse=True)
-    assert not in_one_piece(discretise(body.points[used], kept.reshape(cells.shape), element))
+    assert not discretise(body.points[used], kept.reshape(cells.shape), element).in_one_piece
     # A chessboard's cells meet in edges only.
     alone = np.round(body.points[body.cells].min(axis=1) / [0.4, 0.4, 0.5]).sum(axis=1) % 2 == 0
     cells = body.cells[alone]
     used, kept = np.unique(cells, return_inverse=True)
-    assert not in_one_piece(discretise(body.points[used], kept.reshape(cells.shape), element))
+    assert not discretise(body.points[used], kept.reshape(cells.shape), element).in_one_piece
 
 
 def test_envelope_of_a_chain_and_of_a_full_graph():
@@ -246,7 +243,7 @@ def test_envelope_of_a_chain_and_of_a_full_graph():
 
 
 @pytest.mark.parametrize(
-    "taken", ["discretisation.KDTree", "discretisation.csr_matrix", "elasticity.bmat"]
+    "taken", ["discretisation.KDTree", "assembly.csc_matrix", "assembly.csr_matrix"]
 )
 def test_too_little_memory_to_assemble_is_told(taken, monkeypatch):
     def no_memory(*_args, **_options):
