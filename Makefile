@@ -5,10 +5,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 RUN := $(BIN)/python -m msvalidate.study
 
-.PHONY: help poisson check report test lint types format clean
+.PHONY: help poisson bench check report test lint types format clean
 
 help:
-	@sed -n 's/^# //p' Makefile
+	@sed -n 's/^# make/make/p' Makefile
 
 $(BIN)/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -25,12 +25,20 @@ $(VENV)/develops: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable '.[dev]'
 	@touch $@ $(VENV)/runs
 
+$(VENV)/peers: pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable '.[peers,fast]'
+	@touch $@ $(VENV)/runs
+
 poisson: $(VENV)/runs
 	$(RUN) poisson
 
 # make check     every study in its small form against theory, bands and the committed baseline
 check: $(VENV)/runs
 	$(RUN) check $(ARGS)
+
+# make bench     time springs and elements beside their peers, and tell what was aimed at
+bench: $(VENV)/peers
+	$(RUN) cost --table machine --table targets $(ARGS)
 
 # make report    report.html again, from the results in reports/latest
 report: $(VENV)/runs

@@ -70,6 +70,8 @@ def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace)
     ):
         if value and args.verb != "check":
             parser.error(f"{option} goes with 'check' only; leave it out")
+    if args.tables and args.verb != "run":
+        parser.error(f"{args.verb} prints no tables; leave --table out")
     if args.verb in {"list", "report"} and (args.quick or args.seed or not args.plots):
         parser.error(f"{args.verb} solves nothing; leave --quick, --seed and --no-plots out")
     if args.update != (args.reason is not None):
@@ -112,6 +114,14 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--no-plots", dest="plots", action="store_false", help="write tables and report only"
+    )
+    parser.add_argument(
+        "--table",
+        dest="tables",
+        action="append",
+        default=[],
+        metavar="TABLE",
+        help="print this table alone, and whole; may be given again for another",
     )
     _add_check(parser)
     volume = parser.add_mutually_exclusive_group()

@@ -112,6 +112,7 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
         print(end="", flush=True)
     except BrokenPipeError:  # the reader left; the verdict stands
         sys.stdout = None
+    codes += _tables_there(results, args)
     failed = [study.name for study in studies if not study.held]
     if args.update:
         codes.append(_update(results, args, failed))
@@ -240,12 +241,26 @@ def _show(result: Result, args: argparse.Namespace) -> None:
         return
     tables: dict[str, Any] = {**result.evidence.tables}
     tables["verdict"] = result.verdict.drop(columns="because")
+    if args.tables:
+        for name in (name for name in args.tables if name in tables):
+            print(f"\n{result.name}/{name}\n{_aligned(tables[name], len(tables[name]))}")
+        return
     for name, table in tables.items():
         print(f"\n{result.name}/{name}")
         print(_aligned(table, len(table) if args.verbose else ROWS_SHOWN))
     print()
     for finding in result.evidence.findings:
         print(f"- {finding}")
+
+
+def _tables_there(results: list[Result], args: argparse.Namespace) -> list[int]:
+    """An exit code if a table was asked for that no study made; which, is said."""
+    made = {"verdict"}.union(*(result.evidence.tables for result in results))
+    unknown = [name for name in args.tables if name not in made]
+    if not (results and unknown):
+        return []
+    known = ", ".join(sorted(made))
+    return [_error(f"--table {unknown[0]}: no such table; choose from {known}", USAGE)]
 
 
 def _aligned(table: pd.DataFrame, rows: int) -> str:

@@ -76,6 +76,28 @@ def test_quiet_run_prints_nothing(tmp_path):
     assert "--out=DIR" in (tmp_path / "r" / "report.html").read_text(encoding="utf-8")
 
 
+TWO_TABLES = """
+import pandas as pd
+from msvalidate.evidence import Evidence, Observed, Tolerance
+def run(setting):
+    tables = {name: pd.DataFrame({"x": range(50)}) for name in ("long", "other")}
+    return Evidence(tables, {"gap": Observed(0.0)}, (Tolerance("gap", 0.5, "m", "so"),),
+                    columns={"x": "place (m)"}, findings=("found",))"""
+
+
+def test_a_table_alone_is_printed_whole(tmp_path):
+    done = run("--table", "long", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["poisson/long", "x", *map(str, range(50))]
+
+
+def test_a_table_that_there_is_not(tmp_path):
+    done = run("--table", "lomg", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
+    assert done.returncode == 2
+    assert "--table lomg: no such table; choose from long, other, verdict" in done.stderr
+    assert (tmp_path / "r" / "poisson" / "long.csv").is_file(), "the results are kept"
+
+
 def test_list_names_each_study_with_its_question():
     done = run("list")
     assert done.returncode == 0
@@ -134,6 +156,8 @@ BAD_COMMANDS = [
     (["check", "--junit", ""], "argument --junit: '' is no name; name a place"),
     (["poisson", "--out", "a\u202eb"], "is no name; name a place"),
     (["list", "--seed", "1"], "list solves nothing; leave --quick, --seed and --no-plots out"),
+    (["check", "--table", "x"], "check prints no tables; leave --table out"),
+    (["list", "--table", "x"], "list prints no tables; leave --table out"),
     (["report", "--quick"], "report solves nothing; leave --quick, --seed and --no-plots out"),
     (["poisson", "--out", "/"], "--out /: the root of all folders; name one in it"),
     (["report", "--out", "none"], "--out none: no results there; run a study first"),

@@ -1,0 +1,147 @@
+"""Agreement: do all paths of the kernel make the same motion, and notice one that fails?
+
+Question   How far apart are the trajectories of every path, on one thread and on two, after 2000
+           steps? Does a run that diverges, or a NaN, come out of every path as what it is?
+Candidate  The package's `kernels.Motion`.
+Reference  The plain NumPy form, step by step.
+Expected   Rounding: sums in another order. Two threads add up as one does, but where their shares
+           meet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.network import Network
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.cost import bodies, kernel, plain
+from studies.cost.kernel import OURS, Moving
+
+NODES = 225
+STEPS = 2000
+KEEP = 0.999
+"""Of the velocity in a step: the motion halves in 700 steps, and what differs does not hide."""
+TOO_LONG = 8.0
+"""Times the step that is used otherwise: about four times the limit."""
+FAR = 1e3
+"""Displacement, in sizes of the body, that says that a run has diverged."""
+FEW = 400
+TOLERANCES = (
+    Tolerance(
+        f"a path from the plain form after {STEPS} steps, over the largest displacement, worst",
+        1e-12,
+        "1",
+        "2000 steps that each round by 2^-53, all one way, make 2e-13 of what moves; random "
+        "tetrahedra have slivers whose forces are some times larger than those of a whole cell",
+    ),
+    Tolerance(
+        "two threads from one, the same path, worst",
+        1e-13,
+        "1",
+        "sums over a point's springs are the same but where two threads' shares meet: a part of "
+        "what the paths may differ by",
+    ),
+    Tolerance(
+        "runs that diverged or held a NaN and were not noticed",
+        0,
+        "1",
+        "a number that is not finite or is far too large must come out as it is",
+    ),
+)
+COLUMNS = {
+    **kernel.COLUMNS,
+    "apart_here": "largest distance from the plain form over the largest displacement, after 2000 "
+    'steps (1), or "no number"',
+    "threads_apart_here": 'the same from the path\'s run on one thread (1), or "no number"',
+    "diverged": "whether a run with a step four times too long is seen to diverge",
+    "nan": "whether a NaN among the displacements comes out as one",
+}
+
+
+def run(candidate: Moving, setting: Setting) -> Evidence:
+    """Move each small network by every path."""
+    rows = [row for name in bodies.NETWORKS for row in compared(candidate, name)]
+    table = pd.DataFrame(rows)
+    unseen = int((table[["diverged", "nan"]] != "noticed").to_numpy().sum())
+    values = (
+        Observed(_largest(table["apart_here"])),
+        Observed(_largest(table["threads_apart_here"])),
+        Observed(unseen),
+    )
+    shown = table.assign(**{c: table[c].map(_told) for c in ("apart_here", "threads_apart_here")})
+    return Evidence(
+        tables={"agreement": shown},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+    )
+
+
+def compared(candidate: Moving, name: str) -> list[dict[str, Any]]:
+    """Rows of one network: each path that it has."""
+    net = bodies.network(name, NODES)
+    true = moved(net, lambda *given: plain.advance(net, plain.whole(net), *given))
+    size = float(np.abs(true).max())
+    alone: dict[str, Array] = {}
+    rows = []
+    for title in (way for way in kernel.WAYS[name] if way in OURS):
+        way = OURS[title]
+        walk = kernel.moving(candidate, net, way).advance
+        here = moved(net, walk)
+        alone.setdefault(way.path, here)
+        rows.append(
+            {
+                "network": name,
+                "nodes": len(net.points),
+                "springs": len(net.springs),
+                "way": title,
+                "threads": way.threads,
+                "apart_here": float(np.abs(here - true).max()) / size,
+                "threads_apart_here": float(np.abs(here - alone[way.path]).max()) / size,
+                "diverged": _noticed(gone_far(net, walk)),
+                "nan": _noticed(holds_nan(net, walk)),
+            }
+        )
+    return rows
+
+
+def moved(net: Network, walk: Callable[..., object]) -> Array:
+    """Displacement after `STEPS` from a random start."""
+    (u, v), dt = bodies.start(net), bodies.time_step(net)
+    walk(u, v, np.full(len(u), KEEP), np.full(len(u), dt), dt, STEPS)
+    return u
+
+
+def gone_far(net: Network, walk: Callable[..., object]) -> bool:
+    """Whether too long a step ends far away, or in what is no number."""
+    (u, v), dt = bodies.start(net), TOO_LONG * bodies.time_step(net)
+    with np.errstate(all="ignore"):
+        walk(u, v, np.full(len(u), KEEP), np.full(len(u), dt), dt, FEW)
+        return not float(np.abs(u).max()) < FAR * bodies.SIDE
+
+
+def holds_nan(net: Network, walk: Callable[..., tuple[int, float, bool]]) -> bool:
+    """Whether a NaN at a free point, and the energy of such a motion, come out as NaN."""
+    (u, v), dt = bodies.start(net), bodies.time_step(net)
+    u[np.flatnonzero(~net.held.all(axis=1))[0]] = np.nan
+    _, energy, _ = walk(u, v, np.full(len(u), KEEP), np.full(len(u), dt), dt, 3)
+    return bool(np.isnan(u).any() and np.isnan(energy))
+
+
+def _noticed(seen: bool) -> str:
+    return "noticed" if seen else "missed"
+
+
+def _largest(values: pd.Series) -> float:
+    """NaN counts as largest: it fails."""
+    return float(values.max(skipna=False))
+
+
+def _told(value: float) -> float | str:
+    return value if np.isfinite(value) else "no number"

@@ -1,0 +1,127 @@
+"""The networks whose steps are timed: a plate's lattice, random triangles, random tetrahedra."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import cache
+from itertools import combinations
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from msvalidate.body import lattice_network
+from msvalidate.lattice import square
+from msvalidate.network import Network, spring_network
+from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
+from msvalidate.relax import SAFETY
+
+SIDE = 0.1
+"""Of the plate (m)."""
+THICKNESS = 0.01
+DENSITY = 1000.0
+STRAIN = 1e-3
+"""Size of the shear that the load would cause, and of the random displacements in spacings."""
+MATERIALS = {"soft tissue": 1e4, "rubber": 1e6, "steel": 2e11}
+"""Young's moduli (Pa) whose real time is told; steel's density is its own."""
+DENSITIES = {"soft tissue": 1000.0, "rubber": 1000.0, "steel": 7800.0}
+E = MATERIALS["rubber"]
+VOLUME_PART = 0.5
+"""κ of cells over E t: a ratio of 0.5 or so in plane stress; only its presence matters to time."""
+
+
+def plate(
+    cells: int, *, volume: float = 0.0, strain: tuple[float, float] = (0.0, -STRAIN)
+) -> Network:
+    """Square plate of `cells` x `cells` squares with eight neighbours, clamped on the left.
+
+    On the right it is loaded by the modulus times `strain`, along it and across.
+    """
+    box = Box((SIDE, SIDE))
+    problem = Problem(
+        box,
+        Isotropic(E=E, nu=1 / 3, density=DENSITY, thickness=THICKNESS),
+        (Support(box.side("left"), (0.0, 0.0)),),
+        (Traction(box.side("right"), (strain[0] * E, strain[1] * E)),),
+    )
+    return lattice_network(problem, square(box, (cells, cells)), volume=volume)
+
+
+def lattice(nodes: int) -> Network:
+    """The plate with about so many nodes, eight neighbours each."""
+    return plate(along(nodes, 2))
+
+
+def with_volume(nodes: int) -> Network:
+    """The same with an energy of the volume of each cell."""
+    return plate(along(nodes, 2), volume=VOLUME_PART * E * THICKNESS)
+
+
+def triangles(nodes: int) -> Network:
+    """A spring along each edge of the Delaunay triangles of random points in a square."""
+    return strewn(nodes, 2)
+
+
+def tetrahedra(nodes: int) -> Network:
+    """A spring along each edge of the Delaunay tetrahedra of random points in a cube."""
+    return strewn(nodes, 3)
+
+
+def strewn(nodes: int, dim: int, seed: int = 0) -> Network:
+    """Random points, in random order, joined as Delaunay (1934) does; one tenth is held."""
+    rng = np.random.default_rng(seed)
+    spacing = SIDE * nodes ** (-1 / dim)
+    points = SIDE * rng.random((nodes, dim))
+    cells = Delaunay(points).simplices
+    edges = [cells[:, pair] for pair in combinations(range(dim + 1), 2)]
+    springs = np.unique(np.sort(np.concatenate(edges), axis=1), axis=0)
+    force = np.zeros((nodes, dim))
+    force[points[:, 0] > 0.9 * SIDE, 1] = -STRAIN * E * THICKNESS * spacing
+    return spring_network(
+        points,
+        springs,
+        E * THICKNESS,
+        mass=DENSITY * SIDE**2 * THICKNESS / nodes,
+        held=np.repeat(points[:, :1] < 0.1 * SIDE, dim, axis=1),
+        force=np.where(points[:, :1] < 0.1 * SIDE, 0.0, force),
+    )
+
+
+NETWORKS: Mapping[str, Callable[[int], Network]] = {
+    "lattice": lattice,
+    "lattice with volume energy": with_volume,
+    "random triangles": triangles,
+    "random tetrahedra": tetrahedra,
+}
+
+
+@cache
+def network(name: str, nodes: int) -> Network:
+    """A network by name, with about so many nodes."""
+    return NETWORKS[name](nodes)
+
+
+def along(nodes: int, dim: int) -> int:
+    """Cells along a side of a square or cube with about so many nodes."""
+    return max(2, round(float(nodes ** (1 / dim))) - 1)
+
+
+def time_step(net: Network) -> float:
+    """Step (s) below the limit of any network, for timing: 2/ω with ω² <= 2d·max Σk/m.
+
+    By Gershgorin's circles without the tangent, which would take longer than the steps; an energy
+    of volumes is of the same order.
+    """
+    met = np.bincount(net.springs.ravel(), np.repeat(net.stiffness, 2), len(net.points))
+    fastest = 2 * net.dim * float((met / net.mass).max())
+    return 0.5 * SAFETY * 2 / math.sqrt(fastest)
+
+
+def start(net: Network, seed: int = 0) -> tuple[Array, Array]:
+    """Displacement (m) and velocity (m/s) to start from, (n, d) each.
+
+    Small and random, so that no product is of zeros.
+    """
+    rng = np.random.default_rng(seed)
+    size = STRAIN * float(net.rest_length.min()) * ~net.held
+    return size * rng.standard_normal(net.points.shape), np.zeros(net.points.shape)

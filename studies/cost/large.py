@@ -1,0 +1,214 @@
+"""Large bodies: a network stretched by a hundredth beside elements on the same cells; memory.
+
+Question   How long does Newton's method with multigrid take to bring a large network to rest,
+           beside one linear solution by elements of as many nodes? How many bytes a point?
+Candidate  The relaxation `newton_multigrid`, and `reference_fem` as it chooses.
+Reference  Each the other's.
+Expected   A few iterations of Newton's method, each no more than a linear solution, as many at any
+           size: cost as the points.
+
+Memory is what NumPy holds at most while something is made or solved, by `tracemalloc`; factors that
+compiled libraries keep are not in it.
+"""
+
+from __future__ import annotations
+
+import math
+import tracemalloc
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from tqdm import tqdm
+
+from msvalidate import kernels
+from msvalidate.compare import fitted_power
+from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.network import Network, tangent
+from msvalidate.problem import SolverError
+from msvalidate.relax import Method, relax
+from msvalidate.sweep import Setting
+from reference_fem.elasticity import stiffness
+from studies.cost import bodies, fem, kernel, relaxation_drawing, start_up
+from studies.cost.fem_ways import Solve
+from studies.cost.timing import ROUNDS, in_turn
+
+NODES = (10_000, 100_000, 1_000_000)
+QUICK_NODES = (500, 1_500, 5_000)
+REPEATED = 200_000
+"""Nodes beyond which a run is timed once."""
+PULL = 0.01
+"""Strain along the plate."""
+AT_REST = 1e-8
+"""Tolerance of the residual: displacements are then far better than the 1e-6 that is asked for."""
+WEIGHED, QUICK_WEIGHED = 100_000, 5_000
+METHOD = "newton_multigrid"
+TOLERANCES = (
+    Tolerance(
+        "iterations of Newton's method with multigrid at 1 % strain, most less fewest over sizes",
+        1,
+        "1",
+        "the same continuous problem at any size; a residual near the tolerance may ask for one "
+        "more",
+    ),
+    Tolerance(
+        "exponent of its multigrid cycles in nodes",
+        0.15,
+        "1",
+        "no growth but a logarithm: a cycle or two more on ten for each decade of nodes",
+    ),
+    Tolerance(
+        "bytes that a network keeps, a point, counted over predicted",
+        0.02,
+        "1",
+        "a plate of n x n cells has 4 springs a point less 6 a point of its outline",
+    ),
+)
+COLUMNS = {
+    **kernel.COLUMNS,
+    "iterations": "of Newton's method at 1 % strain; 0 if it failed",
+    "cycles_here": "of multigrid, in all of them",
+    "newton_seconds": "median time of the process of Newton's method with multigrid (s)",
+    "elements_seconds": "median time of the process of one linear solution by elements (s)",
+    "rounds": "times that each was timed, in turn",
+    "over_elements_here": "seconds of Newton's method over those of elements (1)",
+    "least_over_elements_here": "the least of the rounds (1)",
+    "most_over_elements_here": "the most of the rounds (1)",
+    "what": start_up.COLUMNS["what"],
+    "kept_bytes": "what is kept of it, a point (bytes)",
+    "peak_bytes": "most that is held while it is made, a point (bytes)",
+    "counted": "bytes a point of the network's arrays, counted",
+    "predicted": "the same from 4 springs a point",
+}
+
+
+def run(method: Method, ways: Mapping[str, Solve], setting: Setting) -> Evidence:
+    """Time both at every size, and weigh what they hold."""
+    sizes = QUICK_NODES if setting.quick else NODES
+    repeated = 0 if setting.quick else REPEATED
+    silent = None if setting.progress else True
+    bar = tqdm(sizes, desc="large networks", delay=0.5, leave=False, disable=silent)
+    table = pd.DataFrame([beside(method, ways["auto"], nodes, repeated) for nodes in bar])
+    weighed = memory(method, ways["auto"], QUICK_WEIGHED if setting.quick else WEIGHED)
+    arrays = pd.DataFrame([counted(nodes) for nodes in sizes[:2]])
+    done = (table["iterations"] > 0).all()
+    cycles = fitted_power(table["nodes"], table["cycles_here"]).exponent if done else math.nan
+    spread = float(np.ptp(table["iterations"])) if done else math.nan
+    ratio = float((arrays["counted"] / arrays["predicted"]).max())
+    values = Observed(spread), Observed(cycles), Observed(ratio, 1.0)
+    return Evidence(
+        tables={"large": table, "memory": weighed, "network_arrays": arrays},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"large": relaxation_drawing.draw_large},
+        columns=COLUMNS,
+        findings=findings(table, weighed),
+    )
+
+
+def stretched(nodes: int) -> Network:
+    """The plate pulled along its length."""
+    return bodies.plate(bodies.along(nodes, 2), strain=(PULL, 0.0))
+
+
+def beside(method: Method, solve: Solve, nodes: int, repeated: int) -> dict[str, Any]:
+    """Row of one size."""
+    net, given = stretched(nodes), fem.block(2, bodies.along(nodes, 2))
+    K = stiffness(given.body, given.material)
+    found: list[Any] = []
+
+    def newton() -> None:
+        try:
+            found[:] = [relax(net, method, tolerance=AT_REST)]
+        except SolverError:
+            found[:] = []
+
+    acts: dict[str, Callable[[], object]] = {
+        "newton": newton,
+        "elements": partial(solve, given.body, K, given.held, given.force),
+    }
+    rounds = ROUNDS if nodes <= repeated else 1
+    laps = in_turn(acts, rounds, warm=nodes <= fem.LONG)
+    ours, theirs = (np.array([one.cpu for one in laps[name]]) for name in acts)
+    return {
+        "nodes": len(net.points),
+        "springs": len(net.springs),
+        "rounds": rounds,
+        "iterations": found[0].steps if found else 0,
+        "cycles_here": found[0].evaluations if found else 0,
+        "newton_seconds": float(np.median(ours)),
+        "elements_seconds": float(np.median(theirs)),
+        "over_elements_here": float(np.median(ours / theirs)),
+        "least_over_elements_here": float((ours / theirs).min()),
+        "most_over_elements_here": float((ours / theirs).max()),
+    }
+
+
+def memory(method: Method, solve: Solve, nodes: int) -> pd.DataFrame:
+    """The table `memory`: what is held, a point."""
+    along = bodies.along(nodes, 2)
+    net = stretched(nodes)
+    (u, v), dt = bodies.start(net), bodies.time_step(net)
+    keep, push = np.full(len(u), kernel.KEEP), np.full(len(u), dt)
+    given = fem.block(2, along)
+    K = stiffness(given.body, given.material)
+    weighing: dict[str, Callable[[], object]] = {
+        "network": partial(stretched, nodes),
+        "steps of the network": partial(kernels.advance, net, u, v, keep, push, dt, 1),
+        "tangent": partial(tangent, net, net.points),
+        "Newton's method with multigrid": partial(relax, net, method, tolerance=AT_REST),
+        "mesh of elements": partial(fem.block, 2, along),
+        "stiffness of elements": partial(fem.assembled, given),
+        "solution by elements": partial(solve, given.body, K, given.held, given.force),
+    }
+    rows = []
+    for what, act in weighing.items():
+        kept, peak = weighed(act)
+        row = {"what": what, "nodes": len(net.points)}
+        rows.append(row | {"kept_bytes": kept / len(u), "peak_bytes": peak / len(u)})
+    return pd.DataFrame(rows)
+
+
+def weighed(act: Callable[[], object]) -> tuple[int, int]:
+    """Bytes that are left after an act, and the most that were held during it."""
+    tracemalloc.start()
+    try:
+        with suppress(SolverError):  # what fails has held what it held
+            made = act()
+            found = tracemalloc.get_traced_memory()
+            del made
+            return found
+        return tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+
+
+def counted(nodes: int) -> dict[str, Any]:
+    """Bytes of a network's own arrays, a point, counted and foreseen."""
+    net = stretched(nodes)
+    by_spring = (net.springs, net.stiffness, net.rest_length)
+    by_point = (net.points, net.mass, net.held, net.displacement, net.force)
+    a_point = net.dim * (3 * 8 + 1) + 8  # points, displacement, force; held; mass
+    a_spring = 2 * net.springs.itemsize + 2 * 8  # ends; stiffness, rest length
+    side = round(math.sqrt(len(net.points)))
+    springs = 4 * side**2 - 6 * side + 2
+    return {
+        "nodes": len(net.points),
+        "counted": sum(array.nbytes for array in (*by_spring, *by_point)) / len(net.points),
+        "predicted": a_point + a_spring * springs / side**2,
+    }
+
+
+def findings(table: pd.DataFrame, weighed: pd.DataFrame) -> tuple[str, ...]:
+    """Newton's method over elements on the largest plate; memory."""
+    last = table.iloc[-1]
+    told = ", ".join(f"{row.what} {row.peak_bytes:,.0f}" for row in weighed.itertuples(index=False))
+    rest = (
+        f"At 1 % strain Newton's method with multigrid brought {last['nodes']:,.0f} points to rest "
+        f"in {last['iterations']:.0f} iterations and {last['newton_seconds']:.3g} s, "
+        f"{last['over_elements_here']:.2f} times one linear solution by elements."
+    )
+    return rest, f"Bytes a point at most, of {weighed['nodes'].iloc[0]:,} points: {told}."

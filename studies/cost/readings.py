@@ -1,0 +1,142 @@
+"""How a target is read from the tables of the other questions: ratios, round by round."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import pandas as pd
+
+from msvalidate.evidence import Tables
+from studies.cost import kernel
+from studies.cost.start_up import UNMEASURED
+from studies.cost.timing import ABSENT, SINGLE, ratios
+
+
+class Reading(NamedTuple):
+    """Values of rounds, or least, median and most of them; and how many rounds there were."""
+
+    values: list[float]
+    rounds: int
+
+
+Measured = Reading | str
+"""What was read, or why nothing was."""
+SMALL_FORM = "its size is left to the full form"
+NO_PEER = "the peer is not installed"
+
+
+def _near(nodes: pd.Series, wanted: int) -> pd.Series:
+    return (nodes / wanted - 1).abs() < 0.1
+
+
+def ours_over(
+    way: str, peer: str, nodes: int, tables: Tables, network: str = "lattice"
+) -> Measured:
+    """Nanoseconds of a peer over those of a way of ours."""
+    table = tables["kernel_rounds"]
+    table = table[(table["network"] == network) & _near(table["nodes"], nodes)]
+    return compared(table, "ns_here", {"way": peer}, {"way": way})
+
+
+def network_over(name: str, nodes: int, tables: Tables) -> Measured:
+    """Time a spring of a network over that of the lattice, both on the general path."""
+    table = tables["kernel_rounds"]
+    table = table[(table["way"] == "general") & _near(table["nodes"], nodes)]
+    return compared(table, "ns_here", {"network": name}, {"network": "lattice"})
+
+
+def speed_up(nodes: int, tables: Tables) -> Measured:
+    """Wall time of one thread over that of two."""
+    table = tables["kernel_rounds"]
+    table = table[(table["network"] == "lattice") & _near(table["nodes"], nodes)]
+    one, two = {"way": "general"}, {"way": "general, 2 threads"}
+    return compared(table, "wall_ns_here", one, two)
+
+
+def share(nodes: int, tables: Tables) -> Measured:
+    """Share of the memory's bandwidth by counted bytes, where each step is a pass over memory."""
+    limits, rounds = tables["limits"], tables["kernel_rounds"]
+    chosen = [
+        table[
+            (table["network"] == "lattice")
+            & (table["way"] == SINGLE)
+            & _near(table["nodes"], nodes)
+        ]
+        for table in (limits, rounds)
+    ]
+    if chosen[0].empty:
+        return SMALL_FORM
+    known = chosen[0].iloc[0]
+    shares = [float(known["share_here"] * known["ns_here"] / ns) for ns in chosen[1]["ns_here"]]
+    return Reading(shares, len(shares))
+
+
+def elements(
+    axes: int, unknowns: int, task: str, over: str, under: str, tables: Tables
+) -> Measured:
+    """Seconds of one program over another's."""
+    table = tables["fem_rounds"]
+    table = table[(table["axes"] == axes) & (table["task"] == task)]
+    table = table[_near(table["unknowns"], unknowns)]
+    return compared(table, "cpu_seconds", {"program": over}, {"program": under})
+
+
+def compared(
+    table: pd.DataFrame, value: str, over: Mapping[str, object], under: Mapping[str, object]
+) -> Measured:
+    """Ratios of rounds, or why there are none."""
+    if table.empty:
+        return SMALL_FORM
+    found = ratios(table, value, over, under)
+    if found:
+        return Reading(found, len(found))
+    return NO_PEER if (table[value] == ABSENT).any() else SMALL_FORM
+
+
+def newton_over_elements(nodes: int, tables: Tables) -> Measured:
+    """Newton's method with multigrid at 1 % strain over a linear solution by elements."""
+    table = tables["large"][_near(tables["large"]["nodes"], nodes)]
+    if table.empty:
+        return SMALL_FORM
+    names = ("least_over_elements_here", "over_elements_here", "most_over_elements_here")
+    row = table.iloc[0]
+    return Reading([float(row[name]) for name in names], int(row["rounds"]))
+
+
+def newton_growth(tables: Tables) -> Measured:
+    """Exponent of its seconds between the smallest and the largest plate."""
+    table = tables["large"]
+    first, last = table.iloc[0], table.iloc[-1]
+    if last["nodes"] < 900_000:
+        return SMALL_FORM
+    gain = math.log(last["newton_seconds"] / first["newton_seconds"])
+    return Reading([gain / math.log(last["nodes"] / first["nodes"])], int(last["rounds"]))
+
+
+def beside_steps(nodes: int, tables: Tables) -> Measured:
+    """Seconds over steps times the kernel's, of the explicit method that is fastest."""
+    table = tables["relaxation"]
+    table = table[(table["threshold"] == table["threshold"].min()) & (table["kernel_seconds"] > 0)]
+    table = table[_near(table["nodes"], nodes)]
+    if table.empty:
+        return SMALL_FORM
+    best = table.sort_values("cpu_seconds").iloc[0]
+    names = ("least_cpu_seconds", "cpu_seconds", "most_cpu_seconds")
+    rounds = int(best["rounds"])
+    return Reading([float(best[name] / best["kernel_seconds"]) for name in names], rounds)
+
+
+def largest(name: str, column: str, tables: Tables) -> Measured:
+    """Largest number of a column of a table."""
+    values = pd.to_numeric(tables[name][column], errors="coerce")
+    return Reading([float(values.max())], 1) if values.notna().any() else SMALL_FORM
+
+
+def started(what: str, tables: Tables) -> Measured:
+    """Rounds of the table of start-up."""
+    table = tables["start_up"]
+    rows = table[(table["what"] == what) & (table["value_here"] != UNMEASURED)]
+    values = [float(value) for value in rows["value_here"]]
+    return Reading(values, len(values)) if values else SMALL_FORM

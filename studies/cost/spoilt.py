@@ -1,0 +1,66 @@
+"""Kernels, relaxations and solvers with a known fault, for the negative controls of this study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from msvalidate import kernels
+from msvalidate.integrators import LEAPFROG
+from msvalidate.network import Network
+from msvalidate.problem import Array
+from msvalidate.relax import SAFETY, Run
+from msvalidate.relaxations import RELAXATIONS
+from msvalidate.viscous import viscous
+from studies.cost import bodies, fem_ways
+from studies.cost.fem_ways import Found
+
+LEAPFROGGING = RELAXATIONS["viscous_leapfrog"]
+COARSE = 300
+"""Nodes at which a step that shrinks with the network is the usual one."""
+
+
+def dropping(net: Network, **how: Any) -> kernels.Motion:
+    """Motion of the network without its last spring, which then is no uniform lattice."""
+    kept = np.ones(len(net.springs))
+    kept[-1] = 0.0
+    return kernels.Motion(net.scaled(kept), **how | {"path": "general"})
+
+
+class Blind(kernels.Motion):
+    """Motion that makes numbers of what is none, and brings back what is far away."""
+
+    def advance(self, displacement: Array, *state: Any, **how: Any) -> tuple[int, float, bool]:
+        """As `kernels.Motion` has it, but for that."""
+        done, energy, fell = super().advance(displacement, *state, **how)
+        seen = np.nan_to_num(displacement, copy=False)
+        np.clip(seen, -bodies.SIDE, bodies.SIDE, out=displacement)
+        return done, float(np.nan_to_num(energy)), fell
+
+
+def _half_counted(run: Run) -> Iterator[None]:
+    """Steps of which every other one is told."""
+    tell = run.moved
+    run.moved = lambda steps=0, evaluations=0: tell((steps + 1) // 2, evaluations)  # type: ignore[method-assign]
+    yield from LEAPFROGGING.walk(run)
+
+
+def _ever_shorter(run: Run) -> Iterator[None]:
+    """A step that shrinks with the spacing where the limit does already."""
+    lowest, highest = run.frequencies
+    dt = SAFETY * 2 / highest * min(1.0, (COARSE / len(run.network.points)) ** 0.5)
+    yield from viscous(LEAPFROG, dt=dt, damping=2 * lowest).walk(run)
+
+
+def rounded(body: Any, K: Any, held: Any, force: Array) -> Found:
+    """A solution kept in single precision."""
+    found = fem_ways.by("auto", body, K, held, force)
+    single = np.asarray(found.displacement, dtype=np.float32).astype(float)
+    return found._replace(displacement=single)
+
+
+HALF_COUNTED = replace(LEAPFROGGING, walk=_half_counted)
+EVER_SHORTER = replace(LEAPFROGGING, walk=_ever_shorter)

