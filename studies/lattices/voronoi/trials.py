@@ -31,6 +31,8 @@ GRID = 10
 SLACK_COUNT = 100
 ROUNDS = 60
 """Changes of which springs are slack, after which a network is given up."""
+NO_FORCE = 1e-12
+"""Change of length, of the largest, that is rounding: of springs between points held alike."""
 THINNEST = 6.0
 """Spacings across a body of any aspect."""
 
@@ -107,9 +109,10 @@ def with_slack(
     for _ in range(ROUNDS):
         move = candidate(problem, network.scaled(np.where(loose, kept, 1.0)), "linear")
         longer = ((move[j] - move[i]) * network.vector).sum(axis=1)
-        if (loose == (longer < 0)).all():
+        shorter = longer < -NO_FORCE * np.abs(longer).max()
+        if (loose == shorter).all():
             break
-        loose = longer < 0
+        loose = shorter
     return slack, kept, ratio(body, move), float(loose.mean())
 
 
