@@ -9,7 +9,6 @@ from typing import NamedTuple
 import pandas as pd
 
 from msvalidate.evidence import Tables
-from studies.cost import kernel
 from studies.cost.start_up import UNMEASURED
 from studies.cost.timing import ABSENT, SINGLE, ratios
 
