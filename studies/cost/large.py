@@ -44,7 +44,7 @@ PULL = 0.01
 """Strain along the plate."""
 AT_REST = 1e-8
 """Tolerance of the residual: displacements are then far better than the 1e-6 that is asked for."""
-WEIGHED, QUICK_WEIGHED = 100_000, 5_000
+WEIGHED, QUICK_WEIGHED = 30_000, 5_000
 METHOD = "newton_multigrid"
 TOLERANCES = (
     Tolerance(

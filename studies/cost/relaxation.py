@@ -34,7 +34,10 @@ from studies.cost.timing import GROWTH, ROUNDS, SECONDS
 
 NODES = (1_000, 3_000, 10_000, 30_000, 100_000)
 QUICK_NODES = (200, 600, 2_000)
-MOST_NODES = dict.fromkeys(("algorithm1", "fire", "adaptive", "conjugate_gradients"), 10_000)
+MOST_NODES = {
+    **dict.fromkeys(("algorithm1", "fire", "adaptive", "conjugate_gradients"), 10_000),
+    **dict.fromkeys(("viscous_leapfrog", "newton"), 30_000),
+}
 """Of methods that are slower than others of their kind."""
 VISCOUS = ("viscous_leapfrog", "algorithm1")
 NEWTON = ("newton", "newton_multigrid")
