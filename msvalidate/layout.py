@@ -88,9 +88,15 @@ class Layout:
     @cached_property
     def place(self) -> Index:
         """(n,) the place of each point."""
-        place = np.empty(self.points, dtype=np.intp)
-        place[self.order if len(self.order) else slice(None)] = np.arange(self.points)
-        return place
+        return _places(self.order, self.points)
+
+
+def _places(order: Index, points: int) -> Index:
+    """(n,) the place of each point, of an order that is empty where each keeps its number."""
+    place = np.arange(points)
+    if len(order):
+        place[order] = np.arange(points)
+    return place
 
 
 def laid_out(
@@ -101,9 +107,7 @@ def laid_out(
     Raises nothing: the arrays are a `Network`'s.
     """
     order = _order(points, dim, springs)
-    place = np.arange(points)
-    if len(order):
-        place[order] = np.arange(points)
+    place = _places(order, points)
     ends = place[springs]
     low, high = ends.min(axis=1), ends.max(axis=1)
     corners = place[cells]
@@ -131,8 +135,7 @@ def _order(points: int, dim: int, springs: Index) -> Index:
         shape=(points, points),
     )
     order = reverse_cuthill_mckee(graph.tocsr(), symmetric_mode=True)
-    place = np.empty(points, dtype=np.intp)
-    place[order] = np.arange(points)
+    place = _places(order, points)
     if np.abs(np.subtract(*place[springs].T)).mean() >= apart:
         return np.zeros(0, dtype=np.intp)
     return np.asarray(order, dtype=np.intp)

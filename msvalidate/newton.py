@@ -16,7 +16,8 @@ from msvalidate.equilibrium import LARGEST_TURN, largest_turn, refuse_mechanism,
 from msvalidate.multigrid import Cycle, conjugate_gradients, cycle_of, restrain
 from msvalidate.network import tangent, tangent_blocks
 from msvalidate.problem import Array, SolverError
-from msvalidate.relax import Method, Run
+from msvalidate.relax import Method
+from msvalidate.run import Run
 
 NEWTON_STEPS = 50
 """Linear solves after which Newton's method is given up."""

@@ -17,7 +17,8 @@ from msvalidate.integrators import LEAPFROG
 from msvalidate.network import tangent
 from msvalidate.newton import NEWTON, NEWTON_MULTIGRID
 from msvalidate.problem import Array, SolverError
-from msvalidate.relax import SAFETY, Method, Run, largest, patiently
+from msvalidate.relax import Method
+from msvalidate.run import SAFETY, Run, largest, patiently
 from msvalidate.viscous import ALGORITHM1, viscous
 
 # FIRE's numbers are the paper's.
@@ -55,6 +56,7 @@ def _kinetic_damping(run: Run) -> Iterator[None]:
     _, highest = run.frequencies
     run.limit = 2 / highest
     run.dt = h = SAFETY * run.limit
+    run.look_seldom()
     mass = run.network.mass[:, None]
     keep, push = np.ones(len(mass)), np.full(len(mass), h)
     kinetic = 0.0

@@ -92,14 +92,7 @@ def natural_frequencies(
         if count > FEW or is_factored(~network.held):
             lowest = _smallest(matrix, count, highest, tolerance)
         else:
-            A = restrained(network, place)
-            cycle = cycle or cycle_of(A, network, place)
-            if cycle.falling is None:
-                inverse = _on_free(cycle, network)
-                lowest = _smallest_of_many(matrix, inverse, count, highest, tolerance)
-            else:
-                weight = np.repeat(network.mass, network.dim) @ cycle.falling**2
-                lowest = np.array([cycle.falling @ (A @ cycle.falling) / weight])
+            lowest = _smallest_by_cycles(network, place, cycle, matrix, count, highest, tolerance)
     if lowest[0] < -1e-10 * highest:
         raise SolverError(
             f"natural frequencies: omega² = {lowest[0]:g} 1/s²; the network is unstable there"
@@ -182,6 +175,25 @@ def _smallest(matrix: csr_array, count: int, highest: float, tolerance: float) -
     except (ArpackError, RuntimeError) as error:
         raise SolverError(f"lowest natural frequencies: the iteration failed ({error})") from error
     return np.sort(values)
+
+
+def _smallest_by_cycles(
+    network: Network,
+    place: Array,
+    cycle: Cycle | None,
+    matrix: csr_array,
+    count: int,
+    highest: float,
+    tolerance: float,
+) -> Array:
+    """By multigrid; where its making finds the network unstable, how much so."""
+    A = restrained(network, place)
+    cycle = cycle or cycle_of(A, network, place)
+    if cycle.falling is None:
+        inverse = _on_free(cycle, network)
+        return _smallest_of_many(matrix, inverse, count, highest, tolerance)
+    weight = np.repeat(network.mass, network.dim) @ cycle.falling**2
+    return np.array([cycle.falling @ (A @ cycle.falling) / weight])
 
 
 def _smallest_of_many(

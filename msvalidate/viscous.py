@@ -18,7 +18,8 @@ from msvalidate.integrate import StabilityWarning, damping_rate
 from msvalidate.integrators import EULER_CROMER, Integrator, factors_of, stability_limit
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, instance, positive
-from msvalidate.relax import MOST_STEPS, PATIENCE, SAFETY, Method, Relaxation, Run, patiently, relax
+from msvalidate.relax import Method, relax
+from msvalidate.run import MOST_STEPS, PATIENCE, SAFETY, Relaxation, Run, patiently
 
 
 def algorithm1(
@@ -102,6 +103,7 @@ def _viscous(
         warnings.warn(
             f"{run.title}: {run.time_step}the motion will grow", StabilityWarning, stacklevel=2
         )
+    run.look_seldom()
     run.most_steps = partial(_predicted_steps, lowest, run.rate, run.dt, run.tolerance)
     if scheme.staggered:  # the velocity of half a step before the start at rest
         run.velocity[:] = -0.5 * run.dt * run.balance() / run.network.mass[:, None]

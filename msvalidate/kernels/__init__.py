@@ -135,7 +135,7 @@ class Motion:
         if self._threads == 1 or to_peak:
             return self._general.advance(*moving, dt, steps, kinetic, to_peak)
         if self._shared is None:
-            self._shared = Threads(self._network, self._threads)
+            self._shared = Threads(self._network, self._threads, self._waves)
         return self._shared.advance(*moving, dt, steps)
 
     def _refuse_shape(self, **values: Array) -> None:

@@ -13,6 +13,10 @@ def compiled(
 ) -> Callable[..., Any]:
     """Compile at the first call; keep the result on disk where there is a place for it.
 
+    What is kept is as old as the function's own file: after a change in a function that those of
+    other files call (`segments`, `turning`), remove `kernels/__pycache__`, or these still run the
+    old one.
+
     `fused` lets a product and a sum be one operation with one rounding. No other liberty is ever
     given: a NaN must come out as one. An `inner` function is called by compiled ones alone, and
     becomes part of them.

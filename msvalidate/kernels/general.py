@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -62,16 +63,15 @@ class Sweep:
     def _springs_of(self) -> tuple[Any, ...]:
         layout, wide = self.layout, 2 * self._half
         ends = ((wide * places).astype(np.uint32) for places in (layout.owner, layout.other))
-        laws = aligned(2 * len(layout.other))
-        for at, law in enumerate((layout.stiffness, layout.tension)):
-            laws.reshape(-1, 2, TOGETHER)[:, at] = self._in_turn(law).reshape(-1, TOGETHER)
-        return layout.first, *ends, laws
+        return layout.first, *ends, self._in_turn(layout.stiffness, layout.tension)
 
-    def _in_turn(self, law: Array) -> Array:
-        """Values of springs in the order in which `sweep` computes four of them."""
+    def _in_turn(self, *laws: Array) -> Array:
+        """Values of springs in the order in which `sweep` computes four of them, law by law."""
         turn = [0, 2, 1, 3] if self._half == 2 else [0, 1, 2, 3]
-        values = aligned(len(law))
-        values.reshape(-1, TOGETHER)[:] = law.reshape(-1, TOGETHER)[:, turn]
+        values = aligned(len(laws) * len(laws[0]))
+        fours = values.reshape(-1, len(laws), TOGETHER)
+        for at, law in enumerate(laws):
+            fours[:, at] = law.reshape(-1, TOGETHER)[:, turn]
         return values
 
     def _cells_of(self, cells: Volumes | None) -> tuple[Any, ...]:
@@ -187,18 +187,15 @@ class Threads:
     the same order as in one thread.
     """
 
-    def __init__(self, network: Network, threads: int) -> None:
+    def __init__(self, network: Network, threads: int, waves: int = MOST_WAVES) -> None:
         layout, n = network.layout, len(network.points)
         each = -(-n // threads // BLOCK) * BLOCK
-        self._cuts = [*range(0, n, each), n]
+        self._own = list(pairwise([*range(0, n, each), n]))
         reach = max(layout.span, 1)
         self.between = max(1, min(MOST_WAVES, int(TWICE * each / 2 / reach)))
         beside = -(-self.between * reach // BLOCK) * BLOCK
-        self._ends = [
-            (max(0, begin - beside), min(n, end + beside))
-            for begin, end in zip(self._cuts, self._cuts[1:], strict=False)
-        ]
-        self._parts = [Sweep(network, layout.part(*ends)) for ends in self._ends]
+        self._ends = [(max(0, begin - beside), min(n, end + beside)) for begin, end in self._own]
+        self._parts = [Sweep(network, layout.part(*ends), waves) for ends in self._ends]
         self._mass = network.mass
 
     def advance(
@@ -211,19 +208,16 @@ class Threads:
                 now = min(self.between, steps - done)
                 list(pool.map(lambda part: part.run(dt, now), self._parts))  # noqa: B023
                 self._exchange()
-        for part, ends, begin, end in zip(
-            self._parts, self._ends, self._cuts, self._cuts[1:], strict=False
-        ):
-            part.leave(u, v, begin - ends[0], end - ends[0])
+        for part, (first, _), own in zip(self._parts, self._ends, self._own, strict=True):
+            part.leave(u, v, own[0] - first, own[1] - first)
         with np.errstate(over="ignore", invalid="ignore"):  # as compiled code, that says nothing
             return steps, 0.5 * float(self._mass @ (v**2).sum(axis=1)), False
 
     def _exchange(self) -> None:
         """Copy places beside a part from the part whose own they are."""
-        for part, (first, last) in zip(self._parts, self._ends, strict=True):
-            for other, (start, _), begin, end in zip(
-                self._parts, self._ends, self._cuts, self._cuts[1:], strict=False
-            ):
+        whole = list(zip(self._parts, self._ends, self._own, strict=True))
+        for part, (first, last), _ in whole:
+            for other, (start, _), (begin, end) in whole:
                 low, high = max(first, begin), min(last, end)
                 if other is not part and low < high:
                     for mine, given in ((part.place, other.place), (part.flow, other.flow)):

@@ -15,7 +15,7 @@ from itertools import permutations
 import numpy as np
 
 from msvalidate.kernels.lanes import WIDTH
-from msvalidate.kernels.rows import laid_out
+from msvalidate.kernels.rows import in_rows
 from msvalidate.network import Network
 from msvalidate.problem import Array, Index
 
@@ -200,5 +200,5 @@ def _grid(network: Network, shape: tuple[int, ...], order: Index, ways: list[_Wa
         vector=vector,
         weight=weight,
         special=special.any(axis=(0, 2)).astype(np.int64),
-        still=laid_out((network.force, mobility, network.mass), order, columns, pitch),
+        still=in_rows((network.force, mobility, network.mass), order, columns, pitch),
     )

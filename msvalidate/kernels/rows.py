@@ -24,7 +24,7 @@ def aligned(*shape: int) -> Array:
     return raw[first : first + size].reshape(shape)
 
 
-def laid_out(values: tuple[Array, ...], order: Index, columns: int, pitch: int) -> Array:
+def in_rows(values: tuple[Array, ...], order: Index, columns: int, pitch: int) -> Array:
     """Components (c, size) of values (n, d) or (n,) in rows of `columns`, each padded to `pitch`.
 
     Place i has the values of point `order[i]`, or i where `order` is empty. Padding is 0, and there
@@ -45,7 +45,7 @@ def laid_out(values: tuple[Array, ...], order: Index, columns: int, pitch: int) 
     return fields
 
 
-def read_back(
+def out_of_rows(
     fields: Array, values: tuple[Array, ...], order: Index, columns: int, pitch: int
 ) -> None:
     """Put the first components of `fields` back into values (n, d)."""

@@ -29,7 +29,7 @@ from msvalidate.kernels.lanes import (
     total,
 )
 from msvalidate.kernels.lanes import where_positive as where
-from msvalidate.kernels.rows import aligned, laid_out, read_back
+from msvalidate.kernels.rows import aligned, in_rows, out_of_rows
 from msvalidate.problem import Array
 
 CACHE = 2**18
@@ -53,7 +53,7 @@ def advance(
     """
     d, reach, pitch = u.shape[1], int(grid.ahead[-1]), grid.pitch
     places = grid.order, grid.shape[-1], pitch
-    moving = laid_out((u, v, push, keep), *places)
+    moving = in_rows((u, v, push, keep), *places)
     row = 8 * pitch * (len(moving) + len(grid.still))
     waves = 1 if to_peak else max(1, min(steps, CACHE // (row * reach)))
     force = aligned(waves * (reach + 1) * d * pitch)
@@ -71,7 +71,7 @@ def advance(
         kinetic,
         to_peak,
     )
-    read_back(moving, (u, v), *places)
+    out_of_rows(moving, (u, v), *places)
     return int(done), float(energy), bool(fell)
 
 

@@ -326,6 +326,18 @@ def test_numbering_and_place_change_nothing(lattice_body):
         np.testing.assert_allclose(two.displacement, turned(one.displacement), atol=1e-8 * size)
 
 
+@pytest.mark.parametrize("name", ["algorithm1", "viscous_leapfrog", "kinetic_damping"])
+def test_a_lattice_far_from_the_origin_comes_to_rest(name, lattice_body):
+    """Its springs are alike there but for the rounding of coordinates, some 1e-12 m."""
+    here = sheet(lattice_body, PUSH, cells=(10, 5))
+    far = replace(here, points=here.points + 1e4)
+    assert kernels.Motion(far).path == "lattice"
+    runs = [relax(network, RELAXATIONS[name], tolerance=1e-12) for network in (here, far)]
+    u = [r.equilibrium.position - n.points for r, n in zip(runs, (here, far), strict=True)]
+    # 1e-12 a spring, over strains of 1e-2, times the softness of the sheet beside a spring.
+    np.testing.assert_allclose(*u, rtol=0, atol=1e-7 * np.abs(u[0]).max())
+
+
 @pytest.mark.parametrize(("n", "steps"), [(8, 240), (16, 440), (32, 830)])
 def test_steps_of_dynamic_relaxation(lattice_body, n, steps):
     """Leapfrog with centred damping at its best step and damping, unit masses, a sheared plate.
