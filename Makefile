@@ -38,7 +38,7 @@ check: $(VENV)/runs
 
 # make bench     time springs and elements beside their peers, and tell what was aimed at
 bench: $(VENV)/peers
-	$(RUN) cost --table machine --table targets $(ARGS)
+	OMP_NUM_THREADS=1 $(RUN) cost --table machine --table targets $(ARGS)
 
 # make report    report.html again, from the results in reports/latest
 report: $(VENV)/runs

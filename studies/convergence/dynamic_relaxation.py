@@ -28,7 +28,8 @@ from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.figures import COLOURS, new
 from msvalidate.integrators import LEAPFROG, Integrator
 from msvalidate.problem import SolverError
-from msvalidate.relax import Method, Run, relax
+from msvalidate.relax import Method, relax
+from msvalidate.run import Run
 from msvalidate.spectrum import extreme_frequencies
 from msvalidate.sweep import Setting
 from msvalidate.viscous import viscous

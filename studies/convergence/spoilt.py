@@ -10,8 +10,8 @@ import numpy as np
 
 from msvalidate.integrators import LEAPFROG, factors_of
 from msvalidate.problem import Array
-from msvalidate.relax import SAFETY, Run
 from msvalidate.relaxations import RELAXATIONS
+from msvalidate.run import SAFETY, Run
 from msvalidate.viscous import viscous
 from studies.convergence import dynamic_relaxation
 from studies.convergence.dynamic_relaxation import METHOD, at_its_best

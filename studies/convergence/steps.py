@@ -30,8 +30,9 @@ from msvalidate.compare import fitted_power, worst
 from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.figures import COLOURS, MARKERS
 from msvalidate.problem import Array, SolverError
-from msvalidate.relax import SAFETY, Method, Run, relax
+from msvalidate.relax import Method, relax
 from msvalidate.relaxations import RELAXATIONS
+from msvalidate.run import SAFETY, Run
 from msvalidate.sweep import Setting
 from studies.convergence import bodies
 

@@ -14,7 +14,7 @@ from msvalidate.body import lattice_network
 from msvalidate.lattice import square
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
-from msvalidate.relax import SAFETY
+from msvalidate.run import SAFETY
 
 SIDE = 0.1
 """Of the plate (m)."""

@@ -26,7 +26,7 @@ from msvalidate import kernels
 from msvalidate.evidence import Evidence, Observed, Tolerance
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.relax import SAFETY
+from msvalidate.run import SAFETY
 from msvalidate.spectrum import highest_frequency
 from msvalidate.sweep import Setting
 from studies.cost import bodies, kernel, limits_drawing

@@ -13,7 +13,8 @@ from msvalidate import kernels
 from msvalidate.equilibrium import equilibrium
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
-from msvalidate.relax import SAFETY, Method, Run, relax
+from msvalidate.relax import Method, relax
+from msvalidate.run import SAFETY, Run
 from msvalidate.spectrum import extreme_frequencies
 from studies.cost import bodies, kernel
 from studies.cost.timing import Act, in_turn

@@ -12,8 +12,8 @@ from msvalidate import kernels
 from msvalidate.integrators import LEAPFROG
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.relax import SAFETY, Run
 from msvalidate.relaxations import RELAXATIONS
+from msvalidate.run import SAFETY, Run
 from msvalidate.viscous import viscous
 from studies.cost import bodies, fem_ways
 from studies.cost.fem_ways import Found

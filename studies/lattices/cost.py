@@ -29,8 +29,9 @@ from msvalidate.evidence import Evidence, Observed, Tolerance
 from msvalidate.lattice import fill
 from msvalidate.network import tangent
 from msvalidate.problem import Anisotropic, Array, Box
-from msvalidate.relax import SAFETY, Run, relax
+from msvalidate.relax import relax
 from msvalidate.relaxations import RELAXATIONS
+from msvalidate.run import SAFETY, Run
 from msvalidate.spectrum import extreme_frequencies
 from msvalidate.sweep import Setting
 from studies.lattices import cases, edges, loading

@@ -23,7 +23,7 @@ from msvalidate.candidate import Candidate, springs
 from msvalidate.compare import observed_order, worst
 from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.network import Network
-from msvalidate.relax import Relaxation
+from msvalidate.run import Relaxation
 from msvalidate.sweep import Setting
 from msvalidate.viscous import algorithm1
 from studies.poisson import block

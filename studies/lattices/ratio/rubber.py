@@ -13,6 +13,7 @@ Expected   The order that the clamped side's end allows, or more while bending l
 from __future__ import annotations
 
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -140,7 +141,7 @@ def measured(
     wanted: list[Bent], found: list[float], mixed: dict[tuple[State, float], elastic.Reference]
 ) -> pd.DataFrame:
     """The table `rubber`."""
-    rows = []
+    rows: list[dict[str, Any]] = []
     for block, value in zip(wanted, found, strict=True):
         right = mixed[block.state, block.nu]
         rows.append(

@@ -21,7 +21,8 @@ from msvalidate.evidence import Observed
 from msvalidate.integrators import EULER_CROMER
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.relax import Run, relax
+from msvalidate.relax import relax
+from msvalidate.run import Run
 from msvalidate.spectrum import extreme_frequencies
 from msvalidate.sweep import Setting
 from msvalidate.viscous import viscous
