@@ -1,0 +1,256 @@
+"""Patches in space: integrals against closed forms and quadrature, bodies of known capacitance."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.polynomial.legendre import leggauss
+
+from msvalidate.electrostatics.exact import disc_capacitance, square_capacitance
+from msvalidate.electrostatics.patches import (
+    Patches,
+    PatchMoments,
+    conductors,
+    patch_capacitance,
+)
+from msvalidate.electrostatics.plates import disc, plate
+from msvalidate.electrostatics.views import corner_potential
+from msvalidate.kernels.polygons import seen
+from msvalidate.problem import ProblemError
+
+EXACT = 1e-11  # rounding of 1e-16, lost to cancellation over distances of up to 1e3 sizes
+examples = settings(max_examples=25, deadline=None)
+SQUARE = np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]])
+
+
+def rectangle(left, right, low, high, z=0.0):
+    return np.array([[[left, low, z], [right, low, z], [right, high, z], [left, high, z]]])
+
+
+def by_quadrature(point, corners, order=60):
+    """∫dA/r over a convex polygon that the point is well away from: Gauss on triangles."""
+    x, weight = leggauss(order)
+    x, weight = 0.5 * (x + 1), 0.5 * weight
+    s, t = np.meshgrid(x, x, indexing="ij")
+    total = 0.0
+    for second, third in pairwise(corners[1:]):
+        one, other = second - corners[0], third - corners[0]
+        places = corners[0] + s[..., None] * (one + t[..., None] * (other - one))
+        r = np.linalg.norm(places - point, axis=-1)
+        twice = abs(one[0] * other[1] - one[1] * other[0])
+        total += twice * np.einsum("i,j,ij->", weight, weight, s / r)
+    return total
+
+
+def test_square_as_seen_from_its_centre():
+    at = seen(np.array([[0.5, 0.5, 0.0]]), SQUARE)
+    assert at[0, 0] == pytest.approx(4 * np.log(1 + np.sqrt(2)), rel=EXACT)
+
+
+def test_square_as_seen_from_a_corner_and_from_a_side():
+    corner, side = seen(np.array([[0.0, 0, 0], [0.5, 0, 0]]), SQUARE)[:, 0]
+    assert corner == pytest.approx(2 * np.log(1 + np.sqrt(2)), rel=EXACT)
+    # Two rectangles of half the width, each from a corner.
+    half = 0.5 * np.arcsinh(2.0) + np.arcsinh(0.5)
+    assert side == pytest.approx(2 * half, rel=EXACT)
+
+
+@given(
+    st.tuples(*[st.floats(-2, 2)] * 2, st.sampled_from([0.0, 1e-9, 0.3, -2.0])),
+    st.floats(0.01, 3),
+    st.floats(0.01, 3),
+)
+@examples
+def test_rectangles_by_edges_and_by_corners_agree(point, width, depth):
+    left, low = 0.3, -0.4
+    x, y = (
+        np.array([start - c, start + size - c])
+        for start, size, c in ((left, width, point[0]), (low, depth, point[1]))
+    )
+    at = corner_potential(x[:, None], y[None, :], np.full((2, 2), point[2]))
+    by_corners = at[1, 1] - at[0, 1] - at[1, 0] + at[0, 0]
+    corners = rectangle(left, left + width, low, low + depth)
+    assert seen(np.array([point]), corners)[0, 0] == pytest.approx(by_corners, rel=1e-9)
+
+
+@given(st.integers(0, 2**32 - 1))
+@examples
+def test_polygons_against_quadrature(seed):
+    rng = np.random.default_rng(seed)
+    angle = np.sort(rng.uniform(0, 2 * np.pi - 1, 4)) + np.linspace(0, 1, 4)
+    corners = np.column_stack([np.cos(angle), 0.6 * np.sin(angle), np.full(4, 0.2)])
+    point = np.append(rng.uniform(-1.5, 1.5, 2), 0.2 + rng.choice([-1, 1]) * rng.uniform(0.7, 3))
+    assert seen(point[None], corners[None])[0, 0] == pytest.approx(
+        by_quadrature(point, corners), rel=1e-10
+    )
+
+
+def test_polar_patches_on_the_axis_of_a_disc():
+    heights = np.array([0.0, 0.1, 1.0, 10.0])
+    points = np.column_stack([np.zeros((4, 2)), heights])
+    exact = 2 * np.pi * (np.hypot(1.0, heights) - heights)
+    # A polygon of 256 sides and the same area has its radius to (2π/256)²/24, 3e-5, and no effect
+    # of that to first order.
+    measured = seen(points, disc(1.0, 3).corners).sum(axis=1)
+    assert measured == pytest.approx(exact, rel=1e-7)
+
+
+def test_order_of_corners_and_repeated_ones_change_nothing():
+    middle = [[0.3, 0.3, 0.0]]
+    triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1, 0]]])
+    plain = Patches(triangle[:, :3], [0], middle)
+    for corners in (triangle, triangle[:, ::-1]):
+        patches = Patches(corners, [0], middle)
+        assert patches.area == pytest.approx([0.5])
+        assert patch_capacitance(patches) == pytest.approx(patch_capacitance(plain), rel=EXACT)
+
+
+# --- capacitances ---------------------------------------------------------------------------------
+
+
+def orders(errors):
+    """Observed orders, of errors on meshes twice as fine each time."""
+    return np.log2(np.divide(errors[:-1], errors[1:]))
+
+
+def test_square_plate():
+    errors = [
+        1 - patch_capacitance(plate((2.0, 2.0), n)) / square_capacitance(2.0) for n in (9, 18, 36)
+    ]
+    assert errors[-1] == pytest.approx(0, abs=1e-4)
+    # Graded by fourth powers; even patches would leave order 1.
+    assert (orders(errors) > 2.5).all()
+
+
+def test_even_patches_converge_with_order_one():
+    errors = [
+        1 - patch_capacitance(plate((1.0, 1.0), n, grading=1.0)) / square_capacitance(1.0)
+        for n in (8, 16, 32)
+    ]
+    assert orders(errors)[-1] == pytest.approx(1.0, abs=0.1)
+
+
+def test_disc():
+    errors = [
+        1 - patch_capacitance(disc(2.0, rings)) / disc_capacitance(2.0) for rings in (6, 12, 24)
+    ]
+    assert errors[-1] == pytest.approx(0, abs=1e-4)
+    assert orders(errors)[0] == pytest.approx(3.0, abs=0.3)
+    # Quadrilaterals need many more patches to be a disc.
+    flat = 1 - patch_capacitance(disc(2.0, 16, sectors=48, arcs=1)) / disc_capacitance(2.0)
+    assert errors[-1] < flat < 1e-3
+
+
+def love(gap, count=400):
+    """Capacitance over the permittivity of two discs of 1 m, by Love's integral equation.
+
+    Love (1949, Q. J. Mech. Appl. Math. 2, 428): f(x) - ∫κ/(κ²+(x-t)²) f(t) dt/π = 1 over
+    -1 < t < 1, C = 2∫f, for opposite potentials.
+    """
+    x, weight = leggauss(count)
+    kernel = gap / (gap**2 + (x[:, None] - x) ** 2) / np.pi
+    return 2 * weight @ np.linalg.solve(np.eye(count) - kernel * weight, np.ones(count))
+
+
+@pytest.mark.parametrize("gap", [0.1, 1.0, 1e3])
+def test_a_pair_of_discs_against_loves_equation(gap):
+    pair = conductors(disc(1.0, 24, height=gap), disc(1.0, 24))
+    assert patch_capacitance(pair) == pytest.approx(love(gap), rel=1e-4)
+
+
+def test_a_pair_of_plates():
+    """Far apart they are two alone in series, each seen by the other as a point."""
+    alone = patch_capacitance(plate((1.0, 1.0), 12))
+    distance = 50.0
+    pair = patch_capacitance(
+        conductors(plate((1.0, 1.0), 12, height=distance), plate((1.0, 1.0), 12))
+    )
+    mutual = 1 / (4 * np.pi * distance)
+    # The next term is the quadrupoles', (side/distance)² of the mutual potential.
+    assert 1 / pair == pytest.approx(2 / alone - 2 * mutual, rel=1e-4 * mutual * alone)
+    # Near each other they are a capacitor without margin, and their margin adds to it.
+    near = patch_capacitance(conductors(plate((1.0, 1.0), 12, height=0.02), plate((1.0, 1.0), 12)))
+    assert 50 < near < 55
+
+
+@given(st.floats(0.1, 10), st.floats(1e-12, 10), st.floats(0, 2 * np.pi))
+@examples
+def test_capacitance_goes_with_size_and_permittivity(scale, permittivity, turn):
+    base = plate((1.0, 0.7), 3)
+    c, s = np.cos(turn), np.sin(turn)
+    rotation = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])
+    corners, middle = (
+        scale * (places @ rotation) + [5.0, -3.0, 2.0] for places in (base.corners, base.middle)
+    )
+    moved = patch_capacitance(Patches(corners, base.conductor, middle), permittivity=permittivity)
+    assert moved == pytest.approx(scale * permittivity * patch_capacitance(base), rel=1e-8)
+
+
+def test_energy_is_half_charge_times_voltage_and_potential_is_met_at_middles():
+    patches = conductors(plate((1.0, 1.0), 4, height=0.3), plate((1.0, 1.0), 4))
+    charges = PatchMoments(patches, permittivity=2.0).charges((3.0, -1.0))
+    assert charges.energy == pytest.approx(0.5 * charges.totals @ [3.0, -1.0], rel=EXACT)
+    at_middles = charges.potential(patches.middle)
+    assert at_middles == pytest.approx(np.array([3.0, -1.0])[patches.conductor], rel=1e-10)
+    far = np.array([[1e4, 2e4, -1e4]])
+    monopole = charges.totals.sum() / (8 * np.pi * np.linalg.norm(far))
+    assert charges.potential(far) == pytest.approx([monopole], rel=1e-3)
+    assert charges.density @ patches.area == pytest.approx(charges.totals.sum(), rel=EXACT)
+
+
+# --- bad input ------------------------------------------------------------------------------------
+
+CENTRE = [[0.5, 0.5, 0.0]]
+TILTED = SQUARE + np.array([[0, 0, 0], [0, 0, 0], [0, 0, 0.1], [0, 0, 0]])
+TWICE = np.concatenate([SQUARE, np.add(SQUARE, [0.5, 0, 0])])
+MIDDLES = np.concatenate([CENTRE, np.add(CENTRE, [0.5, 0, 0])])
+
+
+@pytest.mark.parametrize(
+    ("corners", "conductor", "middle", "said"),
+    [
+        (SQUARE[0], [0], CENTRE, r"give \(n, c, 3\), c above 2"),
+        (SQUARE, [0], CENTRE[0], "middles of patches: shape"),
+        (SQUARE, [0, 1], CENTRE, "conductor: shape"),
+        (SQUARE, [1], CENTRE, "numbers are left out"),
+        (TILTED, [0], CENTRE, "patch 0: its corners and middle differ by 0.1 m in z"),
+        (SQUARE, [0], [[0.5, 0.5, 0.1]], "differ by 0.1 m in z"),
+        (SQUARE[:, [0, 2, 1, 3]], [0], CENTRE, "patch 0: it has no area or crosses itself"),
+        (SQUARE * [1, 0, 1], [0], CENTRE, "patch 0: it has no area"),
+        (SQUARE, [0], [[1.5, 0.5, 0.0]], "patch 0: its middle is beside it"),
+        (TWICE, [0, 0], MIDDLES, "patches 0 and 1: they overlap"),
+        (TWICE, [0, 1], MIDDLES, "conductors 0 and 1 overlap or touch at patches 0 and 1"),
+        (np.nan * SQUARE, [0], CENTRE, "every value must be finite"),
+    ],
+)
+def test_bad_patches_are_refused(corners, conductor, middle, said):
+    with pytest.raises(ProblemError, match=said):
+        Patches(corners, conductor, middle)
+
+
+def test_bad_questions_are_refused():
+    one = plate((1.0, 1.0), 2)
+    with pytest.raises(ProblemError, match="overlap or touch"):
+        conductors(one, one)
+    with pytest.raises(ProblemError, match="bodies: none"):
+        conductors()
+    with pytest.raises(ProblemError, match="give a Patches"):
+        conductors(one.corners)
+    with pytest.raises(ProblemError, match=r"voltages: shape \(2,\); give \(1,\)"):
+        PatchMoments(one).charges((1.0, 0.0))
+    with pytest.raises(ProblemError, match=r"points: shape \(3,\); give \(k, 3\)"):
+        PatchMoments(one).charges((1.0,)).potential(np.zeros(3))
+    three = conductors(*(plate((1.0, 1.0), 2, height=z) for z in (0.0, 1.0, 2.0)))
+    with pytest.raises(ProblemError, match="patches: 3 conductors; a capacitance is of one or two"):
+        patch_capacitance(three)
+    for grading in (0.5, 9.0, np.nan):
+        with pytest.raises(ProblemError, match="grading"):
+            plate((1.0, 1.0), 2, grading=grading)
+    with pytest.raises(ProblemError, match="sectors: 1; give a whole number, 2 or more"):
+        disc(1.0, 2, sectors=1)
+    with pytest.raises(ProblemError, match="radius: -1 m; it must be above zero"):
+        disc(-1, 2)

@@ -1,0 +1,253 @@
+"""The report's model against the plane model, Coulomb's law and its own energy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from msvalidate.electrostatics import chains, facing_strips, facing_strips_capacitance, strip
+from msvalidate.electrostatics.moments import Moments
+from msvalidate.electrostatics.patches import Patches, PatchMoments, conductors, patch_capacitance
+from msvalidate.electrostatics.plates import plate
+from msvalidate.electrostatics.report_model import (
+    KERNELS,
+    PLACES,
+    ReportCharges,
+    ReportModel,
+    consistent_forces,
+    report_forces,
+    report_tangent,
+)
+from msvalidate.problem import ProblemError
+
+EXACT = 1e-10  # rounding of 1e-16, times condition numbers of up to 1e5
+VOLTS = (0.5, -0.5)
+examples = settings(max_examples=15, deadline=None)
+every_kernel = pytest.mark.parametrize("kernel", KERNELS)
+every_place = pytest.mark.parametrize("charges_on", PLACES)
+
+
+def wavy(seed, segments=5):
+    """Two chains with kinks and springs of unlike length, a gap of 0.4 m or more between them."""
+    rng = np.random.default_rng(seed)
+    x = np.sort(rng.uniform(0.1, 0.9, segments - 1)) + np.linspace(0, 1, segments - 1)
+    x = np.concatenate([[-0.2], x, [2.2]])
+    top = np.column_stack([x, 1 + rng.uniform(-0.2, 0.2, len(x))])
+    bottom = np.column_stack([x[::-1], rng.uniform(-0.2, 0.2, len(x))])
+    return chains(top, bottom)
+
+
+def differences(energy, points, step=1e-5):
+    """Central differences of an energy in all coordinates of points."""
+    slope = np.empty_like(points)
+    for at in np.ndindex(points.shape):
+        moved = np.zeros_like(points)
+        moved[at] = step
+        slope[at] = (energy(points + moved) - energy(points - moved)) / (2 * step)
+    return slope
+
+
+def test_plane_kernel_on_springs_is_collocation():
+    electrodes = wavy(1)
+    ours = ReportModel(electrodes, permittivity=3.0, kernel="plane").charges((2.0, -1.0))
+    theirs = Moments(electrodes, permittivity=3.0, weighting="collocation").charges((2.0, -1.0))
+    assert ours.charge == pytest.approx(theirs.charge, rel=EXACT)
+    assert ours.energy == pytest.approx(theirs.energy, rel=EXACT)
+    points = np.array([[0.3, 0.5], [4.0, -2.0]])
+    assert ours.potential(points) == pytest.approx(theirs.potential(points), rel=1e-9)
+
+
+@pytest.mark.parametrize("depth", [1.0, 6.0, 24.0])
+def test_springs_are_rectangles_in_space(depth):
+    """By the sums over edges that serve polygons in space, one rectangle a spring."""
+    electrodes = facing_strips(6.0, 1.0, 12)
+    left, right = electrodes.start[:, 0], electrodes.start[:, 0] + electrodes.along[:, 0]
+    x = np.column_stack([left, right, right, left])
+    y = 0.5 * depth * np.broadcast_to([-1.0, -1.0, 1.0, 1.0], x.shape)
+    z = np.broadcast_to(electrodes.start[:, 1:], x.shape)
+    corners = np.stack([x, y, z], axis=-1)
+    rectangles = Patches(corners, electrodes.electrode, corners.mean(axis=1))
+    expected = PatchMoments(rectangles).charges(VOLTS).charge / depth
+    measured = ReportModel(electrodes, depth=depth).charges(VOLTS).charge
+    assert measured == pytest.approx(expected, rel=EXACT)
+
+
+@pytest.mark.parametrize(("depth", "ratio"), [(1.0, 1.85), (6.0, 1.17), (24.0, 1.04)])
+def test_strips_of_finite_depth_hold_more_than_the_plane_says(depth, ratio):
+    """Plates resolved along their depth too; a rectangle a spring holds less than they do."""
+    plates = conductors(plate((6.0, depth), 16, height=1.0), plate((6.0, depth), 16))
+    plane = facing_strips_capacitance(6.0)
+    resolved = patch_capacitance(plates) / depth / plane
+    assert resolved == pytest.approx(ratio, rel=0.01)  # known to 0.005, from coarser patches
+    one = ReportModel(facing_strips(6.0, 1.0, 40), depth=depth).charges(VOLTS).totals[0] / plane
+    assert 1 < one < resolved
+
+
+def test_deep_strips_tend_to_the_plane():
+    electrodes = facing_strips(6.0, 1.0, 20)
+    plane = ReportModel(electrodes, kernel="plane").charges(VOLTS).totals[0]
+    ratios = [
+        ReportModel(electrodes, depth=depth).charges(VOLTS).totals[0] / plane
+        for depth in (1e2, 1e3, 1e4)
+    ]
+    assert ratios[0] > ratios[1] > ratios[2] > 1
+    # Ends of the strips lie (depth/2)² away in the dipole's potential: 4·(w² + d²)/depth² or so.
+    assert ratios[2] == pytest.approx(1.0, abs=4 * 37 / 1e8)
+
+
+def test_a_spring_alone_has_the_potential_of_its_rectangle():
+    model = ReportModel(chains([(0.0, 0.0), (0.6, 0.8)]), permittivity=2.0)
+    charge = model.charges((3.0,)).charge
+    # A square of 1 m at its centre: ∫dA/r = 4 ln(1 + √2).
+    assert charge == pytest.approx([3.0 * 8 * np.pi / (4 * np.log(1 + np.sqrt(2)))], rel=EXACT)
+
+
+@pytest.mark.parametrize("cells", [0.5, 1.0, 2.0])
+def test_plane_point_sums_err_by_a_hyperbolic_cotangent(cells):
+    """Cells across the gap: in the middle of a wide pair the rows are as good as endless."""
+    gap, width = 1.0, 80.0  # what lies beyond the ends goes like 1/width: 1.3e-3 of a sum
+    length = gap / cells
+    electrodes = facing_strips(width, gap, round(width / length), grading="uniform")
+    charges = ReportModel(electrodes, kernel="plane").charges(VOLTS)
+    middle = np.abs(electrodes.points[:, 0]) < 0.1 * width
+    top = middle & (electrodes.points[:, 1] > 0.5)
+    by_points = report_forces(charges)[top, 1].mean()
+    right = consistent_forces(charges)[top, 1].mean()
+    assert by_points / right == pytest.approx(1 / np.tanh(np.pi * gap / length), rel=2e-3)
+
+
+@every_kernel
+@every_place
+@given(seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=4, deadline=None)  # each some fifty models
+def test_consistent_forces_are_the_energys_derivative(kernel, charges_on, seed):
+    electrodes = wavy(seed)
+    how = {"permittivity": 2.0, "depth": 1.5, "kernel": kernel, "charges_on": charges_on}
+
+    def energy(points):
+        return ReportModel(electrodes.moved(points), **how).charges((1.0, -0.6)).energy
+
+    force = consistent_forces(ReportModel(electrodes, **how).charges((1.0, -0.6)))
+    expected = differences(energy, electrodes.points)
+    assert force == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+
+
+@every_kernel
+@every_place
+@pytest.mark.parametrize("seed", [0, 1])
+def test_tangent_is_the_forces_derivative(kernel, charges_on, seed):
+    electrodes = wavy(seed)
+    how = {"permittivity": 2.0, "depth": 1.5, "kernel": kernel, "charges_on": charges_on}
+    model, points, step = ReportModel(electrodes, **how), electrodes.points, 1e-6
+    measured = report_tangent(model.charges((1.0, -0.6)))
+    size = np.abs(measured).max()
+    for column in range(points.size):
+        moved = (step * (np.arange(points.size) == column)).reshape(points.shape)
+        there, back = (
+            report_forces(model.moved(points + s * moved).charges((1.0, -0.6))) for s in (1, -1)
+        )
+        expected = ((there - back) / (2 * step)).ravel()
+        assert measured[:, column] == pytest.approx(expected, abs=1e-6 * size)
+
+
+@pytest.mark.parametrize("depth", [0.5, 10.0])
+def test_the_reports_point_sums_grow_with_depth(depth):
+    """Even charge of one sign a row, endless to 1e-3: depth/(πh) times what it pulls with."""
+    gap, width, length = 1.0, 80.0, 0.25
+    electrodes = facing_strips(width, gap, round(width / length), grading="uniform")
+    model = ReportModel(electrodes, depth=depth)
+    even = np.where(electrodes.electrode == 0, length, -length)
+    force = report_forces(ReportCharges(model, np.array(VOLTS), even))
+    top = (np.abs(electrodes.points[:, 0]) < 1) & (electrodes.points[:, 1] > 0.5)
+    # Density 1 in the field 1/(2ε) of the other row; sums over points are integrals to e^(-2πh/l).
+    expected = -0.5 * length * depth / (np.pi * gap)
+    assert force[top, 1] == pytest.approx(np.full(top.sum(), expected), rel=1e-3)
+
+
+@every_kernel
+@every_place
+@pytest.mark.parametrize("law", [report_forces, consistent_forces])
+def test_forces_are_balanced(kernel, charges_on, law):
+    electrodes = wavy(3)
+    charges = ReportModel(electrodes, kernel=kernel, charges_on=charges_on).charges((1.0, -0.6))
+    force, points = law(charges), electrodes.points
+    size = np.abs(force).sum()
+    assert force.sum(axis=0) == pytest.approx([0, 0], abs=1e-12 * size)
+    moment = points[:, 0] * force[:, 1] - points[:, 1] * force[:, 0]
+    assert moment.sum() == pytest.approx(0, abs=1e-12 * size * 3)
+
+
+@every_kernel
+def test_point_forces_follow_coulomb(kernel):
+    """Two springs far apart: half of the force at each of their ends."""
+    electrodes = chains([(0.0, 0.0), (1.0, 0.0)], [(3.0, 4.0), (4.0, 4.0)])
+    charges = ReportModel(electrodes, kernel=kernel, depth=2.0, permittivity=0.5).charges(VOLTS)
+    one, other = charges.charge
+    law = 1 / (2 * np.pi * 0.5 * 5) if kernel == "plane" else 2.0 / (4 * np.pi * 0.5 * 25)
+    expected = one * other * law * np.array([-0.6, -0.8]) / 2
+    assert report_forces(charges)[:2] == pytest.approx(np.array([expected, expected]), rel=EXACT)
+
+
+@every_place
+def test_both_places_of_charges_converge_to_the_closed_form(charges_on):
+    exact = facing_strips_capacitance(6.0)
+
+    def error(n):
+        model = ReportModel(facing_strips(6.0, 1.0, n), kernel="plane", charges_on=charges_on)
+        return abs(model.charges(VOLTS).totals[0] / exact - 1)
+
+    coarse, fine = error(40), error(80)
+    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.2)
+    assert fine < 1e-3
+
+
+def test_nodes_hold_lumps():
+    electrodes = chains(
+        strip(1.0, 0.5, 4, grading="uniform"), strip(1.0, 0.0, 4, grading="uniform")
+    )
+    model = ReportModel(electrodes, charges_on="nodes")
+    charges = model.charges(VOLTS)
+    assert charges.places == pytest.approx(electrodes.points)
+    assert model.spread().sum(axis=0) == pytest.approx(np.ones(10))
+    # Inner nodes gather two halves of a spring, outer ones one.
+    reach = charges.charge / charges.density
+    assert reach == pytest.approx(np.tile([0.125, 0.25, 0.25, 0.25, 0.125], 2))
+    assert charges.potential(electrodes.points) == pytest.approx(np.repeat(VOLTS, 5), rel=EXACT)
+
+
+@every_kernel
+@given(turn=st.floats(0, 2 * np.pi), scale=st.floats(0.1, 10))
+@examples
+def test_place_direction_and_unit_of_length_change_nothing(kernel, turn, scale):
+    electrodes = wavy(4)
+    c, s = np.cos(turn), np.sin(turn)
+    moved = electrodes.moved(scale * electrodes.points @ np.array([[c, s], [-s, c]]) + [2.0, -3.0])
+    here = ReportModel(electrodes, kernel=kernel, depth=1.0).charges(VOLTS)
+    there = ReportModel(moved, kernel=kernel, depth=scale).charges(VOLTS)
+    assert there.charge == pytest.approx(here.charge, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ({"kernel": "space"}, "kernel: 'space'; choose report or plane"),
+        ({"charges_on": "points"}, "charges_on: 'points'; choose springs or nodes"),
+        ({"depth": 0.0}, "depth: 0.0 m; it must be above zero"),
+        ({"permittivity": -1.0}, "permittivity: -1.0 F/m; it must be above zero"),
+    ],
+)
+def test_bad_options_are_refused(how, said):
+    with pytest.raises(ProblemError) as refusal:
+        ReportModel(wavy(1), **how)
+    assert str(refusal.value) == said
+
+
+def test_bad_questions_are_refused():
+    with pytest.raises(ProblemError, match="one alone holds no charge in the plane"):
+        ReportModel(chains([(0.0, 0.0), (1.0, 0.0)]), kernel="plane")
+    with pytest.raises(ProblemError, match=r"voltages: shape \(3,\); give \(2,\)"):
+        ReportModel(wavy(1)).charges((1.0, 0.0, 0.0))
+    with pytest.raises(ProblemError, match="give an Electrodes"):
+        ReportModel([(0.0, 0.0)])
