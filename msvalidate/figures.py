@@ -17,6 +17,8 @@ from msvalidate.problem import Array, Index
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 """Told apart by colour-blind readers (Okabe and Ito 2008, Color Universal Design)."""
 FEW_DECADES = 2.5
+WIDE_LABELS = 1e5
+"""Numbers whose labels collide below an axis, where 50000 is followed by 100000."""
 MARKERS = ("o", "s", "^", "D", "v", "P")
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
@@ -59,7 +61,8 @@ def plain_logarithms(figure: Figure) -> None:
                 axis.set_major_formatter(lambda value, _: f"{value:g}")
             if isinstance(axis.get_major_locator(), LogLocator):
                 few = abs(math.log10(high / low)) < FEW_DECADES
-                subs = (1.0, 2.0, 5.0) if few else (1.0,)
+                wide = axis is axes.xaxis and max(high, low) >= WIDE_LABELS
+                subs = ((1.0, 3.0) if wide else (1.0, 2.0, 5.0)) if few else (1.0,)
                 axis.set_major_locator(LogLocator(subs=subs, numticks=12))
             axis.set_minor_locator(NullLocator())
 

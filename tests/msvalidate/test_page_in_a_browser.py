@@ -11,7 +11,6 @@ import pytest
 from msvalidate import page, stored
 from msvalidate.evidence import judge
 from msvalidate.provenance import provenance
-from msvalidate.sweep import Setting
 from studies import poisson
 
 BROWSER = next(
@@ -47,9 +46,8 @@ def browser(tmp_path_factory):
     driver.quit()
 
 
-def real_results(folder):
-    """The quick run of a study, through its files."""
-    evidence = poisson.run(setting=Setting(quick=True))
+def real_results(folder, evidence):
+    """The small form of a study, through its files."""
     result = stored.Result("poisson", poisson.__doc__, evidence, judge(evidence))
     origin = provenance(["a", "command"], 0, datetime.now(UTC))
     for name, content in stored.files(result, origin).items():
@@ -90,8 +88,8 @@ def ugly_results():
 
 
 @pytest.fixture(scope="module")
-def real(tmp_path_factory):
-    return real_results(tmp_path_factory.mktemp("poisson"))
+def real(tmp_path_factory, small_form):
+    return real_results(tmp_path_factory.mktemp("poisson"), small_form("poisson"))
 
 
 @pytest.fixture(scope="module", params=["real", "ugly", "empty"])

@@ -1,0 +1,83 @@
+"""Sweeps over voltages, and pull-in where the closed forms have it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from msvalidate.actuator import lowest_modes, slab, sweep, uniform
+from msvalidate.problem import ProblemError
+
+
+def test_uniform_slab_is_pulled_in_at_its_closed_form(plates):
+    end = sweep(plates, to=10.0, bracket=1e-8)
+    low, high = end.pull_in
+    ratio, volts = uniform.pull_in()
+    assert low <= volts <= high * (1 + 1e-12)
+    assert high - low <= 1e-8 * high
+    # Beside pull-in V falls by 25 V·(Δl)² or so: 6e-8 V are 5e-5 of the ratio.
+    found = end.last.top[:, 1].mean() / 10
+    assert found == pytest.approx(ratio, abs=1e-4)
+    assert (round(low, 3), round(found, 3)) == (6.348, 0.692)
+
+
+def test_a_wide_uniform_slab_is_pulled_in_earlier_by_a_wave():
+    """Free to move sideways within, the film gives way to a wave of four heights before."""
+    wide = slab(20.0, 10.0, 4, sides="sliding", model="parallel_plates")
+    end = sweep(wide, [6.0, 6.4], bracket=1e-6)
+    _, volts = uniform.pull_in()
+    assert 0.99 * volts < end.pull_in[1] < 0.996 * volts
+    (value,), (mode,) = lowest_modes(end.last)
+    height = mode[wide.electrodes[0], 1]
+    wave = np.cos(np.pi * np.linspace(0, 1, len(height)))  # half of it between the walls
+    assert abs(height @ wave) >= 0.999 * np.linalg.norm(height) * np.linalg.norm(wave)
+    assert value < 1e-4
+
+
+def test_prestretched_slab_is_pulled_in_at_its_closed_form():
+    body = slab(5.0, 10.0, 4, sides="sliding", model="parallel_plates", prestretch=1.3)
+    low, high = sweep(body, to=10.0, bracket=1e-6).pull_in
+    assert low <= uniform.pull_in(stretch=1.3).voltage <= high
+
+
+def test_steps_do_not_move_pull_in():
+    """Every bracket holds the same voltage, however it was approached."""
+    body = slab(12.0, 4.0, 4)
+    brackets = [
+        sweep(body, to=6.0, steps=3).pull_in,
+        sweep(body, to=3.0, steps=25).pull_in,
+        sweep(body, [50.0]).pull_in,
+    ]
+    assert max(low for low, _ in brackets) < min(high for _, high in brackets)
+
+
+def test_a_sweep_of_the_report_s_slab_takes_few_solves():
+    """Newton's method from the last equilibrium: some four a step, a few more near its end."""
+    body = slab(60.0, 10.0, 10)
+    assert len(body.network.points) == 61 * 11
+    run = sweep(body, to=2.8, steps=20)
+    assert len(run.held) == 21
+    assert sum(held.iterations for held in run.held) <= 6 * 20
+
+
+def test_sweep_keeps_what_it_held(plates):
+    run = sweep(plates, [1.0, 3.0, 6.3, 6.5])
+    assert run.voltages[:4].tolist() == [0, 1, 3, 6.3]
+    assert 6.3 < run.last.voltage == run.pull_in[0] < run.pull_in[1] < 6.5
+    assert run.pull_in[1] - run.pull_in[0] <= 1e-4 * 6.5
+    reached = sweep(plates, to=2.0, steps=2)
+    assert reached.pull_in is None
+    assert reached.voltages.tolist() == [0, 1, 2]
+
+
+def test_the_staggered_way_is_pulled_in_at_the_same_voltage(plates):
+    low, high = sweep(plates, [6.3, 6.5], method="staggered", bracket=1e-3).pull_in
+    assert low <= uniform.pull_in().voltage <= high
+
+
+@pytest.mark.parametrize(
+    "given", [{}, {"voltages": [2.0, 1.0]}, {"voltages": [0.0, 1.0]}, {"to": -1.0}, {"to": np.nan}]
+)
+def test_sweep_refuses(film, given):
+    with pytest.raises(ProblemError):
+        sweep(film, **given)

@@ -1,0 +1,159 @@
+"""What is taken as an actuator, and what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from msvalidate.actuator import Actuator, slab, without_tips
+from msvalidate.actuator.uniform import relaxed_thickness
+from msvalidate.network import internal_force, spring_network
+from msvalidate.problem import ProblemError
+
+
+@pytest.fixture(scope="module")
+def small():
+    return slab(6.0, 2.0, 2)
+
+
+def refused(match, **changes):
+    with pytest.raises(ProblemError, match=match) as caught:
+        replace(slab(6.0, 2.0, 2), **changes)
+    assert "\n" not in str(caught.value)
+
+
+def test_slab_covers_its_bottom_and_the_middle_of_its_top():
+    body = slab(6.0, 2.0, 4, covered=1 / 3)
+    top, bottom = (body.network.points[line] for line in body.electrodes)
+    assert np.array_equal(top, [[x, 2.0] for x in np.linspace(2, 4, 5)])
+    assert np.array_equal(bottom, [[x, 0.0] for x in np.linspace(0, 6, 13)])
+    assert body.network.held[body.electrodes[1]].all()
+
+
+def test_slab_s_stiffness_and_mass_are_per_depth():
+    thin, deep = slab(3.0, 1.0, 2), slab(3.0, 1.0, 2, depth=5.0, density=2.0)
+    assert deep.network.stiffness == pytest.approx(5 * thin.network.stiffness)
+    assert deep.network.mass.sum() == pytest.approx(2 * 5 * 3)
+
+
+@pytest.mark.parametrize("stretch", [0.9, 1.5])
+def test_stretched_film_between_sliding_sides_rests_as_it_is(stretch):
+    body = slab(4.0, 2.0, 4, prestretch=stretch, sides="sliding")
+    points = body.network.points
+    assert points.max(axis=0) == pytest.approx([4 * stretch, 2 * relaxed_thickness(stretch)])
+    force = internal_force(body.network, points)[~body.network.held]
+    assert force == pytest.approx(0, abs=1e-14)
+    assert np.abs(internal_force(body.network, points)).max() > 0.01  # the walls bear the stretch
+
+
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"covered": 0.3}, r"covered: 0\.3 ends between points of 6 cells; take 2/6"),
+        ({"covered": 0.05}, "covered: .* take 2/6"),
+        ({"covered": 1.5}, "at most 1"),
+        ({"covered": 0.0}, "above zero"),
+        ({"length": 6.3}, "whole multiple"),
+        ({"sides": "glued"}, "choose free or sliding"),
+        ({"permittivity": -1.0}, "permittivity: -1"),
+        ({"permittivity": np.nan}, "permittivity: nan"),
+        ({"model": "wires"}, "model: 'wires'; choose"),
+        ({"prestretch": 0.0}, "prestretch"),
+        ({"depth": -1.0}, "depth"),
+        ({"cells": 0}, "cells"),
+    ],
+)
+def test_slab_refuses(given, match):
+    with pytest.raises(ProblemError, match=match) as caught:
+        slab(**{"length": 6.0, "height": 2.0, "cells": 2} | given)
+    assert "\n" not in str(caught.value)
+
+
+def test_electrodes_must_be_two_chains(small):
+    top, bottom = small.electrodes
+    refused("give two chains", electrodes=(top,))
+    refused("give two chains", electrodes=None)
+    refused("2 or more points", electrodes=(top[:1], bottom))
+    refused("the network has 21", electrodes=(np.array([19, 20, 21]), bottom))
+    refused("whole numbers", electrodes=(top + 0.5, bottom))
+
+
+def test_electrodes_follow_springs(small):
+    top, bottom = small.electrodes
+    refused(f"no spring joins points {top[0]} and {top[2]}", electrodes=(top[[0, 2]], bottom))
+
+
+def test_electrodes_stay_on_the_surface(small):
+    _, bottom = small.electrodes
+    inside = np.arange(7, 14)
+    assert (small.network.points[inside, 1] == 1).all()
+    refused(r"points 7 and 8 is not on the surface", electrodes=(inside, bottom))
+    diagonal = np.array([14, 8])
+    refused("is not on the surface", electrodes=(diagonal, bottom))
+    sides = np.array([7, 14])  # up the left side: surface too
+    assert Actuator(small.network, (sides, bottom)).electrodes[0].tolist() == [7, 14]
+
+
+def test_electrodes_keep_apart(small):
+    top, bottom = small.electrodes
+    refused("cross or touch", electrodes=(bottom, bottom))
+    refused("cross or touch", electrodes=(np.array([0, 7, 14]), bottom))  # meets the corner
+    refused("cross", electrodes=(top[[0, 1, 0]], bottom))
+
+
+def test_crossing_electrodes_are_refused():
+    """A network whose top is moved below its bottom."""
+    body = slab(2.0, 1.0, 1, model="plane")
+    points = body.network.points * [1.0, 1.0]
+    top = body.electrodes[0]
+    points[top[0], 1] = -0.4
+    network = spring_network(
+        points, body.network.springs, body.network.stiffness, held=body.network.held
+    )
+    with pytest.raises(ProblemError, match="cross or touch"):
+        Actuator(network, body.electrodes)
+
+
+def test_a_free_body_and_a_solid_are_refused(small):
+    refused("network: ", network=replace(small.network, held=np.zeros((21, 2), dtype=bool)))
+    n = 4
+    solid = spring_network(
+        np.vstack([np.zeros(3), np.eye(3)]),
+        [(0, 1), (0, 2), (0, 3)],
+        1.0,
+        held=np.ones((n, 3), bool),
+    )
+    refused("one in space", network=solid)
+
+
+def test_parallel_plates_need_a_flat_held_bottom(small):
+    held = np.array(small.network.held)
+    held[3] = False
+    refused(
+        "flat and held",
+        network=replace(small.network, held=held),
+        model="parallel_plates",
+    )
+
+
+def test_arrays_are_read_only(small):
+    with pytest.raises(ValueError, match="read-only"):
+        small.electrodes[0][0] = 3
+
+
+def test_without_tips_holds_points_near_the_edges():
+    body = slab(6.0, 2.0, 4, covered=1 / 3)
+    held = without_tips(body, 0.5).network.held & ~body.network.held
+    there = body.network.points[held.all(axis=1)]
+    edges = np.array([[2.0, 2.0], [4.0, 2.0]])
+    away = np.linalg.norm(there[:, None] - edges, axis=2).min(axis=1)
+    assert len(there) == 8  # each edge, its neighbours left and right, and the one below
+    assert away.max() == 0.5
+
+
+@pytest.mark.parametrize(("within", "match"), [(-1.0, "0 or more"), (100.0, "every point")])
+def test_without_tips_refuses(small, within, match):
+    with pytest.raises(ProblemError, match=match):
+        without_tips(small, within)

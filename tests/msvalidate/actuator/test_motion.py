@@ -1,0 +1,41 @@
+"""Motion to rest with charges that follow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from msvalidate.actuator import at_voltage, moving
+from msvalidate.problem import ProblemError, SolverError
+
+
+@pytest.mark.parametrize("every", [1, 7])
+def test_motion_comes_to_rest_at_the_equilibrium(film, every):
+    run = moving(film, 1.0, charges_every=every)
+    rest = at_voltage(film, 1.0)
+    assert np.abs(run.held.displacement - rest.displacement).max() <= 1e-6
+    assert (
+        run.charged < run.held.iterations + 20 if every == 7 else run.charged > run.held.iterations
+    )
+    assert run.history[-1, 1] < run.history[0, 1]
+    assert run.history[-1, 3] < 4.0
+
+
+def test_motion_beyond_pull_in_says_so(plates):
+    with pytest.raises(SolverError, match=r"actuator moving at 8 V") as caught:
+        moving(plates, 8.0)
+    assert "\n" not in str(caught.value)
+
+
+def test_motion_out_of_time_says_so(film):
+    with pytest.raises(SolverError, match=r"not at rest after 3 steps"):
+        moving(film, 1.0, max_steps=3)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"dt": 0.0}, {"damping": -1.0}, {"charges_every": 0}, {"tolerance": 1.0}, {"start": 1}],
+)
+def test_motion_refuses(film, given):
+    with pytest.raises(ProblemError):
+        moving(film, 1.0, **given)

@@ -1,0 +1,70 @@
+"""The surface of a network, found from its springs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial import Delaunay
+
+from msvalidate.actuator.surface import off_surface, outline
+from msvalidate.lattice import square
+from msvalidate.network import spring_network
+from msvalidate.problem import Box, ProblemError
+
+EDGES = [[0, 1], [1, 2], [2, 0]]
+
+
+def filled(columns, rows):
+    lattice = square(Box((float(columns), float(rows))), (columns, rows))
+    return spring_network(lattice.points, lattice.springs, 1.0)
+
+
+def area(points):
+    x, y = points.T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (4, 1), (5, 3)])
+def test_outline_of_a_box(columns, rows):
+    network = filled(columns, rows)
+    around = outline(network)
+    assert len(around) == len(set(around.tolist())) == 2 * (columns + rows)
+    assert area(network.points[around]) == pytest.approx(columns * rows)  # counter-clockwise
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (4, 2), (5, 3)])
+def test_springs_on_the_outline_are_the_surface(columns, rows):
+    network = filled(columns, rows)
+    around = outline(network)
+    known = {frozenset(pair) for pair in zip(around, np.roll(around, -1), strict=True)}
+    inside = [i for i, pair in enumerate(network.springs.tolist()) if frozenset(pair) not in known]
+    assert off_surface(network, network.springs).tolist() == inside
+
+
+def test_outline_of_triangles_is_their_hull():
+    points = np.random.default_rng(3).uniform(size=(40, 2))
+    mesh = Delaunay(points)
+    network = spring_network(
+        points, np.unique(np.sort(mesh.simplices[:, EDGES].reshape(-1, 2)), axis=0), 1.0
+    )
+    assert set(outline(network).tolist()) == set(mesh.convex_hull.ravel().tolist())
+    assert area(points[outline(network)]) > 0
+
+
+def test_numbering_does_not_matter():
+    network = filled(4, 2)
+    order = np.random.default_rng(0).permutation(len(network.points))
+    place = np.argsort(order)
+    mixed = spring_network(network.points[order], place[network.springs], 1.0)
+    assert {*order[outline(mixed)].tolist()} == {*outline(network).tolist()}
+
+
+def test_networks_without_one_outline_are_refused():
+    apart = np.array([[0.0, 0], [1, 0], [0, 1], [5, 0], [6, 0], [5, 1]])
+    pairs = [[0, 1], [1, 2], [0, 2], [3, 4], [4, 5], [3, 5]]
+    with pytest.raises(ProblemError, match="no body in one part"):
+        outline(spring_network(apart, pairs, 1.0))
+    star = np.array([[0.0, 0], [2, 0], [1, 2], [0, 1.5], [2, 1.5], [1, -0.5]])
+    crossing = [[0, 1], [1, 2], [0, 2], [3, 4], [4, 5], [3, 5]]
+    with pytest.raises(ProblemError, match=r"springs cross at \(.* on the surface"):
+        outline(spring_network(star, crossing, 1.0))
