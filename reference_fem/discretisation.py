@@ -179,6 +179,19 @@ class Discretisation:
         """Nodes (nodes, q) of cells (q,), in the library's order."""
         return np.asarray(self.node[self.basis.element_dofs[:, cell]])
 
+    def swelling(self, points: Array) -> Array:
+        """Least growth (c,) of each cell's measure at its nodes, when these move to points (n, d).
+
+        Below zero a cell is turned inside out.
+        """
+        kind, nodes = self.element, self.nodes_of(np.arange(len(self.cells))).T
+        _, slope = kind.functions(np.asarray(kind.function.doflocs))
+        before, after = (
+            np.linalg.det(np.einsum("kjq,ckd->cqjd", slope, x[nodes]))
+            for x in (self.points, points)
+        )
+        return np.asarray((after / before).min(axis=1))
+
     def _sampled(self, points: ArrayLike) -> Array:
         x = coordinates("points to sample", points)
         if x.ndim != 2 or x.shape[1] != self.dim:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
@@ -105,13 +106,34 @@ def _refuse_mechanism(body: Discretisation, kept: Index, A: csr_matrix, inverse:
         )
 
 
+def signed(A: csr_matrix) -> tuple[Apply, int]:
+    """The inverse of a symmetric matrix (f, f) as it is ordered, and its negative eigenvalues.
+
+    The pivots stand on the diagonal, so they have as many below zero as the eigenvalues have
+    (Sylvester). Where one is zero the library would take another row's, and no sign could be told.
+
+    Raises
+    ------
+    RuntimeError
+        If a pivot is zero.
+    """
+    factor = _eliminated(A)
+    if (factor.perm_r != factor.perm_c).any():
+        raise RuntimeError("a pivot is zero")
+    return lambda load: np.asarray(factor.solve(load)), int((factor.U.diagonal() < 0).sum())
+
+
 def _superlu(A: csr_matrix) -> Apply:
     """L U of a symmetric matrix as it is ordered, its diagonal the pivots."""
+    factor = _eliminated(A)
+    return lambda load: np.asarray(factor.solve(load))
+
+
+def _eliminated(A: csr_matrix) -> Any:
     columns = csc_matrix((A.data, A.indices, A.indptr), shape=A.shape)  # its own transpose
-    factor = splu(
+    return splu(
         columns, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
-    return lambda load: np.asarray(factor.solve(load))
 
 
 def _cholmod(A: csr_matrix) -> Apply:
