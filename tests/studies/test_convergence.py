@@ -9,15 +9,14 @@ from msvalidate.evidence import UNGATED
 from msvalidate.relax import relax
 from msvalidate.relaxations import RELAXATIONS
 from msvalidate.sweep import Setting
-from studies import convergence
 from studies.convergence import bodies, dynamic_relaxation, frontier, spoilt, steps, times
 
 QUICK = Setting(quick=True)
 
 
 @pytest.fixture(scope="module")
-def evidence():
-    return convergence.run(setting=QUICK)
+def evidence(small_form):
+    return small_form("convergence")
 
 
 def test_every_relaxation_at_every_size(evidence):

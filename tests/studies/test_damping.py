@@ -14,7 +14,6 @@ from msvalidate.integrate import State, euler_cromer, motion
 from msvalidate.integrators import EULER_CROMER, INTEGRATORS, one_step_matrix
 from msvalidate.problem import SolverError
 from msvalidate.sweep import Setting
-from studies import damping
 from studies.damping import (
     advice,
     bodies,
@@ -43,8 +42,8 @@ REST = [
 
 
 @pytest.fixture(scope="module")
-def evidence():
-    return damping.run(setting=QUICK)
+def evidence(small_form):
+    return small_form("damping")
 
 
 @pytest.fixture(scope="module")

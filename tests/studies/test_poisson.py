@@ -34,8 +34,8 @@ ROTATED = ["lattice", "k1", "k2", "angle_deg", "cells", "nu_springs", "nu_tensor
 
 
 @pytest.fixture(scope="module")
-def evidence():
-    return poisson.run(setting=QUICK)
+def evidence(small_form):
+    return small_form("poisson")
 
 
 def test_public_columns(evidence):

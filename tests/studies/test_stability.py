@@ -68,8 +68,8 @@ COLUMNS = {
 
 
 @pytest.fixture(scope="module")
-def evidence():
-    return stability.run(setting=QUICK)
+def evidence(small_form):
+    return small_form("stability")
 
 
 @pytest.mark.parametrize("table", COLUMNS)

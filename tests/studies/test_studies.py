@@ -12,13 +12,18 @@ FAULTS = [(name, fault) for name in catalogue.names() for fault in catalogue.loa
 
 
 @pytest.fixture(scope="module", params=catalogue.names())
-def study(request):
-    return catalogue.load(request.param)
+def name(request):
+    return request.param
 
 
 @pytest.fixture(scope="module")
-def evidence(study):
-    return study.run(setting=QUICK)
+def study(name):
+    return catalogue.load(name)
+
+
+@pytest.fixture(scope="module")
+def evidence(name, small_form):
+    return small_form(name)
 
 
 def test_passes_in_its_small_form(evidence):

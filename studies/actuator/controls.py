@@ -1,0 +1,207 @@
+"""Controls: which faults does the study notice, by which quantity, and how small may they be?
+
+Question   Every fault that it must notice; and the smallest one of each kind.
+Candidate  The springs' linear response to forces with one known fault, or of a faulty network.
+Reference  The tolerances of `profile`.
+Expected   Forces and stiffnesses that are wrong by a part p are seen in the limit of fine lattices,
+           as far as the extrapolation reaches: some parts in a thousand. What only moves forces
+           within a spring leaves the limit as it is, and shows in how fast it is reached.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.actuator import Actuator
+from msvalidate.actuator.models import electrified
+from msvalidate.evidence import Evidence, Observed, Tolerance, judge
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.actuator import profile
+from studies.actuator.bodies import Candidate, Spoil, responding
+
+
+def weaker(size: float, actuator: Actuator, pull: Array) -> Array:
+    """Forces smaller by the part `size`."""
+    return (1 - size) * pull
+
+
+def other_face(size: float, actuator: Actuator, pull: Array) -> Array:
+    """The part `size` of the way from each electrode's forces to those of the face across."""
+    top, bottom = actuator.electrodes
+    x = actuator.network.start[:, 0]
+    own, across = np.split(pull, [len(top)])
+    seen = [
+        np.column_stack([np.interp(x[there], x[other], part) for part in force.T])
+        for there, other, force in ((top, bottom, across), (bottom, top, own))
+    ]
+    return (1 - size) * pull + size * np.concatenate(seen)
+
+
+def half_and_half(size: float, actuator: Actuator, pull: Array) -> Array:
+    """The part `size` of the way to charge times the field at each middle, half to each end."""
+    charges = electrified(actuator, actuator.network.start, 1.0).charges
+    electrodes = charges.moments.electrodes
+    force = actuator.depth * charges.charge[:, None] * charges.field(electrodes.middle)
+    halves = np.zeros_like(pull)
+    for end in electrodes.segments.T:
+        np.add.at(halves, end, 0.5 * force)
+    return (1 - size) * pull + size * scale_of(actuator, pull) * halves
+
+
+def without_edge_force(size: float, actuator: Actuator, pull: Array) -> Array:
+    """The part `size` of the force along the electrode left out at its edges."""
+    (top, _), less = actuator.electrodes, np.array(pull)
+    less[[0, len(top) - 1], 0] *= 1 - size
+    return less
+
+
+def stiffer(size: float, actuator: Actuator, voltage: float) -> Array:
+    """Every spring stiffer by the part `size`."""
+    faulty = replace(actuator, network=actuator.network.scaled(1 + size))
+    return responding(None, faulty, voltage)
+
+
+def report_charges(size: float, actuator: Actuator, pull: Array) -> Array:
+    """The part `size` of the way to the report's charges and point forces, springs 1 m deep."""
+    here, volts = actuator.network.start, scale_of(actuator, pull)
+    as_report = replace(actuator, model="as_report")
+    return (1 - size) * pull + size * volts * electrified(as_report, here, 1.0).forces()
+
+
+def one_medium(size: float, actuator: Actuator, pull: Array) -> Array:
+    """The part `size` of the way to the forces without air: on the electrodes alone."""
+    plane = replace(actuator, model="plane")
+    here, volts = actuator.network.start, scale_of(actuator, pull)
+    electric, air = electrified(plane, here, 1.0), electrified(actuator, here, 1.0)
+    spread = np.zeros_like(here)
+    spread[electric.loaded] = electric.forces()
+    return (1 - size) * pull + size * volts * spread[air.loaded]
+
+
+def scale_of(actuator: Actuator, pull: Array) -> float:
+    """Square of the voltage (V²) that makes the forces (k, 2) of the actuator at its start."""
+    unit = electrified(actuator, actuator.network.start, 1.0).forces()
+    return float(np.vdot(unit, pull) / np.vdot(unit, unit))
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of fault: the unit of its size, and what it does to forces; if nothing, to springs."""
+
+    unit: str
+    spoil: Callable[[float, Actuator, Array], Array] | None = None
+
+    def spoilt(self, size: float) -> Candidate:
+        """The candidate with a fault of this size."""
+        if self.spoil is None:
+            return partial(stiffer, size)
+        bound: Spoil = partial(self.spoil, size)
+        return partial(responding, bound)
+
+    def mixed(self, size: float, right: Array, wrong: Array) -> Array:
+        """Displacements with a fault of a size, from those without it and with one of size 1."""
+        if self.spoil is None:
+            return right / (1 + size)
+        if self.spoil is weaker:
+            return (1 - size) * right
+        return (1 - size) * right + size * wrong
+
+
+KINDS = {
+    "forces smaller": Kind("relative", weaker),
+    "forces of the other face": Kind("part of the way", other_face),
+    "forces in halves": Kind("part of the way", half_and_half),
+    "edge forces left out": Kind("part left out", without_edge_force),
+    "the report's charges": Kind("part of the way", report_charges),
+    "springs stiffer": Kind("relative"),
+    "one medium all around": Kind("part of the way", one_medium),
+}
+ASKED = {
+    "forces smaller": 0.02,
+    "forces of the other face": 0.02,
+    "forces in halves": 1.0,
+    "edge forces left out": 0.05,
+    "the report's charges": 0.02,
+    "springs stiffer": 0.02,
+}
+"""What the study must notice: kind -> size."""
+SLABS = ("partial",)
+"""The slab that they are tried on; it has both a free face and straight edges."""
+STEPS = (*(m * 10.0**-e for e in range(4, 0, -1) for m in (1, 2, 5)), 1.0)
+"""Sizes tried: errors need not grow with a fault, whose sign may be opposite to theirs."""
+TOLERANCES = (
+    Tolerance(
+        "actuator: faults that the study must notice and does not",
+        0.0,
+        "1",
+        "a study that cannot fail proves nothing",
+    ),
+)
+COLUMNS = {
+    "fault": "what is wrong with the candidate",
+    "fault_unit": "how the fault's size is measured",
+    "asked": "size that must be noticed, in its unit",
+    "noticed": "whether it is",
+    "smallest_noticed": "smallest size noticed, of those tried, on the small form's lattices, in "
+    'its unit; "none" up to 1',
+    "noticed_by": "tolerance of the profile that fails first; none if none does",
+}
+
+
+def run(setting: Setting | None = None) -> Evidence:
+    """Try every kind of fault on the small form of one profile, whose answers are linear in it."""
+    small = replace(setting or Setting(), quick=True)
+    right = profile.asked(partial(responding, None), small, SLABS)
+    table = pd.DataFrame([tried(name, right, small) for name in ASKED])
+    return Evidence(
+        tables={"controls": table},
+        observed={TOLERANCES[0].quantity: Observed(float((table["noticed"] == "no").sum()))},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        findings=(
+            "Smallest faults noticed: "
+            + "; ".join(
+                f"{row.fault} {row.smallest_noticed} ({row.fault_unit})"
+                for row in table.itertuples()
+            )
+            + ".",
+        ),
+    )
+
+
+def tried(name: str, right: dict[str, profile.Face], small: Setting) -> dict[str, object]:
+    """Row of a kind of fault."""
+    kind = KINDS[name]
+    needed = kind.spoil not in (None, weaker)  # those scale the right answer
+    wrong = profile.asked(kind.spoilt(1.0), small, SLABS) if needed else right
+
+    def failing(size: float) -> list[str]:
+        verdict = judge(profile.evidence(mixture(kind, size, right, wrong)))
+        return list(verdict.loc[verdict["verdict"] == "fail", "quantity"])
+
+    found = next(((size, by) for size in STEPS if (by := failing(size))), None)
+    row: dict[str, object] = {"fault": name, "fault_unit": kind.unit, "asked": ASKED[name]}
+    row |= {"noticed": "yes" if failing(ASKED[name]) else "no"}
+    row |= {"smallest_noticed": found[0] if found else "none"}
+    return row | {"noticed_by": found[1][0] if found else "none"}
+
+
+def mixture(
+    kind: Kind, size: float, right: dict[str, profile.Face], wrong: dict[str, profile.Face]
+) -> dict[str, profile.Face]:
+    """Upper faces with a fault of a size; the reference's stay."""
+    return {
+        covered: {
+            key: face
+            if key == "FEM"
+            else (face[0], kind.mixed(size, face[1], wrong[covered][key][1]), face[2])
+            for key, face in faces.items()
+        }
+        for covered, faces in right.items()
+    }

@@ -1,0 +1,169 @@
+"""The report's Figure 8 (2) and (3) drawn again, and what its statements come to, from the tables.
+
+Only how the slabs are drawn is decided here; every number stands in a table.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.evidence import Tables
+from msvalidate.problem import Array
+
+STRETCH = 3
+"""How many times longer heights are drawn than lengths, where axes are stretched."""
+ELECTRODE = {"top": figures.COLOURS[1], "bottom": "black"}
+TITLES = {
+    "full": "Figure 8 (2), fully covered",
+    "partial": "Figure 8 (3), covered in the middle",
+}
+LINES = 11
+"""Lines of equal potential, from one electrode's to the other's."""
+
+
+def redrawn(tables: Tables) -> Figure:
+    """Both slabs at their highest voltage: equal axes, stretched axes, charge, potential."""
+    cases = list(dict.fromkeys(tables["figure8_slabs"]["covered"]))
+    figure = Figure(figsize=(10.6, 9.4), layout="constrained")
+    axes = figure.subplots(4, len(cases), height_ratios=(0.62, 1.65, 1.3, 1.75), sharex="col")
+    for column, case in zip(axes.T, cases, strict=True):
+        points, density, potential = (
+            table[table["covered"] == case]
+            for table in (
+                tables["figure8_slabs"],
+                tables["figure8_density"],
+                tables["figure8_potential"],
+            )
+        )
+        equal, stretched, charge, around = column
+        volts = points["voltage"].iloc[0]
+        for axis, times in ((equal, 1), (stretched, STRETCH)):
+            draw_slab(axis, points)
+            axis.set_aspect(times)
+        equal.set_title(f"{TITLES[case]}, {volts:.3g} V\nequal axes", fontsize=9)
+        stretched.set_title(f"stretched axes: heights × {STRETCH}", fontsize=9)
+        draw_density(charge, density)
+        draw_potential(around, points, potential)
+        around.set_xlabel("x (m)")
+    for row in axes[[0, 1, 3]]:
+        row[0].set_ylabel("y (m)")
+    axes[2, 0].set_ylabel("charge density (C/m²)")
+    figures.shared_legend(figure, list(axes[:3].ravel()), columns=4)
+    return figure
+
+
+def draw_slab(axis: Axes, points: pd.DataFrame) -> None:
+    """The network's rows and columns at rest and as they are, and the electrodes on it."""
+    first = points[["x", "y"]].to_numpy()
+    now = first + points[["along", "up"]].to_numpy()
+    for at, colour, state in ((first, "#c9c9c9", "at rest"), (now, "#66a9d4", "deformed")):
+        lines = LineCollection(grid_lines(first, at), color=colour, lw=0.6)
+        lines.set_label(f"springs along the axes, {state}")
+        axis.add_collection(lines)
+    for name, colour in ELECTRODE.items():
+        on = (points["electrode"] == name).to_numpy()
+        order = np.argsort(first[on, 0])
+        axis.plot(*now[on][order].T, color=colour, lw=2.2, label=f"{name} electrode")
+    axis.margins(0.02)
+    axis.grid(visible=False)
+
+
+def grid_lines(first: Array, at: Array) -> list[Array]:
+    """Rows and columns (p, 2) of a rectangular grid known by its first places, drawn `at`."""
+    lines = []
+    for axis in (0, 1):
+        keys = np.round(first[:, axis], 9)
+        for key in np.unique(keys):
+            on = np.flatnonzero(keys == key)
+            lines.append(at[on[np.argsort(first[on, 1 - axis])]])
+    return lines
+
+
+def draw_density(axis: Axes, density: pd.DataFrame) -> None:
+    """Charge density of both electrodes, deformed and flat, both faces together."""
+    for name, colour in ELECTRODE.items():
+        rows = density[density["electrode"] == name]
+        sign = 1 if name == "top" else -1
+        axis.plot(rows["x"], sign * rows["density_flat"], ":", color=colour, lw=1)
+        axis.step(
+            rows["x"],
+            sign * rows["density"],
+            where="mid",
+            color=colour,
+            lw=1.2,
+            label="charge density: top" if name == "top" else "minus charge density: bottom",
+        )
+    axis.plot([], [], ":", color="grey", label="charge density of flat electrodes")
+    axis.set_ylim(bottom=0)
+    axis.set_title("charge on the electrodes, both faces together", fontsize=9)
+
+
+def draw_potential(axis: Axes, points: pd.DataFrame, potential: pd.DataFrame) -> None:
+    """Lines of equal potential around the slab, its outline and its electrodes."""
+    grid = potential.pivot_table(index="y", columns="x", values="potential", sort=True)
+    x, y = grid.columns.to_numpy(dtype=float), grid.index.to_numpy(dtype=float)
+    low, high = points["potential_bottom"].iloc[0], points["potential_top"].iloc[0]
+    levels = np.linspace(low, high, LINES)
+    shown = axis.contourf(x, y, grid.to_numpy(), levels=levels, cmap="cividis", extend="neither")
+    axis.contour(
+        x, y, grid.to_numpy(), levels=levels, colors="white", linewidths=0.5, linestyles="solid"
+    )
+    axis.figure.colorbar(shown, ax=axis, orientation="horizontal", label="potential (V)")
+    first = points[["x", "y"]].to_numpy()
+    now = first + points[["along", "up"]].to_numpy()
+    lines = grid_lines(first, now)
+    columns = len(np.unique(np.round(first[:, 0], 9)))
+    for line in (lines[0], lines[columns - 1], lines[-1]):
+        axis.plot(*line.T, color="black", lw=0.8)
+    for name in ELECTRODE:
+        on = (points["electrode"] == name).to_numpy()
+        order = np.argsort(first[on, 0])
+        axis.plot(*now[on][order].T, color=figures.COLOURS[1], lw=2)
+    axis.set(aspect="equal", xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
+    axis.set_title("potential around the slab, equal axes", fontsize=9)
+    axis.grid(visible=False)
+
+
+def ways(tables: Tables) -> Figure:
+    """Marginal effect and charge against voltage, three ways, and the faces at the last of each."""
+    table, faces = tables["figure8"], tables["figure8_faces"]
+    figure = Figure(figsize=(10.6, 6.4), layout="constrained")
+    axes = figure.subplots(2, 3, width_ratios=(1, 1, 1.35))
+    sources = list(dict.fromkeys(table["way"]))
+    for row, (covered, rows) in zip(axes, table.groupby("covered", sort=False), strict=True):
+        for source, colour, marker in zip(sources, figures.COLOURS, figures.MARKERS, strict=False):
+            line = rows[rows["way"] == source]
+            style = {"color": colour, "marker": marker, "label": source}
+            row[0].plot(line["voltage"], line["beside_over_middle"], **style)
+            row[1].plot(line["voltage"], 100 * line["inner_charge"], **style)
+            last = faces[(faces["covered"] == covered) & (faces["way"] == source)]
+            last = last[last["voltage"] == last["voltage"].max()]
+            where = f"{last['voltage'].iloc[0]:.3g} V"
+            row[2].plot(last["x"] + last["along"], last["up"], color=colour, lw=1.2)
+            place = round((0.5 + 0.12 * (sources.index(source) - 1)) * len(last))
+            row[2].annotate(
+                where,
+                (last["x"].iloc[place], last["up"].iloc[place]),
+                textcoords="offset points",
+                xytext=(0, -11),
+                color=colour,
+                fontsize=8,
+                ha="center",
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+            )
+        row[0].set_yscale("log")
+        row[0].set_ylabel(f"{TITLES[str(covered)]}\n2 m inside the edge over middle (1)")
+        row[1].set_ylabel("charge on the middle half (%)")
+        row[2].set_ylabel("deflection uy (m)")
+    axes[0, 0].set_title("marginal effect", fontsize=9)
+    axes[0, 1].set_title("where the charge is", fontsize=9)
+    axes[0, 2].set_title("upper face at the last voltage held, heights stretched", fontsize=9)
+    for axis, label in zip(axes[1], ("voltage (V)", "voltage (V)", "x (m)"), strict=True):
+        axis.set_xlabel(label)
+    figures.shared_legend(figure, list(axes.ravel()))
+    return figure

@@ -1,0 +1,95 @@
+"""What the questions of the study share: what is judged, electrodes, columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from msvalidate import electrostatics
+from msvalidate.electrostatics import Charges, Electrodes, Moments, chains, facing_strips, strip
+from msvalidate.electrostatics.dielectric import ChargesInAir, SlabInAir, forces_in_air
+from msvalidate.electrostatics.moments import Weighting
+from msvalidate.electrostatics.patches import patch_capacitance
+from msvalidate.electrostatics.report_model import ReportModel
+from msvalidate.problem import Array
+
+VOLTAGES = (1.0, 0.0)
+"""Of electrodes 0 and 1 (V). Were they ±½, symmetry would keep the charges neutral in any case."""
+COLUMNS = {
+    "width_over_gap": "width of both strips over the gap between them (1)",
+    "grading": "segments of one length (uniform), or such that equal angles of a half circle "
+    "project on them (cosine)",
+    "weighting": "potential asked for at middles of segments (collocation) or as means over them "
+    "(galerkin)",
+    "segments": "of each electrode, or of the one that is looked at (1)",
+    "shape": "of the upper electrode: flat, or wavy over a flat one",
+    "permittivity_ratio": "of the slab over that of the air around (1)",
+}
+"""What columns of several tables mean."""
+
+
+class Solver(NamedTuple):
+    """A way to find charges and forces; by default the method of moments.
+
+    Attributes
+    ----------
+    charges
+        Charges at voltages (k,) of electrodes; options permittivity and weighting.
+    forces
+        Force (n, 2) per depth (N/m) on every point.
+    tangent
+        Derivative (2n, 2n) of `forces` at fixed voltages (N/m²).
+    plates
+        Capacitance (F) of `Patches` in space.
+    in_air, forces_in_air
+        A body in air from its `Faces`, and force (n, 2) per depth (N/m) on every point of them.
+    report
+        The report's model of electrodes; options depth, kernel and charges_on.
+    """
+
+    charges: Callable[..., Charges]
+    forces: Callable[[Charges], Array]
+    tangent: Callable[[Charges], Array]
+    plates: Callable[..., float]
+    in_air: Callable[..., SlabInAir]
+    forces_in_air: Callable[[ChargesInAir], Array]
+    report: Callable[..., ReportModel]
+
+
+def charges(
+    electrodes: Electrodes,
+    voltages: ArrayLike = VOLTAGES,
+    *,
+    permittivity: float = 1.0,
+    weighting: Weighting = "galerkin",
+) -> Charges:
+    """Charges of electrodes by the method of moments."""
+    moments = Moments(electrodes, permittivity=permittivity, weighting=weighting)
+    return moments.charges(voltages)
+
+
+MOMENTS = Solver(
+    charges,
+    electrostatics.forces,
+    electrostatics.tangent,
+    patch_capacitance,
+    SlabInAir,
+    forces_in_air,
+    ReportModel,
+)
+
+
+def pair(shape: str, width: float, segments: int, *, grading: str = "cosine") -> Electrodes:
+    """Electrodes a unit gap apart: facing strips, or a wavy one above one that is shifted.
+
+    The waves are neither symmetric nor as many as the segments, so that no error hides.
+    """
+    if shape == "flat":
+        return facing_strips(width, 1.0, segments, grading=grading)
+    upper = strip(width, 1.0, segments, grading=grading)
+    x = upper[:, 0] / width
+    upper[:, 1] += 0.2 * np.sin(15 * x + 0.4) + 0.15 * x
+    return chains(upper, strip(0.9 * width, 0.0, segments, grading=grading, centre=0.07 * width))

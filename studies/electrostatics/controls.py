@@ -1,0 +1,260 @@
+"""Controls: faulty solvers, and the smallest fault of each kind that this study notices.
+
+Question   Which faults of charges and forces make a tolerance fail, and how small may they be?
+Candidate  The method of moments with a known fault.
+Reference  The tolerances of `strips`, `edge`, `plates`, `virtual_work`, `in_air`, `field` and
+           `models`.
+Expected   What a fault changes grows in proportion to it, so the smallest fault noticed is a limit
+           over what a small fault changes: some 1e-7 of forces, 5e-3 of potentials.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.compare import worst
+from msvalidate.electrostatics import Charges, Electrodes
+from msvalidate.electrostatics.moments import Weighting, complex_of
+from msvalidate.electrostatics.patches import Patches
+from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.kernels import charges as integrals
+from msvalidate.problem import Array
+from studies.electrostatics import strips, virtual_work
+from studies.electrostatics.common import MOMENTS, VOLTAGES, Solver
+from studies.electrostatics.shortcuts import halves
+
+PROBE = 0.01
+"""Size of the fault from which the smallest noticed one is extrapolated."""
+TOLERANCES = (
+    Tolerance(
+        "smallest fault of charges and forces noticed, largest over the kinds",
+        0.01,
+        "1",
+        "capacitances are held to 1e-4 and a fault enters them with a lever of a tenth or more; a "
+        "hundredth leaves a factor of ten",
+    ),
+)
+COLUMNS = {
+    "fault": "what is wrong, by which part of it",
+    "smallest_noticed": "smallest fault that makes a tolerance fail, as a part (1)",
+    "noticed_by": "the quantity that fails",
+}
+
+
+def spoilt_potentials(
+    size: float,
+    electrodes: Electrodes,
+    voltages: Any = VOLTAGES,
+    *,
+    permittivity: float = 1.0,
+    weighting: Weighting = "galerkin",
+    neutral: bool = True,
+) -> Charges:
+    """Charges whose own potential is wrong by the part `size`; without neutrality if so asked."""
+    right = MOMENTS.charges(electrodes, voltages, permittivity=permittivity, weighting=weighting)
+    start, along = complex_of(electrodes.start), complex_of(electrodes.along)
+    seen_from = complex_of(electrodes.middle)
+    mean = (
+        integrals.means(start, along)
+        if weighting == "galerkin"
+        else integrals.seen(seen_from, start, along)
+    )
+    m = len(mean)
+    # The part of an average segment's own distance, so that no unit of length comes in.
+    mean[np.diag_indices(m)] += size * 1.5
+    P = mean / (-2 * np.pi * permittivity)
+    V = np.asarray(voltages)[electrodes.electrode]
+    if not neutral:
+        return replace(right, charge=np.linalg.solve(P, V))
+    whole = np.ones((m + 1, m + 1))
+    whole[:m, :m], whole[m, m] = P, 0.0
+    solved = np.linalg.solve(whole, np.append(V, 0.0))
+    return replace(right, charge=solved[:-1], floating=float(solved[-1]))
+
+
+def losing_edges(
+    size: float, electrodes: Electrodes, voltages: Any = VOLTAGES, **how: Any
+) -> Charges:
+    """Charges without the part `size` of that on the first segment of every electrode."""
+    right = MOMENTS.charges(electrodes, voltages, **how)
+    first = np.unique(electrodes.electrode, return_index=True)[1]
+    left = right.charge.copy()
+    left[first] *= 1 - size
+    return replace(right, charge=left)
+
+
+def between_middles(charges: Charges) -> Array:
+    """Coulomb's law between middles of segments, half to each end."""
+    electrodes = charges.moments.electrodes
+    apart = electrodes.middle[:, None] - electrodes.middle
+    square = (apart**2).sum(axis=2)
+    np.fill_diagonal(square, np.inf)
+    pair = np.outer(charges.charge, charges.charge) / square
+    pulled = (pair[:, :, None] * apart).sum(axis=1) / (2 * np.pi * charges.moments.permittivity)
+    total = np.zeros_like(electrodes.points)
+    for end in electrodes.segments.T:
+        np.add.at(total, end, 0.5 * pulled)
+    return total
+
+
+def partly(size: float, faulty: Callable[[Charges], Array], charges: Charges) -> Array:
+    """Forces that are the part `size` of a faulty way's, and right for the rest."""
+    return (1 - size) * MOMENTS.forces(charges) + size * faulty(charges)
+
+
+def with_forces(faulty: Callable[[Charges], Array], size: float) -> Solver:
+    """The method of moments with forces that are partly a faulty way's."""
+    return MOMENTS._replace(forces=partial(partly, size, faulty))
+
+
+def without_permittivity(charges: Charges) -> Array:
+    """Forces of the same charges in empty space."""
+    return MOMENTS.forces(charges) * charges.moments.permittivity
+
+
+def lopsided(charges: Charges) -> Array:
+    """The tangent with the rows of the first electrode twice as large."""
+    tangent = MOMENTS.tangent(charges).copy()
+    tangent[: 2 * len(tangent) // 4] *= 2
+    return tangent
+
+
+def plates_with(size: float, patches: Patches) -> float:
+    """Capacitance by potentials that are too large by the part `size`."""
+    return MOMENTS.plates(patches) / (1 + size)
+
+
+def other_ratio(size: float, faces: Any, *, ratio: float, **options: float) -> Any:
+    """A slab in air with the part `size` of its bound charge left out, by its ratio."""
+    return MOMENTS.in_air(faces, ratio=ratio - size * (ratio - 1), **options)
+
+
+def other_depth(size: float, electrodes: Electrodes, *, depth: float = 1.0, **how: Any) -> Any:
+    """The report's model with rectangles less deep by the part `size`."""
+    return MOMENTS.report(electrodes, depth=(1 - size) * depth, **how)
+
+
+def collocation(electrodes: Electrodes, voltages: Any = VOLTAGES, **how: Any) -> Charges:
+    """Collocation's charges whatever is asked for."""
+    return MOMENTS.charges(electrodes, voltages, **{**how, "weighting": "collocation"})
+
+
+def galerkins_tangent(charges: Charges) -> Array:
+    """That of Galerkin's charges whatever charges are given: collocation's have none."""
+    moments = charges.moments
+    meant = MOMENTS.charges(moments.electrodes, charges.voltages, permittivity=moments.permittivity)
+    return MOMENTS.tangent(meant)
+
+
+FAULTS: dict[str, dict[str, Any]] = {
+    name: {"candidate": MOMENTS._replace(**fault), "questions": (question,)}
+    for name, fault, question in (
+        (
+            "charges that need not add up to nothing",
+            {"charges": partial(spoilt_potentials, 0.0, neutral=False)},
+            "strips",
+        ),
+        (
+            "a segment's own potential 1 % off",
+            {"charges": partial(spoilt_potentials, 0.01)},
+            "strips",
+        ),
+        (
+            "half of the charge lost at the first segment of an electrode",
+            {"charges": partial(losing_edges, 0.5)},
+            "edge",
+        ),
+        ("potentials of patches 0.1 % too large", {"plates": partial(plates_with, 1e-3)}, "plates"),
+        ("Coulomb's law between middles", {"forces": between_middles}, "virtual_work"),
+        ("half of a segment's force to each end", {"forces": halves}, "virtual_work"),
+        ("permittivity forgotten in the field", {"forces": without_permittivity}, "virtual_work"),
+        ("tangent of one electrode doubled", {"tangent": lopsided}, "virtual_work"),
+        (
+            "collocation in Galerkin's place",
+            {"charges": collocation, "tangent": galerkins_tangent},
+            "virtual_work",
+        ),
+        ("no bound charge on bare faces", {"in_air": partial(other_ratio, 1.0)}, "in_air"),
+        (
+            "a tenth of the permittivity's jump missing",
+            {"in_air": partial(other_ratio, 0.1)},
+            "field",
+        ),
+        ("rectangles 1 % less deep", {"report": partial(other_depth, 0.01)}, "models"),
+    )
+}
+"""Negative controls: arguments of `run` under which a tolerance must fail. One question that
+notices is enough, so the rest is left out."""
+
+CAPACITANCE = strips.TOLERANCES[0]
+DERIVATIVE = virtual_work.TOLERANCES[0]
+RATIO, SEGMENTS = 6.0, 160
+WAVY = ("wavy", "galerkin", 8)
+
+
+def capacitance_error(solver: Solver) -> float:
+    """Of facing strips, over its tolerance."""
+    row = strips.found(solver, (RATIO, "cosine", "galerkin", SEGMENTS))
+    return float(str(row["capacitance_error"])) / CAPACITANCE.limit
+
+
+def force_error(solver: Solver) -> float:
+    """Of wavy electrodes, over its tolerance."""
+    row = virtual_work.held_to_energy(solver, WAVY)
+    return float(str(row["force_error"])) / DERIVATIVE.limit
+
+
+KINDS: dict[str, tuple[Callable[[float], Solver], Callable[[Solver], float], str]] = {
+    "own potential of segments": (
+        lambda size: MOMENTS._replace(charges=partial(spoilt_potentials, size)),
+        capacitance_error,
+        CAPACITANCE.quantity,
+    ),
+    **{
+        name: (
+            partial(
+                lambda faulty, size: MOMENTS._replace(forces=partial(partly, size, faulty)), way
+            ),
+            force_error,
+            DERIVATIVE.quantity,
+        )
+        for name, way in (
+            ("Coulomb's law between middles", between_middles),
+            ("halves of a segment's force to its ends", halves),
+            ("permittivity forgotten in the field", without_permittivity),
+        )
+    },
+}
+"""Fault -> the solver that has it in some size, what notices it over its limit, and in words."""
+
+
+def run() -> Evidence:
+    """State the smallest fault of each kind that the study notices."""
+    table = pd.DataFrame([smallest(kind) for kind in KINDS])
+    said = ", ".join(f"{row.fault} by {row.smallest_noticed:.1g}" for row in table.itertuples())
+    return Evidence(
+        tables={"resolution": table},
+        observed={TOLERANCES[0].quantity: worst(table["smallest_noticed"], 0.0)},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        findings=(f"Smallest faults that this study notices, as parts: {said}.",),
+        rounding={"smallest_noticed": 1e-7},
+    )
+
+
+def smallest(kind: str) -> dict[str, object]:
+    """The smallest size that fails its tolerance, by a straight line from none to `PROBE`."""
+    faulty, error, quantity = KINDS[kind]
+    none, some = error(MOMENTS), error(faulty(PROBE))
+    left = 1 - none if some > none else 1 + none
+    return {
+        "fault": kind,
+        "smallest_noticed": PROBE * left / abs(some - none),
+        "noticed_by": quantity,
+    }

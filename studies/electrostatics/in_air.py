@@ -1,0 +1,290 @@
+"""In air: a slab of rubber with air around it, by two methods that share no code.
+
+Question   Capacitance of a slab between electrodes in air, and the forces on it, for permittivity
+           ratios 1, 3 and 10 and a top that is covered in full or by a third.
+Candidate  `SlabInAir`: free charge on electrodes, bound charge on bare faces, none elsewhere.
+Reference  Finite elements of slab and air, Maxwell's stress as nodal forces. A far boundary that
+           lets no field through takes energy away, a conductor without charge there adds some: the
+           two bound the capacitance in endless air, and their mean is nearer by orders.
+Expected   Capacitances within 0.2 %. Elements spread the force on an electrode's edge over nodes
+           around it, so forces are compared as the work of smooth motions: one that is 1 on the
+           electrode, or its edge, and falls to 0 within half the height. An edge in the open is
+           pulled along with a force of its own. At a corner of the slab the field grows
+           as r^(λ-1), tan²(λπ/2) = (1+3ε_r)/(3+ε_r), more slowly where the ratio is above 1: no
+           force is left on the edge itself, and what lies within some radius goes with its power
+           2λ-1. All that stretches half a slab is Maxwell's stress across its middle, ½ε(V/d)²·d
+           whatever the ratio, but for what the field outside adds: air moves the margin's force
+           from the edge to the face, and takes little of it away.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.compare import worst
+from msvalidate.electrostatics.faces import slab_faces
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from reference_fem.slab import Electrode, Slab
+from reference_fem.slab_charged import FAR, Charged, Far, charged
+from reference_fem.slab_mesh import slab_mesh
+from studies.electrostatics import common
+from studies.electrostatics.common import Solver
+
+LENGTH = 6.0
+"""Of the slab over its height."""
+COVERED = (1.0, 1 / 3)
+RATIOS = (1.0, 3.0, 10.0)
+VOLTAGES = (0.5, -0.5)
+SEGMENTS, QUICK_SEGMENTS = 320, 120
+"""Of the bottom."""
+LAYERS, QUICK_LAYERS = 24, 12
+"""Cells of the finer mesh up the slab; the coarser one has half as many."""
+REACHES = (1.0, 2.0, 4.0, 8.0, 16.0)
+"""Distances of the far boundary over the slab's length; the last is that of all other tables."""
+REACHED = 0.5
+"""How far from an electrode or its edge forces count as its own, over the height."""
+TOLERANCES = (
+    Tolerance(
+        "capacitance of a slab in air, moments against elements",
+        2e-3,
+        "1",
+        "graded segments leave some 1e-4, graded elements and the far boundary less",
+    ),
+    Tolerance(
+        "error of the far boundary: half of what its two kinds differ by, over the capacitance",
+        2e-4,
+        "1",
+        "a dipole's energy outside falls with the square of the distance: (1/32)² times an eighth",
+    ),
+    Tolerance(
+        "change of the elements' capacitance with the last halving of cells",
+        2e-3,
+        "1",
+        "graded to the edges, its errors fall with order 3: what is left is a seventh of it",
+    ),
+    Tolerance(
+        "pull on the top of a slab in air, moments against elements",
+        2e-3,
+        "1",
+        "as of the capacitance, whose derivative it is",
+    ),
+    Tolerance(
+        "force along at an edge of the top of a slab in air, moments against elements",
+        2e-3,
+        "of that without the jump of permittivity",
+        "as of the capacitance, whose derivative it is too",
+    ),
+    Tolerance(
+        "stretch of half a slab in air, moments against elements",
+        5e-4,
+        "1",
+        "stress across the middle, where fields are even: what remains is the far boundary's part",
+    ),
+)
+COLUMNS = {
+    **common.COLUMNS,
+    "covered": "part of the top that its electrode covers (1)",
+    "capacitance_in_air": "by charges on surfaces, per depth over the slab's permittivity (1)",
+    "capacitance_elements": "by elements, mean of both far boundaries (1)",
+    "capacitance_difference": "of charges over that of elements, less 1 (1)",
+    "boundary_error": "half of what far boundaries of both kinds differ by, over the mean (1)",
+    "elements_change": "of the elements' capacitance with the last halving of cells (1)",
+    "pull": "work of lowering the top electrode and, less and less, what is within half the height"
+    " of it, per depth, over εV²/(2d²) times its width (1)",
+    "pull_elements": "the same by elements (1)",
+    "edge_work": "work of moving the edge of the top electrode outward and, less and less, what is"
+    " within half the height of it, per depth, over εV²/(4d) (1)",
+    "edge_work_elements": "the same by elements (1)",
+    "stretch": "force along on all of the slab's right half, outward, per depth, over εV²/(2d) (1)",
+    "stretch_elements": "the same by elements (1)",
+    "reach": "distance of the far boundary from the slab, over the slab's length (1)",
+    "far": "natural: lets no field through; floating: a conductor without charge",
+}
+
+
+class Case(NamedTuple):
+    """Part of the top that is covered, and permittivity ratio."""
+
+    covered: float
+    ratio: float
+
+
+def run(candidate: Solver, setting: Setting) -> Evidence:
+    """Both methods on every slab."""
+    cases = [Case(*case) for case in product(COVERED, RATIOS)]
+    size = (QUICK_SEGMENTS, QUICK_LAYERS) if setting.quick else (SEGMENTS, LAYERS)
+    table = pd.DataFrame(setting.sweep(partial(beside, candidate, *size), cases, "slab in air"))
+    far = pd.DataFrame(
+        [row for reach in REACHES for row in bounds(Case(COVERED[0], 3.0), size[1] // 2, reach)]
+    )
+    values = (
+        worst(table["capacitance_difference"], 0.0),
+        worst(table["boundary_error"], 0.0),
+        worst(table["elements_change"], 0.0),
+        worst(table["pull"] / table["pull_elements"], 1.0),
+        at_edge(table),
+        worst(table["stretch"] / table["stretch_elements"], 1.0),
+    )
+    return Evidence(
+        tables={"in_air": table, "far_boundary": far},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"in_air": draw},
+        columns=COLUMNS,
+        findings=(finding(table),),
+        rounding={
+            "capacitance_difference": 1e-8,
+            "boundary_error": 1e-8,
+            "elements_change": 1e-8,
+        },
+    )
+
+
+def at_edge(table: pd.DataFrame) -> Observed:
+    """The force at an edge that differs most, over that of ratio 1 and the same cover."""
+    without = table[table["permittivity_ratio"] == 1].set_index("covered")["edge_work_elements"]
+    scale = table["covered"].map(without)
+    return worst(table["edge_work"] / scale, table["edge_work_elements"] / scale)
+
+
+def reference(case: Case, layers: int, far: Far, reach: float = REACHES[-1]) -> Charged:
+    """The slab in air by elements."""
+    half = 0.5 * case.covered * LENGTH
+    top = Electrode("top", LENGTH / 2 - half, LENGTH / 2 + half, VOLTAGES[0])
+    bottom = Electrode("bottom", 0.0, LENGTH, VOLTAGES[1])
+    slab = Slab(LENGTH, 1.0, (top, bottom), permittivity=1.0, air=1 / case.ratio)
+    return charged(slab_mesh(slab, layers, reach=reach * LENGTH), far=far)
+
+
+def beside(candidate: Solver, segments: int, layers: int, case: Case) -> dict[str, object]:
+    """Row of one slab."""
+    faces = slab_faces(LENGTH, 1.0, segments, covered=case.covered)
+    found = candidate.in_air(faces, ratio=case.ratio).charges(VOLTAGES)
+    fine = [reference(case, layers, far) for far in FAR]
+    coarse = float(reference(case, layers // 2, FAR[0]).totals[0])
+    natural, floating = (float(one.totals[0]) for one in fine)
+    elements = (natural + floating) / 2
+    both = (
+        (faces.points - (0.0, 1.0), candidate.forces_in_air(found)),
+        on_nodes(fine),
+    )
+    loads = {
+        f"{name}{whose}": load
+        for whose, (points, forces) in zip(("", "_elements"), both, strict=True)
+        for name, load in summed(points, forces, case).items()
+    }
+    return {
+        "covered": case.covered,
+        "permittivity_ratio": case.ratio,
+        "capacitance_in_air": float(found.totals[0]),
+        "capacitance_elements": elements,
+        "capacitance_difference": float(found.totals[0]) / elements - 1,
+        "boundary_error": abs(floating - natural) / (2 * elements),
+        "elements_change": natural / coarse - 1,
+        **loads,
+    }
+
+
+def on_nodes(fields: list[Charged]) -> tuple[Array, Array]:
+    """Places (n, 2) from the middle of the top, and mean forces (n, 2), of nodes in and around."""
+    mesh = fields[0].mesh
+    inner = np.setdiff1d(np.arange(len(mesh.body.points)), mesh.far)
+    force = sum((field.solution.forces[inner] for field in fields), np.zeros((len(inner), 2)))
+    return mesh.body.points[inner] - (LENGTH / 2, 1.0), force / len(fields)
+
+
+def summed(points: Array, forces: Array, case: Case) -> dict[str, float]:
+    """Pull on the top electrode, force along at its right edge, stretch of half, over wide plates'.
+
+    Points (n, 2) are counted from the middle of the top.
+    """
+    half = 0.5 * case.covered * LENGTH
+    beyond = np.abs(points[:, 0]) - half
+    near_top = tapered(np.hypot(np.maximum(beyond, 0.0), points[:, 1]))
+    near_edge = tapered(np.hypot(points[:, 0] - half, points[:, 1]))
+    return {
+        "pull": float(-forces[:, 1] @ near_top / (0.5 * 2 * half)),
+        "edge_work": float(forces[:, 0] @ near_edge / 0.25),
+        "stretch": float(forces[points[:, 0] > 1e-9, 0].sum() / 0.5),
+    }
+
+
+def tapered(distance: Array) -> Array:
+    """1 at no distance, falling smoothly to 0 at `REACHED`."""
+    return np.maximum(1 - (distance / REACHED) ** 2, 0.0) ** 2
+
+
+def bounds(case: Case, layers: int, reach: float) -> list[dict[str, object]]:
+    """Rows of one far boundary."""
+    return [
+        {
+            "reach": reach,
+            "far": far,
+            "capacitance_elements": float(reference(case, layers, far, reach).totals[0]),
+        }
+        for far in FAR
+    ]
+
+
+def finding(table: pd.DataFrame) -> str:
+    """How far both agree, and what the air makes of the margin, in sentences."""
+    most = table["capacitance_difference"].abs().max()
+    rows = table.set_index(["covered", "permittivity_ratio"])
+    full, third = (rows.loc[covered] for covered in COVERED)
+    lost = full["edge_work"]
+    return (
+        f"Slab in air: capacitances by charges and by elements differ by {most:.1e} at most. At a "
+        f"ratio of 3 the force at the edge of a top that is covered in full is "
+        f"{lost[1.0] / lost[3.0]:.1f} times smaller than without the jump, and all that stretches "
+        f"half the slab {full['stretch'][3.0] / full['stretch'][1.0]:.3f} of it; covered by a "
+        f"third, {third['edge_work'][1.0] / third['edge_work'][3.0]:.2f} times and "
+        f"{third['stretch'][3.0] / third['stretch'][1.0]:.3f}."
+    )
+
+
+def draw(tables: Tables) -> Figure:
+    """Capacitance, margin and stretch, and what the far boundary does."""
+    table, far = tables["in_air"], tables["far_boundary"]
+    figure, axes = figures.new(2, 2, size=(3.6, 2.8))
+    *compared, box = axes
+    shown = (
+        ("capacitance_in_air", "capacitance_elements", "capacitance per depth over ε (1)"),
+        ("edge_work", "edge_work_elements", "along at an edge of the top, over εV²/4d (1)"),
+        ("stretch", "stretch_elements", "along half the slab, over εV²/2d (1)"),
+    )
+    for axis, (ours, theirs, name) in zip(compared, shown, strict=True):
+        for place, (covered, rows) in enumerate(table.groupby("covered", sort=False)):
+            colour, part = figures.COLOURS[place], f"{float(str(covered)):.0%} covered"
+            ratio = rows["permittivity_ratio"]
+            axis.semilogx(ratio, rows[theirs], color=colour, label=f"{part}, elements")
+            axis.semilogx(
+                ratio, rows[ours], "o", color=colour, mfc="none", label=f"{part}, charges"
+            )
+        axis.set_xticks([1, 3, 10], ["1", "3", "10"])
+        axis.set_xlabel("permittivity over air's (1)")
+        axis.set_ylabel(name)
+        axis.set_ylim(bottom=0)
+    compared[0].legend(fontsize=7)
+    for place, (kind, rows) in enumerate(far.groupby("far", sort=False)):
+        box.semilogx(
+            rows["reach"],
+            rows["capacitance_elements"],
+            marker=figures.MARKERS[place],
+            color=figures.COLOURS[place + 2],
+            label=f"far boundary {kind}",
+        )
+    box.set_xticks(list(REACHES), [f"{reach:g}" for reach in REACHES])
+    box.set_title("ratio 3, 100 % covered", fontsize=9)
+    box.set_xlabel("its distance over the slab's length (1)")
+    box.set_ylabel("capacitance per depth over ε (1)")
+    box.legend(fontsize=7)
+    return figure

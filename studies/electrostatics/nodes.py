@@ -1,0 +1,188 @@
+"""Nodes: should charge sit on springs, as in the report, or on the points between them?
+
+Question   Which of the two finds the charge of an electrode better, and what becomes of the forces?
+Candidate  Plane charges by collocation, even on springs or even on the halves of springs that meet
+           at a point. Forces as derivatives of the energy, or Coulomb's law between middles of
+           springs, halves to each end, or between the points.
+Reference  The closed form of facing strips, and central differences of each one's own energy.
+Expected   Both err with order 1 on even springs. Springs spread the charge of the edge too far
+           inwards and take too little; a node at the edge has its potential asked for at the very
+           edge, where its own charge makes the least, and takes too much. Sums over points are no
+           derivative of any energy.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.compare import observed_order, worst
+from msvalidate.electrostatics import facing_strips_capacitance
+from msvalidate.electrostatics.pieces import PLACES
+from msvalidate.electrostatics.report_model import (
+    ReportCharges,
+    consistent_forces,
+    report_forces,
+)
+from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.electrostatics import common
+from studies.electrostatics.common import VOLTAGES, Solver, pair
+from studies.electrostatics.derivatives import differences, growth, steps_of
+from studies.electrostatics.shortcuts import HALF, RATIO
+
+SEGMENTS = (30, 60, 120, 240, 480)
+QUICK_SEGMENTS = (30, 60, 120)
+WAVY, WAVY_WIDTH = 6, 4.0
+"""Springs and width over gap of wavy electrodes, whose forces are held to the energy."""
+FORCES = {"derivatives": consistent_forces, "point sums": report_forces}
+WAYS = tuple(product(PLACES, FORCES))
+TOLERANCES = (
+    Tolerance(
+        "forces by charges on springs and on nodes, farthest from their energy's derivatives",
+        1e-6,
+        "of the largest force",
+        "differences of fourth order with steps of a hundredth of a segment",
+    ),
+    Tolerance(
+        "order of the charge by charges on springs and on nodes",
+        0.1,
+        "1",
+        "the last piece's length makes the error; the next term is smaller by it over the gap",
+    ),
+)
+COLUMNS = {
+    **common.COLUMNS,
+    "charges_on": "springs (each even), or nodes (each even on the halves of its springs)",
+    "forces_by": "derivatives of the energy, or point sums: Coulomb's law between middles of "
+    "springs, halves to each end, or between nodes",
+    "charge_error": "charge over the closed form's, less 1 (1)",
+    "pull_error": "force between flat strips over dW/dd of the closed form, less 1 (1)",
+    "stretch_error": "forces along flat strips times their place, over w·dW/dw of the closed form, "
+    "less 1 (1)",
+    "edge_along": "force along the strip on the edge's point over the closed form's on a tip (1)",
+    "own_error": "farthest force on wavy electrodes from differences of their own energy, over the "
+    "largest (1)",
+    "own_moment": "net moment over the sum of forces times the width (1)",
+    "order": "exponent of the length of segments that fits the errors (1)",
+}
+
+
+def run(candidate: Solver, setting: Setting) -> Evidence:
+    """Compare four ways."""
+    numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
+    cases = list(product(WAYS, numbers))
+    table = pd.DataFrame(setting.sweep(partial(flat, candidate), cases, "springs and nodes"))
+    own = pd.DataFrame([held_to_own(candidate, *way) for way in WAYS])
+    once = table[table["forces_by"] == "derivatives"]
+    orders = pd.DataFrame(
+        [
+            {
+                "charges_on": where,
+                "order": observed_order(1 / rows["segments"], rows["charge_error"]),
+            }
+            for where, rows in once.groupby("charges_on", sort=False)
+        ]
+    )
+    values = (
+        worst(own[own["forces_by"] == "derivatives"]["own_error"], 0.0),
+        worst(orders["order"], 1.0),
+    )
+    return Evidence(
+        tables={"nodes": table, "nodes_own_energy": own, "nodes_orders": orders},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"nodes": draw},
+        columns=COLUMNS,
+        findings=(finding(table, own),),
+        rounding={"own_error": 1e-9, "own_moment": 1e-13, "order": 1e-5},
+    )
+
+
+def charged(candidate: Solver, where: str, electrodes: object) -> ReportCharges:
+    """Charges of a pair of electrodes."""
+    return candidate.report(electrodes, kernel="plane", charges_on=where).charges(VOLTAGES)
+
+
+def flat(candidate: Solver, case: tuple[tuple[str, str], int]) -> dict[str, object]:
+    """Row of two flat strips of even springs."""
+    (where, how), segments = case
+    electrodes = pair("flat", RATIO, segments, grading="uniform")
+    found = charged(candidate, where, electrodes)
+    force = FORCES[how](found)
+    work = HALF * growth(RATIO) * RATIO
+    return {
+        "charges_on": where,
+        "forces_by": how,
+        "segments": segments,
+        "charge_error": float(found.totals[0]) / facing_strips_capacitance(RATIO) - 1,
+        "pull_error": float(-force[: segments + 1, 1].sum()) / work - 1,
+        "stretch_error": float(electrodes.points[:, 0] @ force[:, 0]) / work - 1,
+        "edge_along": float(force[segments, 0]) * 2 * RATIO / work,
+    }
+
+
+def held_to_own(candidate: Solver, where: str, how: str) -> dict[str, object]:
+    """Row of wavy electrodes."""
+    electrodes = pair("wavy", WAVY_WIDTH, WAVY)
+    points = electrodes.points
+
+    def energy(x: Array) -> Array:
+        return np.array(charged(candidate, where, electrodes.moved(x.reshape(-1, 2))).energy)
+
+    force = FORCES[how](charged(candidate, where, electrodes))
+    exact = differences(energy, points.ravel(), steps_of(points)).reshape(-1, 2)
+    moment = points[:, 0] @ force[:, 1] - points[:, 1] @ force[:, 0]
+    sizes = np.hypot(*exact.T)
+    return {
+        "charges_on": where,
+        "forces_by": how,
+        "own_error": float(np.hypot(*(force - exact).T).max() / sizes.max()),
+        "own_moment": float(abs(moment) / (sizes.sum() * WAVY_WIDTH)),
+    }
+
+
+def finding(table: pd.DataFrame, own: pd.DataFrame) -> str:
+    """Springs against nodes, in sentences."""
+    keys = ["charges_on", "forces_by"]
+    last = table[table["segments"] == table["segments"].min()].set_index(keys)
+    wrong = own.set_index(keys)["own_error"]
+    charge, stretch = last["charge_error"], last["stretch_error"]
+    said = []
+    for where in PLACES:
+        said.append(
+            f"on {where} the charge errs by {charge[where, 'derivatives']:+.2%}; point sums miss "
+            f"derivatives of the energy by {wrong[where, 'point sums']:.0%} of the largest force "
+            f"on wavy electrodes, and stretch by {stretch[where, 'point sums']:+.1%}"
+        )
+    return f"With {last['segments'].iloc[0]} even springs a strip, " + "; ".join(said) + "."
+
+
+def draw(tables: Tables) -> Figure:
+    """Errors of charge and stretch against the number of springs."""
+    table = tables["nodes"]
+    figure, (charge, stretch) = figures.new(2, size=(3.5, 3.1))
+    for place, ((where, how), rows) in enumerate(
+        table.groupby(["charges_on", "forces_by"], sort=False)
+    ):
+        style = {"color": figures.COLOURS[place], "marker": figures.MARKERS[place]}
+        name = f"on {where}, {how}"
+        if how == "derivatives":
+            charge.loglog(rows["segments"], rows["charge_error"].abs(), label=name, **style)
+        stretch.loglog(rows["segments"], rows["stretch_error"].abs(), label=name, **style)
+    n = np.array([table["segments"].min(), table["segments"].max()])
+    for axis, column in ((charge, "charge_error"), (stretch, "stretch_error")):
+        top = 1.6 * table[column].abs().max()
+        axis.loglog(n, top * n[0] / n, ":", color="grey", label="order 1")
+        axis.set_xticks(*[sorted(set(table["segments"]))] * 2)
+        axis.set_xlabel("springs of each electrode (1)")
+    charge.set_ylabel("relative error of the charge (1)")
+    stretch.set_ylabel("relative error of w·dW/dw (1)")
+    figures.shared_legend(figure, [charge, stretch], columns=3)
+    return figure

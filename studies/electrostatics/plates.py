@@ -1,0 +1,146 @@
+"""Plates: are the capacitances of a square and of a disc alone in space found?
+
+Question   Capacitance of thin bodies in space whose value is known.
+Candidate  Patches of even charge with exact potentials, collocation, patches finer towards edges.
+Reference  A disc has 8εa. A square has no closed form; 0.36679 times 4πε times its side is what
+           several authors agree on.
+Expected   With the n-th line from an edge n⁴ away, edges and corners no longer set the order, and
+           evenly charged patches err with order 3 in their number along a side.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.compare import observed_order, worst
+from msvalidate.electrostatics import disc_capacitance, square_capacitance
+from msvalidate.electrostatics.patches import Patches
+from msvalidate.electrostatics.plates import disc, plate
+from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.sweep import Setting
+from studies.electrostatics import common
+from studies.electrostatics.common import Solver
+
+SIDE = RADIUS = 1.0
+ARCS = 256
+"""Straight sides of a quarter of a ring: the polygon in the disc's place errs by some 2e-6."""
+BODIES = {
+    "square plate": (partial(plate, (SIDE, SIDE)), square_capacitance(SIDE)),
+    "disc": (partial(disc, RADIUS, arcs=ARCS), disc_capacitance(RADIUS)),
+}
+"""Body -> how it is made of some patches across, and its capacitance over the permittivity (m)."""
+ACROSS, QUICK_ACROSS = (8, 12, 16, 24, 32), (8, 12, 16, 24)
+ORDER = 3.0
+TOLERANCES = (
+    *(
+        Tolerance(
+            f"capacitance of a {body}",
+            1e-4,
+            "1",
+            "errors fall with order 3 to 2e-4 at 24 patches across, and extrapolation by that "
+            "order leaves a tenth; the square's accepted value is known to 1.5e-5",
+        )
+        for body in BODIES
+    ),
+    Tolerance(
+        "order of the capacitance of square and disc",
+        0.3,
+        "1",
+        "the next term is smaller by a patch in the middle over the half width, a sixth to an "
+        "eighteenth, with a factor of order 1; rings bring half of it",
+    ),
+)
+COLUMNS = {
+    **common.COLUMNS,
+    "body": "thin, alone in space: square plate or disc",
+    "patches_across": "patches along a side of the square, rings of the disc (1)",
+    "patches": "of the body (1)",
+    "capacitance_over_accepted": "capacitance over the accepted one (1)",
+    "extrapolated": "the same of endless patches, by order 3 from the two finest meshes (1)",
+    "order": "exponent of the length of segments that fits the errors (1)",
+}
+
+
+def run(candidate: Solver, setting: Setting) -> Evidence:
+    """Capacitances of both bodies on several meshes."""
+    cases = list(product(BODIES, QUICK_ACROSS if setting.quick else ACROSS))
+    table = pd.DataFrame(setting.sweep(partial(found, candidate), cases, "plates"))
+    limits = pd.DataFrame([limit(str(body), rows) for body, rows in table.groupby("body")])
+    by_body = limits.set_index("body")["extrapolated"]
+    values = (*(worst(by_body[body], 1.0) for body in BODIES), worst(limits["order"], ORDER))
+    return Evidence(
+        tables={"plates": table, "plate_limits": limits},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"plates": draw},
+        columns=COLUMNS,
+        findings=(finding(limits),),
+        rounding={"order": 1e-5},
+    )
+
+
+def patched(body: str, across: int) -> Patches:
+    """A body as patches."""
+    return BODIES[body][0](across)
+
+
+def found(candidate: Solver, case: tuple[str, int]) -> dict[str, object]:
+    """Row of one mesh."""
+    body, across = case
+    patches = patched(body, across)
+    return {
+        "body": body,
+        "patches_across": across,
+        "patches": len(patches.corners),
+        "capacitance_over_accepted": candidate.plates(patches) / BODIES[body][1],
+    }
+
+
+def limit(body: str, rows: pd.DataFrame) -> dict[str, object]:
+    """Row of the order, and of what the two finest meshes foretell."""
+    n, value = rows["patches_across"].to_numpy(float), rows["capacitance_over_accepted"].to_numpy()
+    growth = (n[-1] / n[-2]) ** ORDER
+    return {
+        "body": body,
+        "order": observed_order(1 / n, value - 1),
+        "extrapolated": float(value[-1] + (value[-1] - value[-2]) / (growth - 1)),
+    }
+
+
+def finding(limits: pd.DataFrame) -> str:
+    """Extrapolated values, in a sentence."""
+    said = [
+        f"{body} {value - 1:+.1e} (order {order:.2f})"
+        for body, order, value in zip(
+            limits["body"], limits["order"], limits["extrapolated"], strict=True
+        )
+    ]
+    return "Capacitance in space over the accepted one, less 1: " + ", ".join(said) + "."
+
+
+def draw(tables: Tables) -> Figure:
+    """Errors against the number of patches along a side."""
+    table = tables["plates"]
+    figure, (axis,) = figures.new(size=(4.2, 3.3))
+    for place, (body, rows) in enumerate(table.groupby("body", sort=False)):
+        axis.loglog(
+            rows["patches_across"],
+            (rows["capacitance_over_accepted"] - 1).abs(),
+            marker=figures.MARKERS[place],
+            color=figures.COLOURS[place],
+            label=str(body),
+        )
+    n = np.array([table["patches_across"].min(), table["patches_across"].max()])
+    top = 2 * (table["capacitance_over_accepted"] - 1).abs().max()
+    axis.loglog(n, top * (n[0] / n) ** ORDER, ":", color="grey", label=f"order {ORDER:g}")
+    axis.set_xticks(*[sorted(set(table["patches_across"]))] * 2)
+    axis.set_xlabel("patches along a side, rings of the disc (1)")
+    axis.set_ylabel("relative error of the capacitance (1)")
+    axis.legend(fontsize=8)
+    return figure

@@ -1,0 +1,226 @@
+"""Scaling: how do time and iterations grow with the number of segments?
+
+Question   Seconds to set up and to solve the equations; GMRES steps after the surface has moved.
+Candidate  Dense `Moments`, and `Moments.moved`, which solves by GMRES with the old factor. Beside
+           them `Multipole`, where its optional library is installed.
+Reference  A new factor at the new places.
+Expected   Integrals grow with the square of the number, the factor with its cube. After small
+           motions the old factor is nearly the inverse: each step gains by the relative change of
+           the equations, so steps depend on the motion over the gap, hardly on the number. Seconds
+           belong to the machine and are held to nothing.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.compare import worst
+from msvalidate.electrostatics import Moments
+from msvalidate.electrostatics.moments import coefficients
+from msvalidate.electrostatics.multipole import Multipole
+from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.problem import Array, ProblemError
+from msvalidate.sweep import Setting
+from studies.electrostatics import common
+from studies.electrostatics.common import VOLTAGES, Solver, pair
+
+SEGMENTS = (250, 500, 1000, 2000)
+QUICK_SEGMENTS = (250, 500)
+"""Of each electrode."""
+ABSENT = "absent"
+"""In the place of a number: an optional library is not installed."""
+MOVED, QUICK_MOVED = (800, 1600), (800,)
+"""The same of those that move: below 1,500 charges a new factor costs less, and is made."""
+MOTIONS = (0.001, 0.01, 0.1)
+"""Largest displacement over the gap."""
+WIDTH = 6.0
+TOLERANCES = (
+    Tolerance(
+        "charges by iterations after a motion, farthest from those by a new factor",
+        1e-9,
+        "of the largest",
+        "a residual of 1e-12 times the condition of the graded equations",
+    ),
+    Tolerance(
+        "GMRES steps after a motion by a hundredth of the gap, most",
+        12,
+        "1",
+        "each step gains the relative change of the equations, a tenth at most where segments "
+        "turn: twelve for twelve digits",
+    ),
+)
+COLUMNS = {
+    **common.COLUMNS,
+    "unknowns": "charges of both electrodes (1)",
+    "integrals_seconds": "to integrate all pairs of segments (s)",
+    "factor_seconds": "to set up and factorise the equations, integrals included (s)",
+    "charges_seconds": "to find charges with the factor (s)",
+    "forces_seconds": "to find forces (s)",
+    "multipole_seconds": 'to set up and find charges by fast multipoles (s), or "absent" where '
+    "their library is not installed",
+    "motion_over_gap": "largest displacement of the upper electrode (1)",
+    "iterations": "of GMRES with the old factor (1)",
+    "iterated_error": "farthest charge from that by a new factor, over the largest (1)",
+    "iterated_seconds": "to set up and find charges with the old factor (s)",
+}
+
+
+def run(candidate: Solver, setting: Setting) -> Evidence:
+    """Time and count, one after another whatever the workers."""
+    sizes = QUICK_SEGMENTS if setting.quick else SEGMENTS
+    timed(candidate, sizes[0])  # compiles
+    times = pd.DataFrame([timed(candidate, n) for n in sizes])
+    larger = QUICK_MOVED if setting.quick else MOVED
+    moves = pd.DataFrame([row for n in larger for row in moved(candidate, n)])
+    small = moves[moves["motion_over_gap"] == MOTIONS[1]]["iterations"]
+    # No steps at all would be those of a new factor, of which nothing is asked here.
+    steps = float(small.max()) if (moves["iterations"] > 0).all() else math.nan
+    values = worst(moves["iterated_error"], 0.0), Observed(steps)
+    return Evidence(
+        tables={"scaling": times, "motions": moves},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"scaling": draw},
+        columns=COLUMNS,
+        findings=(finding(times, moves),),
+        rounding={"iterations": 1.0, "iterated_error": 1e-9},
+    )
+
+
+def timed(candidate: Solver, segments: int) -> dict[str, object]:
+    """Row of one size, each act once."""
+    electrodes = pair("wavy", WIDTH, segments)
+    clock = [time.perf_counter()]
+
+    def lap() -> float:
+        clock.append(time.perf_counter())
+        return clock[-1] - clock[-2]
+
+    coefficients(electrodes, 1.0, "galerkin")
+    integrals = lap()
+    moments = Moments(electrodes)
+    factor = lap()
+    found = moments.charges(VOLTAGES)
+    charges = lap()
+    candidate.forces(found)
+    forces = lap()
+    try:
+        Multipole(electrodes).charges(VOLTAGES)
+        multipole: float | str = lap()
+    except ProblemError:  # the library is not installed
+        multipole = ABSENT
+    return {
+        "segments": segments,
+        "unknowns": len(electrodes.segments),
+        "integrals_seconds": integrals,
+        "factor_seconds": factor,
+        "charges_seconds": charges,
+        "forces_seconds": forces,
+        "multipole_seconds": multipole,
+    }
+
+
+def moved(candidate: Solver, segments: int) -> list[dict[str, object]]:
+    """Rows of one size: charges after motions, by the old factor and by a new one."""
+    electrodes = pair("flat", WIDTH, segments)
+    moments = Moments(electrodes)
+    rows: list[dict[str, object]] = []
+    for motion in MOTIONS:
+        points = dented(electrodes.points, motion)
+        start = time.perf_counter()
+        found = moments.moved(points).charges(VOLTAGES)
+        seconds = time.perf_counter() - start
+        exact = candidate.charges(electrodes.moved(points)).charge
+        rows.append(
+            {
+                "segments": segments,
+                "unknowns": len(electrodes.segments),
+                "motion_over_gap": motion,
+                "iterations": found.iterations,
+                "iterated_error": float(np.abs(found.charge - exact).max() / np.abs(exact).max()),
+                "iterated_seconds": seconds,
+            }
+        )
+    return rows
+
+
+def dented(points: Array, motion: float) -> Array:
+    """Points with the upper strip lowered in waves, its edges too."""
+    upper = points[:, 1] > 0.5
+    x = points[:, 0] / WIDTH
+    down = motion * np.where(upper, 0.5 + 0.5 * np.cos(3 * np.pi * x + 0.3), 0.0)
+    return points - np.column_stack([np.zeros_like(down), down])
+
+
+def finding(times: pd.DataFrame, moves: pd.DataFrame) -> str:
+    """Seconds of the largest, and steps."""
+    last = times.iloc[-1]
+    steps = ", ".join(
+        f"{motion:g}: {rows['iterations'].max()}"
+        for motion, rows in moves.groupby("motion_over_gap", sort=False)
+    )
+    return (
+        f"{last['unknowns']:.0f} charges took {last['integrals_seconds']:.2g} s to integrate, "
+        f"{last['factor_seconds']:.2g} s with their factor, {last['forces_seconds']:.2g} s for "
+        f"forces, here. GMRES steps with the old factor after motions over the gap of {steps}."
+    )
+
+
+def draw(tables: Tables) -> Figure:
+    """Seconds against charges, and steps against motion."""
+    times, moves = tables["scaling"], tables["motions"]
+    figure, (seconds, steps) = figures.new(2, size=(3.5, 3.1))
+    for place, (column, name) in enumerate(
+        (
+            ("integrals_seconds", "integrals"),
+            ("factor_seconds", "integrals and factor"),
+            ("forces_seconds", "forces"),
+            ("charges_seconds", "charges by factor"),
+        )
+    ):
+        seconds.loglog(
+            times["unknowns"],
+            times[column],
+            marker=figures.MARKERS[place],
+            color=figures.COLOURS[place],
+            label=name,
+        )
+    if not (times["multipole_seconds"] == ABSENT).any():
+        seconds.loglog(
+            times["unknowns"],
+            times["multipole_seconds"].astype(float),
+            marker=figures.MARKERS[4],
+            color=figures.COLOURS[4],
+            label="charges by multipoles",
+        )
+    n = np.array([times["unknowns"].min(), times["unknowns"].max()])
+    seconds.loglog(
+        n,
+        times["integrals_seconds"].max() * (n / n[-1]) ** 2 / 2,
+        ":",
+        color="grey",
+        label="square",
+    )
+    seconds.set_xticks(*[sorted(set(times["unknowns"]))] * 2)
+    seconds.set_xlabel("charges (1)")
+    seconds.set_ylabel("time, here (s)")
+    seconds.legend(fontsize=7)
+    for place, (unknowns, rows) in enumerate(moves.groupby("unknowns", sort=False)):
+        steps.semilogx(
+            rows["motion_over_gap"],
+            rows["iterations"],
+            marker=figures.MARKERS[place],
+            color=figures.COLOURS[place],
+            label=f"{unknowns} charges",
+        )
+    steps.set_ylim(bottom=0)
+    steps.set_xlabel("largest displacement over the gap (1)")
+    steps.set_ylabel("GMRES steps with the old factor (1)")
+    steps.legend(fontsize=7)
+    return figure

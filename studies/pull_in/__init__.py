@@ -1,0 +1,50 @@
+"""When is a slab of dielectric elastomer pulled in, and what of it is the mesh's?
+
+Charges squeeze the slab, a thinner slab is squeezed more, and past some voltage no equilibrium is
+left. Several instabilities share that name. One question a file:
+
+- `sweep`: thickness against voltage up to pull-in, between walls and bonded, springs and elements;
+- `instability`: the lowest eigenvalue of K_mech - K_elec and its mode on several meshes, the
+  electrode's edge told from the slab inside;
+- `which`: which pull-in is which, closed forms beside computed values;
+- `beyond`: what is said and kept at a voltage that no slab holds;
+- `controls`: faulty ways to rest, and the smallest fault that this study notices.
+
+Candidate: a way to rest at a voltage and its softest motions (`way`), by default the network's own.
+Reference: the infinite slab in closed form and its waves (`infinite`), finite elements with the
+lattice's energy, and the same slab pressed charge by charge (`pressed`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from msvalidate.evidence import Evidence, answers
+from msvalidate.sweep import Setting
+from studies.pull_in import beyond, controls, instability, sweep, which
+from studies.pull_in.way import SPRINGS, Way
+
+ASKED = {"sweep": sweep.run, "instability": instability.run, "beyond": beyond.run}
+"""Question -> who answers it for a candidate."""
+FAULTS = {
+    name: {"candidate": way, "questions": (question,)}
+    for name, (way, question) in controls.FAULTS.items()
+}
+"""Negative controls: arguments of `run` under which a tolerance must fail. One question that
+notices is enough, so the rest is left out."""
+
+
+def run(
+    candidate: Way = SPRINGS,
+    setting: Setting | None = None,
+    questions: tuple[str, ...] | None = None,
+) -> Evidence:
+    """All questions, or those named, for one candidate."""
+    setting = setting or Setting()
+    asked: dict[str, Callable[[], Evidence]] = {
+        name: partial(ask, candidate, setting) for name, ask in ASKED.items()
+    }
+    return answers(
+        asked | {"which": partial(which.run, setting), "controls": controls.run}, questions
+    )

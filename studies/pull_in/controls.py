@@ -1,0 +1,140 @@
+"""Controls: ways to rest with a known fault, and the smallest fault that this study notices.
+
+Question   Which faults make a tolerance fail, and how small may they be?
+Candidate  The network's own way with a fault put into its forces, its gap or its stiffness.
+Reference  The pull-in voltage of the slab between walls, as `sweep` holds it.
+Expected   A force that is wrong by a part p moves the pull-in voltage by p/2, its square being in
+           the force, and so do springs: what is noticed is twice the tolerance, 2e-6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.actuator import Actuator, Held, PulledIn, at_voltage, lowest_modes
+from msvalidate.actuator.models import electrified
+from msvalidate.compare import worst
+from msvalidate.equilibrium import equilibrium
+from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.network import internal_force
+from msvalidate.problem import Array
+from studies.pull_in import sweep
+from studies.pull_in.slab import PULL_IN
+from studies.pull_in.way import SPRINGS, Way, last_held, sliding
+
+PROBE = 1e-3
+"""Size of the fault from which the smallest noticed one is extrapolated."""
+TOLERANCES = (
+    Tolerance(
+        "smallest fault noticed, largest over the kinds",
+        1e-4,
+        "1",
+        "a hundredth of the 1 % that a wrong constant would be out by",
+    ),
+)
+COLUMNS = {
+    "fault": "what is wrong with the way to rest",
+    "smallest_noticed": "smallest part by which it may be wrong before a tolerance fails (1)",
+    "noticed_by": "the quantity that fails",
+}
+
+
+def stronger(
+    size: float, actuator: Actuator, voltage: float, *, start: Held | None = None, **how: Any
+) -> Held:
+    """Electric forces larger by the part `size`: those of a voltage √(1 + size) times as large."""
+    times = float(np.sqrt(1 + size))
+    before = None if start is None else replace(start, voltage=start.voltage * times)
+    try:
+        found = at_voltage(actuator, voltage * times, start=before, **how)
+    except PulledIn as error:
+        last = replace(error.last, voltage=error.last.voltage / times)
+        raise PulledIn(str(error), last, error.beyond / times) from None
+    return replace(found, voltage=voltage)
+
+
+def stiffer(
+    size: float, actuator: Actuator, voltage: float, *, start: Held | None = None, **how: Any
+) -> Held:
+    """Springs stiffer by the part `size`."""
+    changed = replace(actuator, network=actuator.network.scaled(1 + size))
+    try:
+        found = at_voltage(changed, voltage, start=start, **how)
+    except PulledIn as error:
+        last = replace(error.last, actuator=actuator)
+        raise PulledIn(str(error), last, error.beyond) from None
+    return replace(found, actuator=actuator)
+
+
+def gap_as_it_was(
+    actuator: Actuator, voltage: float, *, start: Held | None = None, **how: Any
+) -> Held:
+    """Charges and their forces are those of the slab at rest, however far its surface has moved."""
+    network = actuator.network
+    electric = electrified(actuator, network.start, voltage)
+    force = np.array(network.force)
+    force[electric.loaded] += electric.forces()
+    found = equilibrium(replace(network, force=force), "nonlinear")
+    balance = internal_force(network, found.position) + force
+    left = float(np.abs(balance[~network.held]).max())
+    return Held(actuator, voltage, found.displacement, electric.charges, found.iterations, left)
+
+
+def springs_alone(held: Held, count: int = 1) -> tuple[Array, Array]:
+    """Modes of K_mech: at no voltage there is no K_elec."""
+    return lowest_modes(replace(held, voltage=0.0), count)
+
+
+def half_softened(held: Held, count: int = 1) -> tuple[Array, Array]:
+    """Modes of K_mech - ½K_elec: K_elec goes with the square of the voltage."""
+    return lowest_modes(replace(held, voltage=held.voltage / np.sqrt(2)), count)
+
+
+KINDS: dict[str, Callable[..., Held]] = {"electric force": stronger, "springs": stiffer}
+"""What may be wrong by a part of itself."""
+FAULTS = {
+    "electric force halved": (Way(partial(stronger, -0.5)), "sweep"),
+    "springs 1 % too stiff": (Way(partial(stiffer, 0.01)), "sweep"),
+    "gap and charges as at the start": (Way(gap_as_it_was), "sweep"),
+    "a voltage beyond pull-in is held": (Way(gap_as_it_was), "beyond"),
+    "stiffness without K_elec": (Way(at_voltage, springs_alone), "instability"),
+    "half of K_elec": (Way(at_voltage, half_softened), "instability"),
+}
+"""Fault -> the way that has it, and the question that notices."""
+
+
+def run() -> Evidence:
+    """State the smallest fault of each kind that the study notices."""
+    quantity = sweep.TOLERANCES[1]
+    right = pulled_in(SPRINGS)
+    rows = []
+    for kind, faulty in KINDS.items():
+        moved = abs(pulled_in(Way(partial(faulty, PROBE))) / right - 1)
+        rows.append(
+            {
+                "fault": kind,
+                "smallest_noticed": PROBE * quantity.limit / moved,
+                "noticed_by": quantity.quantity,
+            }
+        )
+    table = pd.DataFrame(rows)
+    return Evidence(
+        tables={"resolution": table},
+        observed={TOLERANCES[0].quantity: worst(table["smallest_noticed"], 0.0)},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        # The bracket of the voltage over what the probe moves it by.
+        rounding={"smallest_noticed": 1e-11},
+    )
+
+
+def pulled_in(way: Way) -> float:
+    """Pull-in voltage (V) of the slab between walls."""
+    actuator = sliding(sweep.WALLED_LAYERS)
+    return last_held(way, actuator, 1.05 * PULL_IN.voltage, bracket=sweep.BRACKET)[0].voltage

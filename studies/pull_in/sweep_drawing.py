@@ -1,0 +1,61 @@
+"""Thickness against voltage, and how it comes to pull-in, drawn from the tables."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.actuator import uniform
+from msvalidate.evidence import Tables
+from studies.pull_in.slab import HEIGHT, PULL_IN
+
+
+def draw(tables: Tables) -> Figure:
+    """Thickness against voltage, and how it comes to pull-in."""
+    figure, (whole, near) = figures.new(2, size=(4.3, 3.5))
+    parts = np.linspace(0.45, 0.9999, 300)
+    volts = np.array([uniform.voltage(part, height=HEIGHT) for part in parts])
+    stable = parts >= PULL_IN.thickness
+    whole.plot(volts[stable], parts[stable], color="black", lw=1.0, label="closed form")
+    whole.plot(volts[~stable], parts[~stable], color="black", lw=1.0, ls="--", label="unstable")
+    table, long = tables["between_walls"], tables["bonded"]
+    _marked(whole, 0, table["voltage"], table["thickness"], "springs, between walls")
+    _marked(whole, 1, table["voltage"], table["thickness_elements"], "elements, between plates")
+    finest = long[(long["layers"] == long["layers"].max()) & (long["length_over_h"] < 10)]
+    for place, (body, own) in enumerate(finest.groupby("body", sort=False), start=2):
+        _marked(whole, place, own["voltage"], own["thickness"], f"bonded, {body}, middle")
+    whole.plot(PULL_IN.voltage, PULL_IN.thickness, "k*", ms=11, label="pull-in")
+    whole.set_xlabel("voltage (V)")
+    whole.set_ylabel("thickness over that at no voltage (1)")
+    whole.legend(fontsize=7)
+    missing = 1 - table["voltage_over_pull_in"]
+    _marked(near, 0, missing, table["thickness"] - PULL_IN.thickness, "springs")
+    _marked(near, 1, missing, table["thickness_elements"] - PULL_IN.thickness, "elements")
+    near.loglog(
+        1 - volts[stable] / PULL_IN.voltage,
+        parts[stable] - PULL_IN.thickness,
+        color="black",
+        lw=1.0,
+        label="closed form: a root",
+    )
+    near.set_xlim(5e-4, 1)
+    near.set_ylim(8e-3, 0.5)
+    near.set_xlabel("voltage missing to pull-in, over it (1)")
+    near.set_ylabel("thickness above that at pull-in (1)")
+    near.legend(fontsize=7.5)
+    return figure
+
+
+def _marked(axis: Axes, place: int, x: pd.Series, y: pd.Series, label: str) -> None:
+    axis.plot(
+        x,
+        y.astype(float),
+        figures.MARKERS[place],
+        color=figures.COLOURS[place],
+        mfc="none" if place == 1 else None,
+        ms=8 if place == 1 else 4.5,
+        label=label,
+    )

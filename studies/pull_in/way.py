@@ -1,0 +1,71 @@
+"""The candidate: how an actuator comes to rest at a voltage, and which of its motions are soft."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from msvalidate.actuator import Actuator, Held, PulledIn, at_voltage, lowest_modes, slab
+from msvalidate.problem import Array
+from studies.pull_in.slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY
+
+
+class Way(NamedTuple):
+    """What is judged.
+
+    Parameters
+    ----------
+    at_voltage
+        (actuator, voltage, start=, bracket=) -> `Held`: stable rest at a voltage (V), walked to
+        from an equilibrium; raises `PulledIn` where there is none.
+    modes
+        (held, count) -> eigenvalues (count,) in N/m and shapes (count, n, 2) of K_mech - K_elec.
+    """
+
+    at_voltage: Callable[..., Held] = at_voltage
+    modes: Callable[..., tuple[Array, Array]] = lowest_modes
+
+
+SPRINGS = Way()
+"""The network's own equilibrium and stiffness."""
+
+
+def sliding(layers: int) -> Actuator:
+    """A slab two cells long between frictionless walls, in the field of parallel plates."""
+    return slab(
+        2 * HEIGHT / layers,
+        HEIGHT,
+        layers,
+        axial=AXIAL,
+        diagonal=DIAGONAL,
+        permittivity=PERMITTIVITY,
+        sides="sliding",
+        model="parallel_plates",
+    )
+
+
+def bonded(layers: int, length: float = LENGTH) -> Actuator:
+    """The slab (m) with free ends, electrodes over both faces, in one medium."""
+    return slab(length, HEIGHT, layers, axial=AXIAL, diagonal=DIAGONAL, permittivity=PERMITTIVITY)
+
+
+def last_held(
+    way: Way, actuator: Actuator, beyond: float, *, start: Held | None = None, bracket: float
+) -> tuple[Held, float]:
+    """The last equilibrium on the way to a voltage (V), and one a small step on that is not held.
+
+    Where all are held, that at `beyond` and `beyond`.
+    """
+    try:
+        return way.at_voltage(actuator, beyond, start=start, bracket=bracket), beyond
+    except PulledIn as error:
+        return error.last, error.beyond
+
+
+def middle(held: Held) -> float:
+    """Thickness in the middle of the top electrode, over that at no voltage (1)."""
+    top = held.actuator.electrodes[0]
+    height = held.actuator.network.start[top, 1]
+    moved = held.position[top, 1] / height
+    half, odd = divmod(len(top), 2)
+    return float(moved[half] if odd else 0.5 * (moved[half - 1] + moved[half]))

@@ -1,0 +1,288 @@
+"""Which pull-in is which: what does the word mean, and which number belongs to it?
+
+Question   Several instabilities of soft dielectrics go by one name, and their thresholds by one
+           unit, √(μ/ε). Which of them can springs or elements show, and what is each worth?
+Candidate  None: each threshold is computed from the law that it is of.
+Reference  Closed forms (`msvalidate.actuator.uniform`), or the literature where there is none.
+Expected   Stress linear in the thickness, area held: l = 2/3, V² = 8Ch²/27ε, the third of the gap
+           of electrostatic actuators. The lattice, area held: l = 0.692. A free neo-Hookean sheet:
+           stretch 2^(1/3), thickness 0.630, nominal field 0.687, true field 1.091 √(μ/ε) (Zhao and
+           Suo 2007, doi:10.1063/1.2768641). In plane strain the nominal field
+           (1 - λ⁻⁴)^½ rises for ever: no pull-in. A bonded film that keeps its volume: √2 as waves
+           shorten. Creases come before these waves: linear stability overestimates the field
+           (Wang, Zhang and Zhao 2011, doi:10.1103/PhysRevLett.106.118301).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.actuator import uniform
+from msvalidate.compare import worst
+from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.sweep import Setting
+from studies.pull_in import film, homogeneous, pressed, slab
+from studies.pull_in.which_drawing import draw
+
+QUICK_WAVES, WAVES = (0.5, 2.0, 8.0), (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+"""κ = kh of the waves of a bonded film that elements are asked about."""
+STRETCHES = (1.2, 1.5, 2.0, 4.0, 16.0)
+"""Of the sheet in plane strain."""
+TOLERANCES = (
+    Tolerance(
+        "pull-in by another route over its closed form: thickness and field, from 1",
+        1e-4,
+        "1",
+        "a field is flat at its largest, so its place is known to the root of the field's own "
+        "error: 1e-5 where derivatives are differences (1e-10), less where they are solved for",
+    ),
+    Tolerance(
+        "field of a sheet in plane strain over its closed form, from 1",
+        1e-6,
+        "1",
+        "central differences of 1e-5 leave 1e-10 of the second derivative and as much of rounding, "
+        "over a slope of 1e-2 or more",
+    ),
+    Tolerance(
+        "field of a wave on a bonded film, by elements over its closed form, from 1",
+        2e-4,
+        "1",
+        "energies of elements of the second degree with 12 to half a wave: (π/12)⁴/12 = 4e-4 at "
+        "most, halved by the root",
+    ),
+)
+COLUMNS = {
+    **slab.COLUMNS,
+    "pull_in": "which instability",
+    "held": "how the body is held",
+    "unit": "unit of the fields",
+    "thickness_theory": "thickness over that at no voltage, in closed form (1), or "
+    '"as it was" where it has not changed, or "none" where there is no such point',
+    "thickness_found": 'the same, as computed (1), or "as it was", "none", or "not computed"',
+    "nominal_theory": "voltage over the height at no voltage, over the unit, by the closed form or "
+    "the source (1)",
+    "nominal_found": 'the same as computed (1), or "not computed"',
+    "true_theory": 'voltage over the height as it is, over the unit (1), or "endless"',
+    "true_found": 'the same as computed (1), or "endless", or "not computed"',
+    "computed_by": "the other route",
+    "source": "where the number or its formula is from",
+    "to_take": "what a user should take from it",
+    "stretch": "stretch of the sheet along its free axis (1)",
+    "kh": "wavenumber times height (1)",
+    "field_theory": "field over √(μ/ε) in closed form (1)",
+    "field_found": "field over √(μ/ε) as computed (1)",
+}
+ZHAO_SUO = "Zhao and Suo 2007, doi:10.1063/1.2768641"
+WANG = "Wang, Zhang and Zhao 2011, doi:10.1103/PhysRevLett.106.118301"
+TAHIR = "Wang, Tahir, Zhang and Zhao 2011, doi:10.1039/c1sm05645j"
+Three = Sequence[object]
+
+
+def run(setting: Setting) -> Evidence:
+    """Compute what can be, beside the closed forms."""
+    plane = pd.DataFrame([widened(stretch) for stretch in STRETCHES])
+    waves = pd.DataFrame([waved(kappa) for kappa in (QUICK_WAVES if setting.quick else WAVES)])
+    shortest = waves.iloc[-1]
+    table = pd.DataFrame([*thinned(), *sheets(), *waves_named(shortest), *creases()])
+    sharp = table[table["computed_by"].str.contains("springs|elements with|minimised")]
+    ratios = [
+        float(row[f"{name}_found"]) / float(row[f"{name}_theory"])
+        for row in sharp.to_dict("records")
+        for name in ("thickness", "nominal", "true")
+        if isinstance(row[f"{name}_theory"], float) and isinstance(row[f"{name}_found"], float)
+    ]
+    values = (
+        worst(ratios, 1.0),
+        worst(plane["field_found"] / plane["field_theory"], 1.0),
+        worst(waves["field_found"] / waves["field_theory"], 1.0),
+    )
+    return Evidence(
+        tables={"which": table, "sheet_in_plane_strain": plane, "waves_of_a_film": waves},
+        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        tolerances=TOLERANCES,
+        figures={"which": draw},
+        columns=COLUMNS,
+        findings=findings(table, waves),
+        # Where a field is largest, and what differences leave of its slope there.
+        rounding={"thickness_found": 1e-5, "true_found": 1e-5, "nominal_found": 1e-8}
+        | {"field_found": 1e-8},
+    )
+
+
+def row(
+    names: tuple[str, str, str],
+    theory: Three,
+    found: Three,
+    words: tuple[str, str, str],
+) -> dict[str, object]:
+    """A row: instability, hold and unit; thickness, nominal and true field twice; three remarks."""
+    cells: dict[str, object] = dict(zip(("pull_in", "held", "unit"), names, strict=True))
+    for i, name in enumerate(("thickness", "nominal", "true")):
+        cells |= {f"{name}_theory": theory[i], f"{name}_found": found[i]}
+    return cells | dict(zip(("computed_by", "source", "to_take"), words, strict=True))
+
+
+def fields(thickness: float, voltage: float, unit: float) -> tuple[float, float, float]:
+    """Thickness, nominal and true field over a unit (V/m), of the slab."""
+    nominal = voltage / slab.HEIGHT / unit
+    return thickness, nominal, nominal / thickness
+
+
+def thinned() -> list[dict[str, object]]:
+    """Films whose area is held, pressed charge by charge."""
+    modulus = float(np.sqrt(slab.AXIAL / slab.PERMITTIVITY))
+    line = uniform.linear_stress_pull_in(slab.AXIAL, slab.HEIGHT, slab.PERMITTIVITY)
+    net = uniform.pull_in(
+        height=slab.HEIGHT,
+        axial=slab.AXIAL,
+        diagonal=slab.DIAGONAL,
+        permittivity=slab.PERMITTIVITY,
+    )
+    cases = (
+        (
+            "thinning, stress linear in the thickness",
+            ("√(C/ε)", modulus, line),
+            (pressed.straight_springs, "springs, charge by charge"),
+            (
+                "maximum of l²·(1 - l)",
+                "what electrostatic actuators quote, a third of the gap: it is no soft solid's",
+            ),
+        ),
+        (
+            "thinning, square lattice with diagonals",
+            ("√(μ/ε)", slab.NATURAL, net),
+            (pressed.springs, "springs, charge by charge"),
+            ("maximum of l²·P(l)", "the network's own pull-in: compare runs with this one"),
+        ),
+        (
+            "thinning, elements with the lattice's energy",
+            ("√(μ/ε)", slab.NATURAL, net),
+            (pressed.elements, "elements with the lattice's law, charge by charge"),
+            ("maximum of l²·P(l)", "the same law, other code: the law decides, not the method"),
+        ),
+    )  # fmt: skip
+    rows = []
+    for name, (unit, size, exact), (law, route), (source, lesson) in cases:
+        found = pressed.pull_in(law)
+        rows.append(
+            row(
+                (name, "area held", unit),
+                fields(exact.thickness, exact.voltage, size),
+                fields(found.thickness, found.voltage, size),
+                (route, source, lesson),
+            )
+        )
+    return rows
+
+
+def sheets() -> list[dict[str, object]]:
+    """Neo-Hookean sheets that widen as they are thinned."""
+    exact = uniform.biaxial_pull_in(1.0, 1.0)
+    found = homogeneous.free_pull_in()
+    most = homogeneous.plane_field(STRETCHES[-1])
+    return [
+        row(
+            ("thinning, neo-Hookean sheet", "free to widen along both axes", "√(μ/ε)"),
+            (exact.thickness, exact.voltage, exact.voltage / exact.thickness),
+            found,
+            (
+                "energy minimised over shapes",
+                ZHAO_SUO,
+                "the textbooks' pull-in: of a film free in space, not of a bonded or a plane one",
+            ),
+        ),
+        row(
+            ("thinning, neo-Hookean sheet", "free to widen along one axis", "√(μ/ε)"),
+            ("none", 1.0, "endless"),
+            ("none", most, "endless"),
+            (
+                f"energy minimised, at a stretch of {STRETCHES[-1]:g}",
+                "(1 - λ⁻⁴)^½, which rises for ever",
+                "a plane model of a free film has no pull-in, only a voltage that it nears",
+            ),
+        ),
+    ]
+
+
+def waves_named(shortest: pd.Series) -> list[dict[str, object]]:
+    """Waves of a bonded film that keeps its volume."""
+    short = float(shortest["field_found"])
+    limit = uniform.bonded_film_limit()
+    return [
+        row(
+            ("waves of the surface", "bonded, volume kept, linear", "√(μ/ε)"),
+            ("as it was", limit, limit),
+            ("as it was", short, short),
+            (
+                f"stiffness of finite elements, kh = {shortest['kh']:g}",
+                "surface stiffness 2μk against εE²k",
+                "the shortest wave first: without surface energy the mesh chooses the wavelength",
+            ),
+        )
+    ]
+
+
+def creases() -> list[dict[str, object]]:
+    """What neither a lattice nor smooth elements fold by themselves."""
+    theory, seen = uniform.CREASING_FIELD_THEORY, uniform.CREASING_FIELD_EXPERIMENT
+    not_computed = ("not computed",) * 3
+    remark = "a network that stays flat up to a higher field does not prove that a film would"
+    apart = (
+        f"creases stand {uniform.CREASING_WAVELENGTH:g} heights apart: no wave of the table does"
+    )
+    return [
+        row(
+            ("creases, theory", "bonded, neo-Hookean", "√(μ/ε)"),
+            ("as it was", theory, theory),
+            not_computed,
+            ("literature alone", TAHIR, remark),
+        ),
+        row(
+            ("creases, experiment", "bonded, elastomers", "√(μ/ε)"),
+            ("as it was", seen, seen),
+            not_computed,
+            ("literature alone", WANG, apart),
+        ),
+    ]
+
+
+def widened(stretch: float) -> dict[str, object]:
+    """A sheet in plane strain at a stretch."""
+    return {
+        "stretch": stretch,
+        "field_theory": uniform.plane_strain_nominal_field(stretch),
+        "field_found": homogeneous.plane_field(stretch),
+    }
+
+
+def waved(kappa: float) -> dict[str, object]:
+    """A wave of a bonded film."""
+    return {
+        "kh": kappa,
+        "wavelength_over_h": 2 * np.pi / kappa,
+        "field_theory": uniform.bonded_film_field(kappa),
+        "field_found": film.field(kappa),
+    }
+
+
+def findings(table: pd.DataFrame, waves: pd.DataFrame) -> tuple[str, ...]:
+    """What the word pull-in covers."""
+    net = table[table["pull_in"].str.contains("square lattice")].iloc[0]
+    free = table[table["held"] == "free to widen along both axes"].iloc[0]
+    first, last = waves.iloc[0], waves.iloc[-1]
+    many = (
+        f"One word, fields from {float(free['nominal_found']):.3g} to {first['field_found']:.3g} "
+        "√(μ/ε) that are no versions of each other: the lattice with its area held is pulled in at "
+        f"a nominal {float(net['nominal_found']):.4g} and a true {float(net['true_found']):.4g}, "
+        f"thickness {float(net['thickness_found']):.4g}; a free neo-Hookean sheet at "
+        f"{float(free['nominal_found']):.4g} and {float(free['true_found']):.4g}, thickness "
+        f"{float(free['thickness_found']):.4g}."
+    )
+    short = (
+        f"Waves of a bonded film need a field that falls from {first['field_found']:.3g} at kh = "
+        f"{first['kh']:g} to {last['field_found']:.4g} at {last['kh']:g}: the shortest grow first."
+    )
+    return many, short

@@ -1,0 +1,69 @@
+"""Voltages that hold a thickness, and fields that let a wave grow, drawn from the tables."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from msvalidate import figures
+from msvalidate.actuator import uniform
+from msvalidate.evidence import Tables
+from studies.pull_in import slab
+
+
+def draw(tables: Tables) -> Figure:
+    """Voltages that hold a thickness, and fields that let a wave grow."""
+    figure, (thin, wave) = figures.new(2, size=(4.4, 3.5))
+    parts = np.linspace(0.35, 0.9999, 200)
+    net = [uniform.voltage(part) / slab.HEIGHT / slab.NATURAL for part in parts]
+    wide = parts**-0.5
+    curves = {
+        "lattice, area held": net,
+        "stress linear, area held, √(C/ε)": list(np.sqrt(2 * parts**2 * (1 - parts))),
+        "neo-Hookean, free": [uniform.biaxial_nominal_field(w) for w in wide],
+        "neo-Hookean, plane strain": [uniform.plane_strain_nominal_field(w**2) for w in wide],
+    }
+    for place, (label, nominal) in enumerate(curves.items()):
+        thin.plot(parts, nominal, color=figures.COLOURS[place], label=label)
+    known = tables["which"]
+    found = known[[isinstance(value, float) for value in known["thickness_found"]]]
+    thin.plot(
+        found["thickness_found"].astype(float),
+        found["nominal_found"].astype(float),
+        figures.MARKERS[0],
+        color="black",
+        label="pull-in, computed",
+    )
+    thin.set_xlabel("thickness over that at no voltage (1)")
+    thin.set_ylabel("nominal field over its unit, √(μ/ε) (1)")
+    thin.legend(fontsize=7.5)
+    waves = tables["waves_of_a_film"]
+    kappa = np.geomspace(0.4, 20.0, 200)
+    wave.semilogx(
+        kappa,
+        [uniform.bonded_film_field(k) for k in kappa],
+        color=figures.COLOURS[0],
+        label="bonded film, linear, volume kept",
+    )
+    wave.semilogx(
+        waves["kh"], waves["field_found"], figures.MARKERS[0], color=figures.COLOURS[0],
+        label="its stiffness by elements",
+    )  # fmt: skip
+    for place, (name, value) in enumerate(
+        (
+            ("√2, short waves", uniform.bonded_film_limit()),
+            ("creases, theory", uniform.CREASING_FIELD_THEORY),
+            ("creases, experiment", uniform.CREASING_FIELD_EXPERIMENT),
+        )
+    ):
+        wave.axhline(value, ls=("-", "--", ":")[place], color="#444444", lw=1.0, label=name)
+    wave.axvline(2 * np.pi / uniform.CREASING_WAVELENGTH, ymax=0.6, color="#bbbbbb", lw=1.0)
+    wave.text(
+        2 * np.pi / uniform.CREASING_WAVELENGTH * 0.95, 2.2, "creases' distance",
+        rotation=90, ha="right", va="center", fontsize=7.5, color="#666666",
+    )  # fmt: skip
+    wave.set_ylim(0.5, 4.3)
+    wave.set_xlabel("wavenumber times height, kh (1)")
+    wave.set_ylabel("true field over √(μ/ε) (1)")
+    wave.legend(fontsize=7.5)
+    return figure

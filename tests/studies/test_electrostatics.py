@@ -1,0 +1,299 @@
+"""The study `electrostatics`: its public tables, its own formulas, its resolution."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from msvalidate.electrostatics import (
+    capacitance,
+    facing_strips,
+    facing_strips_capacitance,
+    strip,
+)
+from msvalidate.evidence import held, judge
+from msvalidate.problem import ProblemError
+from msvalidate.sweep import Setting
+from studies import electrostatics
+from studies.electrostatics import (
+    common,
+    controls,
+    derivatives,
+    edge,
+    in_air,
+    models,
+    nodes,
+    plates,
+    scaling,
+    shortcuts,
+    strips,
+    virtual_work,
+)
+from studies.electrostatics.common import MOMENTS
+
+QUICK = Setting(quick=True)
+COLUMNS = {
+    "strips": [
+        "width_over_gap",
+        "grading",
+        "weighting",
+        "segments",
+        "capacitance",
+        "capacitance_exact",
+        "capacitance_error",
+    ],
+    "virtual_work": [
+        "shape",
+        "weighting",
+        "segments",
+        "points",
+        "force_error",
+        "edge_force_error",
+        "net_force",
+        "net_moment",
+    ],
+    "in_air": [
+        "covered",
+        "permittivity_ratio",
+        "capacitance_in_air",
+        "capacitance_elements",
+        "capacitance_difference",
+        "boundary_error",
+        "elements_change",
+        "pull",
+        "edge_work",
+        "stretch",
+        "pull_elements",
+        "edge_work_elements",
+        "stretch_elements",
+    ],
+    "models": [
+        "model",
+        "depth_over_gap",
+        "forces_by",
+        "permittivity_ratio",
+        "charge_over_plane",
+        "squeeze_in_middle",
+        "squeeze_over_plane",
+        "margin_squeeze_over_plane",
+        "margin_along_over_plane",
+        "stretch_over_plane",
+    ],
+}
+
+
+@pytest.fixture(scope="module")
+def evidence(small_form):
+    return small_form("electrostatics")
+
+
+@pytest.mark.parametrize("table", COLUMNS)
+def test_public_columns(evidence, table):
+    assert list(evidence.tables[table]) == COLUMNS[table]
+
+
+def test_full_form_is_what_it_should_show():
+    assert {1.0, 6.0, 10.0} <= set(strips.RATIOS)
+    assert {1.0, 3.0, 10.0} == set(in_air.RATIOS)
+    assert {1.0, 6.0, 24.0} == set(models.DEPTHS)
+    assert min(strips.DRAWN) == 0.1
+    assert max(strips.DRAWN) == 50
+    for full, quick in (
+        (strips.SEGMENTS, strips.QUICK_SEGMENTS),
+        (edge.SEGMENTS, edge.QUICK_SEGMENTS),
+        (virtual_work.SEGMENTS, virtual_work.QUICK_SEGMENTS),
+        (scaling.SEGMENTS, scaling.QUICK_SEGMENTS),
+    ):
+        assert max(full) > max(quick)
+
+
+@pytest.mark.parametrize("questions", [(), ("strip",), ("strips", "all")])
+def test_unknown_questions_are_refused(questions):
+    with pytest.raises(ProblemError, match="choose from strips, edge"):
+        electrostatics.run(setting=QUICK, questions=questions)
+
+
+def test_numbers_but_times_are_the_same_again(evidence):
+    again = electrostatics.run(setting=QUICK, questions=("strips", "models"))
+    for name, table in again.tables.items():
+        pd.testing.assert_frame_equal(table, evidence.tables[name], check_exact=True)
+
+
+# --- the study's own formulas ---------------------------------------------------------------------
+
+
+def test_differences_are_exact_for_quartics():
+    found = derivatives.differences(
+        lambda x: np.array([x[0] ** 4 - x[1] ** 3, x[0] * x[1]]),
+        np.array([1.0, 2.0]),
+        np.array([0.1, 0.2]),
+    )
+    assert found == pytest.approx(np.array([[4.0, -12.0], [2.0, 1.0]]))
+
+
+@pytest.mark.parametrize("ratio", [1.0, 6.0, 10.0])
+def test_growth_of_the_closed_form(ratio):
+    """Beside that of wide plates, and a chord."""
+    step = 1e-4
+    chord = facing_strips_capacitance(ratio + step) - facing_strips_capacitance(ratio - step)
+    assert derivatives.growth(ratio) == pytest.approx(chord / (2 * step), rel=1e-6)
+    if ratio == 10.0:
+        assert derivatives.growth(ratio) == pytest.approx(1 + 1 / (np.pi * ratio), rel=5e-3)
+
+
+def test_circle_does_not_change_how_a_strip_shares_its_charge():
+    line = strip(2.0, 0.0, 20)
+    shares = []
+    for radius in (30.0, edge.RADIUS):
+        electrodes = edge.in_a_circle(line)
+        points = electrodes.points.copy()
+        points[len(line) :] *= radius / edge.RADIUS
+        found = common.charges(electrodes.moved(points))
+        shares.append(found.charge[:20] / found.totals[0])
+    assert shares[0] == pytest.approx(shares[1], abs=1e-5)
+
+
+@pytest.mark.parametrize("ratio", edge.PERMITTIVITY_RATIOS)
+def test_exponent_at_a_corner_fits_both_sides(ratio, evidence):
+    """Potential and flux are continuous across the bare face, sin λθ on both sides of it."""
+    rows = evidence.tables["corner"].set_index("permittivity_ratio")
+    power = rows["exponent_expected"][ratio] + 1
+    slab, air = np.pi / 2, 3 * np.pi / 2
+    inside, outside = np.sin(power * slab), np.sin(power * air)
+    flux = ratio * np.cos(power * slab) * outside + np.cos(power * air) * inside
+    assert flux == pytest.approx(0, abs=1e-12)
+
+
+def test_fitted_exponent_is_that_of_given_charges():
+    ends = np.linspace(0.1, 0.5, 12) ** 2
+    start, end = ends[:-1], ends[1:]
+    for power in (0.5, 0.634):
+        charge = sum(
+            c * (end**p - start**p) for c, p in ((2.0, power), (-1.0, 1.0), (0.3, 2 - power))
+        )
+        assert edge.fitted_exponent(start, end, charge) == pytest.approx(power, abs=1e-4)
+
+
+def test_last_segment_is_never_right(evidence):
+    tips = evidence.tables["edge"]["tip_over_exact"]
+    assert (tips - 1).abs().min() > 1e-3
+
+
+def test_pair_is_what_it_says():
+    flat, wavy = common.pair("flat", 4.0, 8), common.pair("wavy", 4.0, 8)
+    assert np.ptp(flat.points[:9, 1]) == 0
+    assert np.ptp(wavy.points[:9, 1]) > 0.2
+    assert flat.count == wavy.count == 2
+
+
+def test_expected_growth_of_both_faces_by_another_route(evidence):
+    """K² from the charge near the edge of a fine strip, Q(s) = 2K·√s."""
+    electrodes = facing_strips(shortcuts.RATIO, 1.0, 400)
+    found = common.charges(electrodes)
+    s = electrodes.points[12, 0] - electrodes.points[0, 0]
+    squared = (found.charge[:12].sum() / 2) ** 2 / s
+    pull = shortcuts.HALF * derivatives.growth(shortcuts.RATIO) * shortcuts.RATIO
+    told = 2 * np.log(2) / (np.pi * shortcuts.RATIO)
+    # σ²/(2ε) over both edges: K²·ln 2, over the pull.
+    assert squared * np.log(2) / pull == pytest.approx(told, rel=0.02)
+    faces = evidence.tables["both_faces"]
+    for _, rows in faces.groupby("grading"):
+        assert rows["faces_over_exact"].is_monotonic_increasing
+
+
+def test_halves_lose_nothing_of_the_pull():
+    found = common.charges(facing_strips(4.0, 1.0, 40))
+    halves, right = (
+        part[:41].sum(axis=0) for part in (shortcuts.halves(found), MOMENTS.forces(found))
+    )
+    assert halves == pytest.approx(right, rel=1e-3, abs=1e-12)
+
+
+def test_forces_count_less_away_from_the_electrode():
+    points = np.array([[1.0, 0.0], [1.25, 0.0], [0.5, 0.0], [-0.5, 0.0], [0.0, -0.6]])
+    forces = np.array([[1.0, -2.0], [10.0, -4.0], [3.0, -4.0], [5.0, -6.0], [7.0, 7.0]])
+    found = in_air.summed(points, forces, in_air.Case(1 / 3, 1.0))
+    share = (1 - 0.5**2) ** 2
+    assert found["pull"] == pytest.approx(2 + 4 * share + 4 + 6)
+    assert found["edge_work"] == pytest.approx((1 + 10 * share) / 0.25)
+    assert found["stretch"] == pytest.approx((1 + 10 + 3) / 0.5)
+
+
+def test_models_meet_where_they_should(evidence):
+    table = evidence.tables["models"]
+    report = table[table["model"] == "report's"]["charge_over_plane"].tolist()
+    assert report == sorted(report, reverse=True)
+    assert report[-1] > 1
+    air = table[table["model"] == "in air"]["margin_along_over_plane"].tolist()
+    assert air == sorted(air, reverse=True)
+    plane = table.iloc[0]
+    assert plane["charge_over_plane"] == plane["squeeze_over_plane"] == 1
+
+
+def test_squeeze_counts_half_of_the_border():
+    x = np.linspace(-3, 3, 61)
+    even = models.Upper(1.0, np.column_stack([x, 0 * x]), np.column_stack([x, -0.1 + 0 * x]))
+    assert models.squeeze(even, 1.0) == pytest.approx(1.0)
+    assert models.squeeze(even, 0.5, margin=True) == pytest.approx(0.5)
+
+
+def test_plates_by_their_own_size():
+    square, disc = plates.patched("square plate", 4), plates.patched("disc", 6)
+    assert square.area.sum() == pytest.approx(plates.SIDE**2)
+    assert disc.area.sum() == pytest.approx(np.pi * plates.RADIUS**2)
+
+
+def test_charges_on_nodes_are_as_many_as_points():
+    electrodes = common.pair("flat", 6.0, 10, grading="uniform")
+    assert len(nodes.charged(MOMENTS, "nodes", electrodes).charge) == len(electrodes.points)
+    assert len(nodes.charged(MOMENTS, "springs", electrodes).charge) == len(electrodes.segments)
+
+
+def test_dent_moves_one_electrode_by_what_it_says():
+    electrodes = common.pair("flat", scaling.WIDTH, 100)
+    down = electrodes.points - scaling.dented(electrodes.points, 0.1)
+    assert (down[101:] == 0).all()
+    assert down[:101, 1].max() == pytest.approx(0.1, rel=1e-2)
+
+
+# --- controls -------------------------------------------------------------------------------------
+
+
+def test_no_fault_is_the_solver_itself():
+    electrodes = common.pair("wavy", 4.0, 10)
+    for weighting in ("galerkin", "collocation"):
+        right = MOMENTS.charges(electrodes, weighting=weighting)
+        same = controls.spoilt_potentials(0.0, electrodes, weighting=weighting)
+        assert same.charge == pytest.approx(right.charge, rel=1e-9)
+        assert same.floating == pytest.approx(right.floating, rel=1e-9)
+    assert MOMENTS.charges(electrodes).totals.sum() == pytest.approx(0, abs=1e-12)
+    alone = controls.spoilt_potentials(0.0, electrodes, neutral=False)
+    assert abs(alone.totals.sum()) > 1e-2
+
+
+def test_without_neutrality_the_unit_of_length_matters():
+    def found(unit):
+        electrodes = facing_strips(6.0 * unit, unit, 20)
+        return controls.spoilt_potentials(0.0, electrodes, neutral=False).totals[0]
+
+    assert abs(found(1000.0) / found(1.0) - 1) > 0.01
+    small, large = (capacitance(facing_strips(6.0 * u, u, 20)) for u in (1.0, 1000.0))
+    assert small == pytest.approx(large, rel=1e-10)
+
+
+@pytest.mark.parametrize("kind", controls.KINDS)
+def test_stated_resolution_is_the_real_one(kind):
+    faulty, error, _ = controls.KINDS[kind]
+    noticed = controls.smallest(kind)["smallest_noticed"]
+    assert abs(error(faulty(1.3 * noticed))) > 1
+    assert abs(error(faulty(0.7 * noticed))) < 1
+
+
+def test_a_users_own_solver_is_judged():
+    """One that gets the energy's scale wrong, and so its forces right relative to nothing."""
+
+    def doubled(*args, **options):
+        right = MOMENTS.charges(*args, **options)
+        return type(right)(right.moments, right.voltages, 2 * right.charge, right.floating)
+
+    found = electrostatics.run(MOMENTS._replace(charges=doubled), QUICK, ("strips",))
+    assert not held(judge(found))

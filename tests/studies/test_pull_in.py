@@ -1,0 +1,282 @@
+"""The study `pull_in`: its public tables, the infinite slab's waves, routes, controls."""
+
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from msvalidate.actuator import PulledIn, at_voltage, uniform
+from msvalidate.electrostatics import Moments, facing_strips, tangent
+from msvalidate.evidence import held, judge
+from msvalidate.network import tangent as springs_tangent
+from msvalidate.problem import ProblemError
+from msvalidate.sweep import Setting
+from studies import pull_in
+from studies.pull_in import (
+    beyond,
+    branches,
+    controls,
+    film,
+    homogeneous,
+    infinite,
+    instability,
+    pressed,
+    sweep,
+    which,
+)
+from studies.pull_in.slab import HEIGHT, PERMITTIVITY, PULL_IN
+from studies.pull_in.way import SPRINGS, Way, bonded, sliding
+
+QUICK = Setting(quick=True)
+COLUMNS = {
+    "between_walls": [
+        "voltage_over_pull_in",
+        "voltage",
+        "thickness",
+        "thickness_elements",
+        "thickness_exact",
+        "iterations",
+    ],
+    "pull_in": ["route", "pull_in_voltage", "pull_in_thickness"],
+    "instability": [
+        "branch",
+        "layers",
+        "spacing_m",
+        "critical_over_pull_in",
+        "critical_infinite",
+        "mode_wavelength_over_h",
+        "wavelength_infinite",
+        "wavelength_over_spacing",
+        "edge_moved_over_spacing",
+        "at_edge",
+        "left",
+        "mesh_dependent",
+    ],
+    "beyond": [
+        "body",
+        "layers",
+        "asked_over_pull_in",
+        "last_over_pull_in",
+        "residual_over_forces",
+        "thickness_least",
+        "lines",
+        "says",
+    ],
+}
+
+
+@pytest.fixture(scope="module")
+def evidence(small_form):
+    return small_form("pull_in")
+
+
+@pytest.mark.parametrize("table", COLUMNS)
+def test_public_columns(evidence, table):
+    assert list(evidence.tables[table]) == COLUMNS[table]
+
+
+def test_pull_in_is_known_to_three_digits(evidence):
+    table = evidence.tables["pull_in"]
+    assert len(table) == 4
+    assert table["pull_in_voltage"].round(3).eq(6.348).all()
+    assert table["pull_in_thickness"].round(3).eq(0.692).all()
+
+
+def test_full_form_is_the_issue():
+    assert instability.LAYERS == (5, 10, 16)
+    assert len(instability.QUICK_LAYERS) >= 3
+    assert (sweep.STEPS, sweep.COSTLY) == (20, 10)
+
+
+def test_same_numbers_whatever_the_workers():
+    questions = ("sweep", "beyond")
+    here = pull_in.run(setting=QUICK, questions=questions)
+    with ProcessPoolExecutor(2) as workers:
+        there = pull_in.run(setting=Setting(quick=True, executor=workers), questions=questions)
+    for name, table in here.tables.items():
+        same = table.drop(columns="sweep_seconds", errors="ignore")
+        pd.testing.assert_frame_equal(
+            same, there.tables[name].drop(columns="sweep_seconds", errors="ignore")
+        )
+
+
+def test_unknown_questions_are_refused():
+    with pytest.raises(ProblemError, match="choose from sweep, instability"):
+        pull_in.run(setting=QUICK, questions=("pull-in",))
+
+
+# --- waves of the infinite slab -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("turn", [0.3, 1.0, 2.2])
+@pytest.mark.parametrize("part", [0.95, 0.75])
+def test_softening_is_that_of_a_long_pair_of_strips(part, turn):
+    """Row of the tangent of the method of moments, in the middle of electrodes 16 gaps long."""
+    layers, columns = 5, 120
+    spacing = HEIGHT / layers
+    strips = facing_strips(columns * spacing, part * HEIGHT, columns, grading="uniform")
+    volts = uniform.voltage(part, height=HEIGHT)
+    K = tangent(Moments(strips, permittivity=PERMITTIVITY).charges((0.5 * volts, -0.5 * volts)))
+    n = len(strips.points) // 2
+    middle = columns // 2
+    block = K.reshape(2 * n, 2, 2 * n, 2)[middle, :, :n]
+    phase = np.exp(1j * turn * (np.arange(n) - middle))
+    found = np.einsum("iaj,a->ij", block.transpose(0, 1, 2), phase)
+    q = np.array([turn / spacing])
+    expected = infinite.softening(infinite.Columns(np.array([part]), spacing, q))[0]
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(found, expected, atol=2e-2 * scale)
+
+
+def test_softening_of_long_waves_is_that_of_a_conductor():
+    part, layers = np.array([0.8]), 200
+    q = np.array([2 * np.pi / 7.0])
+    columns = infinite.Columns(part, HEIGHT / layers, q)
+    K = infinite.softening(columns)[0] / columns.spacing
+    gap = part[0] * HEIGHT
+    field = columns.charge[0] / PERMITTIVITY
+    expected = PERMITTIVITY * field**2 * q[0] / np.tanh(q[0] * gap)
+    assert K[1, 1].real == pytest.approx(expected, rel=1e-3)
+    assert abs(K[0, 0]) < 1e-3 * expected
+
+
+@pytest.mark.parametrize("part", [0.95, 0.7])
+def test_stiffness_of_waves_is_the_networks(part):
+    layers, turn = 4, 0.9
+    actuator = bonded(layers)
+    network = actuator.network
+    K = springs_tangent(network, network.points * [1.0, part]).toarray()
+    n = len(network.points)
+    x, y = network.points.T
+    spacing = HEIGHT / layers
+    at = int(np.argmin(np.abs(x - x.max() / 2) + np.abs(y - HEIGHT)))
+    phase = np.exp(1j * turn * (x - x[at]) / spacing)
+    columns = infinite.Columns(np.array([part]), spacing, np.array([turn / spacing]))
+    _, top, link = infinite.blocks(columns)
+    rows = K.reshape(n, 2, n, 2)[at]
+    for level, block in ((HEIGHT, top[0]), (HEIGHT - spacing, link[0])):
+        there = np.abs(y - level) < 1e-9
+        found = np.einsum("iaj,a->ij", rows[:, there], phase[there])
+        np.testing.assert_allclose(found, block, atol=1e-12)
+
+
+def test_waves_without_end_go_at_the_uniform_pull_in():
+    parts = infinite.thresholds(5, np.array([4000.0]))
+    assert parts[0] == pytest.approx(PULL_IN.thickness, abs=1e-3)
+
+
+@pytest.mark.parametrize("wave", [4.0, 11.0, 30.0])
+def test_elimination_finds_where_the_lowest_eigenvalue_is_zero(wave):
+    parts = infinite.thresholds(5, np.array([wave]))
+    q = np.array([2 * np.pi / wave])
+    for shift, sign in ((1e-6, 1), (-1e-6, -1)):
+        if parts[0] > PULL_IN.thickness + 1e-5:
+            assert np.sign(infinite.softest(parts[0] + shift, 5, q))[0] == sign
+
+
+# --- other routes ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kappa", [0.5, 3.0, 10.0])
+def test_film_by_elements(kappa):
+    assert film.field(kappa) == pytest.approx(uniform.bonded_film_field(kappa), rel=2e-4)
+
+
+def test_free_sheet_widens_alike():
+    assert homogeneous.free_sheet(1.7) == pytest.approx(
+        homogeneous.neo_hookean(np.sqrt(1.7), np.sqrt(1.7)), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("law", [pressed.springs, pressed.elements])
+def test_pressed_column(law):
+    assert law(uniform.pressure(0.6)) == pytest.approx(0.6, abs=1e-9)
+
+
+def test_table_of_pull_ins_says_what_to_take(evidence):
+    table = evidence.tables["which"]
+    assert (table["to_take"].str.len() > 20).all()
+    assert (table["source"].str.len() > 5).all()
+    theory = [value for value in table["thickness_theory"] if isinstance(value, float)]
+    assert {round(value, 3) for value in theory} == {0.667, 0.692, 0.63}
+
+
+# --- measuring a mode -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("wave", [5.0, 8.0, 20.0])
+def test_wavelength_of_a_known_mode(wave):
+    held_at = at_voltage(bonded(4), 0.0)
+    points = held_at.actuator.network.points
+    bump = np.sin(np.pi * points[:, 0] / points[:, 0].max())
+    mode = np.zeros(points.shape)
+    mode[:, 1] = bump * np.cos(2 * np.pi * points[:, 0] / wave)
+    assert branches.wavelength(held_at, mode) == pytest.approx(wave, rel=0.02)
+
+
+def test_what_is_the_meshs_is_read_off_the_table():
+    table = pd.DataFrame(
+        {
+            "branch": ["a", "a", "b", "b"],
+            "critical_over_pull_in": [0.5, 0.3, 0.95, 0.94],
+            "mode_wavelength_over_h": ["none", "none", 0.8, 0.4],
+        }
+    )
+    said = instability.told(table)["mesh_dependent"]
+    assert list(said) == ["voltage", "voltage", "wavelength", "wavelength"]
+    calm = table.assign(critical_over_pull_in=0.5, mode_wavelength_over_h=0.8)
+    assert set(instability.told(calm)["mesh_dependent"]) == {"nothing"}
+
+
+def test_modes_stand_where_they_should(evidence):
+    table = evidence.tables["instability"].set_index("branch")
+    for edge in ("edge, flat", "edge, followed"):
+        assert (table.loc[edge, "at_edge"] > 0.9).all()
+    assert (table.loc["inside", "at_edge"] < 0.1).all()
+
+
+# --- controls -------------------------------------------------------------------------------------
+
+
+def test_beyond_pull_in_the_last_equilibrium_is_kept():
+    with pytest.raises(PulledIn, match="no stable equilibrium at 7 V") as caught:
+        at_voltage(sliding(5), 7.0)
+    assert "\n" not in str(caught.value)
+    assert caught.value.last.voltage == pytest.approx(PULL_IN.voltage, rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", controls.KINDS)
+def test_stated_resolution_is_the_real_one(kind):
+    noticed = controls.run().tables["resolution"].set_index("fault")["smallest_noticed"][kind]
+    for part, passes in ((1.1, False), (0.9, True)):
+        found = controls.pulled_in(Way(partial(controls.KINDS[kind], part * noticed)))
+        error = abs(found / PULL_IN.voltage - 1)
+        assert (error <= sweep.TOLERANCES[1].limit) == passes
+
+
+def test_no_fault_is_the_way_itself():
+    right = controls.pulled_in(SPRINGS)
+    for faulty in controls.KINDS.values():
+        assert controls.pulled_in(Way(partial(faulty, 0.0))) == right
+
+
+def test_half_the_softening_is_between():
+    found = at_voltage(sliding(3), 0.95 * PULL_IN.voltage)
+    whole, half, none = (
+        modes(found, 1)[0][0]
+        for modes in (SPRINGS.modes, controls.half_softened, controls.springs_alone)
+    )
+    assert whole < half < none
+    assert controls.springs_alone(replace(found, voltage=5.0), 1)[0][0] == none
+
+
+def test_a_held_voltage_beyond_pull_in_is_noticed():
+    found = beyond.run(Way(controls.gap_as_it_was), QUICK)
+    assert not held(judge(found))
+
+
+def test_which_needs_no_candidate():
+    assert held(judge(which.run(QUICK)))
