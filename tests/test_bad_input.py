@@ -614,7 +614,7 @@ def test_too_little_memory_is_told(geometry, monkeypatch):
 
 
 def test_rings_that_refine_everywhere_are_refused_before_memory_is_taken(monkeypatch):
-    monkeypatch.setattr("reference_fem.meshing.NODES_PER_TRIANGLE", 2e3)  # else it takes seconds
+    monkeypatch.setattr("reference_fem.triangles.NODES_PER_TRIANGLE", 2e3)  # else it takes seconds
     with pytest.raises(ProblemError, match="mesh refined to depth 4 of 12 with 1000000 rings: "):
         meshed(towards=[(0.0, 0.0)], depth=12, rings=10**6)
 
