@@ -79,7 +79,7 @@ def _kinetic_damping(run: Run) -> Iterator[None]:
         if fell:
             run.displacement -= h * run.velocity
             run.moved(0, 1)
-            largest = run.velocity - h * run.balance() / mass
+            largest = run.velocity - h * run.motion.balance(run.displacement) / mass
             run.displacement -= 0.5 * h * largest
             run.moved()
             run.velocity[:], kinetic = 0.0, 0.0

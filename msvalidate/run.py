@@ -105,12 +105,14 @@ class Run:
         self._force = np.empty_like(self.displacement)
         self._known = False
         self._held = np.flatnonzero(network.held)
-        at_lengths = 4 * force_roundoff(network, 0.0)
-        self._per_metre = 4 * force_roundoff(network, 1.0) - at_lengths
-        # Without lists, springs that lead the same way are the same: in the network each component
-        # of their vectors, and their lengths, may differ by 4 roundings of the largest coordinate.
-        alike = 4 * (1 + math.sqrt(network.dim)) * force_roundoff(network)
-        self._at_lengths = alike if self.motion.path == "lattice" else at_lengths
+        self._at_lengths = 4 * force_roundoff(network, 0.0)
+        self._per_metre = 4 * force_roundoff(network, 1.0) - self._at_lengths
+        # A lattice is stepped as if springs that lead the same way were the same: in the network
+        # each component of their vectors, and their lengths, may differ by 4 roundings of the
+        # largest coordinate.
+        self._apart = np.zeros_like(self._at_lengths)
+        if self.motion.path == "lattice":
+            self._apart = 4 * (1 + math.sqrt(network.dim)) * force_roundoff(network)
         self._softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
         self._stiffest, self._loaded = _stiffest(network), float(np.abs(network.force).max())
         self._floor = self._at_lengths
@@ -196,13 +198,15 @@ class Run:
     def resting(self, look: tuple[int, float, float]) -> bool:
         """Whether residual and kinetic energy are both below what the tolerance asks for.
 
-        Bounds of the forces that meet at a point are asked first: to sum them takes as long as many
-        steps.
+        A lattice may also be so as it is stepped, and as the network is but for what the two are
+        apart. Bounds of the forces that meet at a point are asked first: to sum them takes as long
+        as many steps.
         """
         rounding = self.rounding
         still = max(self.tolerance**2 * self.stored, rounding / self._softest * rounding)
         if look[2] > still:  # the usual case, and the cheapest question
             return False
+        rounding += largest(self._apart)
         # Forces that meet at a point add up to √(2·energy·Σk) at most, by Cauchy and Schwarz.
         bound = math.sqrt(2 * self.stored * self._stiffest) if self._stiffest else math.inf
         if look[1] > max(self.tolerance * (bound + 2 * self._loaded), rounding):
@@ -213,7 +217,12 @@ class Run:
         if (self.displacement[held] != self.network.displacement[held]).any():
             return False
         small = np.maximum(self.tolerance * self.force_met(), self._floor)
-        return bool((np.abs(self.balance()) <= small).all())
+        excess = np.abs(self.balance()) - small
+        if not (excess <= self._apart).all():
+            return False
+        if (excess <= 0).all():
+            return True
+        return bool((np.abs(self.motion.balance(self.displacement)) <= small).all())
 
     def force_met(self) -> float:
         """Largest sum of force magnitudes (N) that meet at a free point now."""

@@ -99,6 +99,23 @@ class Motion:
         _put_back((out, force))
         return stored
 
+    def balance(self, displacement: Array) -> Array:
+        """Out-of-balance force (n, d) in N that `advance` steps by, 0 where it is held.
+
+        On a lattice it is not that of `force_and_energy`: springs that lead the same way are alike
+        there, in the network but for the rounding of coordinates.
+        """
+        network = self._network
+        force = np.zeros_like(network.points)
+        if self._grid is None:
+            self.force_and_energy(displacement, force)
+            force += network.force
+            force[network.held] = 0.0
+            return force
+        once = np.ones(len(force))
+        self.advance(np.array(displacement), force, 0 * once, once, 0.0, 1)
+        return force * network.mass[:, None]
+
     def advance(
         self,
         displacement: Array,
