@@ -42,7 +42,7 @@ EQUAL_SPRINGS = {
 }
 IDENTITY, ONE = 1e-9, "1"
 ROUNDING = 1e-12
-"""What elements that are exact may give as their own error: 1e-16 times a condition number of 1e4."""
+"""Own error of elements that are exact: 1e-16 times a condition number of 1e4."""
 TOLERANCES = (
     Tolerance(
         "shared springs: k2/(k1+k2)",
