@@ -57,8 +57,7 @@ def _kinetic_damping(run: Run) -> Iterator[None]:
     run.limit = 2 / highest
     run.dt = h = SAFETY * run.limit
     run.look_seldom()
-    mass = run.network.mass[:, None]
-    keep, push = np.ones(len(mass)), np.full(len(mass), h)
+    keep, push = np.ones(len(run.inertia)), np.full(len(run.inertia), h)
     kinetic = 0.0
     while True:
         yield
@@ -78,10 +77,9 @@ def _kinetic_damping(run: Run) -> Iterator[None]:
         run.moved(done, done)
         if fell:
             run.displacement -= h * run.velocity
+            # The last kick undone gives the largest velocity; half a step back along it.
+            run.motion.advance(run.displacement, run.velocity, keep, -push, -0.5 * h, 1)
             run.moved(0, 1)
-            largest = run.velocity - h * run.motion.balance(run.displacement) / mass
-            run.displacement -= 0.5 * h * largest
-            run.moved()
             run.velocity[:], kinetic = 0.0, 0.0
 
 

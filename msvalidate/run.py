@@ -117,7 +117,7 @@ class Run:
         self._stiffest, self._loaded = _stiffest(network), float(np.abs(network.force).max())
         self._floor = self._at_lengths
         self._met = math.inf, self.displacement
-        self._reach = DIVERGED * float(np.ptp(network.points, axis=0).max())
+        self._reach = DIVERGED * max(float(np.ptp(x)) for x in network.points.T)
 
     @cached_property
     def motion(self) -> kernels.Motion:

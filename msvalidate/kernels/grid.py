@@ -84,7 +84,8 @@ def recognised(network: Network) -> Grid | None:
     start, end = place[network.springs.T]
     forward = end > start
     first, second = np.where(forward, start, end), np.where(forward, end, start)
-    vector = np.where(forward[:, None], network.vector, -network.vector)
+    vector = np.ascontiguousarray(network.vector.T)
+    vector = np.where(forward, vector, -vector)
     at = np.array(np.unravel_index(first, shape))
     step = np.array(np.unravel_index(second, shape)) - at
     if np.abs(step).max() > 1:
@@ -93,7 +94,8 @@ def recognised(network: Network) -> Grid | None:
     ways = []
     for which in np.flatnonzero(np.bincount(kind)):
         these = np.flatnonzero(kind == which)
-        way = _alike(network, these, vector[these], step[:, these[0]], lower[:, these], shape)
+        here = vector.take(these, axis=1), step[:, these[0]], lower.take(these, axis=1)
+        way = _alike(network, these, *here, shape)
         if way is None:
             return None
         ways.append(way)
@@ -150,7 +152,7 @@ def _alike(
         return None
     rounding = ROUNDING * float(np.abs(network.points).max())
     rest_length = network.rest_length[these]
-    if max(np.ptp(vector, axis=0).max(), np.ptp(rest_length)) > rounding:
+    if max(np.ptp(vector, axis=1).max(), np.ptp(rest_length)) > rounding:
         return None
     k = np.zeros(room)
     k.flat[at] = network.stiffness[these]
@@ -161,7 +163,7 @@ def _alike(
     row, weight = k[:, c], k[r] / (k[r, c] or 1.0)
     if (np.abs(k - row[:, None] * weight) > ROUNDING * k).any():
         return None
-    mean, rest = vector.mean(axis=0), float(rest_length.mean())
+    mean, rest = vector.mean(axis=1), float(rest_length.mean())
     length = float(np.linalg.norm(mean))
     unstressed = abs(rest - length) <= rounding
     row = row.reshape(room[:-1])
