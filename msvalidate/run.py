@@ -218,10 +218,11 @@ class Run:
             return False
         small = np.maximum(self.tolerance * self.force_met(), self._floor)
         excess = np.abs(self.balance()) - small
-        if not (excess <= self._apart).all():
+        return bool((excess <= 0).all()) or self._rests_as_stepped(excess, small)
+
+    def _rests_as_stepped(self, excess: Array, small: Array) -> bool:
+        if not (self._apart.any() and (excess <= self._apart).all()):
             return False
-        if (excess <= 0).all():
-            return True
         return bool((np.abs(self.motion.balance(self.displacement)) <= small).all())
 
     def force_met(self) -> float:

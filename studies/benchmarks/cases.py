@@ -6,6 +6,7 @@ A question makes a `Quantity` for every number that the literature, or a closed 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -129,6 +130,12 @@ def finest(table: pd.DataFrame) -> pd.DataFrame:
     """The row of the finest mesh of every quantity and method, in their order."""
     keys = ["benchmark", "quantity", "nu", "method"]
     return table.groupby(keys, sort=False).tail(1).reset_index(drop=True)
+
+
+def rounding_of_orders(table: pd.DataFrame) -> float:
+    """How far `ROUNDING` of values moves orders between meshes of half the spacing, at most."""
+    left = np.abs(table["against_limit"].to_numpy())[np.isfinite(orders(table))]
+    return ROUNDING / (math.log(2) * float(left.min(initial=np.inf)))
 
 
 def orders(table: pd.DataFrame) -> Array:

@@ -22,13 +22,18 @@ LEAST = 1e-6
 
 def overview(tables: Tables) -> Evidence:
     """Table and picture of the finest meshes of all benchmarks, of tables that have the layout."""
+    table = cases.summary(tables)
     return Evidence(
-        tables={"benchmarks": cases.summary(tables)},
+        tables={"benchmarks": table},
         observed={},
         tolerances=(),
         columns=cases.COLUMNS,
         figures={"benchmarks": drawn},
-        rounding={"against_accepted": 1e-8, "against_limit": 1e-8},
+        rounding={
+            "against_accepted": 1e-8,
+            "against_limit": 1e-8,
+            "order": cases.rounding_of_orders(table),
+        },
     )
 
 
