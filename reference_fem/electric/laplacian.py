@@ -1,0 +1,38 @@
+"""Laplacians with a weight, for what has one unknown a node: potentials, and how air follows."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from msvalidate.problem import Array, Index
+from reference_fem.effort import within_memory
+from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.systems.dissection import elimination_order
+from reference_fem.systems.factor import Factor, factorised
+
+
+def slopes(body: Discretisation) -> tuple[Array, Array]:
+    """Gradients (k, d, c, q) of a cell's functions at its points, and what these measure (c, q)."""
+    found = np.array([function.grad for (function,) in body.basis.basis])
+    return found, np.asarray(body.basis.dx)
+
+
+def weighted_laplacian(body: Discretisation, weight: Array) -> csr_matrix:
+    """∫w ∇φi·∇φj (n, n) of a weight (c,) for each cell."""
+    with within_memory(len(body.points), "nodes"):
+        slope, measure = slopes(body)
+        weighed = slope * (weight[:, None] * measure)
+        products = np.einsum("iacq,jacq->cij", weighed, slope, optimize=True)
+        entries = body.pattern.gather @ products.ravel()
+        entries = 0.5 * (entries + entries[body.pattern.mirror])
+        return body.pattern.matrix(entries)
+
+
+def scalar_factor(body: Discretisation, K: csr_matrix, free: Index) -> Factor:
+    """Factor of the free part (f, f) of a matrix with one unknown a node."""
+    held = np.ones((len(body.points), 1), dtype=bool)
+    held[free] = False
+    with within_memory(len(free), "unknowns"):
+        order = elimination_order(body, held)
+    return factorised(body, free, order, K, "superlu")
