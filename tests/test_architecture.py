@@ -417,7 +417,7 @@ def test_floor_guard_lets_pass(module, allowed):
 
 
 def cycle(texts, unit=lambda module: module):
-    """Units of modules that import each other in a circle, or nothing; a unit is a module itself."""
+    """Units that import each other in a circle, or nothing; a unit is a module by default."""
     graph = {unit(module): set() for module in texts}
     for module, text in texts.items():
         targets = {resolved(name) for name in imported(text)} - {None, module}

@@ -1,11 +1,7 @@
-"""A dielectric elastomer actuator: a soft slab squeezed by the field of electrodes on its faces.
+"""A soft slab followed over its voltage or its charge, up to where it pulls in and past it.
 
-At rest the body's own forces balance Maxwell's, which follow the body as it moves:
-
-    ∫ P(F):∂φ/∂X dX = f(u),    f = +∂/∂u (½ C(u) V²)  at a fixed voltage V.
-
-`actuated` finds one near a start, by field and body in turn; here the way is gone from rest over
-the voltage, up to where the slab pulls in.
+`actuated` finds an equilibrium near a start, by field and body in turn; here the way is gone from
+rest over the voltage, up to where the slab pulls in.
 
 At a fixed *charge* a thinner slab is not pulled harder, so that equilibria are found past the
 largest voltage as well as before: `turning` finds that voltage as a maximum, with its derivative 0.

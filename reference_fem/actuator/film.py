@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from msvalidate.problem import ProblemError, SolverError, chosen, positive, shown
-from reference_fem.large_strain.hyperelastic import Law
+from msvalidate.problem import ProblemError, SolverError, chosen, positive
+from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
 
 THINNEST = 0.05
 """Ratio of thickness down to which a largest voltage is looked for."""
@@ -70,8 +70,7 @@ class Film:
         positive("height of a film", self.height, "m")
         positive("permittivity of a film", self.permittivity, "F/m")
         chosen("sides of a film", self.sides, SIDES)
-        if not hasattr(self.law, "stress"):
-            raise ProblemError(f"law: {shown(self.law)}; give a NeoHookean or another law")
+        refuse_other_laws(self.law)
 
     def stretch(self, ratio: float) -> float:
         """Stretch λ of the sides at a ratio of thickness.

@@ -10,12 +10,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from msvalidate.problem import Array, ProblemError, SolverError, instance, positive, whole
 from reference_fem.actuator.actuated import Actuated, settled
 from reference_fem.actuator.soft_slab import SoftSlab
-from reference_fem.systems.factor import signed
+from reference_fem.systems.factor import Apply, signed
 
 NUDGE = 1e-5
 """Movement, relative to the slab's height, of a difference of two fields."""
@@ -60,46 +61,56 @@ def gains(held: Actuated, count: int = 1) -> tuple[Array, Array]:
     instance("held", held, Actuated)
     if not held.voltage:
         raise ProblemError("gains: held is at 0 V, where no field pulls; give one at a voltage")
-    actuator, solid, u = held.actuator, held.actuator.solid, held.displacement
-    free = solid.free
-    whole("count of gains", count, 1, len(free) - 1)
-    K = solid.tangent(u)[free][:, free]
-    K.sort_indices()
-    try:
-        inverse, _ = signed(K)
-    except RuntimeError as error:
-        raise SolverError(
-            f"actuator: the body alone has a motion without stiffness at {held.voltage:g} V"
-        ) from error
-    nudge = NUDGE * actuator.slab.height
-
-    def moved(way: Array) -> Array:
-        each = np.zeros(u.size)
-        each[free] = way
-        return each.reshape(u.shape[::-1]).T
-
-    def electric(way: Array) -> Array:
-        far = nudge / max(np.abs(way).max(), np.finfo(float).tiny) * moved(way.ravel())
-        change = actuator.electric(u + far).forces - actuator.electric(u - far).forces
-        size = np.abs(way).max() / (2 * nudge)
-        return np.asarray(held.voltage**2 * size * change.T.ravel()[free])
-
-    shape = (len(free), len(free))
+    unknowns = len(held.actuator.solid.free)
+    whole("count of gains", count, 1, unknowns - 1)
+    K, inverse = _body_tangent(held)
+    shape = (unknowns, unknowns)
     try:
         values, modes = eigsh(
-            LinearOperator(shape, electric, dtype=float),
+            LinearOperator(shape, lambda way: _field_tangent(held, way), dtype=float),
             count,
             K,
             which="LA",
             Minv=LinearOperator(shape, inverse, dtype=float),
-            v0=inverse(np.random.default_rng(0).normal(size=len(free))),
+            v0=inverse(np.random.default_rng(0).normal(size=unknowns)),
             tol=GAIN_TOLERANCE,
         )
     except ArpackError as error:
         raise SolverError(f"actuator: its gains are not found at {held.voltage:g} V") from error
     order = np.argsort(-values)
-    fields = np.array([moved(modes[:, i] / np.abs(modes[:, i]).max()) for i in order])
+    fields = np.array([_moved(held, modes[:, i] / np.abs(modes[:, i]).max()) for i in order])
     return values[order], fields
+
+
+def _body_tangent(held: Actuated) -> tuple[csr_matrix, Apply]:
+    """K_mech (f, f) in N/m of the free components, and its inverse."""
+    solid = held.actuator.solid
+    K = solid.tangent(held.displacement)[solid.free][:, solid.free]
+    K.sort_indices()
+    try:
+        return K, signed(K)[0]
+    except RuntimeError as error:
+        raise SolverError(
+            f"actuator: the body alone has a motion without stiffness at {held.voltage:g} V"
+        ) from error
+
+
+def _field_tangent(held: Actuated, way: Array) -> Array:
+    """K_elec (f, f) in N/m times a movement (f,) in m, by a difference of two fields."""
+    actuator, u = held.actuator, held.displacement
+    nudge = NUDGE * actuator.slab.height
+    far = nudge / max(np.abs(way).max(), np.finfo(float).tiny) * _moved(held, way.ravel())
+    change = actuator.electric(u + far).forces - actuator.electric(u - far).forces
+    size = np.abs(way).max() / (2 * nudge)
+    return np.asarray(held.voltage**2 * size * change.T.ravel()[actuator.solid.free])
+
+
+def _moved(held: Actuated, way: Array) -> Array:
+    """Displacement (m, 2) of a movement (f,) of the free components, both in m."""
+    solid = held.actuator.solid
+    each = np.zeros(solid.held.size)
+    each[solid.free] = way
+    return solid.by_node(each)
 
 
 @dataclass(frozen=True, eq=False)

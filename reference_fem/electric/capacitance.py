@@ -9,9 +9,8 @@ import numpy as np
 from msvalidate.problem import Array, ProblemError, metres, whole
 from reference_fem.electric.charges import FAR, charged
 from reference_fem.electric.mesh import GRADING, SlabMesh, slab_mesh
-from reference_fem.electric.response import HIGHEST_ORDER, thrice
 from reference_fem.electric.slab import Slab
-from reference_fem.refinement import SAFETY, richardson
+from reference_fem.refinement import HIGHEST_ORDER, SAFETY, richardson, thrice
 
 MOST_DOUBLINGS = 60
 """Of a far boundary: a mesh tells places apart to fewer digits than that."""

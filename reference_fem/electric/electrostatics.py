@@ -32,7 +32,8 @@ from msvalidate.problem import (
     place_name,
     shown,
 )
-from reference_fem.electric.laplacian import scalar_factor, slopes, weighted_laplacian
+from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
+from reference_fem.mesh.assembly import nodal_sums, slopes
 from reference_fem.mesh.discretisation import Discretisation, discretise
 from reference_fem.stress import gradient
 from reference_fem.systems.factor import Factor
@@ -231,15 +232,13 @@ class Potential:
         the discretisation leaves, which is little but at edges of electrodes.
         """
         body = self.medium.body
-        slope, measure = slopes(body)
-        nodes = body.nodes_of(np.arange(len(body.cells)))
+        slope, measure = slopes(body.basis)
+        nodes = body.cell_nodes.T
         E = -np.einsum("kacq,kc->acq", slope, self.values[nodes])
         weight = self.medium.permittivity[:, None] * measure
         stress = weight * (E[:, None] * E - 0.5 * (E**2).sum(axis=0) * np.eye(2)[:, :, None, None])
         each = -np.einsum("abcq,kbcq->akc", stress, slope)
-        return np.column_stack(
-            [np.bincount(nodes.ravel(), part.ravel(), len(body.points)) for part in each]
-        )
+        return nodal_sums(nodes, each, len(body.points))
 
 
 def solve_potential(

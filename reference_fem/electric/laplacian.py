@@ -7,26 +7,19 @@ from scipy.sparse import csr_matrix
 
 from msvalidate.problem import Array, Index
 from reference_fem.effort import within_memory
+from reference_fem.mesh.assembly import slopes
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.systems.dissection import elimination_order
 from reference_fem.systems.factor import Factor, factorised
 
 
-def slopes(body: Discretisation) -> tuple[Array, Array]:
-    """Gradients (k, d, c, q) of a cell's functions at its points, and what these measure (c, q)."""
-    found = np.array([function.grad for (function,) in body.basis.basis])
-    return found, np.asarray(body.basis.dx)
-
-
 def weighted_laplacian(body: Discretisation, weight: Array) -> csr_matrix:
     """∫w ∇φi·∇φj (n, n) of a weight (c,) for each cell."""
     with within_memory(len(body.points), "nodes"):
-        slope, measure = slopes(body)
+        slope, measure = slopes(body.basis)
         weighed = slope * (weight[:, None] * measure)
         products = np.einsum("iacq,jacq->cij", weighed, slope, optimize=True)
-        entries = body.pattern.gather @ products.ravel()
-        entries = 0.5 * (entries + entries[body.pattern.mirror])
-        return body.pattern.matrix(entries)
+        return body.pattern.matrix(body.pattern.symmetric(1, lambda *_: products)[0, 0])
 
 
 def scalar_factor(body: Discretisation, K: csr_matrix, free: Index) -> Factor:

@@ -23,7 +23,7 @@ from msvalidate.problem import (
     positive,
     whole,
 )
-from reference_fem.electric.laplacian import scalar_factor, slopes, weighted_laplacian
+from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.electric.lines import mesh_lines
 from reference_fem.electric.slab import Slab
 from reference_fem.mesh.boxes import lines_discretisation
@@ -112,8 +112,7 @@ class SlabMesh:
     @cached_property
     def _follow(self) -> _Follow:
         # Small cells are made stiff, so that those at edges of electrodes keep their shape.
-        _, measure = slopes(self.body)
-        K = weighted_laplacian(self.body, 1 / measure.sum(axis=1))
+        K = weighted_laplacian(self.body, 1 / self.body.basis.dx.sum(axis=1))
         factor = scalar_factor(self.body, K, self.air)
         return _Follow(
             lambda load: np.column_stack([factor(column) for column in load.T]),

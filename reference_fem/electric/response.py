@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -15,18 +14,14 @@ from msvalidate.problem import (
     coordinates,
     finite,
     instance,
-    whole,
 )
 from reference_fem.body import Solution
 from reference_fem.elasticity import stiffness
 from reference_fem.electric.charges import Far, charged
 from reference_fem.electric.mesh import GRADING, SlabMesh, slab_mesh
 from reference_fem.electric.slab import Slab
-from reference_fem.refinement import Estimate, richardson
+from reference_fem.refinement import HIGHEST_ORDER, Estimate, richardson, thrice
 from reference_fem.systems.solver import Solver
-
-HIGHEST_ORDER = 4.5
-"""Largest order that three meshes of quadratic elements may show, with room for scatter."""
 
 
 def respond(mesh: SlabMesh, forces: Array, material: Isotropic) -> Solution:
@@ -111,12 +106,3 @@ def surface_profile(
     coarsest = layers // 4
     beyond = np.abs(profile(coarsest, "floating") - profile(coarsest, "natural"))
     return replace(estimate, uncertainty=estimate.uncertainty + beyond)
-
-
-def thrice(quantity: Callable[[int], Array], layers: int) -> tuple[Array, Array, Array]:
-    """A quantity on a mesh and on those with a half and a quarter of its layers, coarsest first."""
-    if whole("layers", layers, 8) % 8:
-        raise ProblemError(
-            f"layers: {layers}; give a multiple of 8, for meshes of a quarter and a half of them"
-        )
-    return quantity(layers // 4), quantity(layers // 2), quantity(layers)

@@ -232,8 +232,8 @@ def _step(solid: Solid, u: Array, balance: Array, ahead: Array) -> tuple[Array |
         step[free] = inverse((balance.T.ravel() - K @ step)[free])
         if not np.isfinite(step).all():
             return None, negative
-        return step.reshape(u.shape[::-1]).T, negative
-    return step.reshape(u.shape[::-1]).T, 0
+        return solid.by_node(step), negative
+    return solid.by_node(step), 0
 
 
 def _searched(

@@ -26,6 +26,7 @@ from msvalidate.problem import (
     finite,
     instance,
     positive,
+    shown,
 )
 from reference_fem.elasticity import elastic_tensor, full_tensor
 
@@ -45,6 +46,12 @@ class Law(Protocol):
 
     def tangent(self, F: Array) -> Array:
         """A (q, d, d, d, d) in Pa."""
+
+
+def refuse_other_laws(law: object) -> None:
+    """Raise a `ProblemError` for what is no law."""
+    if not all(hasattr(law, name) for name in ("dim", "energy", "stress", "tangent")):
+        raise ProblemError(f"law: {shown(law)}; give a NeoHookean or another law")
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ from msvalidate.problem import (
     ProblemError,
     positive,
     refuse_free_motions,
-    shown,
 )
-from reference_fem.large_strain.hyperelastic import Law
+from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
+from reference_fem.mesh.assembly import nodal_sums, slopes
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.systems.dissection import elimination_order
 from reference_fem.systems.solver import refuse_shapes
@@ -58,8 +58,7 @@ class Solid:
         refuse_shapes(self.body, held=self.held)
         if self.held.dtype != bool:
             raise ProblemError(f"held: of {self.held.dtype}; give True where a component is held")
-        if not all(hasattr(self.law, name) for name in ("dim", "energy", "stress", "tangent")):
-            raise ProblemError(f"law: {shown(self.law)}; give a NeoHookean or another law")
+        refuse_other_laws(self.law)
         if self.law.dim != self.body.dim:
             raise ProblemError(f"law: {self.law.dim}D, the body {self.body.dim}D")
         if positive("thickness", self.thickness, "m") != 1 and self.body.dim == 3:
@@ -96,17 +95,19 @@ class Solid:
         d, g = self.body.dim, self._slopes
         A = self.law.tangent(F.reshape(-1, d, d)).reshape(*F.shape[:2], d, d, d, d)
         A = A * self._weights[:, :, None, None, None, None]
-        shared = self.body.pattern
         cells, _, k, _ = g.shape
         left = g.transpose(0, 2, 1, 3).reshape(cells, k, -1)
-        found = np.empty((d, d, len(shared.columns)))
-        for a in range(d):
-            for b in range(a, d):
-                right = A[:, :, a, :, b] @ g.transpose(0, 1, 3, 2)
-                found[a, b] = shared.gather @ (left @ right.reshape(cells, -1, k)).ravel()
-                found[b, a] = found[a, b][shared.mirror]
-            found[a, a] = (found[a, a] + found[a, a][shared.mirror]) / 2  # to the last bit
-        return shared.component_major(found)
+
+        def products(a: int, b: int) -> Array:
+            right = A[:, :, a, :, b] @ g.transpose(0, 1, 3, 2)
+            return np.asarray(left @ right.reshape(cells, -1, k))
+
+        shared = self.body.pattern
+        return shared.component_major(shared.symmetric(d, products))
+
+    def by_node(self, components: Array) -> Array:
+        """Values (n, d) of what is component-major (d·n,), as the tangent is."""
+        return components.reshape(self.held.shape[::-1]).T
 
     def is_upright(self, displacement: Array) -> bool:
         """Whether det F > 0 wherever the law is asked: points of integration."""
@@ -119,22 +120,17 @@ class Solid:
 
     def _gathered(self, each: Array) -> Array:
         """Sums (n, d) by node of what cells (c, k, d) bring."""
-        n = len(self.body.points)
-        columns = [
-            np.bincount(self._nodes.ravel(), each[:, :, axis].ravel(), n)
-            for axis in range(self.body.dim)
-        ]
-        return np.stack(columns, axis=1)
+        return nodal_sums(self._nodes, np.moveaxis(each, 2, 0), len(self.body.points))
 
     @cached_property
     def _nodes(self) -> Index:
         """Nodes (c, k) of the cells in the library's order."""
-        return self.body.nodes_of(np.arange(len(self.body.cells))).T
+        return self.body.cell_nodes
 
     @cached_property
     def _slopes(self) -> Array:
         """∂φ/∂X (c, q, k, d) at the points of integration."""
-        by_function = np.array([field.grad for (field,) in self.body.basis.basis])
+        by_function, _ = slopes(self.body.basis)
         return np.ascontiguousarray(by_function.transpose(2, 3, 0, 1))
 
     @cached_property

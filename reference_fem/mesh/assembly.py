@@ -6,6 +6,7 @@ their entries are then rows of plain arrays, which any constant tensor combines 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,6 +43,24 @@ class Pattern:
     def matrix(self, entries: Array) -> csr_matrix:
         """The matrix (n, n) with such entries (e,)."""
         return csr_matrix((entries, self.columns, self.start), shape=(self.nodes,) * 2)
+
+    def symmetric(self, d: int, products: Callable[[int, int], Array]) -> Array:
+        """Entries (d, d, e) of a matrix that is symmetric to the last bit.
+
+        Parameters
+        ----------
+        d
+            Components of a node.
+        products
+            What the cells bring, (c, k, k), to block [a][b]; asked for where a <= b.
+        """
+        found = np.empty((d, d, len(self.columns)))
+        for a in range(d):
+            for b in range(a, d):
+                found[a, b] = self.gather @ products(a, b).ravel()
+                found[b, a] = found[a, b][self.mirror]
+            found[a, a] = (found[a, a] + found[a, a][self.mirror]) / 2
+        return found
 
     def component_major(self, entries: Array) -> csr_matrix:
         """The matrix (d·n, d·n) with blocks [a][b] of entries (d, d, e).
@@ -84,15 +103,18 @@ def pattern(cells: Index, nodes: int) -> Pattern:
 
 def gradient_products(basis: Any, shared: Pattern) -> Array:
     """∫ ∂φi/∂xc ∂φj/∂xd as entries (d, d, e) of a pattern, on a scalar basis of the library."""
-    by_function = np.array([field.grad for (field,) in basis.basis])
-    slopes = np.ascontiguousarray(by_function.transpose(1, 2, 0, 3))  # (d, c, k, points)
-    weighed = slopes * basis.dx[:, None]  # a weight may be negative: no root of it on either side
-    d = len(slopes)
-    found = np.empty((d, d, len(shared.columns)))
-    for a in range(d):
-        for b in range(a, d):
-            products = weighed[a] @ slopes[b].transpose(0, 2, 1)
-            found[a, b] = shared.gather @ products.ravel()
-            found[b, a] = found[a, b][shared.mirror]
-        found[a, a] = (found[a, a] + found[a, a][shared.mirror]) / 2  # to the last bit
-    return found
+    by_function, measure = slopes(basis)
+    along = np.ascontiguousarray(by_function.transpose(1, 2, 0, 3))  # (d, c, k, q)
+    weighed = along * measure[:, None]  # a weight may be negative: no root of it on either side
+    return shared.symmetric(len(along), lambda a, b: weighed[a] @ along[b].transpose(0, 2, 1))
+
+
+def slopes(basis: Any) -> tuple[Array, Array]:
+    """Gradients (k, d, c, q) of a cell's functions at its points, and what these measure (c, q)."""
+    found = np.array([function.grad for (function,) in basis.basis])
+    return found, np.asarray(basis.dx)
+
+
+def nodal_sums(nodes: Index, each: Array, count: int) -> Array:
+    """Sums (n, d) over so many nodes of what cells bring, (d, ...), to the nodes (...) of each."""
+    return np.column_stack([np.bincount(nodes.ravel(), part.ravel(), count) for part in each])

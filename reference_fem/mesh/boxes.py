@@ -67,20 +67,9 @@ def box_discretisation(
         If an argument is out of range, the element is not one of the box's dimension, or the cells
         are too many.
     """
-    if not isinstance(box, Box):
-        raise ProblemError(f"mesh: {_word(element)} in a {shown(box)}; give a Box")
-    fitting = [name for name, kind in ELEMENTS.items() if kind.dim == box.dim]
-    if not isinstance(element, str) or element not in fitting:
-        raise ProblemError(
-            f"mesh: {_word(element)} in a {shown(box)}; in {box.dim}D, give one of "
-            f"{', '.join(fitting)}"
-        )
+    _refuse_other_element(box, element)
     kind, each = ELEMENTS[element], counts("mesh cells", cells, box.dim)
-    refuse_too_many(
-        f"mesh of {' x '.join(map(str, each))} cells",
-        math.prod(kind.degree * n + 1 for n in each),
-        MOST_NODES_OF.get(element, MOST_NODES[box.dim]),
-    )
+    _refuse_too_many_nodes(f"mesh of {' x '.join(map(str, each))} cells", each, element)
     if through is None:
         through = ((),) * box.dim
     _refuse_wrong_lines(box, grading, towards, through)
@@ -108,14 +97,10 @@ def lines_discretisation(lines: Sequence[Array], element: str) -> Discretisation
     ProblemError
         If the element is unknown or the cells are too many.
     """
-    chosen("element", element, [name for name, k in ELEMENTS.items() if k.dim == len(lines)])
-    kind = ELEMENTS[element]
-    refuse_too_many(
-        f"mesh between {' x '.join(str(len(line)) for line in lines)} lines",
-        math.prod(kind.degree * (len(line) - 1) + 1 for line in lines),
-        MOST_NODES_OF.get(element, MOST_NODES[len(lines)]),
-    )
-    return _on_grid([_subdivided(line, kind.degree) for line in lines], element)
+    chosen("element", element, _of_dimension(len(lines)))
+    name = f"mesh between {' x '.join(str(len(line)) for line in lines)} lines"
+    _refuse_too_many_nodes(name, [len(line) - 1 for line in lines], element)
+    return _on_grid([_subdivided(line, ELEMENTS[element].degree) for line in lines], element)
 
 
 def _on_grid(lines: Sequence[Array], element: str) -> Discretisation:
@@ -124,6 +109,28 @@ def _on_grid(lines: Sequence[Array], element: str) -> Discretisation:
     points = np.column_stack([x.ravel() for x in reversed(grid)])
     number = np.arange(len(points)).reshape(grid[0].shape)
     return discretise(points, _CUTS[element[0]](number, ELEMENTS[element].degree), element)
+
+
+def _of_dimension(dim: int) -> list[str]:
+    """Names of the elements of so many axes."""
+    return [name for name, kind in ELEMENTS.items() if kind.dim == dim]
+
+
+def _refuse_other_element(box: Box, element: str) -> None:
+    if not isinstance(box, Box):
+        raise ProblemError(f"mesh: {_word(element)} in a {shown(box)}; give a Box")
+    fitting = _of_dimension(box.dim)
+    if not isinstance(element, str) or element not in fitting:
+        raise ProblemError(
+            f"mesh: {_word(element)} in a {shown(box)}; in {box.dim}D, give one of "
+            f"{', '.join(fitting)}"
+        )
+
+
+def _refuse_too_many_nodes(name: str, cells: Sequence[int], element: str) -> None:
+    """`name`: of the mesh, which has so many cells along each axis."""
+    nodes = math.prod(ELEMENTS[element].degree * n + 1 for n in cells)
+    refuse_too_many(name, nodes, MOST_NODES_OF.get(element, MOST_NODES[len(cells)]))
 
 
 def _refuse_wrong_lines(box: Box, grading: float, towards: object, through: object) -> None:

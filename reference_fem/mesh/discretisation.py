@@ -114,7 +114,7 @@ class Discretisation:
     @cached_property
     def pattern(self) -> Pattern:
         """Pairs of nodes that share a cell."""
-        return pattern(self.nodes_of(np.arange(len(self.cells))).T, len(self.points))
+        return pattern(self.cell_nodes, len(self.points))
 
     @property
     def links(self) -> csr_matrix:
@@ -179,12 +179,17 @@ class Discretisation:
         """Nodes (nodes, q) of cells (q,), in the library's order."""
         return np.asarray(self.node[self.basis.element_dofs[:, cell]])
 
+    @property
+    def cell_nodes(self) -> Index:
+        """Nodes (c, k) of all cells, in the library's order."""
+        return self.nodes_of(np.arange(len(self.cells))).T
+
     def swelling(self, points: Array) -> Array:
         """Least growth (c,) of each cell's measure at its nodes, when these move to points (n, d).
 
         Below zero a cell is turned inside out.
         """
-        kind, nodes = self.element, self.nodes_of(np.arange(len(self.cells))).T
+        kind, nodes = self.element, self.cell_nodes
         _, slope = kind.functions(np.asarray(kind.function.doflocs))
         before, after = (
             np.linalg.det(np.einsum("kjq,ckd->cqjd", slope, x[nodes]))
@@ -202,7 +207,7 @@ class Discretisation:
     def _shapes(self) -> Cells:
         """The cells as the library maps them: it may have turned their corners."""
         if self.curved:
-            return curved(self.points[self.nodes_of(np.arange(len(self.cells))).T], self.element)
+            return curved(self.points[self.cell_nodes], self.element)
         mesh = self.basis.mesh
         return straight(mesh.p.T[mesh.t.T[:, np.argsort(self.element.order)]])
 

@@ -9,9 +9,9 @@ from scipy.sparse.linalg import splu
 
 import reference_fem
 from msvalidate.problem import Box, Isotropic
-from reference_fem import dissection
 from reference_fem.elasticity import stiffness
 from reference_fem.mesh.assembly import pattern
+from reference_fem.systems import dissection
 from reference_fem.systems.dissection import elimination_order, node_order
 
 
