@@ -29,12 +29,12 @@ from msvalidate.problem import (
     shown,
     vectors_at,
 )
-from reference_fem.discretisation import Discretisation
 from reference_fem.elasticity import VOIGT, elastic_tensor, stiffness
-from reference_fem.facets import Facets
+from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.mesh.facets import Facets
 from reference_fem.mixed import lame, mixed_solution
-from reference_fem.solver import Solved, Solver
 from reference_fem.stress import engineering_strain, gradient, pressure_at
+from reference_fem.systems.solver import Solved, Solver
 
 
 @dataclass(frozen=True, eq=False)

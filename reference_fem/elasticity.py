@@ -18,9 +18,9 @@ from msvalidate.problem import (
     instance,
     shown,
 )
-from reference_fem.discretisation import Discretisation, discretise
 from reference_fem.effort import within_memory
-from reference_fem.solver import Solver, refuse_shapes
+from reference_fem.mesh.discretisation import Discretisation, discretise
+from reference_fem.systems.solver import Solver, refuse_shapes
 
 VOIGT = {
     2: ((0, 0), (1, 1), (0, 1)),

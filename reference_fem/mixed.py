@@ -33,10 +33,10 @@ from msvalidate.problem import (
     instance,
     refuse_free_motions,
 )
-from reference_fem.discretisation import Discretisation, discretise
 from reference_fem.effort import within_memory
 from reference_fem.elasticity import arrays, full_tensor, weighted
-from reference_fem.solver import RESIDUAL, Solved, refuse_shapes
+from reference_fem.mesh.discretisation import Discretisation, discretise
+from reference_fem.systems.solver import RESIDUAL, Solved, refuse_shapes
 
 TAYLOR_HOOD = {"P2-P1": "P2", "Q2-Q1": "Q2", "T2-T1": "T2", "H2-H1": "H2"}
 """Elements of displacement and pressure, and the first of the two."""

@@ -30,6 +30,8 @@ CRAWLING_ORDER = 0.1
 ROUNDING = 1e-11
 """Changes below this, relative to the values, are rounding: no order can be read off them."""
 LOWEST_ORDER = 0.5
+HIGHEST_ORDER = 4.5
+"""Largest order that three meshes of quadratic elements may show, with room for scatter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +67,7 @@ def refine(
     coarsest: int,
     tolerance: float,
     *,
-    highest_order: float = 4.5,
+    highest_order: float = HIGHEST_ORDER,
     finest: int = 512,
 ) -> Estimate:
     """Double the cells per side until the estimated error of every value is below `tolerance`.
@@ -122,6 +124,21 @@ def _measured(quantity: Callable[[int], ArrayLike], cells: int) -> Array:
     if not np.isfinite(values).all():
         raise SolverError(f"refined quantity: not a finite number on the mesh of {cells} cells")
     return values
+
+
+def thrice(quantity: Callable[[int], Array], layers: int) -> tuple[Array, Array, Array]:
+    """A quantity on a mesh and on those with a half and a quarter of its layers, coarsest first.
+
+    Raises
+    ------
+    ProblemError
+        If the layers are no multiple of 8.
+    """
+    if whole("layers", layers, 8) % 8:
+        raise ProblemError(
+            f"layers: {layers}; give a multiple of 8, for meshes of a quarter and a half of them"
+        )
+    return quantity(layers // 4), quantity(layers // 2), quantity(layers)
 
 
 def richardson(

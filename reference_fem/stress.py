@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from msvalidate.problem import Array, Index
-from reference_fem.discretisation import Discretisation
 from reference_fem.elasticity import VOIGT
+from reference_fem.mesh.discretisation import Discretisation
 
 
 def gradient(body: Discretisation, displacement: Array, points: ArrayLike) -> Array:

@@ -607,14 +607,15 @@ def test_too_little_memory_is_told(geometry, monkeypatch):
     def no_memory(*_args, **_options):
         raise MemoryError
 
-    module = {"factor": "msvalidate.linear", "finite elements": "reference_fem.factor"}[geometry]
+    module = "msvalidate.linear" if geometry == "factor" else "reference_fem.systems.factor"
     monkeypatch.setattr(f"{module}.splu", no_memory)
     with pytest.raises(SolverError, match="more memory than there is; take fewer cells"):
         equilibrium(NETWORK) if geometry == "factor" else reference_fem.solve_problem(PROBLEM, MESH)
 
 
 def test_rings_that_refine_everywhere_are_refused_before_memory_is_taken(monkeypatch):
-    monkeypatch.setattr("reference_fem.triangles.NODES_PER_TRIANGLE", 2e3)  # else it takes seconds
+    # Else it takes seconds.
+    monkeypatch.setattr("reference_fem.mesh.triangles.NODES_PER_TRIANGLE", 2e3)
     with pytest.raises(ProblemError, match="mesh refined to depth 4 of 12 with 1000000 rings: "):
         meshed(towards=[(0.0, 0.0)], depth=12, rings=10**6)
 

@@ -1,7 +1,7 @@
 """Floor 1: charges of electrodes and the forces on them, by the method of moments.
 
 Plane electrodes are chains of straight segments that each carry an even line charge; their
-interactions are exact integrals. Nothing here is shared with `reference_fem.electrostatics`.
+interactions are exact integrals. Nothing here is shared with `reference_fem.electric`.
 
 `moments` is the plane model in one medium, `dielectric` a body in air with electrodes on its
 surface, `report_model` the report's model with its switches, `patches` conductors in space, whose

@@ -11,7 +11,7 @@ from msvalidate.actuator.models import electrified
 from msvalidate.problem import Array, Mask, SolverError
 from reference_fem import facing_slab
 from reference_fem.actuator import SoftSlab, equilibrium_at
-from reference_fem.hyperelastic import square_fibres
+from reference_fem.large_strain import square_fibres
 from studies.actuator.bodies import (
     AXIAL,
     COVERED,

@@ -29,8 +29,7 @@ from msvalidate.problem import Array
 from msvalidate.sweep import Setting
 from reference_fem import facing_slab
 from reference_fem.actuator import SoftSlab, equilibrium_at
-from reference_fem.finite_strain import Solid
-from reference_fem.hyperelastic import Law, square_fibres
+from reference_fem.large_strain import Law, Solid, square_fibres
 from studies.actuator import prestretched_drawing
 from studies.actuator.bodies import AXIAL, DIAGONAL, HEIGHT, LENGTH, Candidate, springs, upper
 

@@ -30,9 +30,8 @@ from msvalidate.evidence import Evidence, Observed, Tolerance
 from msvalidate.problem import Array, Isotropic
 from msvalidate.sweep import Setting
 from reference_fem import Solution
-from reference_fem.discretisation import Discretisation
 from reference_fem.elasticity import solve_on
-from reference_fem.facets import Facets
+from reference_fem.mesh import Discretisation, Facets
 from studies.benchmarks import cases, plate_drawing
 from studies.benchmarks.shapes import INNER, OUTER, THICKNESS, Meshed, elliptic_plate
 

@@ -19,7 +19,7 @@ from msvalidate.compare import worst
 from msvalidate.electrostatics.faces import slab_faces
 from msvalidate.evidence import Evidence, Tables, Tolerance
 from msvalidate.sweep import Setting
-from reference_fem.slab_charged import FAR
+from reference_fem.electric import FAR
 from studies.electrostatics import common, in_air
 from studies.electrostatics.common import Solver
 from studies.electrostatics.in_air import LENGTH, VOLTAGES, Case

@@ -33,9 +33,7 @@ from msvalidate.electrostatics.faces import slab_faces
 from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.problem import Array
 from msvalidate.sweep import Setting
-from reference_fem.slab import Electrode, Slab
-from reference_fem.slab_charged import FAR, Charged, Far, charged
-from reference_fem.slab_mesh import slab_mesh
+from reference_fem.electric import FAR, Charged, Electrode, Far, Slab, charged, slab_mesh
 from studies.electrostatics import common
 from studies.electrostatics.common import Solver
 

@@ -20,7 +20,7 @@ from msvalidate.homogenise import network_tensor
 from msvalidate.lattice import square
 from msvalidate.problem import Anisotropic, Box, Problem, Support, Traction
 from reference_fem import box_discretisation
-from reference_fem.finite_strain import Solid, deform, square_fibres
+from reference_fem.large_strain import Solid, deform, square_fibres
 from studies.pull_in.slab import AXIAL, DIAGONAL, HEIGHT, PERMITTIVITY
 
 UP = 2

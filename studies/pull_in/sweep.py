@@ -30,8 +30,8 @@ from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Observed, Tolerance
 from msvalidate.sweep import Setting
 from reference_fem.actuator import SoftSlab, equilibrium_at, turning
-from reference_fem.finite_strain import square_fibres
-from reference_fem.slab import facing_slab
+from reference_fem.electric import facing_slab
+from reference_fem.large_strain import square_fibres
 from studies.pull_in import branches, pressed, slab
 from studies.pull_in.branches import closed
 from studies.pull_in.slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN

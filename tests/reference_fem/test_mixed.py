@@ -22,8 +22,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from reference_fem.discretisation import discretise
-from reference_fem.facets import Facets
+from reference_fem.mesh import Facets, discretise
 from reference_fem.mixed import TAYLOR_HOOD, solve_mixed_on
 
 # A library's warning on the way to an answer is a failure here.

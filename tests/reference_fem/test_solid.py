@@ -24,9 +24,9 @@ from msvalidate.problem import (
     Traction,
 )
 from reference_fem.body import nodal_forces
-from reference_fem.discretisation import ELEMENTS, discretise
 from reference_fem.elasticity import VOIGT, elastic_tensor, full_tensor, stiffness
-from reference_fem.elements import CUBE
+from reference_fem.mesh import ELEMENTS, discretise
+from reference_fem.mesh.elements import CUBE
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -518,7 +518,7 @@ def test_interpolation_of_many_points_in_graded_cells(element, grading, monkeypa
     found = body.interpolation(places)
     assert np.abs(found @ body.points - places).max() <= ROUNDING
     # What is tried at once is a matter of memory alone.
-    monkeypatch.setattr("reference_fem.interpolation.PAIRS_AT_ONCE", 100)
+    monkeypatch.setattr("reference_fem.mesh.interpolation.PAIRS_AT_ONCE", 100)
     np.testing.assert_array_equal(body.interpolation(places).toarray(), found.toarray())
 
 
@@ -641,7 +641,9 @@ def joined_at(shared):
 @pytest.mark.parametrize("most", [0, np.inf])
 @pytest.mark.parametrize("shared", ["edge", "corner", "nothing"])
 def test_a_part_that_can_move_is_refused_even_under_balanced_loads(shared, most, monkeypatch):
-    monkeypatch.setattr("reference_fem.solver.MOST_PRODUCTS", {"superlu": most, "cholmod": most})
+    monkeypatch.setattr(
+        "reference_fem.systems.solver.MOST_PRODUCTS", {"superlu": most, "cholmod": most}
+    )
     points, cells = joined_at(shared)
     fixed = [(node, axis, 0.0) for node in cells[0, [0, 3, 4, 7]] for axis in range(3)]
     middle = points[cells[1]].mean(axis=0)

@@ -8,10 +8,8 @@ import pytest
 import reference_fem
 from msvalidate.problem import SIDES, Anisotropic, Box, Isotropic, Problem, ProblemError, Support
 from reference_fem.body import Solution
-from reference_fem.discretisation import discretise
 from reference_fem.elasticity import solve_on
-from reference_fem.elements import ELEMENTS
-from reference_fem.facets import Facets
+from reference_fem.mesh import ELEMENTS, Facets, discretise
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")

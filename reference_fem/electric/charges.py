@@ -1,0 +1,135 @@
+"""A slab in air at its voltages: charges, and the forces on the slab.
+
+The far boundary either lets no field through ("natural") or is a conductor without charge
+("floating"). The first takes energy away from the field and the second adds some: capacitances with
+them are a lower and an upper bound of that in endless air, as far as the mesh has converged. The
+leading parts of both errors, those of a dipole in a square box, are opposite, so that their mean is
+nearer by orders.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import KDTree
+
+from msvalidate.problem import Array, ProblemError, chosen, finite, instance, number
+from reference_fem.electric.electrostatics import Dielectric, Potential, no_nodes
+from reference_fem.electric.mesh import SlabMesh
+
+Far = Literal["natural", "floating"]
+FAR: tuple[Far, ...] = ("natural", "floating")
+TIP = 0.05
+"""Radius around electrodes' edges within which `gathered` takes forces on the air, in heights."""
+
+
+@dataclass(frozen=True, eq=False)
+class Charged:
+    """A slab in air at given voltages.
+
+    Parameters
+    ----------
+    mesh
+        Slab and air.
+    voltages
+        (k,) of the electrodes (V).
+    solution
+        The potential on the mesh.
+    """
+
+    mesh: SlabMesh
+    voltages: Array
+    solution: Potential
+
+    @property
+    def totals(self) -> Array:
+        """Free charge (k,) of the electrodes, per depth (C/m)."""
+        return np.array([self.solution.charge[nodes].sum() for nodes in self.mesh.conductors])
+
+    @property
+    def energy(self) -> float:
+        """½ΣQV = ½∫ε|E|² per depth (J/m)."""
+        return self.solution.energy
+
+    def potential(self, points: ArrayLike) -> Array:
+        """Potential (p,) in V at points (p, 2) in m of slab and air."""
+        return self.solution.at(points)
+
+    def field(self, points: ArrayLike) -> Array:
+        """Field (p, 2) in V/m at points (p, 2) in m, as `Potential.field`."""
+        return self.solution.field(points)
+
+    @property
+    def forces(self) -> Array:
+        """Maxwell's forces (m, 2) on the slab, per depth (N/m): those on all nodes, `carried`.
+
+        On a moved mesh, they are the energy's derivative for motions from there on; for
+        displacements from another mesh, let that one carry `solution.forces`.
+        """
+        return self.mesh.carried(self.solution.forces)
+
+    def gathered(self, radius: float | None = None) -> Array:
+        """Maxwell's forces (m, 2) on the slab's own nodes, tip forces gathered (N/m).
+
+        Near an electrode's edge the field is singular, and any mesh, however fine, leaves up to a
+        tenth of the edge's force on nodes of the air. What acts on these within a radius (m) is put
+        on the edge's node; a radius of 0 leaves it out. The slab's nodes keep their forces: near an
+        edge on a face between two permittivities the pull goes as 1/r, down on one side and up on
+        the other, and to gather that as well would lose its moment.
+
+        Raises
+        ------
+        ProblemError
+            If the radius is no finite number, 0 or above.
+        """
+        size = TIP * self.mesh.slab.height if radius is None else number("radius", radius)
+        if size < 0:
+            raise ProblemError(f"radius: {size:g} m; give 0 or more")
+        force, air = self.solution.forces.copy(), self.mesh.air
+        points = self.mesh.body.points
+        distance, nearest = KDTree(points[self.mesh.tips]).query(points[air])
+        near = distance <= size
+        np.add.at(force, self.mesh.tips[nearest[near]], force[air[near]])
+        return force[self.mesh.nodes]
+
+
+def charged(mesh: SlabMesh, voltages: ArrayLike | None = None, far: Far = "natural") -> Charged:
+    """Electrostatics of a slab in air.
+
+    Parameters
+    ----------
+    mesh
+        As `slab_mesh` or `moved_air` give it.
+    voltages
+        (k,) of the electrodes (V); those of the slab's statement by default.
+    far
+        "natural" or "floating": what holds on the far boundary.
+
+    Raises
+    ------
+    ProblemError
+        If the voltages are not one an electrode, or the far boundary is neither.
+    SolverError
+        If the solution fails its residual check.
+    """
+    instance("mesh", mesh, SlabMesh)
+    given = finite("voltages", mesh.slab.voltages if voltages is None else voltages)
+    if given.shape != (len(mesh.conductors),):
+        raise ProblemError(
+            f"voltages: shape {given.shape}; give ({len(mesh.conductors)},), one an electrode"
+        )
+    medium, values = _medium(mesh, far), np.zeros(len(mesh.body.points))
+    for nodes, voltage in zip(mesh.conductors, given, strict=True):
+        values[nodes] = voltage
+    return Charged(mesh, given, medium.solve(values))
+
+
+def _medium(mesh: SlabMesh, far: Far) -> Dielectric:
+    chosen("far boundary", far, FAR)
+    held = np.zeros(len(mesh.body.points), dtype=bool)
+    held[np.concatenate(mesh.conductors)] = True
+    floating = mesh.far if far == "floating" else no_nodes()
+    return Dielectric(mesh.body, mesh.permittivity, held, floating)

@@ -1,0 +1,26 @@
+"""Solids at large strain: laws, forces and tangent of a `Solid`, and `deform` under dead loads."""
+
+from reference_fem.large_strain.equilibrium import Deformed, deform
+from reference_fem.large_strain.hyperelastic import (
+    Fibres,
+    Law,
+    NeoHookean,
+    StVenantKirchhoff,
+    neo_hookean,
+    square_fibres,
+    st_venant_kirchhoff,
+)
+from reference_fem.large_strain.solid import Solid
+
+__all__ = [
+    "Deformed",
+    "Fibres",
+    "Law",
+    "NeoHookean",
+    "Solid",
+    "StVenantKirchhoff",
+    "deform",
+    "neo_hookean",
+    "square_fibres",
+    "st_venant_kirchhoff",
+]

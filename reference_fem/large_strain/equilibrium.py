@@ -1,0 +1,258 @@
+"""Solids at large strain at rest under dead loads: Newton's method in parts of the load.
+
+    ∫ P(F):∂φ/∂X dX = f,    F = I + ∂u/∂X,
+
+with nodal forces f that keep their size and direction. The last part of the load has the loads and
+supports asked for; the first starts from an equilibrium, so that a part small enough stays near
+one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from msvalidate.problem import (
+    Array,
+    ProblemError,
+    SolverError,
+    instance,
+    positive,
+    whole,
+)
+from reference_fem.effort import within_memory
+from reference_fem.large_strain.solid import Solid
+from reference_fem.systems.factor import signed
+from reference_fem.systems.solver import refuse_shapes
+
+TOLERANCE = 1e-11
+"""Residual at which Newton's method stops, relative to the largest sum of the forces that cancel at
+a node: quadratic convergence usually leaves rounding, 1e-15."""
+ITERATIONS = 20
+"""Newton steps that a part of the load may take: far more than quadratic convergence needs."""
+FEW = 5
+"""Newton steps up to which the next part of the load is made twice as large."""
+LEAST_PART = 2.0**-10
+SHORTENINGS = 8
+"""Times that a step may be halved before the part of the load is."""
+DESCENT = 0.8
+"""Of the slope of the energy along a step, what may be left at its end: above it, the step went too
+far or turned back (Crisfield 1991, Non-linear Finite Element Analysis, section 9.2)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Deformed:
+    """A body at rest at large strain, in a stable equilibrium under its loads.
+
+    Stable: the tangent of the last step, whose length is rounding or next to it, was positive.
+
+    Parameters
+    ----------
+    solid
+        The body.
+    displacement
+        (n, d) in m.
+    reaction
+        (n, d) force (N) of the supports on the held components, 0 elsewhere.
+    residual
+        Largest force left on a free component, relative to the forces that cancel there.
+    iterations, parts
+        Linear solves, and parts of the load, that it took.
+    """
+
+    solid: Solid
+    displacement: Array
+    reaction: Array
+    residual: float
+    iterations: int
+    parts: int
+
+    def __post_init__(self) -> None:
+        self.displacement.setflags(write=False)
+        self.reaction.setflags(write=False)
+
+    def at(self, points: ArrayLike) -> Array:
+        """Displacement (p, d) in m at points (p, d) of the undeformed body.
+
+        Raises
+        ------
+        ProblemError
+            If a point lies outside the body.
+        """
+        return np.asarray(self.solid.body.interpolation(points) @ self.displacement)
+
+
+def deform(
+    solid: Solid,
+    displacement: Array,
+    force: Array,
+    *,
+    start: Array | None = None,
+    parts: int = 1,
+    least_part: float = LEAST_PART,
+    tolerance: float = TOLERANCE,
+) -> Deformed:
+    """Equilibrium of a body at large strain.
+
+    Newton's method raises loads and prescribed displacements together, from what holds `start` in
+    place to what is asked for, and halves a part of the load in which it does not converge, a cell
+    turns inside out, or the tangent has a negative mode: the branch it is on then has no stable
+    equilibrium there, or one further off than a step reaches.
+
+    Parameters
+    ----------
+    solid
+        The body and its supports.
+    displacement
+        (n, d) in m, prescribed where components are held.
+    force
+        (n, d) in N, over the whole thickness; dead loads.
+    start
+        (n, d) in m to start from; None from rest.
+    parts
+        Equal parts of the load to begin with.
+    least_part
+        Part of the load that is not halved any more.
+    tolerance
+        Residual to stop at, relative to the forces that cancel at a node.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is of another shape, or `start` turns a cell inside out.
+    SolverError
+        If there is no stable equilibrium to be found; the message says up to which part of the load
+        there was, and what stopped it.
+    """
+    instance("solid", solid, Solid)
+    whole("parts of the load", parts, 1)
+    positive("least part of the load", least_part)
+    positive("tolerance", tolerance)
+    begin = np.zeros(solid.body.points.shape) if start is None else start
+    refuse_shapes(solid.body, displacement=displacement, force=force, start=begin)
+    for name, given in (("displacement", displacement), ("force", force), ("start", begin)):
+        if not np.isfinite(given).all():
+            raise ProblemError(f"{name}: holds values that are not finite; give numbers")
+    if not solid.is_upright(begin) or solid.turned(begin) is not None:
+        raise ProblemError(
+            "start: turns a cell inside out; start from an equilibrium, or from rest"
+        )
+    how = _Steps(1 / parts, least_part, tolerance)
+    # What has no numbers is not upright, and refused as such.
+    with within_memory(len(begin), "nodes"), np.errstate(over="ignore", invalid="ignore"):
+        return _followed(solid, begin, displacement, force, how)
+
+
+@dataclass(frozen=True)
+class _Steps:
+    """How to go about a load: its first part, its least, and the residual to stop at."""
+
+    first: float
+    least: float
+    tolerance: float
+
+
+def _left(solid: Solid, balance: Array, sizes: Array) -> tuple[float, float]:
+    """Largest force left on a free component, and largest sum of those that cancel there, in N."""
+    largest = np.abs(balance[~solid.held]).max(initial=0.0)
+    return float(largest), float(sizes.max(initial=0.0))
+
+
+def _followed(
+    solid: Solid, start: Array, displacement: Array, force: Array, how: _Steps
+) -> Deformed:
+    """Equilibrium at the whole load.
+
+    What holds the start in place is not asked for: it is the load to begin with.
+    """
+    first = solid.internal_force(start)[0]
+    u, reached, iterations, parts, part = start, 0.0, 0, 0, how.first
+    while reached < 1:
+        target = min(1.0, reached + part)
+        wanted = np.where(solid.held, (1 - target) * start + target * displacement, 0.0)
+        load = (1 - target) * first + target * force
+        found, steps, why = _newton(solid, u, wanted, load, how.tolerance)
+        iterations += steps
+        if found is None:
+            part = (target - reached) / 2
+            if part < how.least:
+                raise SolverError(
+                    f"finite strain: no stable equilibrium found beyond {reached:.4g} of the load: "
+                    f"{why}; reduce the load, or refine the mesh there"
+                )
+            continue
+        u, reached, parts = found, target, parts + 1
+        if steps <= FEW:
+            part *= 2
+    inner, sizes = solid.internal_force(u)
+    reaction = np.where(solid.held, inner - force, 0.0)
+    left, scale = _left(solid, force - inner, sizes + np.abs(force))
+    return Deformed(solid, u, reaction, left / scale if scale else 0.0, iterations, parts)
+
+
+def _newton(
+    solid: Solid, u: Array, wanted: Array, load: Array, tolerance: float
+) -> tuple[Array | None, int, str]:
+    """Stable equilibrium under a load, None if there is none near; linear solves; why none."""
+    inner, sizes = solid.internal_force(u)
+    for steps in range(1, ITERATIONS + 1):
+        ahead = np.where(solid.held, wanted - u, 0.0)
+        balance = load - inner
+        step, negative = _step(solid, u, balance, ahead)
+        if step is None or negative:
+            count = "motions" if negative > 1 else "a motion"
+            return None, steps, f"the tangent has {count} without stiffness"
+        u_next = _searched(solid, u, step, load, balance, bool(ahead.any()))
+        if u_next is None:
+            return None, steps, "a step would turn a cell inside out or not descend"
+        u = np.where(solid.held, wanted, u_next)  # to the last bit
+        inner, sizes = solid.internal_force(u)
+        left, scale = _left(solid, load - inner, sizes + np.abs(load))
+        if left <= tolerance * scale:
+            cell = solid.turned(u)
+            if cell is not None:
+                return None, steps, f"cell {cell} is turned inside out at a node"
+            return u, steps, ""
+    return None, ITERATIONS, f"Newton's method did not converge in {ITERATIONS} steps"
+
+
+def _step(solid: Solid, u: Array, balance: Array, ahead: Array) -> tuple[Array | None, int]:
+    """Newton step (n, d) in m, the held components moving as `ahead` says; negative modes."""
+    K, free = solid.tangent(u), solid.free
+    step = ahead.T.ravel().copy()
+    if len(free):
+        A = K[free][:, free]
+        A.sort_indices()
+        try:
+            inverse, negative = signed(A)
+        except (ArithmeticError, RuntimeError):
+            return None, 0
+        step[free] = inverse((balance.T.ravel() - K @ step)[free])
+        if not np.isfinite(step).all():
+            return None, negative
+        return solid.by_node(step), negative
+    return solid.by_node(step), 0
+
+
+def _searched(
+    solid: Solid, u: Array, step: Array, load: Array, balance: Array, moving: bool
+) -> Array | None:
+    """Displacement (n, d) after as much of a step as descends; None if none of it does.
+
+    A step in which held components move must be taken as a whole.
+    """
+    free = ~solid.held
+    slope = float(balance[free] @ step[free])
+    share = 1.0
+    for _ in range(1 if moving else SHORTENINGS):
+        trial = u + share * step
+        if solid.is_upright(trial):
+            if moving:
+                return np.asarray(trial)
+            left = load - solid.internal_force(trial)[0]
+            if abs(float(left[free] @ step[free])) <= DESCENT * abs(slope):
+                return np.asarray(trial)
+        share /= 2
+    return None

@@ -1,0 +1,312 @@
+"""Energy densities of solids at large strain, their stress and their tangent.
+
+A law is a record with three functions of deformation gradients F = I + ∂u/∂X, shape (q, d, d):
+
+    energy   W(F)            (q,) in J/m³, of the undeformed volume
+    stress   P = ∂W/∂F       (q, d, d) in Pa, the first Piola-Kirchhoff stress
+    tangent  A = ∂P/∂F       (q, d, d, d, d) in Pa, A_iJkL = ∂P_iJ/∂F_kL
+
+In the plane F has d = 2 and the body does not strain across it (plane strain): no law here has a
+plane stress form. All of them have no stress at F = I and do not see a rotation: W(RF) = W(F).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from msvalidate.problem import (
+    Array,
+    Isotropic,
+    Material,
+    ProblemError,
+    coordinates,
+    finite,
+    instance,
+    positive,
+    shown,
+)
+from reference_fem.elasticity import elastic_tensor, full_tensor
+
+
+class Law(Protocol):
+    """What a body at large strain needs to know of its material."""
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+
+    def energy(self, F: Array) -> Array:
+        """W (q,) in J/m³."""
+
+    def stress(self, F: Array) -> Array:
+        """P (q, d, d) in Pa."""
+
+    def tangent(self, F: Array) -> Array:
+        """A (q, d, d, d, d) in Pa."""
+
+
+def refuse_other_laws(law: object) -> None:
+    """Raise a `ProblemError` for what is no law."""
+    if not all(hasattr(law, name) for name in ("dim", "energy", "stress", "tangent")):
+        raise ProblemError(f"law: {shown(law)}; give a NeoHookean or another law")
+
+
+@dataclass(frozen=True)
+class NeoHookean:
+    """W = μ/2 (F:F - d - 2 ln J) + λ/2 (ln J)², with J = det F.
+
+    The volumetric form is that of Simo and Pister (1984), doi:10.1016/0045-7825(84)90062-8, in
+    ln J: other neo-Hookean laws with the same μ and λ differ at large strain. In the plane d = 2 is
+    plane strain of the solid: the stretch across is 1 and adds nothing.
+
+    Parameters
+    ----------
+    mu, lam
+        Lamé's constants (Pa) of small strain; μ > 0, and 2μ + d·λ > 0.
+    dim
+        Number of axes, 2 or 3.
+
+    Raises
+    ------
+    ProblemError
+        If the constants are not those of a stable solid; of its functions, where det F is not above
+        zero.
+    """
+
+    mu: float
+    lam: float
+    dim: int = 2
+
+    def __post_init__(self) -> None:
+        positive("neo-Hookean mu", self.mu, "Pa")
+        lam = finite("neo-Hookean lam", self.lam)
+        if self.dim not in (2, 3):
+            raise ProblemError(f"neo-Hookean law: {self.dim} axes; give 2 or 3")
+        if lam.ndim or 2 * self.mu + self.dim * lam <= 0:
+            raise ProblemError(
+                f"neo-Hookean lam: {self.lam} Pa with mu = {self.mu} Pa; a stable solid has "
+                f"2 mu + {self.dim} lam > 0"
+            )
+
+    def energy(self, F: Array) -> Array:
+        """W (q,) in J/m³."""
+        log = _log_volume(F)
+        squares = np.einsum("qiJ,qiJ->q", F, F)
+        return np.asarray(self.mu / 2 * (squares - self.dim - 2 * log) + self.lam / 2 * log**2)
+
+    def stress(self, F: Array) -> Array:
+        """P = μ (F - F⁻ᵀ) + λ ln J F⁻ᵀ (q, d, d) in Pa."""
+        log, inverse = _log_volume(F), _inverse_transposed(F)
+        return np.asarray(self.mu * F + (self.lam * log - self.mu)[:, None, None] * inverse)
+
+    def tangent(self, F: Array) -> Array:
+        """A (q, d, d, d, d) in Pa, by ∂F⁻ᵀ_iJ/∂F_kL = -F⁻ᵀ_iL F⁻ᵀ_kJ."""
+        log, G = _log_volume(F), _inverse_transposed(F)
+        across = np.einsum("qiL,qkJ->qiJkL", G, G)
+        along = np.einsum("qiJ,qkL->qiJkL", G, G)
+        crossed = (self.mu - self.lam * log)[:, None, None, None, None] * across
+        return np.asarray(self.mu * _identity(self.dim) + crossed + self.lam * along)
+
+
+def neo_hookean(material: Material) -> NeoHookean:
+    """The neo-Hookean law with the Lamé constants of an isotropic material.
+
+    Raises
+    ------
+    ProblemError
+        If the material is not isotropic, in plane stress, or incompressible.
+    """
+    return NeoHookean(*_lame(material), material.dim)
+
+
+@dataclass(frozen=True, eq=False)
+class StVenantKirchhoff:
+    """W = ½ E:C:E with Green's strain E = (FᵀF - I)/2; S = C:E is the second Piola stress.
+
+    It softens under compression and has no energy to stop J from going through 0: a model for large
+    rotations and moderate strains.
+
+    Parameters
+    ----------
+    C
+        Stiffness (d, d, d, d) in Pa, with the symmetries of elasticity.
+    """
+
+    C: Array
+
+    def __post_init__(self) -> None:
+        C = finite("St Venant-Kirchhoff tensor", self.C)
+        if C.shape not in {(2,) * 4, (3,) * 4}:
+            raise ProblemError(
+                f"St Venant-Kirchhoff tensor: shape {C.shape}; give (2, 2, 2, 2) or (3, 3, 3, 3)"
+            )
+        for swap, name in (((1, 0, 2, 3), "minor"), ((2, 3, 0, 1), "major")):
+            if not np.abs(C - C.transpose(swap)).max() <= 1e-12 * np.abs(C).max():
+                raise ProblemError(
+                    f"St Venant-Kirchhoff tensor: without {name} symmetry; give C_ijkl = "
+                    "C_jikl = C_klij"
+                )
+        object.__setattr__(self, "C", C)
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return len(self.C)
+
+    def energy(self, F: Array) -> Array:
+        """W (q,) in J/m³."""
+        E = _green(F)
+        return np.asarray(0.5 * np.einsum("qIJ,IJKL,qKL->q", E, self.C, E))
+
+    def stress(self, F: Array) -> Array:
+        """P = F S (q, d, d) in Pa."""
+        return np.asarray(F @ self._second(F))
+
+    def tangent(self, F: Array) -> Array:
+        """A_iJkL = δ_ik S_JL + F_iI C_IJKL F_kK (q, d, d, d, d) in Pa."""
+        material = np.einsum("qiI,IJKL,qkK->qiJkL", F, self.C, F, optimize=True)
+        return np.asarray(material + np.einsum("ik,qJL->qiJkL", np.eye(self.dim), self._second(F)))
+
+    def _second(self, F: Array) -> Array:
+        return np.asarray(np.einsum("IJKL,qKL->qIJ", self.C, _green(F)))
+
+
+def st_venant_kirchhoff(material: Material) -> StVenantKirchhoff:
+    """The St Venant-Kirchhoff law with a material's stiffness: plane strain, or a solid.
+
+    Raises
+    ------
+    ProblemError
+        If the material is isotropic and in plane stress, whose section would thin, or
+        incompressible.
+    """
+    if isinstance(material, Isotropic):
+        _lame(material)
+    return StVenantKirchhoff(full_tensor(elastic_tensor(material)))
+
+
+@dataclass(frozen=True, eq=False)
+class Fibres:
+    """W = Σ ½ k (|F r| - |r|)² / cell: a lattice of springs that follows F as a whole.
+
+    The rule of Cauchy and Born: exact where the deformation is uniform, as each point is then a
+    centre of symmetry (Born and Huang 1954, §11). It differs from the lattice by the gradients of F
+    over a spacing and by what its surface cuts. The spacing enters by r²/cell alone.
+
+    Parameters
+    ----------
+    vectors
+        (s, d) springs of one cell in m, from end to end, each once.
+    stiffness
+        (s,) in N/m.
+    cell
+        Volume of a cell (m³); in the plane its area times the thickness.
+
+    Raises
+    ------
+    ProblemError
+        If a spring has no length, the shapes differ, or a value is out of range.
+    """
+
+    vectors: Array
+    stiffness: Array
+    cell: float
+
+    def __post_init__(self) -> None:
+        r, k = coordinates("fibres", self.vectors), finite("stiffness of fibres", self.stiffness)
+        if r.ndim != 2 or r.shape[1] not in (2, 3) or not len(r):
+            raise ProblemError(f"fibres: shape {r.shape}; give vectors (s, 2) or (s, 3)")
+        if k.shape != (len(r),):
+            raise ProblemError(f"stiffness of fibres: shape {k.shape}; give {(len(r),)}")
+        if (k < 0).any():
+            raise ProblemError(f"stiffness of fibres: {k.min()} N/m; give none below zero")
+        if not np.linalg.norm(r, axis=1).all():
+            raise ProblemError("fibres: one has no length; give each its vector")
+        positive("cell of fibres", self.cell, "m³")
+        object.__setattr__(self, "vectors", r)
+        object.__setattr__(self, "stiffness", k)
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return int(self.vectors.shape[1])
+
+    def energy(self, F: Array) -> Array:
+        """W (q,) in J/m³."""
+        _, length, rest = self._stretched(F)
+        return np.asarray((length - rest) ** 2 @ self.stiffness / (2 * self.cell))
+
+    def stress(self, F: Array) -> Array:
+        """P = Σ k (1 - |r|/|y|) y ⊗ r / cell with y = F r, (q, d, d) in Pa."""
+        y, length, rest = self._stretched(F)
+        pull = self.stiffness / self.cell * (1 - rest / length)
+        return np.asarray(np.einsum("qs,qsi,sJ->qiJ", pull, y, self.vectors, optimize=True))
+
+    def tangent(self, F: Array) -> Array:
+        """A = Σ k/cell [(1 - |r|/|y|) δ_ik + |r| y_i y_k/|y|³] r_J r_L (q, d, d, d, d) in Pa."""
+        y, length, rest = self._stretched(F)
+        weight = self.stiffness / self.cell
+        along = np.einsum("qs,qsi,qsk->qsik", weight * rest / length**3, y, y, optimize=True)
+        across = (weight * (1 - rest / length))[..., None, None] * np.eye(self.dim)
+        r = self.vectors
+        return np.asarray(np.einsum("qsik,sJ,sL->qiJkL", along + across, r, r, optimize=True))
+
+    def _stretched(self, F: Array) -> tuple[Array, Array, Array]:
+        """Fibres as deformed (q, s, d), their lengths (q, s) and those at rest (s,), in m."""
+        y = np.einsum("qiJ,sJ->qsi", F, self.vectors)
+        return y, np.linalg.norm(y, axis=2), np.linalg.norm(self.vectors, axis=1)
+
+
+def square_fibres(axial: float, diagonal: float, thickness: float = 1.0) -> Fibres:
+    """Fibres of the square lattice with both diagonals, of any spacing.
+
+    Springs along the sides have the stiffness `axial`, those along diagonals `diagonal` (N/m). At
+    small strain C11 = C22 = (axial + diagonal)/t and C12 = C66 = diagonal/t: Σ k r_i r_j r_k r_l /
+    (|r|² cell) with r = (1, 0), (0, 1), (1, 1) and (1, -1).
+    """
+    k = positive("axial stiffness", axial, "N/m"), positive("diagonal stiffness", diagonal, "N/m")
+    directions = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]])
+    return Fibres(directions, np.repeat(k, 2), positive("thickness", thickness, "m"))
+
+
+def _lame(material: Material) -> tuple[float, float]:
+    """μ and λ in Pa of an isotropic material that is compressible and not in plane stress."""
+    instance("material", material, Isotropic)
+    assert isinstance(material, Isotropic)  # noqa: S101  for the types
+    if material.state == "plane_stress":
+        raise ProblemError(
+            "material: plane stress at large strain, whose section thins; take plane_strain or a "
+            "solid"
+        )
+    C = elastic_tensor(material)
+    return float(C[-1, -1]), float(C[0, 1])
+
+
+def _green(F: Array) -> Array:
+    return np.asarray((_transposed(F) @ F - np.eye(F.shape[1])) / 2)
+
+
+def _identity(d: int) -> Array:
+    """δ_ik δ_JL."""
+    return np.asarray(np.einsum("ik,JL->iJkL", np.eye(d), np.eye(d)))
+
+
+def _log_volume(F: Array) -> Array:
+    """Ln J (q,), of deformations that turn nothing inside out."""
+    J = np.linalg.det(F)
+    if not (J > 0).all():
+        raise ProblemError(
+            f"deformation gradient: det F = {J.min():.3g}; a neo-Hookean body keeps it above zero"
+        )
+    return np.asarray(np.log(J))
+
+
+def _inverse_transposed(F: Array) -> Array:
+    return np.asarray(np.linalg.inv(F).transpose(0, 2, 1), dtype=float)
+
+
+def _transposed(F: Array) -> Array:
+    return F.transpose(0, 2, 1)

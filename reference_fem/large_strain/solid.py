@@ -1,0 +1,139 @@
+"""A body at large strain: its energy, the forces on its nodes, its tangent.
+
+    f = ∫ P(F):∂φ/∂X dX,    F = I + ∂u/∂X,
+
+over the undeformed body: the total Lagrangian form.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from msvalidate.problem import (
+    Array,
+    Index,
+    Mask,
+    ProblemError,
+    positive,
+    refuse_free_motions,
+)
+from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
+from reference_fem.mesh.assembly import nodal_sums, slopes
+from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.systems.dissection import elimination_order
+from reference_fem.systems.solver import refuse_shapes
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A supported body of one law, ready for loads.
+
+    Parameters
+    ----------
+    body
+        The mesh of the undeformed body.
+    law
+        Its energy density.
+    held
+        Components (n, d) that are held.
+    thickness
+        Of a plane body (m); 1 of a solid.
+
+    Raises
+    ------
+    ProblemError
+        If the parts do not fit together, or a rigid motion is free.
+    """
+
+    body: Discretisation
+    law: Law
+    held: Mask
+    thickness: float = 1.0
+
+    def __post_init__(self) -> None:
+        refuse_shapes(self.body, held=self.held)
+        if self.held.dtype != bool:
+            raise ProblemError(f"held: of {self.held.dtype}; give True where a component is held")
+        refuse_other_laws(self.law)
+        if self.law.dim != self.body.dim:
+            raise ProblemError(f"law: {self.law.dim}D, the body {self.body.dim}D")
+        if positive("thickness", self.thickness, "m") != 1 and self.body.dim == 3:
+            raise ProblemError(f"thickness: {self.thickness} m; a solid has none, leave it at 1")
+        refuse_free_motions("body at large strain", self.body.points, self.held)
+
+    @cached_property
+    def free(self) -> Index:
+        """Free components (f,), component-major, in the order to eliminate them in."""
+        order = elimination_order(self.body, self.held)
+        return np.asarray(np.flatnonzero(~self.held.T.ravel())[order])
+
+    def gradient(self, displacement: Array) -> Array:
+        """F = I + ∂u/∂X (c, q, d, d) at the points of integration, of displacements (n, d)."""
+        u = displacement[self._nodes].transpose(0, 2, 1)[:, None]
+        return np.asarray(np.eye(self.body.dim) + u @ self._slopes)
+
+    def energy(self, displacement: Array) -> float:
+        """∫ W dX in J."""
+        F = self.gradient(displacement)
+        return float(self._weights.ravel() @ self.law.energy(F.reshape(-1, *F.shape[2:])))
+
+    def internal_force(self, displacement: Array) -> tuple[Array, Array]:
+        """∫ P:∂φ/∂X dX (n, d) in N, and the sizes (n, d) that add up to it."""
+        F = self.gradient(displacement)
+        P = self.law.stress(F.reshape(-1, *F.shape[2:])).reshape(F.shape)
+        # A cell's forces, (c, k, d): its points and the axis J are one sum.
+        each = np.einsum("cqkJ,cqiJ,cq->cki", self._slopes, P, self._weights, optimize=True)
+        return self._gathered(each), self._gathered(np.abs(each))
+
+    def tangent(self, displacement: Array) -> csr_matrix:
+        """∂f/∂u (d·n, d·n) in N/m, component-major and symmetric."""
+        F = self.gradient(displacement)
+        d, g = self.body.dim, self._slopes
+        A = self.law.tangent(F.reshape(-1, d, d)).reshape(*F.shape[:2], d, d, d, d)
+        A = A * self._weights[:, :, None, None, None, None]
+        cells, _, k, _ = g.shape
+        left = g.transpose(0, 2, 1, 3).reshape(cells, k, -1)
+
+        def products(a: int, b: int) -> Array:
+            right = A[:, :, a, :, b] @ g.transpose(0, 1, 3, 2)
+            return np.asarray(left @ right.reshape(cells, -1, k))
+
+        shared = self.body.pattern
+        return shared.component_major(shared.symmetric(d, products))
+
+    def by_node(self, components: Array) -> Array:
+        """Values (n, d) of what is component-major (d·n,), as the tangent is."""
+        return components.reshape(self.held.shape[::-1]).T
+
+    def is_upright(self, displacement: Array) -> bool:
+        """Whether det F > 0 wherever the law is asked: points of integration."""
+        return bool((np.linalg.det(self.gradient(displacement)) > 0).all())
+
+    def turned(self, displacement: Array) -> int | None:
+        """The first cell that is turned inside out at one of its nodes; None if there is none."""
+        (bad,) = np.nonzero(~(self.body.swelling(self.body.points + displacement) > 0))
+        return int(bad[0]) if len(bad) else None
+
+    def _gathered(self, each: Array) -> Array:
+        """Sums (n, d) by node of what cells (c, k, d) bring."""
+        return nodal_sums(self._nodes, np.moveaxis(each, 2, 0), len(self.body.points))
+
+    @cached_property
+    def _nodes(self) -> Index:
+        """Nodes (c, k) of the cells in the library's order."""
+        return self.body.cell_nodes
+
+    @cached_property
+    def _slopes(self) -> Array:
+        """∂φ/∂X (c, q, k, d) at the points of integration."""
+        by_function, _ = slopes(self.body.basis)
+        return np.ascontiguousarray(by_function.transpose(2, 3, 0, 1))
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Volume (c, q) in m³ that each point of integration stands for."""
+        return np.asarray(self.thickness * self.body.basis.dx)

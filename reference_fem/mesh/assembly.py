@@ -1,0 +1,120 @@
+"""Sums over cells: pairs of nodes are sorted once a mesh, and every integral is summed by them.
+
+A matrix of a mesh has an entry for two nodes that share a cell, so all of them have one `Pattern`;
+their entries are then rows of plain arrays, which any constant tensor combines in one product.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csc_matrix, csr_matrix
+
+from msvalidate.problem import Array, Index
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Pairs of nodes that share a cell, as the entries of a matrix (n, n) by rows.
+
+    Parameters
+    ----------
+    columns, start
+        (e,) the second node of each pair, rising in each row, and (n + 1,) where the rows begin.
+    gather
+        (e, c·k·k) ones: sums what cells with k nodes give to the entries, first cell first.
+    mirror
+        (e,) the entry of the same pair the other way round.
+    """
+
+    columns: Index
+    start: Index
+    gather: csr_matrix
+    mirror: Index
+
+    @property
+    def nodes(self) -> int:
+        """How many nodes there are."""
+        return len(self.start) - 1
+
+    def matrix(self, entries: Array) -> csr_matrix:
+        """The matrix (n, n) with such entries (e,)."""
+        return csr_matrix((entries, self.columns, self.start), shape=(self.nodes,) * 2)
+
+    def symmetric(self, d: int, products: Callable[[int, int], Array]) -> Array:
+        """Entries (d, d, e) of a matrix that is symmetric to the last bit.
+
+        Parameters
+        ----------
+        d
+            Components of a node.
+        products
+            What the cells bring, (c, k, k), to block [a][b]; asked for where a <= b.
+        """
+        found = np.empty((d, d, len(self.columns)))
+        for a in range(d):
+            for b in range(a, d):
+                found[a, b] = self.gather @ products(a, b).ravel()
+                found[b, a] = found[a, b][self.mirror]
+            found[a, a] = (found[a, a] + found[a, a][self.mirror]) / 2
+        return found
+
+    def component_major(self, entries: Array) -> csr_matrix:
+        """The matrix (d·n, d·n) with blocks [a][b] of entries (d, d, e).
+
+        A row of it is a row of each block of its component, one after the other.
+        """
+        d, size = len(entries), entries[0].size
+        length, begin = np.diff(self.start), d * self.start[:-1]
+        along = np.arange(len(self.columns)) - np.repeat(self.start[:-1], length)
+        data = np.empty((d, size))
+        columns = np.empty((d, size), dtype=self.columns.dtype)
+        for b in range(d):
+            place = np.repeat(begin + b * length, length) + along
+            columns[:, place] = self.columns + b * self.nodes
+            data[:, place] = entries[:, b]
+        rows = (begin + size * np.arange(d)[:, None]).ravel()
+        whole = (data.ravel(), columns.ravel(), np.append(rows, d * size))
+        return csr_matrix(whole, shape=(d * self.nodes,) * 2)
+
+
+def pattern(cells: Index, nodes: int) -> Pattern:
+    """Pattern of cells (c, k) on so many nodes, from two sorts that count: linear in the pairs."""
+    count, k = cells.size, cells.shape[1]
+    # A row for each node of each cell: its pairs, numbered as they come.
+    second = np.repeat(cells, k, axis=0).ravel()
+    listed = csr_matrix((np.arange(count * k), second, k * np.arange(count + 1)), (count, nodes))
+    by_second = listed.tocsc()
+    first = cells.ravel()[by_second.indices]
+    pairs = csc_matrix((by_second.data, first, by_second.indptr), (nodes, nodes)).tocsr()
+    new = np.diff(pairs.indices, prepend=-1) != 0
+    new[pairs.indptr[:-1]] = True
+    (begin,) = new.nonzero()
+    columns, start = pairs.indices[begin], np.searchsorted(begin, pairs.indptr)
+    gather = csr_matrix(
+        (np.ones(count * k), pairs.data, np.append(begin, count * k)), (len(begin), count * k)
+    )
+    entry = csr_matrix((np.arange(len(begin)), columns, start), (nodes, nodes))
+    return Pattern(columns, start, gather, entry.tocsc().data)
+
+
+def gradient_products(basis: Any, shared: Pattern) -> Array:
+    """∫ ∂φi/∂xc ∂φj/∂xd as entries (d, d, e) of a pattern, on a scalar basis of the library."""
+    by_function, measure = slopes(basis)
+    along = np.ascontiguousarray(by_function.transpose(1, 2, 0, 3))  # (d, c, k, q)
+    weighed = along * measure[:, None]  # a weight may be negative: no root of it on either side
+    return shared.symmetric(len(along), lambda a, b: weighed[a] @ along[b].transpose(0, 2, 1))
+
+
+def slopes(basis: Any) -> tuple[Array, Array]:
+    """Gradients (k, d, c, q) of a cell's functions at its points, and what these measure (c, q)."""
+    found = np.array([function.grad for (function,) in basis.basis])
+    return found, np.asarray(basis.dx)
+
+
+def nodal_sums(nodes: Index, each: Array, count: int) -> Array:
+    """Sums (n, d) over so many nodes of what cells bring, (d, ...), to the nodes (...) of each."""
+    return np.column_stack([np.bincount(nodes.ravel(), part.ravel(), count) for part in each])

@@ -1,0 +1,254 @@
+"""Meshes of boxes: quadrilaterals or triangles, hexahedra or tetrahedra between lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import permutations
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from msvalidate.problem import (
+    Array,
+    Box,
+    Index,
+    ProblemError,
+    chosen,
+    coordinates,
+    counts,
+    positive,
+    refuse_too_many,
+    shown,
+)
+from reference_fem.mesh.discretisation import Discretisation, discretise
+from reference_fem.mesh.elements import ELEMENTS, Element
+
+MOST_NODES = {2: 4_000_000, 3: 1_000_000}
+"""Nodes of a mesh, by dimension, beyond which none is made: assembly takes 4 kB for each in the
+plane (Q2) and 15 kB in space (H1), as measured, so that 16 GB hold these."""
+MOST_NODES_OF = {"H2": 400_000}
+"""Fewer of these: 40 kB for each, as each shares a cell with 60 others."""
+
+
+def box_discretisation(
+    box: Box,
+    cells: int | tuple[int, ...],
+    element: str = "Q2",
+    grading: float = 1.0,
+    towards: Literal["both", "high"] = "both",
+    through: tuple[tuple[float, ...], ...] | None = None,
+) -> Discretisation:
+    """Mesh of a box.
+
+    Parameters
+    ----------
+    box
+        The domain.
+    cells
+        Number of quadrilaterals or hexahedra along each axis (one number serves all); P1 and P2
+        cut each in two, T1 and T2 in six.
+    element
+        "Q1", "Q2", "P1" or "P2" in the plane, "H1", "H2", "T1" or "T2" in space.
+    grading
+        1 spaces the lines evenly; g > 1 draws them to both ends of each axis as s^g, towards the
+        corners, where clamped bodies have singular stress.
+    towards
+        "both" ends of each axis, or the "high" end alone: one corner's part of a symmetric body.
+    through
+        Coordinates (m) along each axis that mesh lines must pass through, such as the ends of a
+        loaded part; None asks for none. The lines between two of them are spaced as said for the
+        whole; each part takes its share of the cells by its length.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range, the element is not one of the box's dimension, or the cells
+        are too many.
+    """
+    _refuse_other_element(box, element)
+    kind, each = ELEMENTS[element], counts("mesh cells", cells, box.dim)
+    _refuse_too_many_nodes(f"mesh of {' x '.join(map(str, each))} cells", each, element)
+    if through is None:
+        through = ((),) * box.dim
+    _refuse_wrong_lines(box, grading, towards, through)
+    lines = [
+        _subdivided(_lines(places, length, n, grading, towards), kind.degree)
+        for places, length, n in zip(through, box.size, each, strict=True)
+    ]
+    closest = min(float(np.diff(line).min()) for line in lines)
+    if closest <= 4 * box.tolerance:
+        raise ProblemError(
+            f"mesh grading: {grading} with {shown(cells)} cells puts lines {closest:.2g} m apart, "
+            f"nearer than two places are told apart ({box.tolerance:.2g} m); take less grading or "
+            "cells"
+        )
+    return _on_grid(lines, element)
+
+
+def lines_discretisation(lines: Sequence[Array], element: str) -> Discretisation:
+    """Mesh of a box between lines at coordinates (m), rising, along each axis.
+
+    The first lines need not be at 0. Elements are those of `box_discretisation`.
+
+    Raises
+    ------
+    ProblemError
+        If the element is unknown or the cells are too many.
+    """
+    chosen("element", element, _of_dimension(len(lines)))
+    name = f"mesh between {' x '.join(str(len(line)) for line in lines)} lines"
+    _refuse_too_many_nodes(name, [len(line) - 1 for line in lines], element)
+    return _on_grid([_subdivided(line, ELEMENTS[element].degree) for line in lines], element)
+
+
+def _on_grid(lines: Sequence[Array], element: str) -> Discretisation:
+    """Mesh whose nodes stand where coordinates (m) along each axis cross."""
+    grid = np.meshgrid(*reversed(lines), indexing="ij")
+    points = np.column_stack([x.ravel() for x in reversed(grid)])
+    number = np.arange(len(points)).reshape(grid[0].shape)
+    return discretise(points, _CUTS[element[0]](number, ELEMENTS[element].degree), element)
+
+
+def _of_dimension(dim: int) -> list[str]:
+    """Names of the elements of so many axes."""
+    return [name for name, kind in ELEMENTS.items() if kind.dim == dim]
+
+
+def _refuse_other_element(box: Box, element: str) -> None:
+    if not isinstance(box, Box):
+        raise ProblemError(f"mesh: {_word(element)} in a {shown(box)}; give a Box")
+    fitting = _of_dimension(box.dim)
+    if not isinstance(element, str) or element not in fitting:
+        raise ProblemError(
+            f"mesh: {_word(element)} in a {shown(box)}; in {box.dim}D, give one of "
+            f"{', '.join(fitting)}"
+        )
+
+
+def _refuse_too_many_nodes(name: str, cells: Sequence[int], element: str) -> None:
+    """`name`: of the mesh, which has so many cells along each axis."""
+    nodes = math.prod(ELEMENTS[element].degree * n + 1 for n in cells)
+    refuse_too_many(name, nodes, MOST_NODES_OF.get(element, MOST_NODES[len(cells)]))
+
+
+def _refuse_wrong_lines(box: Box, grading: float, towards: object, through: object) -> None:
+    if not isinstance(through, tuple | list) or len(through) != box.dim:
+        raise ProblemError(
+            f"mesh lines through {shown(through)}: give coordinates for each axis, as "
+            "((), (0.4, 0.6))"
+        )
+    if not isinstance(towards, str) or towards not in ("both", "high"):
+        raise ProblemError(f"mesh grading towards {shown(towards)}; choose both or high")
+    if positive("mesh grading", grading) < 1:
+        raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
+
+
+def _word(name: object) -> str:
+    """A name that was given for one of ours, without its quotes."""
+    return shown(name).strip("'")
+
+
+def _lines(through: ArrayLike, length: float, cells: int, grading: float, towards: str) -> Array:
+    """Coordinates of mesh lines from 0 to `length` (m) and through all places given, in order.
+
+    The cells are shared out among the parts by length.
+    """
+    inner = coordinates("mesh lines through", through)
+    places = np.array([0.0, *np.atleast_1d(inner).ravel(), length])
+    width = np.diff(places)
+    if inner.ndim != 1 or (width <= 0).any():
+        raise ProblemError(
+            f"mesh lines through {shown(through)}: give coordinates in order, between 0 and "
+            f"{length:g} m"
+        )
+    share = cells * width / length
+    counts = np.floor(share + (0.5 + 1e-9)).astype(int)  # halves go up, whatever their last digit
+    if counts.sum() != cells or counts.min() < 1:
+        raise ProblemError(
+            f"mesh lines through {shown(through)}: {cells} cells do not divide among the parts; "
+            "choose a number that does"
+        )
+    parts = [
+        start + part * _graded(int(n), grading, towards)
+        for start, part, n in zip(places, width, counts, strict=False)
+    ]
+    # An end that two parts share is taken from the places themselves.
+    return np.concatenate([*(part[:-1] for part in parts), places[-1:]])
+
+
+def _graded(n: int, grading: float, towards: str) -> Array:
+    """Coordinates of n + 1 lines on [0, 1], drawn to both ends alike or to 1."""
+    if towards == "high":
+        return np.asarray(1 - (1 - np.linspace(0, 1, n + 1)) ** grading)
+    s = np.linspace(-1, 1, n + 1)
+    return np.asarray(0.5 * (1 + np.sign(s) * (1 - (1 - np.abs(s)) ** grading)))
+
+
+def _subdivided(line: Array, degree: int) -> Array:
+    """The coordinates with the midpoints between them, for quadratic elements."""
+    if degree == 1:
+        return line
+    fine = np.empty(2 * len(line) - 1)
+    fine[::2], fine[1::2] = line, 0.5 * (line[1:] + line[:-1])
+    return fine
+
+
+def _quadrilaterals(number: Index, degree: int) -> Index:
+    """Cells in VTK order from the node numbers (rows along y) of a grid."""
+    if degree == 1:
+        return _cells(number, 1, [(0, 0), (0, 1), (1, 1), (1, 0)])
+    ring = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0), (1, 1)]
+    return _cells(number, 2, ring)
+
+
+def _triangles(number: Index, degree: int) -> Index:
+    """Each quadrilateral cut along the diagonal that rises to the right."""
+    if degree == 1:
+        lower, upper = [(0, 0), (0, 1), (1, 1)], [(0, 0), (1, 1), (1, 0)]
+    else:
+        lower = [(0, 0), (0, 2), (2, 2), (0, 1), (1, 2), (1, 1)]
+        upper = [(0, 0), (2, 2), (2, 0), (1, 1), (2, 1), (1, 0)]
+    return np.concatenate([_cells(number, degree, lower), _cells(number, degree, upper)])
+
+
+def _hexahedra(number: Index, degree: int) -> Index:
+    """Cells in VTK order from the node numbers (layers along z, rows along y) of a grid."""
+    ring = [(0, 0), (0, 1), (1, 1), (1, 0)]
+    corners = np.array([(layer, *place) for layer in (0, 1) for place in ring])
+    return _cells(number, degree, _with_middles(corners, ELEMENTS[f"H{degree}"]))
+
+
+def _tetrahedra(number: Index, degree: int) -> Index:
+    """Each hexahedron cut into the six that share its rising diagonal (Kuhn 1960).
+
+    Each goes from the lowest corner to the highest along three edges, one for each order of axes.
+    """
+    cells = []
+    for first, second, third in permutations(np.eye(3, dtype=int)):
+        path = [0 * first, first, first + second, first + second + third]
+        if np.linalg.det([third, second, first]) < 0:  # places are (z, y, x)
+            path[1], path[2] = path[2], path[1]
+        places = _with_middles(np.array(path), ELEMENTS[f"T{degree}"])
+        cells.append(_cells(number, degree, places))
+    return np.concatenate(cells)
+
+
+def _with_middles(corners: Index, kind: Element) -> list[tuple[int, ...]]:
+    """Places (layer, row, column) of all nodes in a block of the grid, from those of corners."""
+    places = np.round(kind.degree * kind.means @ corners).astype(int)
+    return [tuple(place) for place in places.tolist()]
+
+
+_CUTS = {"Q": _quadrilaterals, "P": _triangles, "H": _hexahedra, "T": _tetrahedra}
+
+
+def _cells(number: Index, degree: int, places: Sequence[tuple[int, ...]]) -> Index:
+    """Node numbers at the given (layer, row, column) of every block of `degree` intervals."""
+    size = [n - degree for n in number.shape]
+    nodes = [
+        number[tuple(slice(p, n + p, degree) for p, n in zip(place, size, strict=True))].ravel()
+        for place in places
+    ]
+    return np.column_stack(nodes)

@@ -1,0 +1,68 @@
+"""Finite elements on the cells of a mesh that is itself the body."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msvalidate.problem import Array, Index, Mesh, ProblemError, instance, refuse_too_many, shown
+from reference_fem.mesh.boxes import MOST_NODES
+from reference_fem.mesh.discretisation import Discretisation, discretise
+from reference_fem.mesh.elements import ELEMENTS, Element
+
+OWN = {
+    "triangle": "P1",
+    "triangle6": "P2",
+    "quad": "Q1",
+    "quad9": "Q2",
+    "tetra": "T1",
+    "tetra10": "T2",
+    "hexahedron": "H1",
+    "hexahedron27": "H2",
+}
+"""Shape of a mesh's cells -> the element that has their nodes."""
+
+
+def mesh_discretisation(mesh: Mesh, element: str | None = None) -> Discretisation:
+    """Finite elements on the cells of a mesh.
+
+    Parameters
+    ----------
+    mesh
+        The domain.
+    element
+        The one that has the nodes of the mesh's cells, taken by default; or the quadratic one on
+        linear cells, whose sides stay straight: the new nodes lie amid the corners.
+
+    Raises
+    ------
+    ProblemError
+        If the element is neither, or the nodes are too many.
+    SolverError
+        If memory does not suffice.
+    """
+    instance("mesh", mesh, Mesh)
+    own = OWN[mesh.shape]
+    quadratic = f"{own[0]}2"
+    if element not in (None, own, quadratic):
+        choice = own if own == quadratic else f"{own} or {quadratic}"
+        raise ProblemError(f"mesh: element {shown(element)} on {mesh.shape} cells; give {choice}")
+    if element in (None, own):
+        refuse_too_many(str(mesh), len(mesh.points), MOST_NODES[mesh.dim])
+        return discretise(mesh.points, mesh.cells, own)
+    points, cells = _with_middles(mesh, ELEMENTS[quadratic])
+    refuse_too_many(f"{mesh} with {quadratic}", len(points), MOST_NODES[mesh.dim])
+    return discretise(points, cells, quadratic)
+
+
+def _with_middles(mesh: Mesh, kind: Element) -> tuple[Array, Index]:
+    """Points and cells with a node amid each group of corners that the element has one for."""
+    points, columns = [mesh.points], [mesh.cells]
+    count = len(mesh.points)
+    for size in sorted({len(group) for group in kind.middles}):  # edges, faces, cells
+        groups = np.array([group for group in kind.middles if len(group) == size])
+        corners = np.sort(mesh.cells[:, groups].reshape(-1, size), axis=1)
+        each, number = np.unique(corners, axis=0, return_inverse=True)
+        points.append(mesh.points[each].mean(axis=1))
+        columns.append(count + number.reshape(len(mesh.cells), -1))
+        count += len(each)
+    return np.concatenate(points), np.concatenate(columns, axis=1)

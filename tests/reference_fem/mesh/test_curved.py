@@ -1,0 +1,338 @@
+"""Cells with curved sides: their map, integrals, loads, interpolation, and folds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import reference_fem
+from msvalidate.problem import Box, Isotropic, ProblemError
+from reference_fem.elasticity import solve_on, stiffness
+from reference_fem.mesh import ELEMENTS, Facets, discretise
+
+# A library's warning on the way to an answer is a failure here.
+pytestmark = pytest.mark.filterwarnings("error")
+
+QUADRATIC = ("Q2", "P2", "H2", "T2")
+PLANE = ("Q2", "P2")
+INNER, OUTER = 1.0, 2.0
+ROUNDING = 1e-12
+"""Relative: an integral sums a few hundred products; Newton ends at rounding."""
+
+
+def annulus(element, n=3):
+    """Points and cells of a quarter ring; in space it widens upwards and its top is vaulted."""
+    d = ELEMENTS[element].dim
+    flat = reference_fem.box_discretisation(Box((1.0,) * d), (n, 2 * n, n)[:d], element)
+    s, t, *z = flat.points.T
+    radius, angle = INNER + (OUTER - INNER) * s, np.pi / 2 * t
+    if d == 2:
+        return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]), flat.cells.copy()
+    radius = radius * (1 + 0.2 * z[0] ** 2)
+    height = z[0] * (1 + 0.3 * s * (1 - s))
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
+    return points, flat.cells.copy()
+
+
+def ring(element, n=3):
+    points, cells = annulus(element, n)
+    new = np.random.default_rng(0).permutation(len(points))  # node numbers must not matter
+    moved = np.empty_like(points)
+    moved[new] = points
+    return discretise(moved, new[cells], element)
+
+
+def inside(body, number=200, seed=0):
+    """Points of the body, made by its cells' own functions, and so not on a grid."""
+    rng = np.random.default_rng(seed)
+    kind = body.element
+    local = rng.random((number, kind.dim))
+    if kind.simplex:
+        local = local[local.sum(axis=1) < 1]
+    cell = rng.integers(len(body.cells), size=len(local))
+    value, _ = kind.functions(local)
+    return np.einsum("kq,kqd->qd", value, body.points[body.nodes_of(cell)])
+
+
+# --- the map --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("element", QUADRATIC)
+def test_interpolation_on_curved_cells_holds_linear_functions(element):
+    body = ring(element)
+    assert body.curved
+    x = inside(body)
+    assert len(x) > 20
+    found = body.interpolation(x)
+    assert np.abs(found @ body.points - x).max() <= ROUNDING
+    assert np.abs(found.sum(axis=1) - 1).max() <= ROUNDING
+    nodes = body.interpolation(body.points).toarray()
+    assert np.abs(nodes - np.eye(len(body.points))).max() <= ROUNDING
+
+
+@pytest.mark.parametrize("element", QUADRATIC)
+def test_points_between_chord_and_arc_are_in_the_body_and_beyond_it_are_not(element):
+    body = ring(element, 1)
+    angle = np.pi / 8  # amid an edge of the one or two cells that make the quarter
+    d = body.dim
+    place = np.zeros((1, d))
+    place[0, :2] = 0.999 * OUTER * np.array([np.cos(angle), np.sin(angle)])
+    chord = OUTER * np.cos(np.pi / 8)
+    assert np.linalg.norm(place) > chord  # beyond the straight edge
+    assert np.abs(body.interpolation(place) @ body.points - place).max() <= ROUNDING
+    with pytest.raises(ProblemError, match="must lie in the body"):
+        body.interpolation(place * 1.002)
+
+
+@pytest.mark.parametrize("element", QUADRATIC)
+def test_curved_cells_pass_the_patch_test(element):
+    body = ring(element)
+    x, d = body.points, body.dim
+    law = Isotropic(2.0, 0.3, "plane_strain" if d == 2 else "solid")
+    exact = x @ (1e-3 * np.arange(1, d * d + 1).reshape(d, d) ** 0.7)
+    held = np.zeros(x.shape, dtype=bool)
+    held[np.unique(body.surface)] = True
+    assert not held.all()  # else nothing is solved
+    found = solve_on(body, law, held, np.where(held, exact, 0.0), np.zeros(x.shape))
+    assert np.abs(found - exact).max() <= ROUNDING * np.abs(exact).max()
+
+
+def test_cells_bent_by_rounding_are_straight_ones():
+    flat = reference_fem.box_discretisation(Box((1.0, 1.0)), 3, "Q2")
+    points = flat.points + 1e-13 * np.random.default_rng(1).random(flat.points.shape)
+    again = discretise(points, flat.cells, "Q2")
+    assert not again.curved
+    assert np.abs(again.gradients - flat.gradients).max() <= ROUNDING
+
+
+@pytest.mark.parametrize("element", QUADRATIC)
+def test_straight_cells_mapped_as_curved_ones_are_the_same(element):
+    # One bent cell makes the library map all of them by their nodes.
+    d = ELEMENTS[element].dim
+    flat = reference_fem.box_discretisation(Box((1.0,) * d), 2, element)
+    points = flat.points.copy()
+    middle = np.flatnonzero((np.abs(points - [0.25, *[0.0] * (d - 1)]) < 1e-12).all(axis=1))
+    points[middle, 1] -= 0.05
+    bent = discretise(points, flat.cells, element)
+    assert bent.curved
+    far = np.flatnonzero((flat.points[:, 0] > 0.5) & (flat.points[:, 1] > 0.5))
+    for a, b in np.ndindex(d, d):
+        one, other = (
+            body.pattern.matrix(body.gradients[a, b])[far][:, far].toarray()
+            for body in (flat, bent)
+        )
+        assert np.abs(one - other).max() <= ROUNDING
+
+
+# --- integrals ------------------------------------------------------------------------------------
+
+
+def segment_area(start, end, middle):
+    """Area between a chord and the parabola through its ends and a middle: two thirds of a box."""
+    chord, off = end - start, middle - (start + end) / 2
+    return 2 / 3 * (chord[0] * off[1] - chord[1] * off[0])
+
+
+@pytest.mark.parametrize("element", PLANE)
+def test_area_is_that_of_the_polygon_and_of_the_segments_by_archimedes(element):
+    body = ring(element, 2)
+    edges = body.points[body.surface]
+    polygon = sum(a[0] * b[1] - a[1] * b[0] for a, b, _ in edges) / 2
+    segments = -sum(segment_area(*edge) for edge in edges)
+    assert abs(segments) > 1e-3
+    assert body.basis.dx.sum() == pytest.approx(polygon + segments, rel=ROUNDING)
+
+
+@pytest.mark.parametrize("element", QUADRATIC)
+def test_volume_is_the_flux_through_the_surface(element):
+    # ∫ div x = d V, by two rules that have nothing in common; both integrate polynomials exactly.
+    body = ring(element, 2)
+    facets = Facets(body, body.surface)
+    flux = (facets.measure * (facets.places * facets.normals).sum(axis=2)).sum()
+    assert flux == pytest.approx(body.dim * body.basis.dx.sum(), rel=ROUNDING)
+    out = (facets.measure[..., None] * facets.normals).sum(axis=(0, 1))
+    assert np.abs(out).max() <= ROUNDING * facets.measure.sum()  # a closed surface
+
+
+@pytest.mark.parametrize("element", PLANE)
+def test_area_of_a_ring_comes_nearer_with_the_fourth_order(element):
+    exact = np.pi / 4 * (OUTER**2 - INNER**2)
+    error = [abs(ring(element, n).basis.dx.sum() - exact) for n in (2, 4)]
+    assert np.log2(error[0] / error[1]) == pytest.approx(4, abs=0.1)
+
+
+# --- loads ----------------------------------------------------------------------------------------
+
+
+def moment(points, force):
+    if points.shape[1] == 2:
+        return (points[:, 0] * force[:, 1] - points[:, 1] * force[:, 0]).sum()
+    return np.cross(points, force).sum(axis=0)
+
+
+def test_a_load_on_a_parabola_has_its_length_and_moment():
+    # Length of y = 4h x(c - x)/c² over 0 <= x <= c: √(c² + 16h²)/2 + c²/(8h) asinh(4h/c).
+    c, h = 1.0, 0.2
+    points = [(0, 0), (c, 0), (c, -1), (0, -1), (c, -0.5), (c / 2, -1), (0, -0.5), (c / 2, h)]
+    cells = [[3, 2, 1, 0, 5, 4, 7, 6, 8]]
+    body = discretise([*points, (c / 2, -0.5)], cells, "Q2")
+    top = body.surface[(body.points[body.surface][:, :, 1] >= 0).all(axis=1)]
+    assert len(top) == 1
+    facets = Facets(body, top)
+    length = np.sqrt(c**2 + 16 * h**2) / 2 + c**2 / (8 * h) * np.arcsinh(4 * h / c)
+    force = facets.integrated(np.broadcast_to([2.0, -3.0], facets.places.shape))
+    # Ten points integrate this root to 1e-9.
+    assert force.sum(axis=0) == pytest.approx(length * np.array([2.0, -3.0]), rel=1e-9)
+    s = np.linspace(0, 1, 200_001)
+    x, y, slope = c * s, 4 * h * s * (1 - s), np.sqrt(c**2 + (4 * h * (1 - 2 * s)) ** 2)
+    turning = np.trapezoid((x * -3.0 - y * 2.0) * slope, s)  # error 1e-11
+    assert moment(body.points, force) == pytest.approx(turning, rel=1e-8)
+
+
+@pytest.mark.parametrize("element", [*QUADRATIC, "Q1", "P1", "H1", "T1"])
+def test_tractions_of_uniform_stress_are_what_the_stiffness_needs(element):
+    # K u of a linear u is ∫ φ σ·n over the surface, node by node, however it is curved.
+    d = ELEMENTS[element].dim
+    body = ring(element, 2)
+    law = Isotropic(2.0, 0.3, "plane_strain" if d == 2 else "solid")
+    gradient = 1e-2 * np.arange(1, d * d + 1).reshape(d, d) ** 0.7
+    strain = (gradient + gradient.T) / 2
+    mu, lam = 2 / 2.6, 2 * 0.3 / (1.3 * 0.4)
+    sigma = 2 * mu * strain + lam * np.trace(strain) * np.eye(d)
+    u = body.points @ gradient.T
+    internal = (stiffness(body, law) @ u.T.ravel()).reshape(d, -1).T
+    facets = Facets(body, body.surface)
+    external = facets.integrated(facets.normals @ sigma)
+    # Both rules are exact: J⁻¹ det J is a polynomial, and so is the normal times the stretch.
+    assert np.abs(internal - external).max() <= ROUNDING * np.abs(external).max()
+    assert np.abs(external.sum(axis=0)).max() <= ROUNDING * np.abs(external).sum()
+    assert np.abs(moment(body.points, external)).max() <= 1e-11 * np.abs(external).sum()
+
+
+# --- a cylinder under pressure --------------------------------------------------------------------
+
+
+def lame(r, p=1.0, E=2.0, nu=0.3, a=INNER, b=OUTER):
+    """Radial displacement (m) under pressure p inside, plane stress (Lamé and Clapeyron 1833)."""
+    return p * a**2 / (E * (b**2 - a**2)) * ((1 - nu) * r + (1 + nu) * b**2 / r)
+
+
+def cylinder_error(element, n, *, curved=True):
+    """Error of the displacement at the nodes, relative: root mean squares."""
+    points, cells = annulus(element, n)
+    if not curved:
+        kind = ELEMENTS[element]
+        points[cells] = np.einsum("ik,ckd->cid", kind.means, points[cells[:, : kind.corners]])
+    body = discretise(points, cells, element)
+    assert body.curved == curved
+    held = np.abs(points) < 1e-12
+    radius = np.linalg.norm(points, axis=1)
+    angle_free = ~(held.any(axis=1)[body.surface].all(axis=1))
+    near = (radius[body.surface] < (INNER + OUTER) / 2).all(axis=1)
+    facets = Facets(body, body.surface[near & angle_free])
+    assert len(facets.nodes) == 2 * n
+    force = facets.integrated(-facets.normals)
+    found = solve_on(body, Isotropic(2.0, 0.3), held, np.zeros(points.shape), force)
+    exact = lame(radius)[:, None] * points / radius[:, None]
+    return np.linalg.norm(found - exact) / np.linalg.norm(exact)
+
+
+@pytest.mark.parametrize("element", PLANE)
+def test_curved_edges_keep_the_order_that_straight_ones_lose(element):
+    curved = [cylinder_error(element, n) for n in (4, 8)]
+    straight = [cylinder_error(element, n, curved=False) for n in (4, 8)]
+    # At nodes Q2 is of the fourth order here and P2 of 3.6; chords are off by the square of h.
+    assert np.log2(curved[0] / curved[1]) >= 3.5
+    assert np.log2(straight[0] / straight[1]) == pytest.approx(2, abs=0.1)
+    assert curved[1] < straight[1] / 20
+
+
+# --- folds ----------------------------------------------------------------------------------------
+
+
+def one_cell(element):
+    kind = ELEMENTS[element]
+    return kind.places.copy(), np.arange(kind.nodes)[None]
+
+
+@pytest.mark.parametrize("element", QUADRATIC)
+def test_mid_side_beyond_the_quarter_of_its_edge_is_refused(element):
+    # On a straight edge the Jacobian at its end is 4s - 1 times the straight one's.
+    points, cells = one_cell(element)
+    kind = ELEMENTS[element]
+    a, b = kind.middles[0]
+    for share, fine in ((0.26, True), (0.25, False), (0.2, False)):
+        points[kind.corners] = (1 - share) * points[a] + share * points[b]
+        if fine:
+            assert discretise(points, cells, element).curved
+        else:
+            with pytest.raises(ProblemError, match="cell 0 is inverted or folded: its curved"):
+                discretise(points, cells, element)
+
+
+def least_jacobian(element, points, n=21):
+    """By brute force: central differences would do, but the slopes are tested elsewhere."""
+    kind = ELEMENTS[element]
+    axes = np.meshgrid(*[np.linspace(0, 1, n)] * kind.dim, indexing="ij")
+    local = np.column_stack([axis.ravel() for axis in axes])
+    if kind.simplex:
+        local = local[local.sum(axis=1) <= 1 + 1e-12]
+    _, slope = kind.functions(local)
+    return np.linalg.det(np.einsum("kjq,kd->qjd", slope, points[kind.listed])).min()
+
+
+@pytest.mark.parametrize("element", QUADRATIC)
+def test_a_cell_is_refused_when_and_only_when_it_folds(element):
+    verdicts = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        points, cells = one_cell(element)
+        points += rng.uniform(-1, 1, points.shape) * rng.choice([0.05, 0.15, 0.25])
+        least = least_jacobian(element, points)
+        if abs(least) < 0.01:  # the grid of samples cannot tell either
+            continue
+        if least > 0:
+            assert discretise(points, cells, element).curved
+        else:
+            with pytest.raises(ProblemError, match="cell 0 is inverted or folded"):
+                discretise(points, cells, element)
+        verdicts.append(least > 0)
+    assert 8 < sum(verdicts) < len(verdicts) - 8, "both must occur"
+
+
+@pytest.mark.parametrize("element", ["Q2", "H2"])
+def test_a_fold_between_the_corners_is_refused(element):
+    points, cells = one_cell(element)
+    points[-1, 0] += 0.4  # the centre: at the corners the Jacobian does not feel it
+    with pytest.raises(ProblemError, match="cell 0 is inverted or folded"):
+        discretise(points, cells, element)
+
+
+def test_the_folded_cell_is_named_among_straight_ones():
+    flat = reference_fem.box_discretisation(Box((1.0, 1.0)), 3, "P2")
+    points = flat.points.copy()
+    points[flat.cells[11, 3]] = points[flat.cells[11, 0]] * 0.9 + points[flat.cells[11, 1]] * 0.1
+    with pytest.raises(ProblemError, match=r"cell (\d+) is inverted or folded") as caught:
+        discretise(points, flat.cells, "P2")
+    number = int(str(caught.value).split()[2])
+    assert flat.cells[11, 3] in flat.cells[number]
+
+
+@pytest.mark.parametrize("element", QUADRATIC)
+def test_middles_in_another_order_are_refused(element):
+    points, cells = one_cell(element)
+    kind = ELEMENTS[element]
+    cells[0, kind.corners : kind.corners + 2] = cells[0, kind.corners : kind.corners + 2][::-1]
+    with pytest.raises(ProblemError, match="list corners, mid-sides, centre in VTK order"):
+        discretise(points, cells, element)
+
+
+def test_neighbours_that_do_not_share_their_mid_side_are_refused():
+    flat = reference_fem.box_discretisation(Box((2.0, 1.0)), (2, 1), "Q2")
+    middle = flat.cells[0, 5]
+    assert middle in flat.cells[1]
+    points = np.vstack([flat.points, flat.points[middle] + [0.01, 0.0]])
+    cells = flat.cells.copy()
+    cells[1][cells[1] == middle] = len(points) - 1
+    with pytest.raises(ProblemError, match="names other nodes than its neighbours do on the sides"):
+        discretise(points, cells, "Q2")

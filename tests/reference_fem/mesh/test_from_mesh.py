@@ -1,0 +1,237 @@
+"""One problem on a box and on its mesh file; elements of a mesh's own cells."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import meshio
+import numpy as np
+import pytest
+
+from msvalidate.body import lattice_network
+from msvalidate.lattice import square
+from msvalidate.mesh_file import read_mesh
+from msvalidate.problem import (
+    BodyForce,
+    Box,
+    Isotropic,
+    Mesh,
+    PointForce,
+    Problem,
+    ProblemError,
+    Region,
+    Support,
+    Traction,
+)
+from reference_fem import box_discretisation, mesh_discretisation, solve_problem
+from reference_fem.body import nodal_forces
+from reference_fem.mesh import ELEMENTS
+from reference_fem.mesh.from_mesh import OWN
+
+SHAPES = {element: shape for shape, element in OWN.items()}
+FACETS = {
+    **dict.fromkeys(("P1", "Q1"), "line"),
+    **dict.fromkeys(("P2", "Q2"), "line3"),
+    "T1": "triangle",
+    "H1": "quad",
+    "T2": "triangle6",
+    "H2": "quad9",
+}
+ROUNDING = 1e-11
+"""Relative: a condition number of 1e4 times the rounding of 1e-16, and the order of the sums."""
+
+
+def refused(message):
+    return pytest.raises(ProblemError, match=re.escape(message))
+
+
+def box_of(element):
+    return Box((2.0, 1.0) if element[0] in "PQ" else (2.0, 1.0, 0.5))
+
+
+def asked(domain, left, right, dim):
+    """A clamped body that is pulled, pushed at a corner, and heavy."""
+    material = Isotropic(E=1e6, nu=0.3, state="plane_stress" if dim == 2 else "solid")
+    loads = (
+        Traction(right, (300.0, 200.0, 100.0)[:dim]),
+        BodyForce((0.0, -50.0, 20.0)[:dim]),
+        PointForce((2.0, 1.0, 0.5)[:dim], (1.0, 2.0, 3.0)[:dim]),
+    )
+    return Problem(domain, material, (Support(left, (0.0,) * dim),), loads)
+
+
+def mesh_of(body):
+    """The same cells as a mesh with both ends named."""
+    mesh = Mesh(body.points, body.cells, SHAPES[body.element.name])
+    sides = {
+        name: mesh.surface[(np.abs(body.points[:, 0] - x) < 1e-9)[mesh.surface].all(axis=1)]
+        for name, x in (("left", 0.0), ("right", 2.0))
+    }
+    return mesh.named(sides)
+
+
+def in_file(mesh, folder, form):
+    """The mesh as a file gives it back, and what its ends are called there."""
+    blocks = [(mesh.shape, mesh.cells)]
+    facet = FACETS[OWN[mesh.shape]]
+    blocks += [(facet, facets) for facets in mesh.boundaries.values()]
+    tags = [np.full(len(cells), tag) for tag, (_, cells) in zip((7, 1, 2), blocks, strict=True)]
+    points = np.column_stack([mesh.points, np.zeros((len(mesh.points), 3 - mesh.dim))])
+    path, names = folder / f"body.{form}", ("left", "right")
+    if form == "msh":
+        groups = {"left": [1, mesh.dim - 1], "right": [2, mesh.dim - 1]}
+        meshio.Mesh(
+            points,
+            blocks,
+            cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+            field_data={name: np.array(group) for name, group in groups.items()},
+        ).write(path, file_format="gmsh22")
+    elif form == "inp":
+        sets = {name: np.unique(facets) for name, facets in mesh.boundaries.items()}
+        meshio.Mesh(points, blocks[:1], point_sets=sets).write(path)
+    else:
+        meshio.Mesh(points, blocks, cell_data={"side": tags}).write(path)
+        names = ("side:1", "side:2")
+    return read_mesh(path), names
+
+
+@pytest.mark.parametrize("form", ["msh", "vtu", "vtk", "inp"])
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_box_and_its_mesh_file_move_alike(element, form, tmp_path):
+    if (element, form) == ("H2", "inp"):
+        pytest.skip("meshio has no Abaqus cells of 27 nodes; a test of mesh files shows it")
+    box = box_of(element)
+    body = box_discretisation(box, (4, 3, 2)[: box.dim], element)
+    expected = solve_problem(asked(box, box.side("left"), box.side("right"), box.dim), body)
+    mesh, names = in_file(mesh_of(body), tmp_path, form)
+    x = np.vstack([body.points, np.random.default_rng(0).random((20, box.dim)) * box.size])
+    # Nor does it matter whether the sides are said by names or by coordinates.
+    for ends in (map(mesh.side, names), map(box.side, ("left", "right"))):
+        found = solve_problem(asked(mesh, *ends, box.dim), mesh_discretisation(mesh))
+        for one, other in (
+            (found.displacement, expected.displacement),
+            (found.stress(x), expected.stress(x)),
+        ):
+            assert np.abs(one - other).max() <= ROUNDING * np.abs(other).max()
+
+
+@pytest.mark.parametrize("element", ["P2", "Q2", "T2", "H2"])
+def test_quadratic_elements_on_linear_cells(element):
+    box = box_of(element)
+    cells = (4, 3, 2)[: box.dim]
+    problem = asked(box, box.side("left"), box.side("right"), box.dim)
+    quadratic = box_discretisation(box, cells, element)
+    mesh = mesh_of(box_discretisation(box, cells, f"{element[0]}1"))
+    body = mesh_discretisation(mesh, element)
+    assert len(body.points) == len(quadratic.points)
+    on_mesh = asked(mesh, mesh.side("left"), mesh.side("right"), box.dim)
+    found = solve_problem(on_mesh, body).displacement
+    expected = solve_problem(problem, quadratic).at(body.points)
+    assert np.abs(found - expected).max() <= ROUNDING * np.abs(expected).max()
+    own = mesh_of(quadratic)
+    again = solve_problem(
+        asked(own, own.side("left"), own.side("right"), box.dim), mesh_discretisation(own)
+    )
+    assert np.abs(again.at(body.points) - expected).max() <= ROUNDING * np.abs(expected).max()
+
+
+def test_elements_that_do_not_fit_the_cells_are_refused():
+    mesh = mesh_of(box_discretisation(Box((2.0, 1.0)), (2, 2), "P1"))
+    with refused("mesh: element 'Q1' on triangle cells; give P1 or P2"):
+        mesh_discretisation(mesh, "Q1")
+    mesh = mesh_of(box_discretisation(Box((2.0, 1.0)), (2, 2), "Q2"))
+    with refused("mesh: element 'Q1' on quad9 cells; give Q2"):
+        mesh_discretisation(mesh, "Q1")
+    with refused("give a Mesh"):
+        mesh_discretisation(Box((1.0, 1.0)))
+
+
+def annulus(element, inner=1.0, outer=2.0, cells=(4, 6)):
+    """A quarter of a ring, its sides named; quadratic cells have nodes on the circles."""
+    unit = box_discretisation(Box((1.0, 1.0)), cells, element)
+    r, angle = inner + (outer - inner) * unit.points[:, 0], np.pi / 2 * unit.points[:, 1]
+    points = np.column_stack([r * np.cos(angle), r * np.sin(angle)])
+    points[np.abs(points) < 1e-15] = 0.0
+    mesh = Mesh(points, unit.cells, SHAPES[element])
+    sides = {
+        name: mesh.surface[(np.abs(unit.points[:, 0] - x) < 1e-9)[mesh.surface].all(axis=1)]
+        for name, x in (("inner", 0.0), ("outer", 1.0))
+    }
+    return mesh.named(sides)
+
+
+def pressed(mesh, pressure=1.0):
+    """Lamé's cylinder in plane strain under pressure inside."""
+
+    def outwards(x):
+        return pressure * x / np.linalg.norm(x, axis=1)[:, None]
+
+    supports = (
+        Support(Region((None, 0.0)), (None, 0.0)),
+        Support(Region((0.0, None)), (0.0, None)),
+    )
+    material = Isotropic(E=10.0, nu=0.3, state="plane_strain")
+    return Problem(mesh, material, supports, (Traction(mesh.side("inner"), outwards),))
+
+
+@pytest.mark.parametrize(("element", "order"), [("P1", 2), ("Q1", 2), ("P2", 4), ("Q2", 4)])
+def test_cylinder_nears_lame(element, order):
+    # u_r(a) = (1 + nu) p a / (E (b² - a²)) ((1 - 2 nu) a² + b²), Timoshenko and Goodier, art. 28.
+    # The load's work on it nears it as the square of the energy's error, bent sides or chords.
+    a, b, E, nu = 1.0, 2.0, 10.0, 0.3
+    exact = np.pi / 2 * a * (1 + nu) * a / (E * (b**2 - a**2)) * ((1 - 2 * nu) * a**2 + b**2)
+    off = []
+    for n in (4, 8):
+        mesh = annulus(element, cells=(n, n))
+        problem, body = pressed(mesh), mesh_discretisation(mesh)
+        work = (solve_problem(problem, body).displacement * nodal_forces(problem, body)).sum()
+        off.append(abs(work - exact) / exact)
+    assert np.log2(off[0] / off[1]) == pytest.approx(order, abs=0.15)
+    assert off[1] < (2e-2 if order == 2 else 1e-5)
+
+
+def test_chords_of_another_ring_are_refused():
+    mesh = annulus("Q2")
+    with refused("mesh the problem's own domain"):
+        solve_problem(pressed(mesh), mesh_discretisation(annulus("Q2", inner=1.1)))
+    with refused("mesh the problem's own domain"):
+        solve_problem(pressed(mesh), mesh_discretisation(annulus("Q1")))
+
+
+def test_traction_does_not_reach_a_side_between_two_loaded_ones():
+    # In a strip one cell high, the ends of a cell's top are both on loaded sides.
+    body = box_discretisation(Box((2.0, 1.0)), (1, 1), "Q1")
+    mesh = Mesh(body.points, body.cells, "quad")
+    ends = mesh.surface[
+        (np.ptp(body.points[mesh.surface][..., 0], axis=1) == 0)  # both upright sides
+    ]
+    mesh = mesh.named({"ends": ends})
+    sides = (Traction(mesh.side("ends"), (0.0, 7.0)),)
+    held = (Support(Region((None, 0.0)), (0.0, 0.0)),)
+    found = solve_problem(
+        Problem(mesh, Isotropic(1e6, 0.3), held, sides), mesh_discretisation(mesh)
+    ).displacement
+    both = tuple(Traction(Region((x, None)), (0.0, 7.0)) for x in (0.0, 2.0))
+    expected = solve_problem(
+        Problem(Box((2.0, 1.0)), Isotropic(1e6, 0.3), held, both), body
+    ).displacement
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+def test_network_on_a_mesh_is_that_of_the_box():
+    box = Box((2.0, 1.0))
+    lattice = square(box, (4, 2))
+    mesh = mesh_of(box_discretisation(box, (4, 2), "Q1"))
+    on_mesh = replace(lattice, domain=mesh, side_area=None)
+    networks = []
+    for domain, grid, (left, right) in (
+        (box, lattice, (box.side("left"), box.side("right"))),
+        (mesh, on_mesh, (mesh.side("left"), mesh.side("right"))),
+    ):
+        problem = asked(domain, left, right, 2)
+        networks.append(lattice_network(problem, grid, (1.0, 1.0)))
+    first, second = networks
+    assert np.array_equal(first.held, second.held)
+    assert second.force == pytest.approx(first.force, rel=1e-12, abs=1e-12 * 300)
+    assert np.array_equal(first.stiffness, second.stiffness)
