@@ -21,7 +21,7 @@ from functools import partial
 from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
 from studies.actuator import air, controls, figure8, prestretched, profile
-from studies.actuator.bodies import Candidate, springs
+from studies.actuator.bodies import Candidate, responding, springs
 
 ASKED = {"profile": profile.run, "figure8": figure8.run, "prestretched": prestretched.run}
 """Question -> who answers it for a candidate. `air` is asked of linear responses."""
@@ -42,7 +42,13 @@ FAULTS = {
             0.5,
             "prestretched",
         ),
+        ("edges pushed inwards", "edge forces left out", 2.0, "figure8"),
     )
+} | {
+    "charges as at the start": {
+        "candidate": partial(responding, None),
+        "questions": ("figure8",),
+    }
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""

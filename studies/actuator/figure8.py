@@ -14,11 +14,16 @@ Expected   Field lines that end at an edge pull it outwards and the corner down:
            physics, its size *at* the edge the mesh's. Where the gap closes the field grows, there
            charges go: to the edges, not to the middle, and the edge is lost first. Halves of forces
            leave the edge's own point half of what its neighbour gets: there the report sees it.
+
+`figure8_slabs`, `figure8_density` and `figure8_potential` are what is drawn, of the network's own
+equilibrium whoever the candidate is: `profile`, and `edge` and `field` of `electrostatics`, ask
+what such numbers are worth.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -106,7 +111,7 @@ COLUMNS = {
     "in_springs": "the number in the springs with line charges",
     "in_report": "the same in the report's own way",
     "in_report_coarse": "the same in the report's own way on 5 layers",
-    "in_fem": "the same in finite elements",
+    "in_fem": f"the same in finite elements, whose last voltage is {COMMON:g} V",
     "judgement": "of which of them the statement holds",
     "verdict_on_statement": "whether it is physics, made by the model, or neither",
     "x": "place along the slab, from its left end (m)",
@@ -158,11 +163,17 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
 
 def ways(candidate: Candidate, covered: str, volts: tuple[float, ...]) -> tuple[list[Seen], ...]:
     """What the candidate, the report's way and finite elements show at rising voltages."""
+    own = models.of_springs(candidate, covered, LAYERS, volts)
+    return own, *(list(run) for run in others(covered, volts))
+
+
+@cache
+def others(covered: str, volts: tuple[float, ...]) -> tuple[tuple[Seen, ...], ...]:
+    """What the report's way and finite elements show: walked once, whoever the candidates are."""
     return (
-        models.of_springs(candidate, covered, LAYERS, volts),
-        models.as_the_report(covered, LAYERS, volts),
-        models.as_the_report(covered, models.COARSE, volts),
-        models.of_elements(covered, LAYERS, tuple(v for v in volts if v <= COMMON)),
+        tuple(models.as_the_report(covered, LAYERS, volts)),
+        tuple(models.as_the_report(covered, models.COARSE, volts)),
+        tuple(models.of_elements(covered, LAYERS, tuple(v for v in volts if v <= COMMON))),
     )
 
 

@@ -57,6 +57,12 @@ def at(run: list[Seen], voltage: float) -> Seen:
     )
 
 
+def last_two(run: list[Seen]) -> tuple[Seen, Seen]:
+    """What was seen at the last two voltages; raises SolverError if `COMMON` was not held."""
+    at(run, COMMON)
+    return run[-2], run[-1]
+
+
 def middle(one: Seen) -> float:
     """Deflection (m) of the middle."""
     return float(one.move[len(one.x) // 2, 1])
@@ -130,7 +136,7 @@ STATEMENTS = (
     Statement(
         "8 (3)", "partial", "the unstable part is not at the margin",
         "springs between the edge and what sinks fastest at the last voltage held",
-        lambda run: fastest(run[-2], run[-1], "partial") / float(np.diff(run[-1].x[:2])[0]),
+        lambda run: fastest(*last_two(run), "partial") / float(np.diff(run[-1].x[:2])[0]),
         0.5,
     ),
     Statement(

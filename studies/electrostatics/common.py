@@ -48,6 +48,8 @@ class Solver(NamedTuple):
         A body in air from its `Faces`, and force (n, 2) per depth (N/m) on every point of them.
     report
         The report's model of electrodes; options depth, kernel and charges_on.
+    moved
+        Charges at `VOLTAGES` of the electrodes of `Moments` with their points (n, 2) elsewhere (m).
     """
 
     charges: Callable[..., Charges]
@@ -57,6 +59,7 @@ class Solver(NamedTuple):
     in_air: Callable[..., SlabInAir]
     forces_in_air: Callable[[ChargesInAir], Array]
     report: Callable[..., ReportModel]
+    moved: Callable[[Moments, Array], Charges]
 
 
 def charges(
@@ -71,6 +74,11 @@ def charges(
     return moments.charges(voltages)
 
 
+def moved(moments: Moments, points: Array) -> Charges:
+    """Charges of moved electrodes by the factor made before they moved, where they are many."""
+    return moments.moved(points).charges(VOLTAGES)
+
+
 MOMENTS = Solver(
     charges,
     electrostatics.forces,
@@ -79,6 +87,7 @@ MOMENTS = Solver(
     SlabInAir,
     forces_in_air,
     ReportModel,
+    moved,
 )
 
 

@@ -2,8 +2,8 @@
 
 Question   Which faults of charges and forces make a tolerance fail, and how small may they be?
 Candidate  The method of moments with a known fault.
-Reference  The tolerances of `strips`, `edge`, `plates`, `virtual_work`, `in_air`, `field` and
-           `models`.
+Reference  The tolerances of `strips`, `edge`, `plates`, `virtual_work`, `in_air`, `field`,
+           `models`, `shortcuts`, `nodes` and `scaling`.
 Expected   What a fault changes grows in proportion to it, so the smallest fault noticed is a limit
            over what a small fault changes: some 1e-7 of forces, 5e-3 of potentials.
 """
@@ -17,11 +17,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from msvalidate.compare import worst
-from msvalidate.electrostatics import Charges, Electrodes
+from msvalidate.electrostatics import Charges, Electrodes, Moments
 from msvalidate.electrostatics.moments import Weighting, complex_of
 from msvalidate.electrostatics.patches import Patches
+from msvalidate.electrostatics.report_model import ReportModel
 from msvalidate.evidence import Evidence, Tolerance
 from msvalidate.kernels import charges as integrals
 from msvalidate.problem import Array
@@ -31,6 +33,8 @@ from studies.electrostatics.shortcuts import halves
 
 PROBE = 0.01
 """Size of the fault from which the smallest noticed one is extrapolated."""
+CLOSER = 0.1
+"""Gap over the right one of electrodes whose factor stands for the old one."""
 TOLERANCES = (
     Tolerance(
         "smallest fault of charges and forces noticed, largest over the kinds",
@@ -152,6 +156,50 @@ def galerkins_tangent(charges: Charges) -> Array:
     return MOMENTS.tangent(meant)
 
 
+class OfPoints(Charges):
+    """Charges whose field is that of line charges in the middles of their segments."""
+
+    def field(self, points: ArrayLike) -> Array:
+        """Field (n, 2) in V/m at points (n, 2) in m, nothing from a charge at the point itself."""
+        apart = np.asarray(points)[:, None] - self.moments.electrodes.middle
+        square = (apart**2).sum(axis=2)
+        square[square == 0] = np.inf
+        pulled = (self.charge / square)[..., None] * apart
+        field: Array = pulled.sum(axis=1) / (2 * np.pi * self.moments.permittivity)
+        return field
+
+
+def of_points(electrodes: Electrodes, voltages: Any = VOLTAGES, **how: Any) -> Charges:
+    """The right charges, seen as points."""
+    right = MOMENTS.charges(electrodes, voltages, **how)
+    return OfPoints(right.moments, right.voltages, right.charge, right.floating)
+
+
+class TakenForSymmetric(ReportModel):
+    """The report's model whose equations, which are not symmetric, serve as their own transpose."""
+
+    def solve(self, potential: Array, *, adjoint: bool = False) -> Array:
+        """Charges (k, ...) in C/m at potentials of their seats (V), whether transposed or not."""
+        del adjoint  # the fault
+        return super().solve(potential)
+
+
+def in_space(electrodes: Electrodes, **how: Any) -> ReportModel:
+    """The report's model with the kernel of space whatever is asked for."""
+    return MOMENTS.report(electrodes, **{**how, "kernel": "report"})
+
+
+def left_behind(moments: Moments, points: Array) -> Charges:
+    """Charges as they were before the electrodes moved."""
+    return moments.charges(VOLTAGES)
+
+
+def by_another_factor(moments: Moments, points: Array) -> Charges:
+    """Charges of moved electrodes by the factor of others, `CLOSER` times as far apart."""
+    close = moments.electrodes.moved(moments.electrodes.points * (1.0, CLOSER))
+    return MOMENTS.moved(Moments(close), points)
+
+
 FAULTS: dict[str, dict[str, Any]] = {
     name: {"candidate": MOMENTS._replace(**fault), "questions": (question,)}
     for name, fault, question in (
@@ -187,6 +235,17 @@ FAULTS: dict[str, dict[str, Any]] = {
             "field",
         ),
         ("rectangles 1 % less deep", {"report": partial(other_depth, 0.01)}, "models"),
+        (
+            "half of the charge lost at edges, on both faces",
+            {"charges": partial(losing_edges, 0.5)},
+            "shortcuts",
+        ),
+        ("segments seen as points", {"charges": of_points}, "shortcuts"),
+        ("halves along half a strip", {"forces": halves}, "shortcuts"),
+        ("the kernel of space in the plane's place", {"report": in_space}, "nodes"),
+        ("equations taken for symmetric", {"report": TakenForSymmetric}, "nodes"),
+        ("charges left behind by a motion", {"moved": left_behind}, "scaling"),
+        ("the factor of electrodes a tenth as far apart", {"moved": by_another_factor}, "scaling"),
     )
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that

@@ -4,7 +4,8 @@ Question   Which of the two finds the charge of an electrode better, and what be
 Candidate  Plane charges by collocation, even on springs or even on the halves of springs that meet
            at a point. Forces as derivatives of the energy, or Coulomb's law between middles of
            springs, halves to each end, or between the points.
-Reference  The closed form of facing strips, and central differences of each one's own energy.
+Reference  The closed form of facing strips, central differences of each one's own energy, and what
+           forces times their places add up to by the plane's law.
 Expected   Both err with order 1 on even springs. Springs spread the charge of the edge too far
            inwards and take too little; a node at the edge has its potential asked for at the very
            edge, where its own charge makes the least, and takes too much. Sums over points are no
@@ -56,6 +57,14 @@ TOLERANCES = (
         "1",
         "the last piece's length makes the error; the next term is smaller by it over the gap",
     ),
+    Tolerance(
+        "sum of forces times places on wavy electrodes, from what the plane's law makes of it",
+        2e-14,
+        "of the sum of forces times the width",
+        "the plane's energy has no unit of length, so its derivatives add up to nothing; in sums "
+        "over pairs of points each adds its qq'/(2πε), -Σq²/(4πε) in all of charges that are "
+        "neutral; rounding of 2e-16 times a condition of ten, and ten times that for differences",
+    ),
 )
 COLUMNS = {
     **common.COLUMNS,
@@ -93,6 +102,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     values = (
         worst(own[own["forces_by"] == "derivatives"]["own_error"], 0.0),
         worst(orders["order"], 1.0),
+        worst([unit_of_length(candidate, *way) for way in WAYS], 0.0),
     )
     return Evidence(
         tables={"nodes": table, "nodes_own_energy": own, "nodes_orders": orders},
@@ -146,6 +156,17 @@ def held_to_own(candidate: Solver, where: str, how: str) -> dict[str, object]:
         "own_error": float(np.hypot(*(force - exact).T).max() / sizes.max()),
         "own_moment": float(abs(moment) / (sizes.sum() * WAVY_WIDTH)),
     }
+
+
+def unit_of_length(candidate: Solver, where: str, how: str) -> float:
+    """Σx·F of wavy electrodes less that of the plane's law, over the sum of |F| times the width."""
+    electrodes = pair("wavy", WAVY_WIDTH, WAVY)
+    found = charged(candidate, where, electrodes)
+    force = FORCES[how](found)
+    alone = float((found.charge**2).sum()) / (4 * np.pi * found.moments.permittivity)
+    expected = 0.0 if how == "derivatives" else -alone
+    sizes = np.hypot(*force.T)
+    return float(((electrodes.points * force).sum() - expected) / (sizes.sum() * WAVY_WIDTH))
 
 
 def finding(table: pd.DataFrame, own: pd.DataFrame) -> str:

@@ -1,13 +1,15 @@
 """Scaling: how do time and iterations grow with the number of segments?
 
 Question   Seconds to set up and to solve the equations; GMRES steps after the surface has moved.
-Candidate  Dense `Moments`, and `Moments.moved`, which solves by GMRES with the old factor. Beside
-           them `Multipole`, where its optional library is installed.
+Candidate  Charges after a motion, by default `Moments.moved`, which solves by GMRES with the old
+           factor. Dense `Moments`, and `Multipole` where its optional library is installed, are
+           timed beside each other.
 Reference  A new factor at the new places.
 Expected   Integrals grow with the square of the number, the factor with its cube. After small
            motions the old factor is nearly the inverse: each step gains by the relative change of
            the equations, so steps depend on the motion over the gap, hardly on the number. Seconds
-           belong to the machine and are held to nothing.
+           belong to the machine and are held to nothing, and the table `scaling` holds nothing
+           else: what its charges are worth, `strips` and `virtual_work` ask.
 """
 
 from __future__ import annotations
@@ -134,7 +136,7 @@ def moved(candidate: Solver, segments: int) -> list[dict[str, object]]:
     for motion in MOTIONS:
         points = dented(electrodes.points, motion)
         start = time.perf_counter()
-        found = moments.moved(points).charges(VOLTAGES)
+        found = candidate.moved(moments, points)
         seconds = time.perf_counter() - start
         exact = candidate.charges(electrodes.moved(points)).charge
         rows.append(

@@ -10,7 +10,8 @@ left. Several instabilities share that name. One question a file:
 - `beyond`: what is said and kept at a voltage that no slab holds;
 - `controls`: faulty ways to rest, and the smallest fault that this study notices.
 
-Candidate: a way to rest at a voltage and its softest motions (`way`), by default the network's own.
+Candidate: a way to rest at a voltage and its softest motions (`way`), by default the network's own,
+and the laws of the films that `which` finds thresholds of.
 Reference: the infinite slab in closed form and its waves (`infinite`), finite elements with the
 lattice's energy, and the same slab pressed charge by charge (`pressed`).
 """
@@ -25,7 +26,12 @@ from msvalidate.sweep import Setting
 from studies.pull_in import beyond, controls, instability, sweep, which
 from studies.pull_in.way import SPRINGS, Way
 
-ASKED = {"sweep": sweep.run, "instability": instability.run, "beyond": beyond.run}
+ASKED = {
+    "sweep": sweep.run,
+    "instability": instability.run,
+    "beyond": beyond.run,
+    "which": which.run,
+}
 """Question -> who answers it for a candidate."""
 FAULTS = {
     name: {"candidate": way, "questions": (question,)}
@@ -45,6 +51,4 @@ def run(
     asked: dict[str, Callable[[], Evidence]] = {
         name: partial(ask, candidate, setting) for name, ask in ASKED.items()
     }
-    return answers(
-        asked | {"which": partial(which.run, setting), "controls": controls.run}, questions
-    )
+    return answers(asked | {"controls": controls.run}, questions)

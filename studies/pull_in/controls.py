@@ -2,7 +2,8 @@
 
 Question   Which faults make a tolerance fail, and how small may they be?
 Candidate  The network's own way with a fault put into its forces, its gap or its stiffness.
-Reference  The pull-in voltage of the slab between walls, as `sweep` holds it.
+Reference  The pull-in voltage of the slab between walls, as `sweep` holds it; of other faults the
+           tolerances of the question that is named with them.
 Expected   A force that is wrong by a part p moves the pull-in voltage by p/2, its square being in
            the force, and so do springs: what is noticed is twice the tolerance, 2e-6.
 """
@@ -24,9 +25,9 @@ from msvalidate.equilibrium import equilibrium
 from msvalidate.evidence import Evidence, Tolerance
 from msvalidate.network import internal_force
 from msvalidate.problem import Array
-from studies.pull_in import sweep
+from studies.pull_in import film, pressed, sweep
 from studies.pull_in.slab import PULL_IN
-from studies.pull_in.way import SPRINGS, Way, last_held, sliding
+from studies.pull_in.way import SPRINGS, Laws, Way, last_held, sliding
 
 PROBE = 1e-3
 """Size of the fault from which the smallest noticed one is extrapolated."""
@@ -96,6 +97,15 @@ def half_softened(held: Held, count: int = 1) -> tuple[Array, Array]:
     return lowest_modes(replace(held, voltage=held.voltage / np.sqrt(2)), count)
 
 
+def linear_sheet(first: float, second: float) -> float:
+    """Energy over μ of a sheet by Hooke's law, the third strain keeping the volume to first order.
+
+    μ·Σe², with e the stretches less 1: half of 2μ·e² along each axis.
+    """
+    along, across = first - 1, second - 1
+    return along**2 + across**2 + (along + across) ** 2
+
+
 KINDS: dict[str, Callable[..., Held]] = {"electric force": stronger, "springs": stiffer}
 """What may be wrong by a part of itself."""
 FAULTS = {
@@ -105,6 +115,12 @@ FAULTS = {
     "a voltage beyond pull-in is held": (Way(gap_as_it_was), "beyond"),
     "stiffness without K_elec": (Way(at_voltage, springs_alone), "instability"),
     "half of K_elec": (Way(at_voltage, half_softened), "instability"),
+    "a lattice without its diagonals": (Way(laws=Laws(lattice=pressed.straight_springs)), "which"),
+    "a linear sheet in the neo-Hookean one's place": (Way(laws=Laws(sheet=linear_sheet)), "which"),
+    "a bonded film of a ratio of 0.49": (
+        Way(laws=Laws(wave=partial(film.field, ratio=0.49))),
+        "which",
+    ),
 }
 """Fault -> the way that has it, and the question that notices."""
 

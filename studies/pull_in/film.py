@@ -18,11 +18,11 @@ LEAST_UP = 8
 """Cells up a film that is thin beside its waves: an even film has squares of half a wave's."""
 
 
-def field(kappa: float) -> float:
+def field(kappa: float, ratio: float = 0.5) -> float:
     """Field over √(μ/ε) at which a wave of κ = kh grows, the film's stiffness from mixed elements.
 
-    Half a wave of a film of height 1 m and shear modulus 1 Pa, at a ratio of 1/2; its sides slide
-    up and down where the wave has its crest and its trough.
+    Half a wave of a film of height 1 m and shear modulus 1 Pa, by default at a Poisson's ratio of
+    1/2; its sides slide up and down where the wave has its crest and its trough.
     """
     box = Box((np.pi / kappa, 1.0))
 
@@ -32,7 +32,7 @@ def field(kappa: float) -> float:
     slide = tuple(Support(box.side(name), (0.0, None)) for name in ("left", "right"))
     problem = Problem(
         box,
-        Isotropic(3.0, 0.5, "plane_strain"),
+        Isotropic(2 * (1 + ratio), ratio, "plane_strain"),
         (Support(box.side("bottom"), (0.0, 0.0)), *slide),
         (Traction(box.side("top"), wave),),
         name="film under a wave of traction",

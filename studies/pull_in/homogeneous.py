@@ -13,6 +13,7 @@ energies are differentiated and maximised by number.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -30,28 +31,27 @@ class Found(NamedTuple):
     true: float
 
 
+Law = Callable[[float, float], float]
+"""Energy over μ of a sheet stretched by two factors, its volume kept."""
+
+
 def neo_hookean(first: float, second: float) -> float:
     """Energy over μ of a sheet stretched by two factors, its volume kept."""
     return 0.5 * (first**2 + second**2 + 1 / (first * second) ** 2 - 3)
 
 
-def free_sheet(thinning: float) -> float:
+def free_sheet(thinning: float, law: Law = neo_hookean) -> float:
     """Energy over μ of a sheet free to widen, its area so many times as large: least over shapes.
 
     That both stretches are alike is found, not taken.
     """
     found = minimize_scalar(
-        lambda ratio: neo_hookean(np.sqrt(thinning * ratio), np.sqrt(thinning / ratio)),
+        lambda ratio: law(np.sqrt(thinning * ratio), np.sqrt(thinning / ratio)),
         bounds=(0.2, 5.0),
         method="bounded",
         options={"xatol": 1e-10},
     )
     return float(found.fun)
-
-
-def plane_sheet(thinning: float) -> float:
-    """Energy over μ of a sheet that may widen along one axis alone."""
-    return neo_hookean(thinning, 1.0)
 
 
 def field(
@@ -77,12 +77,12 @@ def pull_in(
     return float(found.x), -float(found.fun)
 
 
-def free_pull_in() -> Found:
-    """Of a neo-Hookean sheet free to widen along both axes: g = thinning squared."""
-    thinning, nominal = pull_in(free_sheet, lambda a: a**2, (1.01, 4.0))
+def free_pull_in(law: Law = neo_hookean) -> Found:
+    """Of a sheet free to widen along both axes: g = thinning squared."""
+    thinning, nominal = pull_in(partial(free_sheet, law=law), lambda a: a**2, (1.01, 4.0))
     return Found(1 / thinning, nominal, nominal * thinning)
 
 
-def plane_field(thinning: float) -> float:
-    """Nominal field over √(μ/ε) that thins a neo-Hookean sheet in plane strain so much."""
-    return field(plane_sheet, lambda a: a**2, thinning)
+def plane_field(thinning: float, law: Law = neo_hookean) -> float:
+    """Nominal field over √(μ/ε) that thins a sheet so much which may widen along one axis alone."""
+    return field(lambda a: law(a, 1.0), lambda a: a**2, thinning)

@@ -1,4 +1,7 @@
-"""The candidate: how an actuator comes to rest at a voltage, and which of its motions are soft."""
+"""The candidate: how an actuator comes to rest at a voltage, which of its motions are soft.
+
+And the laws behind the thresholds that `which` computes.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,29 @@ from typing import NamedTuple
 
 from msvalidate.actuator import Actuator, Held, PulledIn, at_voltage, lowest_modes, slab
 from msvalidate.problem import Array
+from studies.pull_in import film, homogeneous, pressed
 from studies.pull_in.slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY
+
+
+class Laws(NamedTuple):
+    """Of what the films are that `which` finds thresholds of, by other routes than closed forms.
+
+    Parameters
+    ----------
+    straight, lattice, elements
+        Pressure (Pa) -> thickness over that at no load (1) of a column: of springs whose stress is
+        linear in it, of the lattice, and of finite elements with the lattice's energy.
+    sheet
+        Two stretches (1) -> energy over μ of a sheet that keeps its volume.
+    wave
+        κ = kh (1) -> field over √(μ/ε) at which a wave of a bonded film grows.
+    """
+
+    straight: Callable[[float], float] = pressed.straight_springs
+    lattice: Callable[[float], float] = pressed.springs
+    elements: Callable[[float], float] = pressed.elements
+    sheet: homogeneous.Law = homogeneous.neo_hookean
+    wave: Callable[[float], float] = film.field
 
 
 class Way(NamedTuple):
@@ -20,10 +45,13 @@ class Way(NamedTuple):
         from an equilibrium; raises `PulledIn` where there is none.
     modes
         (held, count) -> eigenvalues (count,) in N/m and shapes (count, n, 2) of K_mech - K_elec.
+    laws
+        Of the films that are computed beside closed forms.
     """
 
     at_voltage: Callable[..., Held] = at_voltage
     modes: Callable[..., tuple[Array, Array]] = lowest_modes
+    laws: Laws = Laws()
 
 
 SPRINGS = Way()

@@ -2,8 +2,9 @@
 
 Question   Several instabilities of soft dielectrics go by one name, and their thresholds by one
            unit, √(μ/ε). Which of them can springs or elements show, and what is each worth?
-Candidate  None: each threshold is computed from the law that it is of.
-Reference  Closed forms (`msvalidate.actuator.uniform`), or the literature where there is none.
+Candidate  Thresholds computed from the laws that they are of (`way.Laws`).
+Reference  Closed forms (`msvalidate.actuator.uniform`). Of creases there is the literature alone:
+           neither springs nor smooth elements fold by themselves, and nothing is asked of them.
 Expected   Stress linear in the thickness, area held: l = 2/3, V² = 8Ch²/27ε, the third of the gap
            of electrostatic actuators. The lattice, area held: l = 0.692. A free neo-Hookean sheet:
            stretch 2^(1/3), thickness 0.630, nominal field 0.687, true field 1.091 √(μ/ε) (Zhao and
@@ -24,7 +25,8 @@ from msvalidate.actuator import uniform
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Tolerance
 from msvalidate.sweep import Setting
-from studies.pull_in import film, homogeneous, pressed, slab
+from studies.pull_in import homogeneous, pressed, slab
+from studies.pull_in.way import Laws, Way
 from studies.pull_in.which_drawing import draw
 
 QUICK_WAVES, WAVES = (0.5, 2.0, 8.0), (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
@@ -81,12 +83,14 @@ TAHIR = "Wang, Tahir, Zhang and Zhao 2011, doi:10.1039/c1sm05645j"
 Three = Sequence[object]
 
 
-def run(setting: Setting) -> Evidence:
+def run(candidate: Way, setting: Setting) -> Evidence:
     """Compute what can be, beside the closed forms."""
-    plane = pd.DataFrame([widened(stretch) for stretch in STRETCHES])
-    waves = pd.DataFrame([waved(kappa) for kappa in (QUICK_WAVES if setting.quick else WAVES)])
+    laws = candidate.laws
+    plane = pd.DataFrame([widened(laws, stretch) for stretch in STRETCHES])
+    kappas = QUICK_WAVES if setting.quick else WAVES
+    waves = pd.DataFrame([waved(laws, kappa) for kappa in kappas])
     shortest = waves.iloc[-1]
-    table = pd.DataFrame([*thinned(), *sheets(), *waves_named(shortest), *creases()])
+    table = pd.DataFrame([*thinned(laws), *sheets(laws), *waves_named(shortest), *creases()])
     sharp = table[table["computed_by"].str.contains("springs|elements with|minimised")]
     ratios = [
         float(row[f"{name}_found"]) / float(row[f"{name}_theory"])
@@ -131,7 +135,7 @@ def fields(thickness: float, voltage: float, unit: float) -> tuple[float, float,
     return thickness, nominal, nominal / thickness
 
 
-def thinned() -> list[dict[str, object]]:
+def thinned(laws: Laws) -> list[dict[str, object]]:
     """Films whose area is held, pressed charge by charge."""
     modulus = float(np.sqrt(slab.AXIAL / slab.PERMITTIVITY))
     line = uniform.linear_stress_pull_in(slab.AXIAL, slab.HEIGHT, slab.PERMITTIVITY)
@@ -145,7 +149,7 @@ def thinned() -> list[dict[str, object]]:
         (
             "thinning, stress linear in the thickness",
             ("√(C/ε)", modulus, line),
-            (pressed.straight_springs, "springs, charge by charge"),
+            (laws.straight, "springs, charge by charge"),
             (
                 "maximum of l²·(1 - l)",
                 "what electrostatic actuators quote, a third of the gap: it is no soft solid's",
@@ -154,13 +158,13 @@ def thinned() -> list[dict[str, object]]:
         (
             "thinning, square lattice with diagonals",
             ("√(μ/ε)", slab.NATURAL, net),
-            (pressed.springs, "springs, charge by charge"),
+            (laws.lattice, "springs, charge by charge"),
             ("maximum of l²·P(l)", "the network's own pull-in: compare runs with this one"),
         ),
         (
             "thinning, elements with the lattice's energy",
             ("√(μ/ε)", slab.NATURAL, net),
-            (pressed.elements, "elements with the lattice's law, charge by charge"),
+            (laws.elements, "elements with the lattice's law, charge by charge"),
             ("maximum of l²·P(l)", "the same law, other code: the law decides, not the method"),
         ),
     )  # fmt: skip
@@ -178,11 +182,11 @@ def thinned() -> list[dict[str, object]]:
     return rows
 
 
-def sheets() -> list[dict[str, object]]:
+def sheets(laws: Laws) -> list[dict[str, object]]:
     """Neo-Hookean sheets that widen as they are thinned."""
     exact = uniform.biaxial_pull_in(1.0, 1.0)
-    found = homogeneous.free_pull_in()
-    most = homogeneous.plane_field(STRETCHES[-1])
+    found = homogeneous.free_pull_in(laws.sheet)
+    most = homogeneous.plane_field(STRETCHES[-1], laws.sheet)
     return [
         row(
             ("thinning, neo-Hookean sheet", "free to widen along both axes", "√(μ/ε)"),
@@ -249,22 +253,22 @@ def creases() -> list[dict[str, object]]:
     ]
 
 
-def widened(stretch: float) -> dict[str, object]:
+def widened(laws: Laws, stretch: float) -> dict[str, object]:
     """A sheet in plane strain at a stretch."""
     return {
         "stretch": stretch,
         "field_theory": uniform.plane_strain_nominal_field(stretch),
-        "field_found": homogeneous.plane_field(stretch),
+        "field_found": homogeneous.plane_field(stretch, laws.sheet),
     }
 
 
-def waved(kappa: float) -> dict[str, object]:
+def waved(laws: Laws, kappa: float) -> dict[str, object]:
     """A wave of a bonded film."""
     return {
         "kh": kappa,
         "wavelength_over_h": 2 * np.pi / kappa,
         "field_theory": uniform.bonded_film_field(kappa),
-        "field_found": film.field(kappa),
+        "field_found": laws.wave(kappa),
     }
 
 

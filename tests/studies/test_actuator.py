@@ -130,6 +130,8 @@ def test_a_voltage_that_was_not_held_is_named():
     assert figure8_statements.at(run, 1.0) is run[1]
     with pytest.raises(SolverError, match=r"2 V was not held.*last held: 1 V"):
         figure8_statements.at(run, 2.0)
+    with pytest.raises(SolverError, match=r"2 V was not held.*last held: 0.5 V"):
+        figure8_statements.last_two(run[:1])
 
 
 @pytest.mark.parametrize(
@@ -139,12 +141,78 @@ def test_a_voltage_that_was_not_held_is_named():
         ((True, True, False, True), "physics, not shown by the report's way throughout"),
         ((False, False, True, True), "made by the report's model"),
         ((False, False, False, True), "made by the report's model on 5 layers"),
+        ((False, False, True, False), "made by the report's model on 10 layers"),
+        ((False, True, True, True), "open: springs and FEM do not agree"),
         ((False, False, False, False), "holds in none of them"),
         ((True, False, True, True), "open: springs and FEM do not agree"),
     ],
 )
 def test_verdicts(ways, words):
     assert figure8_statements.verdict(*ways) == words
+
+
+def walk(low, high, inner=0.4):
+    return [seen(low, 0.5), seen(high, 2.0, inner)]
+
+
+def even(x):
+    return np.ones_like(x)
+
+
+def shallow(x):
+    return 0.1 * even(x)
+
+
+def bowl(x):
+    return 1 + 2 * ((x - 30) / 30) ** 2
+
+
+def bump(place):
+    return lambda x: 1 + np.exp(-((x - place) ** 2))
+
+
+FACES = (
+    (walk(bowl, bowl), walk(even, even)),
+    (walk(bowl, bowl), walk(even, even)),
+    (walk(even, bowl), walk(bowl, bowl)),
+    (walk(shallow, shallow), walk(even, even)),
+    (walk(even, even), walk(bowl, bowl)),
+    (walk(even, lambda x: 2 - np.cos(2 * np.pi * x / 20)), walk(even, even)),
+    (walk(even, bump(25)), walk(even, bump(20))),
+    (walk(even, even, 0.5), walk(even, even, 0.3)),
+)
+"""Faces of which each statement holds, and of which it does not."""
+
+
+@pytest.mark.parametrize(
+    ("statement", "faces"), list(zip(figure8_statements.STATEMENTS, FACES, strict=True))
+)
+def test_every_statement_can_come_to_anything(statement, faces):
+    """What it comes to hangs on the faces alone, and is not written into the table."""
+    for ways, words in (
+        ((True, True, True, True), "physics"),
+        ((True, False, False, True), "physics, not shown by the report's way throughout"),
+        ((False, True, True, False), "made by the report's model"),
+        ((False, False, True, False), "made by the report's model on 5 layers"),
+        ((False, False, False, False), "holds in none of them"),
+        ((True, True, True, False), "open: springs and FEM do not agree"),
+    ):
+        shown = (faces[0] if way else faces[1] for way in ways)
+        row = figure8_statements.judged(statement, dict(zip(models.SOURCES, shown, strict=True)))
+        assert row["verdict_on_statement"] == words
+        judgement = [source for source, way in zip(models.SOURCES, ways, strict=True) if way]
+        assert row["judgement"] == (" and ".join(judgement) or "none")
+
+
+@pytest.mark.parametrize(
+    ("fault", "noticing", "disputed"),
+    [("charges as at the start", [0, 1, 3], 1), ("edges pushed inwards", [0, 1, 2, 3], 5)],
+)
+def test_figure8_notices_its_faults(fault, noticing, disputed):
+    """Charges that stay as they were make no effect that grows, and elements do: one statement."""
+    verdict = judge(actuator.run(**actuator.FAULTS[fault], setting=QUICK))
+    assert list(verdict.index[verdict["verdict"] == "fail"]) == noticing
+    assert verdict["observed"].iloc[-1] == disputed
 
 
 def test_part_that_is_alike():

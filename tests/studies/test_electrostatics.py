@@ -258,6 +258,46 @@ def test_dent_moves_one_electrode_by_what_it_says():
 # --- controls -------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("fault", "noticing"),
+    [
+        ("half of the charge lost at edges, on both faces", [0, 2]),
+        ("segments seen as points", [1]),
+        ("halves along half a strip", [2]),
+        ("equations taken for symmetric", [0]),
+        ("the kernel of space in the plane's place", [1, 2]),
+        ("charges left behind by a motion", [0, 1]),
+        ("the factor of electrodes a tenth as far apart", [1]),
+    ],
+)
+def test_each_tolerance_of_a_table_notices_a_fault(fault, noticing):
+    """Of `shortcuts`, `nodes` and `scaling`: none of their observations is asked in vain."""
+    verdict = judge(electrostatics.run(**electrostatics.FAULTS[fault], setting=QUICK))["verdict"]
+    assert [i for i, word in enumerate(verdict) if word == "fail"] == noticing
+
+
+@pytest.mark.parametrize("shape", ["flat", "wavy"])
+def test_sums_over_points_times_their_places(shape):
+    """Σx·F of charges in the plane is Σqq'/(2πε) over pairs, wherever they are."""
+    given = common.pair(shape, 4.0, 5)
+    found = nodes.charged(MOMENTS, "springs", given)
+    q = found.charge
+    pairs = sum(q[i] * q[j] for i in range(len(q)) for j in range(i)) / (2 * np.pi)
+    assert pairs == pytest.approx(-(q**2).sum() / (4 * np.pi), rel=1e-12)
+    force = nodes.FORCES["point sums"](found)
+    assert (given.points * force).sum() == pytest.approx(pairs, rel=1e-12)
+    right = nodes.FORCES["derivatives"](found)
+    assert abs((given.points * right).sum()) < 1e-13 * np.abs(pairs)
+
+
+def test_field_of_points_is_that_of_segments_far_away():
+    electrodes = common.pair("wavy", 4.0, 10)
+    far = np.array([[40.0, 30.0], [-70.0, 5.0]])
+    seen = controls.of_points(electrodes)
+    assert seen.field(far) == pytest.approx(MOMENTS.charges(electrodes).field(far), rel=2e-3)
+    assert np.isfinite(seen.field(electrodes.middle)).all()
+
+
 def test_no_fault_is_the_solver_itself():
     electrodes = common.pair("wavy", 4.0, 10)
     for weighting in ("galerkin", "collocation"):

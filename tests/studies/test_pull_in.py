@@ -278,5 +278,26 @@ def test_a_held_voltage_beyond_pull_in_is_noticed():
     assert not held(judge(found))
 
 
-def test_which_needs_no_candidate():
-    assert held(judge(which.run(QUICK)))
+def test_thresholds_by_the_right_laws_hold():
+    assert held(judge(which.run(SPRINGS, QUICK)))
+
+
+@pytest.mark.parametrize(
+    ("fault", "noticing"),
+    [
+        ("a lattice without its diagonals", [0]),
+        ("a linear sheet in the neo-Hookean one's place", [0, 1]),
+        ("a bonded film of a ratio of 0.49", [2]),
+    ],
+)
+def test_each_threshold_notices_its_law(fault, noticing):
+    verdict = judge(pull_in.run(**pull_in.FAULTS[fault], setting=QUICK))["verdict"]
+    assert [i for i, word in enumerate(verdict) if word == "fail"] == noticing
+
+
+def test_linear_sheet_is_the_neo_hookean_one_to_second_order():
+    for along, across in ((1e-3, 0.0), (1e-3, 2e-3), (-1e-3, 5e-4)):
+        soft, straight = (
+            law(1 + along, 1 + across) for law in (homogeneous.neo_hookean, controls.linear_sheet)
+        )
+        assert straight == pytest.approx(soft, rel=1e-2)
