@@ -220,9 +220,9 @@ class Run:
         excess = np.abs(self.balance()) - small
         if not (excess <= self._apart).all():
             return False
-        if (excess <= 0).all():
-            return True
-        return bool((np.abs(self.motion.balance(self.displacement)) <= small).all())
+        if (excess > 0).any():  # as the network is
+            excess = np.abs(self.motion.balance(self.displacement)) - small
+        return bool((excess <= 0).all())
 
     def force_met(self) -> float:
         """Largest sum of force magnitudes (N) that meet at a free point now."""
