@@ -14,8 +14,9 @@ from msvalidate.equilibrium import Equilibrium, at_rest, refuse_mechanism
 from msvalidate.integrate import SPECTRUM_ERROR
 from msvalidate.linear import is_factored
 from msvalidate.multigrid import Cycle, cycle_of, restrained
-from msvalidate.network import Network, force_roundoff, force_scale
+from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
+from msvalidate.residual import force_roundoff, force_scale
 from msvalidate.spectrum import extreme_frequencies
 from msvalidate.volumes import stiffness_met
 

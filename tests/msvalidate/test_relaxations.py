@@ -11,10 +11,11 @@ import pytest
 from msvalidate import kernels
 from msvalidate.equilibrium import equilibrium, is_stable
 from msvalidate.integrators import INTEGRATORS, LEAPFROG
-from msvalidate.network import force_scale, internal_force, spring_network, tangent
+from msvalidate.network import internal_force, spring_network, tangent
 from msvalidate.problem import Box, PointForce, ProblemError, Region, SolverError, Support, Traction
 from msvalidate.relax import Method, relax
 from msvalidate.relaxations import RELAXATIONS
+from msvalidate.residual import force_scale
 from msvalidate.spectrum import extreme_frequencies
 from msvalidate.viscous import viscous
 
