@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.calibrate import Calibration, stiffnesses
+from msvalidate.calibrate import stiffnesses
 from msvalidate.lattice import Constants, CutLattice, Lattice, boundary_weights
 from msvalidate.lattice.corners import quadrilateral_shares
 from msvalidate.local_shear import LocalShear
@@ -27,6 +27,7 @@ from msvalidate.problem import (
     prescribed,
     vectors_at,
 )
+from msvalidate.routes import Calibration
 from msvalidate.volumes import Volumes
 
 RIGHT = 1e-9

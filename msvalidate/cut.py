@@ -30,7 +30,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from msvalidate.calibrate import Calibration, stiffnesses
+from msvalidate.calibrate import stiffnesses
 from msvalidate.lattice import Constants
 from msvalidate.lattice.cut import CutLattice
 from msvalidate.lattice.outline import crossed, outline, outside, straight_pieces
@@ -53,6 +53,7 @@ from msvalidate.problem import (
     prescribed_where,
     vectors_at,
 )
+from msvalidate.routes import Calibration
 from msvalidate.volumes import Volumes
 
 GAUSS = (0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3))

@@ -11,13 +11,7 @@ from scipy.sparse import csr_array
 from msvalidate.linear import Factor, factorised, is_factored, softest_mode
 from msvalidate.mechanism import is_loose, named
 from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
-from msvalidate.network import (
-    Network,
-    force_roundoff,
-    force_scale,
-    internal_force,
-    tangent,
-)
+from msvalidate.network import Network, internal_force, tangent
 from msvalidate.problem import (
     Array,
     SolverError,
@@ -25,6 +19,7 @@ from msvalidate.problem import (
     instance,
     refuse_free_motions,
 )
+from msvalidate.residual import force_roundoff, force_scale
 
 TOLERANCE = 1e-11
 """Newton stops at this residual, relative to the forces that meet at a point (and not below their

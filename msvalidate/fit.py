@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 from scipy.sparse import csr_array
 
 from msvalidate.lattice import Constants
@@ -119,16 +119,7 @@ def fitted_constants(
     with_volumes = networks[0].volumes is not None
     p = _start(cases, number, with_volumes, start)
     unit = float(p.max())
-    lowest = np.where(np.arange(len(p)) < number, 0.0, -np.inf)
-
-    def misfit(q: Array) -> Array:
-        return np.concatenate([_misfit(case, unit * q)[0] for case in cases])
-
-    def slope(q: Array) -> Array:
-        return unit * np.concatenate([_misfit(case, unit * q)[1] for case in cases])
-
-    limits = {"xtol": 1e-14, "ftol": 1e-15, "gtol": 1e-14}
-    found = least_squares(misfit, p / unit, slope, (lowest, np.inf), **limits)
+    found = _nearest(cases, p / unit, unit, number)
     if not found.success:
         raise SolverError(
             f"fitted constants: not found in {found.nfev} steps, a residual of "
@@ -236,6 +227,20 @@ def _start(cases: list[_Case], number: int, volumes: bool, given: Constants | No
         raise ProblemError("fitted constants: nothing moves the networks; load them by forces")
     factor = size / max(float(u / size @ wanted), np.finfo(float).tiny)
     return p * (factor if 1 / LONGEST <= factor <= LONGEST else 1.0)
+
+
+def _nearest(cases: list[_Case], start: Array, unit: float, number: int) -> OptimizeResult:
+    """Least squares over constants in a unit of theirs; springs', the first, stay 0 or more."""
+    lowest = np.where(np.arange(len(start)) < number, 0.0, -np.inf)
+
+    def misfit(q: Array) -> Array:
+        return np.concatenate([_misfit(case, unit * q)[0] for case in cases])
+
+    def slope(q: Array) -> Array:
+        return unit * np.concatenate([_misfit(case, unit * q)[1] for case in cases])
+
+    limits = {"xtol": 1e-14, "ftol": 1e-15, "gtol": 1e-14}
+    return least_squares(misfit, start, slope, (lowest, np.inf), **limits)
 
 
 def _misfit(case: _Case, p: Array) -> tuple[Array, Array]:

@@ -212,7 +212,7 @@ def force_met(shear: LocalShear, position: Array) -> Array:
 def roundoff_met(shear: LocalShear, reach: float) -> Array:
     """Sum (n,) of the forces (N) of springs sheared by `reach` (m) and their own length.
 
-    An eps of it is the rounding of a force: see `network.force_roundoff`.
+    An eps of it is the rounding of a force: see `residual.force_roundoff`.
     """
     return _spread(shear, reach + np.linalg.norm(shear.vector, axis=1))
 

@@ -235,7 +235,7 @@ def spring_network(
 
 def energy(network: Network, position: Array) -> float:
     """Energy (J) stored in springs, cells and shear springs at `position` (n, d) in m."""
-    _, length = _stretched(network, position)
+    _, length = stretched(network, position)
     stored = float(0.5 * network.stiffness @ (length - network.rest_length) ** 2)
     stored += cells.energy(network.volumes, position) if network.volumes else 0.0
     return stored + (local_shear.energy(network.shear, position) if network.shear else 0.0)
@@ -243,7 +243,7 @@ def energy(network: Network, position: Array) -> float:
 
 def internal_force(network: Network, position: Array) -> Array:
     """Force (n, d) in N of all springs and cells on the points at `position` (n, d) in m."""
-    vector, length = _stretched(network, position)
+    vector, length = stretched(network, position)
     tension = network.stiffness * (length - network.rest_length)
     pull = (tension / length)[:, None] * vector
     force = np.zeros(position.shape)
@@ -267,7 +267,7 @@ def tangent(network: Network, position: Array) -> csr_array:
 
 def tangent_blocks(network: Network, position: Array) -> bsr_array:
     """The tangent of `tangent`, kept as one d × d block for every two points that are joined."""
-    vector, length = _stretched(network, position)
+    vector, length = stretched(network, position)
     n = vector / length[:, None]
     across = network.stiffness * (1 - network.rest_length / length)
     along = network.stiffness - across
@@ -295,7 +295,7 @@ def mode_energy(network: Network, position: Array, motion: Array) -> float:
     Summed spring by spring, each term positive, it is exact where K's own rounding would hide it;
     cells are one term each. Springs within 1e-12 of their rest length count as unstressed.
     """
-    vector, length = _stretched(network, position)
+    vector, length = stretched(network, position)
     i, j = network.springs.T
     change = motion[j] - motion[i]
     along = (change * vector).sum(axis=1) / length
@@ -310,54 +310,16 @@ def mode_energy(network: Network, position: Array, motion: Array) -> float:
     return stored
 
 
-def force_scale(network: Network, position: Array) -> float:
-    """Largest sum of force magnitudes (N) that meet at a free point: the measure of a residual.
-
-    Springs between points that are held take no part in any balance and do not count.
+def stretched(network: Network, position: Array) -> tuple[Array, Array]:
+    """Vectors (m, d) in m of the springs at `position` (n, d) in m, and their lengths (m,) in m.
 
     Raises
     ------
+    ProblemError
+        If positions do not fit the network, or are no ordinary numbers.
     SolverError
-        If the forces are beyond all numbers: any residual would be small beside them.
+        If a spring has no length: it pulls in no direction.
     """
-    _, length = _stretched(network, position)
-    with np.errstate(over="ignore", invalid="ignore"):  # refused below
-        tension = np.abs(network.stiffness * (length - network.rest_length))
-        met = np.linalg.norm(network.force, axis=1)
-        for end in (0, 1):
-            met = met + np.bincount(network.springs[:, end], tension, len(position))
-        if network.volumes:
-            met = met + cells.force_met(network.volumes, position)
-        if network.shear:
-            met = met + local_shear.force_met(network.shear, position)
-    scale = float(met[~network.held.all(axis=1)].max(initial=0.0))
-    if not math.isfinite(scale):
-        raise SolverError(
-            "network: forces beyond all numbers meet at a point; choose units that give ordinary "
-            "forces, or reduce the load"
-        )
-    return scale
-
-
-def force_roundoff(network: Network, reach: float | None = None) -> Array:
-    """Force (n, 1) in N below which the residual at a point is rounding.
-
-    An eps of lengths and of what is added to them, times the springs that meet there. `reach` (m)
-    is the largest number added: by default a coordinate; where displacements are kept apart from
-    reference positions, a displacement.
-    """
-    instance("network", network, Network)
-    reach = float(np.abs(network.points).max()) if reach is None else reach
-    pull = network.stiffness * (reach + network.rest_length)
-    met = 1.0 * np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
-    if network.volumes:
-        met = met + cells.roundoff_met(network.volumes, reach)
-    if network.shear:
-        met = met + local_shear.roundoff_met(network.shear, reach)
-    return np.asarray(np.finfo(float).eps * met)[:, None]
-
-
-def _stretched(network: Network, position: Array) -> tuple[Array, Array]:
     instance("network", network, Network)
     if getattr(position, "shape", None) != network.points.shape:
         raise ProblemError(f"position: {shown(position)}; give an array {network.points.shape}")

@@ -104,15 +104,8 @@ def relax(
     """
     instance("network", network, Network)
     instance("method", method, Method)
-    if positive("tolerance", tolerance) > LOOSEST:
-        raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
-    if max_steps is not None:
-        whole("max_steps", max_steps, 1)
-    if look_every is not None:
-        whole("look_every", look_every, 1)
+    _refuse_ends(tolerance, max_steps, look_every, watch)
     refuse_free_motions("network", network.points, network.held)
-    if not (watch is None or callable(watch)):
-        raise ProblemError(f"watch: {shown(watch)}; give a function of the run, or None")
     run = Run(network, method.title, tolerance, _known(frequencies))
     if network.held.all():
         return run.result([], 0.0)
@@ -125,6 +118,19 @@ def relax(
             "the load"
         )
     return found
+
+
+def _refuse_ends(
+    tolerance: float, max_steps: int | None, look_every: int | None, watch: Watch | None
+) -> None:
+    """What ends a run, or looks at it, out of range."""
+    if positive("tolerance", tolerance) > LOOSEST:
+        raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
+    for name, steps in (("max_steps", max_steps), ("look_every", look_every)):
+        if steps is not None:
+            whole(name, steps, 1)
+    if not (watch is None or callable(watch)):
+        raise ProblemError(f"watch: {shown(watch)}; give a function of the run, or None")
 
 
 def _known(frequencies: tuple[float, float] | None) -> tuple[float, float] | None:

@@ -14,8 +14,9 @@ from msvalidate.equilibrium import Equilibrium, at_rest, refuse_mechanism
 from msvalidate.integrate import SPECTRUM_ERROR
 from msvalidate.linear import is_factored
 from msvalidate.multigrid import Cycle, cycle_of, restrained
-from msvalidate.network import Network, force_roundoff, force_scale
+from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
+from msvalidate.residual import force_roundoff, force_scale
 from msvalidate.spectrum import extreme_frequencies
 from msvalidate.volumes import stiffness_met
 
@@ -218,12 +219,11 @@ class Run:
             return False
         small = np.maximum(self.tolerance * self.force_met(), self._floor)
         excess = np.abs(self.balance()) - small
-        return bool((excess <= 0).all()) or self._rests_as_stepped(excess, small)
-
-    def _rests_as_stepped(self, excess: Array, small: Array) -> bool:
-        if not (self._apart.any() and (excess <= self._apart).all()):
+        if not (excess <= self._apart).all():
             return False
-        return bool((np.abs(self.motion.balance(self.displacement)) <= small).all())
+        if (excess > 0).any():  # as the network is
+            excess = np.abs(self.motion.balance(self.displacement)) - small
+        return bool((excess <= 0).all())
 
     def force_met(self) -> float:
         """Largest sum of force magnitudes (N) that meet at a free point now."""

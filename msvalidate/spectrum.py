@@ -80,12 +80,7 @@ def natural_frequencies(
             f"count: {shown(count)} frequencies; this network has {size} free components"
         )
     if size <= max(DENSE, 4 * count):
-        if size > LARGEST_DENSE:
-            raise ProblemError(
-                f"count: {count} frequencies of {size}; ask for fewer than a quarter of them, or "
-                f"of a network with at most {LARGEST_DENSE} free components"
-            )
-        squares = eigvalsh(matrix.toarray())
+        squares = _all(matrix, count)
         lowest, highest = squares[:count], squares[-1]
     else:
         highest = _largest(matrix, tolerance)
@@ -140,6 +135,17 @@ def _dynamical_matrix(network: Network, position: Array) -> csr_array:
             "ordinary frequencies"
         )
     return matrix
+
+
+def _all(matrix: csr_array, count: int) -> Array:
+    """Every square, by a dense solver, unless the matrix is too large to be dense."""
+    size = matrix.shape[0]
+    if size > LARGEST_DENSE:
+        raise ProblemError(
+            f"count: {count} frequencies of {size}; ask for fewer than a quarter of them, or "
+            f"of a network with at most {LARGEST_DENSE} free components"
+        )
+    return np.asarray(eigvalsh(matrix.toarray()))
 
 
 def _largest(matrix: csr_array, tolerance: float) -> float:

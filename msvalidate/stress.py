@@ -238,14 +238,8 @@ def fitted_stress(
     ProblemError
         If an array does not fit, or points are too few or lie on a curve of that degree.
     """
-    x, u, at = (
-        coordinates(name, array)
-        for name, array in (
-            ("points", points),
-            ("displacement", displacement),
-            ("places", places),
-        )
-    )
+    given = {"points": points, "displacement": displacement, "places": places}
+    x, u, at = (coordinates(name, array) for name, array in given.items())
     C = finite("tensor", tensor)
     fits = x.ndim == at.ndim == 2 and x.shape[1] in VOIGT and at.shape[1] == x.shape[1]
     if not fits or u.shape != x.shape or not len(at):

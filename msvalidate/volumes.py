@@ -194,7 +194,7 @@ def stiffness_met(volumes: Volumes) -> Array:
 def roundoff_met(volumes: Volumes, reach: float) -> Array:
     """Sum (n,) of the forces (N) of a cell whose corners move by `reach` (m) and its own size.
 
-    An eps of it is the rounding of a force: see `network.force_roundoff`.
+    An eps of it is the rounding of a force: see `residual.force_roundoff`.
     """
     size = np.linalg.norm(_gradient(volumes, volumes.points), axis=2)
     V0 = volumes.rest_volume

@@ -289,6 +289,8 @@ FLOORS = {
     "msvalidate.mesh_file": 1,
     "msvalidate.multigrid": 1,
     "msvalidate.network": 1,
+    "msvalidate.residual": 1,
+    "msvalidate.routes": 1,
     "msvalidate.stable_range": 1,
     "msvalidate.singularity": 1,
     "msvalidate.spring_constants": 1,

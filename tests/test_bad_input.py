@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import reference_fem
 from msvalidate import faults
 from msvalidate.body import lattice_network
-from msvalidate.calibrate import ROUTES, calibrated, default_constants
+from msvalidate.calibrate import calibrated, default_constants
 from msvalidate.candidate import springs
 from msvalidate.compare import observed_order, worst
 from msvalidate.equilibrium import equilibrium, is_stable
@@ -53,6 +53,7 @@ from msvalidate.problem import (
     vectors_at,
     whole,
 )
+from msvalidate.routes import ROUTES
 from msvalidate.singularity import clamped_free_exponent, free_free_exponent
 from msvalidate.spectrum import natural_frequencies
 from msvalidate.stiffness import (

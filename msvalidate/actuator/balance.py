@@ -12,8 +12,9 @@ from msvalidate.actuator.device import Actuator
 from msvalidate.actuator.models import Electric
 from msvalidate.equilibrium import LARGEST_TURN, largest_turn
 from msvalidate.linear import Factor, factorised
-from msvalidate.network import force_roundoff, force_scale, internal_force, tangent
+from msvalidate.network import internal_force, tangent
 from msvalidate.problem import Array
+from msvalidate.residual import force_roundoff, force_scale
 
 ITERATIONS = 25
 """Newton steps to one voltage: several times what quadratic convergence needs."""

@@ -8,8 +8,8 @@ import numpy as np
 
 from msvalidate.actuator.device import Actuator, Model
 from msvalidate.actuator.uniform import relaxed_thickness
-from msvalidate.lattice import boundary_weights, square
-from msvalidate.network import spring_network
+from msvalidate.lattice import Lattice, boundary_weights, square
+from msvalidate.network import Network, spring_network
 from msvalidate.problem import (
     Array,
     Box,
@@ -86,28 +86,11 @@ def slab(
     columns = _counted("length", width * layers / tall, "a whole multiple of height/cells")
     lattice = square(Box((width, tall)), (columns, layers))
     k = np.array([positive("axial", axial, "Pa"), positive("diagonal", diagonal, "Pa")])
-    stretched = positive("prestretch", prestretch)
-    thinned = relaxed_thickness(stretched, axial=k[0], diagonal=k[1])
-    deep = positive("depth", depth, "m")
-    x, y = lattice.points.T
-    network = spring_network(
-        lattice.points * [stretched, thinned],
-        lattice.springs,
-        deep * k[lattice.kind] * boundary_weights(lattice, "shared"),
-        rest_length=np.linalg.norm(lattice.vectors, axis=1),
-        mass=positive("density", density, "kg/m³") * deep * lattice.point_volume,
-        held=_held(x, y, width if sides == "sliding" else np.nan),
-    )
-    bare = _bare_columns(covered, columns)
-    top, bottom = (_along(x, y, level) for level in (tall, 0.0))
-    return Actuator(
-        network,
-        (top[bare : len(top) - bare], bottom),
-        permittivity,
-        model,
-        deep,
-        permittivity_ratio,
-    )
+    stretched, deep = positive("prestretch", prestretch), positive("depth", depth, "m")
+    mass = deep * positive("density", density, "kg/m³")
+    network = _bonded(lattice, k, deep, mass, stretched, sliding=sides == "sliding")
+    facing = _facing(lattice, _bare_columns(covered, columns))
+    return Actuator(network, facing, permittivity, model, deep, permittivity_ratio)
 
 
 def without_tips(actuator: Actuator, within: float) -> Actuator:
@@ -146,6 +129,32 @@ def near_tips(actuator: Actuator, within: float) -> Mask:
     if (actuator.network.held | near[:, None]).all():
         raise ProblemError(f"distance from a tip: {distance:g} m; it holds every point")
     return near
+
+
+def _bonded(
+    lattice: Lattice, k: Array, deep: float, mass: float, stretched: float, *, sliding: bool
+) -> Network:
+    """The film pre-stretched and held: rest lengths are those of the lattice without stretch.
+
+    k (Pa) of springs along the axes and diagonals, mass per area (kg/m²).
+    """
+    x, y = lattice.points.T
+    thinned = relaxed_thickness(stretched, axial=k[0], diagonal=k[1])
+    return spring_network(
+        lattice.points * [stretched, thinned],
+        lattice.springs,
+        deep * k[lattice.kind] * boundary_weights(lattice, "shared"),
+        rest_length=np.linalg.norm(lattice.vectors, axis=1),
+        mass=mass * lattice.point_volume,
+        held=_held(x, y, x.max() if sliding else np.nan),
+    )
+
+
+def _facing(lattice: Lattice, bare: int) -> tuple[Index, Index]:
+    """Chains of points of the top electrode, with bare cells on either side, and of the bottom."""
+    x, y = lattice.points.T
+    top, bottom = (_along(x, y, level) for level in (y.max(), 0.0))
+    return top[bare : len(top) - bare], bottom
 
 
 def _counted(name: str, count: float, remedy: str) -> int:

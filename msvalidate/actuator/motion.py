@@ -14,6 +14,7 @@ from msvalidate.actuator.equilibria import Held, held_at
 from msvalidate.actuator.models import Electric, electrified
 from msvalidate.integrate import SPECTRUM_ERROR
 from msvalidate.integrators import EULER_CROMER, factors_of, stability_limit
+from msvalidate.network import Network
 from msvalidate.problem import (
     Array,
     ProblemError,
@@ -97,18 +98,10 @@ def moving(
     volts = number("voltage", voltage)
     if positive("tolerance", tolerance) > LOOSEST:
         raise ProblemError(f"tolerance: {tolerance:g}; give at most {LOOSEST:g}")
-    network, every = actuator.network, whole("charges_every", charges_every, 1)
-    lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
-    rate = 2 * lowest if damping is None else positive("damping", damping, "1/s")
-    limit = stability_limit(EULER_CROMER, lowest, highest, rate)
-    step = SAFETY * limit if dt is None else positive("time step dt", dt, "s")
-    if max_steps is None:
-        decay = min(0.5 * rate, lowest**2 / rate) if rate > lowest else 0.5 * rate
-        max_steps = patiently(-math.log(tolerance) / (decay * step))
-    run = _Run(actuator, volts, start)
-    keep, push = (float(factor) for factor in factors_of(EULER_CROMER)(step, np.asarray(rate)))
-    looks = []
-    for count in range(whole("max_steps", max_steps, 1) + 1):
+    every = whole("charges_every", charges_every, 1)
+    step, rate, patience = _pace(actuator.network, dt, damping, tolerance, max_steps)
+    run, looks = _Run(actuator, volts, start, step, rate), []
+    for count in range(patience + 1):
         look = count % LOOK_EVERY == 0
         if look or count % every == 0:
             run.charge(count)
@@ -116,19 +109,37 @@ def moving(
             looks.append(run.look(count))
             if run.resting(looks[-1], tolerance):
                 return Moved(run.held(count), step, rate, np.array(looks), run.charged)
-        run.advance(keep, push, step)
-    raise SolverError(
-        f"{run.name} is not at rest after {max_steps} steps: residual {looks[-1][1]:.3g} N, "
-        f"kinetic energy {looks[-1][2]:.3g} J; raise max_steps, or stay below pull-in"
-    )
+        run.advance()
+    raise SolverError(run.unfinished(looks[-1], patience))
+
+
+def _pace(
+    network: Network,
+    dt: float | None,
+    damping: float | None,
+    tolerance: float,
+    max_steps: int | None,
+) -> tuple[float, float, int]:
+    """Time step (s), damping rate (1/s) and most steps; by default what suits it uncharged."""
+    lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
+    rate = 2 * lowest if damping is None else positive("damping", damping, "1/s")
+    limit = stability_limit(EULER_CROMER, lowest, highest, rate)
+    step = SAFETY * limit if dt is None else positive("time step dt", dt, "s")
+    if max_steps is not None:
+        return step, rate, whole("max_steps", max_steps, 1)
+    decay = min(0.5 * rate, lowest**2 / rate) if rate > lowest else 0.5 * rate
+    return step, rate, patiently(-math.log(tolerance) / (decay * step))
 
 
 class _Run:
     """What moves: displacement, velocity and the charges of the moment."""
 
-    def __init__(self, actuator: Actuator, voltage: float, start: Held | None) -> None:
+    def __init__(
+        self, actuator: Actuator, voltage: float, start: Held | None, dt: float, rate: float
+    ) -> None:
         network = actuator.network
-        self.actuator, self.voltage = actuator, voltage
+        self.actuator, self.voltage, self.dt = actuator, voltage, dt
+        self.keep, self.push = (float(f) for f in factors_of(EULER_CROMER)(dt, np.asarray(rate)))
         self.name = f"actuator moving at {voltage:.6g} V"
         self.motion = kernels.Motion(network)
         moved = np.array(network.displacement)
@@ -164,9 +175,10 @@ class _Run:
         self.stored = self.motion.force_and_energy(self.displacement, self.force)
         return np.where(self.free, self.force + self.pull, 0.0)
 
-    def advance(self, keep: float, push: float, dt: float) -> None:
-        self.velocity = keep * self.velocity + push * self.balance() / self.inertia
-        self.displacement = self.displacement + dt * self.velocity
+    def advance(self) -> None:
+        """One step of Euler-Cromer."""
+        self.velocity = self.keep * self.velocity + self.push * self.balance() / self.inertia
+        self.displacement = self.displacement + self.dt * self.velocity
 
     def look(self, step: int) -> tuple[int, float, float, float]:
         """Step, residual (N), kinetic energy (J) and mean height of the top (m)."""
@@ -181,6 +193,13 @@ class _Run:
         if look[2] > tolerance**2 * self.stored or self.electric is None:
             return False
         return is_small(self.actuator, self.position, self.electric, tolerance)
+
+    def unfinished(self, look: tuple[int, float, float, float], steps: int) -> str:
+        """Message for a run that is not at rest after so many steps."""
+        return (
+            f"{self.name} is not at rest after {steps} steps: residual {look[1]:.3g} N, "
+            f"kinetic energy {look[2]:.3g} J; raise max_steps, or stay below pull-in"
+        )
 
     def held(self, steps: int) -> Held:
         """Where it rests, if that is stable."""

@@ -26,11 +26,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
+from msvalidate.electrostatics.checks import voltages_of
 from msvalidate.electrostatics.faces import Faces
-from msvalidate.electrostatics.moments import Complex, complex_of
+from msvalidate.electrostatics.moments import Complex, complex_of, places
 from msvalidate.kernels import charges as integrals
 from msvalidate.kernels import fluxes
-from msvalidate.problem import Array, ProblemError, coordinates, finite, instance, positive
+from msvalidate.problem import Array, ProblemError, instance, positive
 
 
 class SlabInAir:
@@ -88,11 +89,7 @@ class SlabInAir:
 
     def charges(self, voltages: ArrayLike) -> ChargesInAir:
         """Charges at potentials (k,) in V, one for each electrode."""
-        given = finite("voltages", voltages)
-        if given.shape != (self.faces.count,):
-            raise ProblemError(
-                f"voltages: shape {given.shape}; give ({self.faces.count},), one an electrode"
-            )
+        given = voltages_of("an electrode", self.faces.count, voltages)
         solved = self.solve(self.air * np.where(self.faces.bare, 0.0, given[self.faces.electrode]))
         return ChargesInAir(self, given, solved[:-1], float(solved[-1]) / self.air)
 
@@ -198,13 +195,13 @@ class ChargesInAir:
 
     def potential(self, points: ArrayLike) -> Array:
         """Potential (k,) in V at points (k, 2) in m, inside the body and out."""
-        seen = integrals.seen(_places(points), *self.moments.lines())
+        seen = integrals.seen(places(points), *self.moments.lines())
         at: Array = self.floating - seen @ self.charge / (2 * np.pi * self.moments.air)
         return at
 
     def field(self, points: ArrayLike) -> Array:
         """Field (k, 2) in V/m at points (k, 2) in m; on the surface the mean of its two sides."""
-        seen = integrals.fields(_places(points), *self.moments.lines())
+        seen = integrals.fields(places(points), *self.moments.lines())
         turned = np.conj(seen @ self.charge) / (2 * np.pi * self.moments.air)
         return np.column_stack([turned.real, turned.imag])
 
@@ -274,10 +271,3 @@ def capacitance_in_air(faces: Faces, *, ratio: float = 1.0, permittivity: float 
         raise ProblemError(f"electrodes: {faces.count}; a capacitance is of two")
     moments = SlabInAir(faces, ratio=ratio, permittivity=permittivity)
     return float(moments.charges((0.5, -0.5)).totals[0])
-
-
-def _places(points: ArrayLike) -> Complex:
-    given = coordinates("points", points)
-    if given.ndim != 2 or given.shape[1] != 2:
-        raise ProblemError(f"points: shape {given.shape}; give (k, 2)")
-    return complex_of(given)

@@ -9,12 +9,12 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
+from msvalidate.electrostatics.checks import freeze, in_plane, owners, refuse_gaps
 from msvalidate.problem import (
     Array,
     Index,
     ProblemError,
     chosen,
-    coordinates,
     integers,
     metres,
     whole,
@@ -49,9 +49,7 @@ class Electrodes:
     electrode: Index
 
     def __post_init__(self) -> None:
-        points = coordinates("points of electrodes", self.points)
-        if points.ndim != 2 or points.shape[1] != 2:
-            raise ProblemError(f"points of electrodes: shape {points.shape}; give (n, 2)")
+        points = in_plane("points of electrodes", self.points)
         segments = integers("segments", self.segments)
         if segments.ndim != 2 or segments.shape[1] != 2 or not len(segments):
             raise ProblemError(f"segments: shape {segments.shape}; give (m, 2), 1 or more")
@@ -59,18 +57,10 @@ class Electrodes:
             raise ProblemError(
                 f"segments: points {segments.min()} to {segments.max()}; there are {len(points)}"
             )
-        electrode = integers("electrode", self.electrode)
-        if electrode.shape != (len(segments),):
-            raise ProblemError(f"electrode: shape {electrode.shape}; give ({len(segments)},)")
-        known = np.unique(electrode)
-        if not np.array_equal(known, np.arange(len(known))):
-            raise ProblemError(
-                "electrode: numbers are left out; count electrodes 0, 1, 2 and so on"
-            )
+        electrode = owners("electrode", self.electrode, len(segments))
+        refuse_gaps("electrode", electrode)
         _refuse_contact(points, segments, electrode)
-        for name, array in (("points", points), ("segments", segments), ("electrode", electrode)):
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+        freeze(self, points=points, segments=segments, electrode=electrode)
 
     @property
     def count(self) -> int:
@@ -109,10 +99,7 @@ class Electrodes:
 
 def chains(*lines: ArrayLike) -> Electrodes:
     """Electrodes, one from each chain of points (n, 2) in m."""
-    given = [coordinates("points of electrodes", line) for line in lines]
-    for line in given:
-        if line.ndim != 2 or line.shape[1] != 2 or len(line) < 2:
-            raise ProblemError(f"points of electrodes: shape {line.shape}; give (n, 2), n above 1")
+    given = [in_plane("points of electrodes", line, least=2) for line in lines]
     if not given:
         raise ProblemError("points of electrodes: none; give a chain of points for each electrode")
     firsts = np.cumsum([0, *map(len, given)])

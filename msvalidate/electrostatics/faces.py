@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
+from msvalidate.electrostatics.checks import freeze, in_plane, owners
 from msvalidate.electrostatics.electrodes import GRADINGS, strip
 from msvalidate.problem import (
     Array,
@@ -51,17 +52,11 @@ class Faces:
     electrode: Index
 
     def __post_init__(self) -> None:
-        points = coordinates("points of faces", self.points)
-        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 3:
-            raise ProblemError(f"points of faces: shape {points.shape}; give (n, 2), n above 2")
-        electrode = integers("electrode", self.electrode)
-        if electrode.shape != (len(points),):
-            raise ProblemError(f"electrode: shape {electrode.shape}; give ({len(points)},)")
+        points = in_plane("points of faces", self.points, least=3)
+        electrode = owners("electrode", self.electrode, len(points))
         _refuse_outline(points)
         _refuse_electrodes(electrode)
-        for name, array in (("points", points), ("electrode", electrode)):
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+        freeze(self, points=points, electrode=electrode)
 
     @property
     def count(self) -> int:

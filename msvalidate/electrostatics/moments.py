@@ -23,6 +23,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from msvalidate.electrostatics.checks import in_plane, voltages_of
 from msvalidate.electrostatics.electrodes import Electrodes
 from msvalidate.electrostatics.neutral import Neutral, factorised, neutral_gmres
 from msvalidate.kernels import charges as integrals
@@ -30,8 +31,6 @@ from msvalidate.problem import (
     Array,
     ProblemError,
     chosen,
-    coordinates,
-    finite,
     instance,
     positive,
 )
@@ -51,6 +50,11 @@ Complex = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
 def complex_of(points: Array) -> Complex:
     """Points or vectors (n, 2) as complex numbers (n,), as `kernels.charges` takes them."""
     return np.ascontiguousarray(points).view(np.complex128)[..., 0]
+
+
+def places(points: ArrayLike) -> Complex:
+    """Given points (n, 2) in m as complex numbers (n,); raise `ProblemError` unless they are."""
+    return complex_of(in_plane("points", points))
 
 
 def lines(electrodes: Electrodes) -> tuple[Complex, Complex]:
@@ -115,7 +119,7 @@ class Charges:
 
     def potential(self, points: ArrayLike) -> Array:
         """Potential (n,) in V at points (n, 2) in m."""
-        seen = integrals.seen(_places(points), *lines(self.moments.electrodes))
+        seen = integrals.seen(places(points), *lines(self.moments.electrodes))
         charge = self.charge / (2 * np.pi * self.moments.permittivity)
         return np.asarray(self.floating - seen @ charge)
 
@@ -125,7 +129,7 @@ class Charges:
         On an electrode the mean of its two faces. At the ends of segments, where densities jump, it
         is infinite, and NaN is returned.
         """
-        seen = integrals.fields(_places(points), *lines(self.moments.electrodes))
+        seen = integrals.fields(places(points), *lines(self.moments.electrodes))
         turned = np.conj(seen @ self.charge) / (2 * np.pi * self.moments.permittivity)
         return np.column_stack([turned.real, turned.imag])
 
@@ -184,7 +188,7 @@ class Moments:
 
     def charges(self, voltages: ArrayLike) -> Charges:
         """Charges at potentials (k,) in V, one for each electrode."""
-        given = voltages_of(self.electrodes, voltages)
+        given = voltages_of("an electrode", self.electrodes.count, voltages)
         solved, steps = self._solved(given[self.electrodes.electrode])
         return Charges(self, given, solved[:-1], float(solved[-1]), steps)
 
@@ -258,16 +262,6 @@ def more_than_one(electrodes: Electrodes) -> Electrodes:
     return electrodes
 
 
-def voltages_of(electrodes: Electrodes, voltages: ArrayLike) -> Array:
-    """Return voltages (k,) as an array; raise `ProblemError` unless there is one an electrode."""
-    given = finite("voltages", voltages)
-    if given.shape != (electrodes.count,):
-        raise ProblemError(
-            f"voltages: shape {given.shape}; give ({electrodes.count},), one an electrode"
-        )
-    return given
-
-
 def capacitance(electrodes: Electrodes, **how: object) -> float:
     """Capacitance per depth (F/m) of two electrodes; options as for `Moments`.
 
@@ -280,10 +274,3 @@ def capacitance(electrodes: Electrodes, **how: object) -> float:
     if electrodes.count != 2:
         raise ProblemError(f"electrodes: {electrodes.count}; a capacitance is of two")
     return float(Moments(electrodes, **how).charges((1.0, 0.0)).totals[0])  # type: ignore[arg-type]
-
-
-def _places(points: ArrayLike) -> Complex:
-    given = coordinates("points", points)
-    if given.ndim != 2 or given.shape[1] != 2:
-        raise ProblemError(f"points: shape {given.shape}; give (n, 2)")
-    return complex_of(given)

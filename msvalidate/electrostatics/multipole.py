@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
+from msvalidate.electrostatics.checks import voltages_of
 from msvalidate.electrostatics.electrodes import Electrodes
 from msvalidate.electrostatics.moments import (
     Charges,
@@ -25,7 +26,6 @@ from msvalidate.electrostatics.moments import (
     Weighting,
     lines,
     more_than_one,
-    voltages_of,
 )
 from msvalidate.electrostatics.neutral import neutral_gmres
 from msvalidate.electrostatics.two_levels import TwoLevels
@@ -84,7 +84,7 @@ class Multipole:
         SolverError
             If GMRES does not converge.
         """
-        given = voltages_of(self.electrodes, voltages)
+        given = voltages_of("an electrode", self.electrodes.count, voltages)
         solved, steps = self._solved(given[self.electrodes.electrode])
         return Charges(self, given, solved[:-1], float(solved[-1]), steps)
 

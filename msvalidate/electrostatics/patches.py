@@ -19,15 +19,14 @@ import shapely
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
+from msvalidate.electrostatics.checks import freeze, owners, refuse_gaps, voltages_of
 from msvalidate.kernels import polygons
 from msvalidate.problem import (
     Array,
     Index,
     ProblemError,
     coordinates,
-    finite,
     instance,
-    integers,
     positive,
 )
 from msvalidate.problem.values import PLACEMENT
@@ -70,21 +69,13 @@ class Patches:
         middle = coordinates("middles of patches", self.middle)
         if middle.shape != (len(corners), 3):
             raise ProblemError(f"middles of patches: shape {middle.shape}; give {len(corners), 3}")
-        conductor = integers("conductor", self.conductor)
-        if conductor.shape != (len(corners),):
-            raise ProblemError(f"conductor: shape {conductor.shape}; give ({len(corners)},)")
-        known = np.unique(conductor)
-        if not np.array_equal(known, np.arange(len(known))):
-            raise ProblemError(
-                "conductor: numbers are left out; count conductors 0, 1, 2 and so on"
-            )
+        conductor = owners("conductor", self.conductor, len(corners))
+        refuse_gaps("conductor", conductor)
         corners = np.where((_areas(corners) < 0)[:, None, None], corners[:, ::-1], corners)
         near = PLACEMENT * float(np.ptp(corners.reshape(-1, 3), axis=0).max())
         _refuse_tilted(corners, middle, near)
         _refuse_overlap(corners, conductor, middle, near)
-        for name, array in (("corners", corners), ("conductor", conductor), ("middle", middle)):
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+        freeze(self, corners=corners, conductor=conductor, middle=middle)
 
     @property
     def count(self) -> int:
@@ -122,11 +113,7 @@ class PatchMoments:
 
     def charges(self, voltages: ArrayLike) -> PatchCharges:
         """Charges at potentials (k,) in V, one for each conductor, over that far away."""
-        given = finite("voltages", voltages)
-        if given.shape != (self.patches.count,):
-            raise ProblemError(
-                f"voltages: shape {given.shape}; give ({self.patches.count},), one a conductor"
-            )
+        given = voltages_of("a conductor", self.patches.count, voltages)
         return PatchCharges(self, given, lu_solve(self._factor, given[self.patches.conductor]))
 
 

@@ -25,8 +25,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
+from msvalidate.electrostatics.checks import voltages_of
 from msvalidate.electrostatics.electrodes import Electrodes
-from msvalidate.electrostatics.moments import more_than_one, voltages_of
+from msvalidate.electrostatics.moments import more_than_one
 from msvalidate.electrostatics.pieces import PLACES, Place, pieces
 from msvalidate.electrostatics.views import KERNELS, Kernel, Views, views_of
 from msvalidate.problem import (
@@ -101,7 +102,7 @@ class ReportModel:
 
         With the report's kernel these count from far away, and a common part of them matters.
         """
-        given = voltages_of(self.electrodes, voltages)
+        given = voltages_of("an electrode", self.electrodes.count, voltages)
         return ReportCharges(self, given, self.solve(given[self.pieces.electrode]))
 
     def solve(self, potential: Array, *, adjoint: bool = False) -> Array:

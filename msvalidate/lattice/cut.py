@@ -132,10 +132,7 @@ def cut_lattice(
     steps, h = _steps(pattern), metres("cut lattice: spacing", spacing)
     _refuse_misfit(pattern, domain, rule, sliver)
     d = domain.dim
-    base = _origin(origin, domain, h)
-    index, part, lost = _kept(domain, h, base, rule, sliver)
-    number_of, cells = _numbered(index)
-    points = base + h * number_of
+    points, cells, part, lost = _laid(domain, h, origin, rule, sliver)
     springs, kind, factor = _springs(pattern, steps, cells, part)
     corner_volume = part * h**d
     return CutLattice(
@@ -167,6 +164,16 @@ def _refuse_misfit(pattern: Pattern, domain: Domain, rule: str, sliver: float) -
     chosen("cut lattice: rule", rule, RULES)
     if not 0 <= number("cut lattice: sliver", sliver) < 1:
         raise ProblemError(f"cut lattice: sliver {sliver:g}; give 0 or more and less than 1")
+
+
+def _laid(
+    domain: Domain, h: float, origin: tuple[float, ...] | None, rule: str, sliver: float
+) -> tuple[Array, Index, Array, float]:
+    """Points (n, d) in m and cells (c, 2^d) laid over the body; then as `_kept`."""
+    base = _origin(origin, domain, h)
+    index, part, lost = _kept(domain, h, base, rule, sliver)
+    number_of, cells = _numbered(index)
+    return base + h * number_of, cells, part, lost
 
 
 def _kept(

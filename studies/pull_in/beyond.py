@@ -18,8 +18,8 @@ import pandas as pd
 from msvalidate.actuator import Held, PulledIn, without_tips
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.network import force_scale
 from msvalidate.problem import SolverError
+from msvalidate.residual import force_scale
 from msvalidate.sweep import Setting
 from studies.pull_in import slab
 from studies.pull_in.slab import PULL_IN, REACH

@@ -1,4 +1,4 @@
-"""What several test files share: random networks, independent results, bodies on a lattice."""
+"""What several test files share: random networks, independent results, bodies, meshes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import strategies as st
-from scipy.spatial import Delaunay
+from scipy.spatial import ConvexHull, Delaunay, QhullError
 
 from msvalidate.body import lattice_network
 from msvalidate.lattice import square
 from msvalidate.network import spring_network
-from msvalidate.problem import Box, Isotropic, Problem, Support
+from msvalidate.problem import SHAPES, Box, Isotropic, Mesh, Problem, Support, Traction
 from msvalidate.volumes import Volumes
 
 SPRINGS = Path(__file__).parents[1] / "data" / "springs"
@@ -142,3 +142,137 @@ def hinged_blocks(lattice_body):
         )
 
     return build
+
+
+def _flat_area(corners, normal):
+    """Area of the convex hull of points in the plane across a normal."""
+    _, _, axes = np.linalg.svd(normal[None])
+    flat = (corners - corners.mean(axis=0)) @ axes[1:].T
+    if flat.shape[1] == 1:
+        return float(np.ptp(flat))
+    try:
+        return float(ConvexHull(flat).volume)
+    except QhullError:  # the points lie on a line
+        return 0.0
+
+
+@pytest.fixture(scope="session")
+def flat_area():
+    """Area of the convex hull of points in the plane across a normal."""
+    return _flat_area
+
+
+def _split(shape):
+    """Cells that fill a unit square or cube, as reference places (cells, corners, dim)."""
+    kind = SHAPES[shape]
+    corners = SHAPES["quad" if kind.dim == 2 else "hexahedron"].nodes
+    if not kind.simplex:
+        return corners[None]
+    if kind.dim == 2:
+        return corners[[[0, 1, 2], [0, 2, 3]]]
+    paths = [(1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1)]  # round the diagonal from 0 to 6
+    return corners[[[0, a, b, 6] for a, b in paths]]
+
+
+def _box_mesh(shape, counts=(2, 2, 2), size=(2.0, 1.0, 0.5), bend=lambda x: x, **names):
+    """Mesh of a box in equal cells, bent by a function of points, with sides chosen by masks."""
+    kind = SHAPES[shape]
+    d = kind.dim
+    counts, size = np.array(counts[:d]), np.array(size[:d])
+    kinds = list(SHAPES)  # one of degree 2 after its own of degree 1
+    linear = SHAPES[kinds[kinds.index(shape) - (kind.degree - 1)]]
+    weights = linear.values(kind.nodes)
+    places = []
+    for block in np.ndindex(*counts):
+        for corners in _split(shape):
+            places.append((weights @ corners + block) * 2)
+    whole = np.rint(np.array(places)).astype(int)  # nodes are at corners and halfway
+    keys, cells = np.unique(whole.reshape(-1, d), axis=0, return_inverse=True)
+    x = keys / 2 / counts * size
+    mesh = Mesh(bend(x), cells.reshape(len(places), -1), shape)
+    sides = {name: mesh.surface[mask(x)[mesh.surface].all(axis=1)] for name, mask in names.items()}
+    return mesh.named(sides)
+
+
+def _left(x):
+    return x[:, 0] == 0
+
+
+def _right(x):
+    return np.abs(x[:, 0] - 2) < 1e-9
+
+
+def _ring_mesh(shape, counts=(2, 4), inner=1.0, outer=2.0):
+    """A quarter of a ring: along x the radius, along y the angle."""
+
+    def bend(x):
+        r, angle = inner + (outer - inner) * x[:, 0] / 2, np.pi / 2 * x[:, 1]
+        rest = x[:, 2:]
+        return np.column_stack([r * np.cos(angle), r * np.sin(angle), rest])
+
+    return _box_mesh(shape, (*counts, 1), bend=bend, inner=_left, outer=_right)
+
+
+@pytest.fixture(scope="session")
+def box_mesh():
+    """Build a mesh of a box in equal cells; see `_box_mesh`."""
+    return _box_mesh
+
+
+@pytest.fixture(scope="session")
+def ring_mesh():
+    """Build a quarter of a ring; see `_ring_mesh`."""
+    return _ring_mesh
+
+
+def _quarter_ring(inner, outer, cells=12):
+    """Quarter of an elliptic ring, half axes (x, y) in m, by cells with bent sides."""
+    r, t = np.arange(5), np.arange(2 * cells + 1)
+    angle = t * np.pi / (4 * cells)
+    ray = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    ray[-1, 0] = 0.0
+    half_axes = np.linspace(inner, outer, len(r))
+    points = (ray[:, None] * half_axes).reshape(-1, 2)
+    number = t[:, None] * len(r) + r
+    a, b = np.meshgrid(np.arange(0, 2 * cells, 2), (0, 2), indexing="ij")
+    at = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0), (1, 1)]
+    nodes = np.stack([number[a + i, b + j].ravel() for i, j in at], axis=1)
+
+    def side(line):
+        return np.stack([line[:-2:2], line[2::2], line[1:-1:2]], axis=1)
+
+    sides = {
+        "inner": side(number[:, 0]),
+        "outer": side(number[:, -1]),
+        "bottom": side(number[0]),
+        "left": side(number[-1]),
+    }
+    return Mesh(points, nodes, "quad9", sides)
+
+
+def _on_rollers(mesh, material, *loads):
+    supports = (Support(mesh.side("bottom"), (None, 0.0)), Support(mesh.side("left"), (0.0, None)))
+    return Problem(mesh, material, supports, loads)
+
+
+@pytest.fixture(scope="session")
+def quarter_ring():
+    """Build a quarter of an elliptic ring; see `_quarter_ring`."""
+    return _quarter_ring
+
+
+@pytest.fixture(scope="session")
+def on_rollers():
+    """Build a problem on a quarter of a body; see `_on_rollers`."""
+    return _on_rollers
+
+
+@pytest.fixture(scope="session")
+def pressed_ring():
+    """Ring of radii 1 and 2 m under 1 Pa from inside, E = 1 Pa."""
+    mesh = _quarter_ring((1.0, 1.0), (2.0, 2.0))
+    return _on_rollers(
+        mesh,
+        Isotropic(E=1.0, nu=1 / 3),
+        Traction(mesh.side("inner"), lambda x: x / np.linalg.norm(x, axis=1)[:, None]),
+    )

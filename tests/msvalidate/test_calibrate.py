@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from msvalidate.body import lattice_network
-from msvalidate.calibrate import ROUTES, calibrate, calibrated, default_constants
+from msvalidate.calibrate import calibrate, calibrated, default_constants
 from msvalidate.equilibrium import equilibrium
 from msvalidate.homogenise import follows_strain
 from msvalidate.lattice import fill, patterns, square, triangular, voronoi, zigzag_block
@@ -22,6 +22,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from msvalidate.routes import ROUTES
 from msvalidate.stiffness import isotropic_tensor
 
 PLANE = {

@@ -14,10 +14,11 @@ from msvalidate import kernels
 from msvalidate.integrate import State, euler_cromer
 from msvalidate.kernels import general
 from msvalidate.kernels.general import Sweep, Threads
-from msvalidate.network import Network, energy, force_scale, internal_force, spring_network
+from msvalidate.network import Network, energy, internal_force, spring_network
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.relax import relax
 from msvalidate.relaxations import RELAXATIONS
+from msvalidate.residual import force_scale
 from msvalidate.volumes import Volumes
 
 examples = settings(max_examples=25, deadline=None)

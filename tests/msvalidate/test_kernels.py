@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 from msvalidate import kernels
 from msvalidate.integrate import State, euler_cromer
 from msvalidate.kernels.cells import push
-from msvalidate.network import energy, force_scale, internal_force, spring_network, tangent
+from msvalidate.network import energy, internal_force, spring_network, tangent
+from msvalidate.residual import force_scale
 from msvalidate.volumes import Volumes, force, force_met, growth
 from msvalidate.volumes import energy as volume_energy
 

@@ -11,16 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.network import (
-    energy,
-    force_roundoff,
-    force_scale,
-    internal_force,
-    spring_network,
-    tangent,
-    tangent_blocks,
-)
+from msvalidate.network import energy, internal_force, spring_network, tangent, tangent_blocks
 from msvalidate.problem import ProblemError
+from msvalidate.residual import force_roundoff, force_scale
 from msvalidate.volumes import Volumes
 
 NAN = float("nan")

@@ -1,4 +1,4 @@
-"""The statement of a problem: what it accepts, what it refuses, and which motions it finds free."""
+"""The statement of a problem: bad input refused by name, boxes, regions, materials."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from msvalidate.problem import (
     SIDES,
@@ -23,11 +21,7 @@ from msvalidate.problem import (
     Traction,
     corners_of,
     finite,
-    free_motions,
     positive,
-    prescribed,
-    rigid_motions,
-    vectors_at,
 )
 
 NAN = float("nan")
@@ -243,200 +237,3 @@ def test_dimension_follows_the_state_or_the_tensor():
     assert Isotropic(E=1.0, nu=0.3).dim == Isotropic(E=1.0, nu=0.3, state="plane_strain").dim == 2
     assert Isotropic(E=1.0, nu=0.3, state="solid").dim == 3
     assert (Anisotropic(np.eye(3)).dim, Anisotropic(np.eye(6)).dim) == (2, 3)
-
-
-# Free motions ---------------------------------------------------------------------------------
-
-X, Y, Z = "translation along x", "translation along y", "translation along z"
-
-
-def about(axis, place):
-    return f"rotation about the axis along {axis} through {place}"
-
-
-@pytest.mark.parametrize(
-    ("points", "held", "names"),
-    [
-        # In the plane.
-        ([], [], [X, Y, "rotation about (0, 0)"]),
-        ([[3, 2]], [[1, 1]], ["rotation about (3, 2)"]),
-        ([[3, 2]], [[1, 0]], [Y, "rotation about (3, 2)"]),
-        ([[0, 0], [0, 1]], [[1, 0], [1, 0]], [Y]),
-        ([[0, 0], [4, 0]], [[0, 1], [0, 1]], [X]),
-        # Held along x at one place and along y at another: it turns where the normals meet.
-        ([[0, 0], [1, 1]], [[1, 0], [0, 1]], ["rotation about (1, 0)"]),
-        ([[0, 0], [1, 0]], [[1, 1], [0, 1]], []),
-        # Two places one above the other cannot stop a turn that moves both along x.
-        ([[0, 0], [0, 1]], [[1, 1], [0, 1]], ["rotation about (0, 0)"]),
-        # Held over a hundredth of its length a body is still held.
-        ([[0, 0], [0, 1], [100, 0]], [[1, 1], [1, 1], [0, 0]], []),
-        # In space.
-        ([[1, 2, 3]], [[1, 1, 1]], [about(a, "(1, 2, 3)") for a in "xyz"]),
-        ([[0, 2, 3], [1, 2, 3]], [[1, 1, 1]] * 2, [about("x", "(0.5, 2, 3)")]),
-        # A free point moves the middle of the body off the axis.
-        ([[0, 0, 0], [1, 0, 0], [2, 0, 5]], [[1, 1, 1]] * 2 + [[0] * 3], [about("x", "(1, 0, 0)")]),
-        ([[0, 0, 0], [1, 1, 0]], [[1, 1, 1]] * 2, [about("(1, 1, 0)", "(0.5, 0.5, 0)")]),
-        ([[0, 0, 0], [2, 0, 0], [0, 2, 0]], [[0, 0, 1]] * 3, [X, Y, None]),
-        ([[0, 0, 0], [0, 0, 1]], [[1, 1, 0]] * 2, [Z, about("z", "(0, 0, 0.5)")]),
-        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 1, 1], [0, 1, 1], [0, 0, 1]], []),
-    ],
-)
-def test_free_motions_are_named(points, held, names):
-    d = 2 if not points else len(points[0])
-    places = np.array(points, dtype=float).reshape(-1, d)
-    found = free_motions(places, np.array(held, dtype=bool).reshape(-1, d))
-    assert len(found) == len(names)
-    for name, expected in zip(found, names, strict=True):
-        # None: a turn about the z axis through any point at all is free; the place is a choice.
-        assert name == expected or (expected is None and "along z through" in name)
-
-
-@pytest.mark.parametrize("d", [2, 3])
-@settings(max_examples=25, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), size=st.sampled_from([1e-6, 1.0, 1e4]))
-def test_as_many_motions_are_named_as_constraints_leave(d, seed, size):
-    rng = np.random.default_rng(seed)
-    points = rng.integers(0, 3, (rng.integers(1, 5), d)).astype(float)
-    held = rng.random(points.shape) < 0.5
-    # Constraint rows by hand: component a of t + W x, W skew with one entry per pair of axes.
-    planes = [(a, b) for a in range(d) for b in range(a)]
-    rows = []
-    for point, axis in zip(*np.nonzero(held), strict=True):
-        turn = [(a == axis) * points[point, b] - (b == axis) * points[point, a] for a, b in planes]
-        rows.append([*np.eye(d)[axis], *turn])
-    rank = np.linalg.matrix_rank(np.array(rows)) if rows else 0
-    assert len(free_motions(size * points, held)) == d + len(planes) - rank
-
-
-@pytest.mark.parametrize("d", [2, 3])
-def test_rigid_motions_change_no_distance(d):
-    points = np.random.default_rng(0).normal(size=(6, d))
-    motions = rigid_motions(points)
-    assert motions.shape == (6, d, d * (d + 1) // 2)
-    assert np.linalg.matrix_rank(motions.reshape(6 * d, -1)) == d * (d + 1) // 2
-    for motion in np.moveaxis(motions, 2, 0):
-        apart, moved = points[:, None] - points, motion[:, None] - motion
-        # To first order a distance changes by d·(u_j - u_i): sums of two products, so roundoff.
-        np.testing.assert_allclose((apart * moved).sum(axis=2), 0.0, atol=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("supports", "names"),
-    [
-        ((), [X, Y, "rotation about"]),
-        ((Support(PLATE.side("left"), (0.0, None)),), [Y]),
-        ((Support(Region((0.0, 0.0)), (0.0, 0.0)),), ["rotation about (0, 0)"]),
-        # Only the displacement's direction counts, not its value or whether it is a field.
-        ((Support(PLATE.side("bottom"), (None, lambda p: 0.1 * p[:, 0])),), [X]),
-    ],
-)
-def test_a_body_left_free_is_refused_with_each_motion(supports, names):
-    with refused("problem: the supports leave the body free: ") as caught:
-        plate(supports=supports)
-    assert str(caught.value).endswith("Hold one more component against each")
-    for name in names:
-        assert name in str(caught.value)
-    assert str(caught.value).count(";") == len(names) - 1
-
-
-def test_a_roller_on_an_edge_stops_rotation_and_one_at_a_point_does_not():
-    corner = Support(Region((0.0, 0.0)), (0.0, 0.0))
-    plate(supports=(corner, Support(PLATE.side("left"), (0.0, None))))
-    # The corner's own roller adds nothing to the corner.
-    with refused("rotation about (0, 0)"):
-        plate(supports=(corner, Support(Region((0.0, 0.0)), (0.0, None))))
-
-
-# Supports and fields at points ----------------------------------------------------------------
-
-
-def test_supports_hold_their_components_and_no_others():
-    supports = (
-        CLAMP,
-        Support(PLATE.side("right"), (0.25, None)),
-        Support(Region((1.0, 1.0)), (None, lambda p: p[:, 0] - 3.0)),
-    )
-    held, value = prescribed(plate(supports=supports), GRID)
-    left, right, top_middle = GRID[:, 0] == 0, GRID[:, 0] == 2, (GRID == [1.0, 1.0]).all(axis=1)
-    np.testing.assert_array_equal(held, np.stack([left | right, left | top_middle], axis=1))
-    np.testing.assert_array_equal(value, np.stack([0.25 * right, -2.0 * top_middle], axis=1))
-
-
-def test_supports_that_agree_where_they_meet_are_one_support():
-    supports = (CLAMP, Support(PLATE.side("bottom"), (None, lambda p: 1e-3 * p[:, 0])))
-    held, value = prescribed(plate(supports=supports), GRID)
-    assert held[0].all()
-    assert value[2, 1] == 2e-3
-
-
-@pytest.mark.parametrize("order", [1, -1])
-def test_supports_that_contradict_each_other_are_refused_at_the_place(order):
-    supports = (CLAMP, Support(PLATE.side("top"), (None, 0.5)))[::order]
-    values = "0 and 0.5" if order == 1 else "0.5 and 0"
-    with refused(f"y displacement {values} m at (0, 1); prescribe it once"):
-        prescribed(plate(supports=supports), GRID)
-
-
-def test_small_displacements_contradict_each_other_too():
-    # Linear equilibrium has no scale: at a strain of 1e-10 this support matters as much as at 1.
-    supports = (CLAMP, Support(PLATE.side("bottom"), (None, 1e-9)))
-    with refused("supports contradict each other"):
-        prescribed(plate(supports=supports), GRID)
-
-
-def test_a_field_that_rounds_to_zero_agrees_with_zero():
-    # sin π is 1.2e-16 in floating point; beside displacements of 0.1 m it is nothing.
-    supports = (
-        CLAMP,
-        Support(PLATE.side("right"), (0.0, 0.0)),
-        Support(PLATE.side("top"), (None, lambda p: 0.1 * np.sin(np.pi * p[:, 0] / 2))),
-    )
-    held, value = prescribed(plate(supports=supports), GRID)
-    assert held[8].all()
-    assert value[7, 1] == pytest.approx(0.1, rel=1e-15)
-
-
-@pytest.mark.parametrize("region", [Region((2.0, (0.0, 0.7))), Region(((0.5, 2.0), 0.0))])
-def test_a_support_that_ends_between_the_points_is_refused(region):
-    with refused("not at its ends; choose cells that put one at each"):
-        prescribed(plate(supports=(CLAMP, Support(region, (0.0, None)))), GRID)
-
-
-def test_a_support_between_the_points_is_refused():
-    supports = (CLAMP, Support(Region((0.3, None)), (0.0, None)))
-    with refused("support on (x = 0.3): no point of the discretised body lies there"):
-        prescribed(plate(supports=supports), GRID)
-
-
-@pytest.mark.parametrize(
-    ("field", "message"),
-    [
-        (lambda p: p, "support on (x = 0): the field returned shape (3, 2), not (3,)"),
-        (lambda p: 1e-3 * p[0], "support on (x = 0): the field returned shape (2,), not (3,)"),
-        (lambda p: 0.0 * p[0, 0], "support on (x = 0): the field returned shape (), not (3,)"),
-        (lambda p: np.where(p[:, 1] > 0.7, NAN, 0.0), "support on (x = 0): nan at index 2"),
-    ],
-)
-def test_a_displacement_field_returns_a_finite_number_a_point(field, message):
-    problem = plate(supports=(Support(PLATE.side("left"), (field, 0.0)),))
-    with refused(message):
-        prescribed(problem, GRID)
-
-
-@pytest.mark.parametrize(
-    ("field", "message"),
-    [
-        (lambda p: p[:, 0], "body force: the field returned shape (9,), not (9, 2)"),
-        (lambda p: p.T, "body force: the field returned shape (2, 9), not (9, 2)"),
-        (lambda p: p / np.where(p > 1.5, 0.0, 1.0), "body force: inf at index (2, 0)"),
-    ],
-)
-def test_a_vector_field_returns_a_finite_vector_a_point(field, message):
-    with np.errstate(divide="ignore"), refused(message):
-        vectors_at("body force", field, GRID)
-
-
-def test_a_vector_is_the_same_at_every_point():
-    np.testing.assert_array_equal(
-        vectors_at("body force", (1.0, -2.0), GRID), np.tile([1.0, -2.0], (9, 1))
-    )

@@ -11,14 +11,14 @@ import pytest
 from msvalidate import kernels
 from msvalidate.equilibrium import equilibrium, is_stable
 from msvalidate.integrators import INTEGRATORS, LEAPFROG
-from msvalidate.network import force_scale, internal_force, spring_network, tangent
+from msvalidate.network import internal_force, spring_network, tangent
 from msvalidate.problem import Box, PointForce, ProblemError, Region, SolverError, Support, Traction
 from msvalidate.relax import Method, relax
 from msvalidate.relaxations import RELAXATIONS
+from msvalidate.residual import force_scale
 from msvalidate.spectrum import extreme_frequencies
 from msvalidate.viscous import viscous
 
-NAN = float("nan")
 SHEET = Box((2.0, 1.0))
 PUSH = Traction(SHEET.side("top"), (0.004, -0.01))
 STRETCH = (Support(SHEET.side("left"), (0.0, 0.0)), Support(SHEET.side("right"), (0.3, None)))
@@ -384,7 +384,7 @@ def test_a_scheme_with_two_velocities_is_refused():
         ({"frequencies": (0.0, 1.0)}, "natural frequencies: .*above zero"),
         ({"frequencies": (1.0,)}, "natural frequencies: .*above zero"),
         ({"frequencies": 1.0}, "natural frequencies: .*above zero"),
-        ({"frequencies": (NAN, 1.0)}, "natural frequencies: nan"),
+        ({"frequencies": (np.nan, 1.0)}, "natural frequencies: nan"),
         ({"watch": 5}, "watch: 5; give a function of the run"),
     ],
 )

@@ -10,7 +10,7 @@ import pytest
 
 from msvalidate.equilibrium import equilibrium
 from msvalidate.integrate import StabilityWarning
-from msvalidate.network import energy, force_scale, internal_force, spring_network
+from msvalidate.network import energy, internal_force, spring_network
 from msvalidate.problem import (
     BodyForce,
     Box,
@@ -21,6 +21,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from msvalidate.residual import force_scale
 from msvalidate.viscous import algorithm1
 
 NAN = float("nan")

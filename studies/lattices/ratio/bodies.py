@@ -21,13 +21,14 @@ from matplotlib.figure import Figure
 
 from msvalidate import figures
 from msvalidate.body import lattice_network
-from msvalidate.calibrate import ROUTES, calibrate
+from msvalidate.calibrate import calibrate
 from msvalidate.candidate import Candidate
 from msvalidate.compare import observed_order, worst
 from msvalidate.evidence import Evidence, Tables, Tolerance
 from msvalidate.lattice import Lattice
 from msvalidate.problem import Anisotropic, Array
 from msvalidate.problem.material import State
+from msvalidate.routes import ROUTES
 from msvalidate.stiffness import CAUCHY
 from msvalidate.sweep import Setting
 from studies.lattices import cases, loading

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from msvalidate import figures
-from msvalidate.calibrate import ROUTES
 from msvalidate.evidence import Tables
+from msvalidate.routes import ROUTES
 
 
 def draw(tables: Tables) -> Figure:

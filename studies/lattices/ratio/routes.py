@@ -28,13 +28,14 @@ from scipy.linalg import eigh, eigvalsh
 from scipy.sparse import csr_array
 
 from msvalidate.body import lattice_network
-from msvalidate.calibrate import ROUTES, Calibration, calibrate
+from msvalidate.calibrate import calibrate
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Observed, Tolerance
 from msvalidate.lattice import Lattice, Pattern, fill, patterns
 from msvalidate.network import tangent
 from msvalidate.problem import Anisotropic, Box
 from msvalidate.problem.material import State
+from msvalidate.routes import ROUTES, Calibration
 from msvalidate.stable_range import least_ratio, least_volume
 from msvalidate.stiffness import CAUCHY
 from msvalidate.sweep import Setting

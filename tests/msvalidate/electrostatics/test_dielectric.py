@@ -374,7 +374,7 @@ def test_bad_questions_are_refused():
         SlabInAir(faces).charges((1.0, 0.0, 0.0))
     with pytest.raises(ProblemError, match=r"faces: .*give a Faces"):
         SlabInAir(faces.points)
-    with pytest.raises(ProblemError, match=r"points: shape \(2,\); give \(k, 2\)"):
+    with pytest.raises(ProblemError, match=r"points: shape \(2,\); give \(n, 2\)"):
         SlabInAir(faces).charges(VOLTS).field(np.zeros(2))
     three = Faces(faces.points, [0, -1, 1, -1, 2, -1, -1, -1, -1])
     with pytest.raises(ProblemError, match="electrodes: 3; a capacitance is of two"):
