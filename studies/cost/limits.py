@@ -8,7 +8,8 @@ Reference  The bandwidth of y = a x + y over arrays of several sizes, and the mu
            those of the tables that a path reads and writes, each once. Paths take several steps in
            a pass over memory; one that takes a step a pass is timed beside them.
 Expected   In the caches springs cost the same at any size: instructions. A network that the caches
-           do not hold costs no less than its bytes over the bandwidth.
+           do not hold costs no less than its bytes over the bandwidth, and more where neighbours
+           are far apart in memory, as in space: springs wait for places.
 
 An operation is an addition, multiplication, division or root: 7 d + 2 a spring and 5 d a point.
 """
@@ -43,6 +44,8 @@ MATRIX = 512
 PART_OF_LEVEL = 0.5
 """Share of the bandwidth of cache or memory beyond which it is what holds a path; it is beside the
 times, and judges nothing."""
+FLAT = 1.5
+"""Growth of the time a spring beyond which it is no longer that of instructions alone."""
 COARSE = 8
 """Cells along the plate whose highest frequency is solved for."""
 TOLERANCES = (
@@ -67,7 +70,8 @@ COLUMNS = {
     "(1)",
     "grown_here": "time a spring over that of the smallest network of the kind (1)",
     "held_here": "what holds the path: bandwidth where it reaches half or more of that of the "
-    "cache or the memory that its bytes come from, or instructions",
+    "cache or the memory that its bytes come from, else latency where a spring takes 1.5 times as "
+    "long as in the smallest network, whose springs wait for no place, or instructions",
     "material": "of the plate of 0.1 m: soft tissue E = 10 kPa, rubber 1 MPa, steel 200 GPa",
     "time_step": "0.9 of the largest stable step (s)",
     "real_time_here": "seconds of motion that a second of the processor makes (1)",
@@ -173,10 +177,17 @@ def shares(timed: pd.DataFrame, machine: pd.DataFrame, arithmetic: float) -> lis
                     "gigaflops_per_second": done / a_node,
                     "arithmetic_share_here": done / a_node / arithmetic,
                     "grown_here": float(row["ns_here"]) / smallest,
-                    "held_here": "bandwidth" if flow >= PART_OF_LEVEL * there else "instructions",
+                    "held_here": held(flow / there, float(row["ns_here"]) / smallest),
                 }
             )
     return rows
+
+
+def held(part: float, grown: float) -> str:
+    """What holds a path that reaches this part of a bandwidth, and takes so many times as long."""
+    if part >= PART_OF_LEVEL:
+        return "bandwidth"
+    return "latency" if grown >= FLAT else "instructions"
 
 
 def network_of(row: dict[Any, Any]) -> Network:

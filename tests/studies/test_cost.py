@@ -159,6 +159,12 @@ def test_what_holds_a_path_is_told_by_its_level():
         assert told["share_here"] == pytest.approx(8 / speed)
 
 
+def test_springs_that_wait_for_places_are_told_from_those_that_do_not():
+    assert limits.held(0.2, 1.2) == "instructions"
+    assert limits.held(0.2, 2.4) == "latency"
+    assert limits.held(0.6, 2.4) == "bandwidth"
+
+
 def test_bytes_and_operations_are_counted():
     """By hand; places and springs that fill up rows of four come to a twentieth at most here."""
     net = bodies.network("lattice", 10_000)
