@@ -110,11 +110,12 @@ class Motion:
         if self._grid is None:
             self.force_and_energy(displacement, force)
             force += network.force
-            force[network.held] = 0.0
-            return force
-        once = np.ones(len(force))
-        self.advance(np.array(displacement), force, 0 * once, once, 0.0, 1)
-        return force * network.mass[:, None]
+        else:
+            once = np.ones(len(force))
+            self.advance(np.array(displacement, dtype=float), force, 0 * once, once, 0.0, 1)
+            force *= network.mass[:, None]
+        force[network.held] = 0.0
+        return force
 
     def advance(
         self,

@@ -1,4 +1,4 @@
-"""Uniform lattices: which networks are recognised, and the stencil against the general loop."""
+"""Uniform lattices: which are recognised, the stencil against the general loop, and their rest."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msvalidate.body import lattice_network
-from msvalidate.kernels import grid, stencil
+from msvalidate.equilibrium import equilibrium
+from msvalidate.kernels import Motion, grid, stencil
 from msvalidate.kernels.general import Sweep
 from msvalidate.lattice import WEIGHTS, fill, patterns
 from msvalidate.network import Network, spring_network
-from msvalidate.problem import Box, Isotropic, Problem, Support
+from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
+from msvalidate.relax import relax
+from msvalidate.relaxations import RELAXATIONS
 
 examples = settings(max_examples=40, deadline=None)
 STEPS = 20
@@ -160,6 +163,47 @@ def test_what_is_no_number_stays_none(shape, bad):
     assert done == 3
     assert not np.isfinite(kinetic)
     assert not (np.abs(u) < 1e100).all()  # nor where it is NaN; squares of 1e200 are infinite
+
+
+@examples
+@given(network=lattices())
+def test_balance_is_the_force_that_a_step_goes_by(network):
+    """As lists of springs have it, to rounding, and 0 where points are held."""
+    u, *_ = motion(network)
+    before = u.copy()
+    known, found = (Motion(network, path=path).balance(u) for path in ("general", "lattice"))
+    np.testing.assert_allclose(found, known, rtol=0, atol=1e-13)
+    assert not found[network.held].any()
+    np.testing.assert_array_equal(u, before)
+
+
+@pytest.mark.parametrize("path", ["general", "lattice"])
+def test_balance_only_reads_its_displacement(path):
+    network = lattice((5, 6), np.random.default_rng(3))
+    moving = Motion(network, path=path)
+    u = np.zeros(network.points.shape)
+    expected = moving.balance(u)
+    u.setflags(write=False)
+    for same in (u, np.asfortranarray(u), u.astype(int), u.astype(np.float32)):
+        np.testing.assert_array_equal(moving.balance(same), expected)
+    bad = np.array(u)
+    bad[len(bad) // 2] = np.nan
+    assert np.isnan(moving.balance(bad)[~network.held]).any()
+    with pytest.raises(ProblemError, match="displacement: shape"):
+        moving.balance(u[1:])
+
+
+@pytest.mark.parametrize("method", RELAXATIONS.values(), ids=RELAXATIONS.keys())
+def test_a_small_load_far_from_the_origin_is_not_rounding(method, lattice_body):
+    """A lattice is stepped as it is, not as rounded coordinates, some 1e-10 m, have its springs."""
+    pull = Traction(Box((2.0, 1.0)).side("top"), (4e-9, -1e-8))
+    here = lattice_body((2.0, 1.0), (10, 5), loads=(pull,))
+    far = replace(here, points=here.points + 1e6)
+    assert Motion(far).path == "lattice"
+    found, expected = relax(far, method).equilibrium.displacement, equilibrium(here).displacement
+    # Places found are rounded, and springs are a rounding longer or shorter.
+    np.testing.assert_allclose(found, expected, rtol=0, atol=2 * np.spacing(1e6))
+    assert np.abs(expected).max() > 1e3 * np.spacing(1e6)
 
 
 def test_points_pushed_into_one_place_are_noticed():
