@@ -21,7 +21,7 @@ leaves all points without force. In a square lattice this happens at the four po
 alone, with forces that sum to zero. The displacement of a uniform stretch is then wrong there to
 first order in the spacing and on average to second; in solids it happens along edges, and where
 springs are cut by the boundary (triangular, BCC, FCC in a box) everywhere on it. The energy per
-cell of `msvalidate.calibrate` has no such error.
+cell of `msvalidate.routes` has no such error.
 """
 
 from __future__ import annotations

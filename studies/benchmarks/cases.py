@@ -133,7 +133,7 @@ def finest(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def rounding_of_orders(table: pd.DataFrame) -> float:
-    """How far `ROUNDING` of values moves orders between meshes of half the spacing, at most."""
+    """How far `ROUNDING` of a mesh's value moves its order from twice the spacing, at most."""
     left = np.abs(table["against_limit"].to_numpy())[np.isfinite(orders(table))]
     return ROUNDING / (math.log(2) * float(left.min(initial=np.inf)))
 

@@ -55,6 +55,16 @@ def test_orders_go_by_the_cells_that_there_are():
     assert cases.uncertainty((4, 8, 12), (1.0, 1.1, 1.2)) == "none"
 
 
+def test_rounding_of_orders_is_what_a_rounded_value_moves_the_worst_of_them():
+    rows = []
+    for away in ((0.04, 0.01), (4e-5, 1e-5)):
+        rows += cases.rows(QUANTITY, "FEM Q2", (4, 8), QUANTITY.goal * (1 + np.array(away)))
+    moved = cases.order((4, 8), (4e-5, 1e-5 - cases.ROUNDING), 1) - 2
+    found = cases.rounding_of_orders(pd.DataFrame(rows))
+    assert found == pytest.approx(moved, rel=1e-4)
+    assert cases.rounding_of_orders(pd.DataFrame(rows[:1])) == 0.0, "no order, nothing to round"
+
+
 def test_a_limit_of_its_own_is_told_from_the_accepted_value():
     known = cases.Quantity("b", "q", "m", 2.0, "rounded", 0.3, limit=2.02, limit_uncertainty=1e-4)
     (row,) = cases.rows(known, "FEM Q2", (4,), (2.02,))
