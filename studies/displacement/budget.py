@@ -38,7 +38,7 @@ DRAWN = 10
 """Fineness of the bodies whose field of differences is drawn."""
 TELESCOPES, AT_REST = 1e-12, 1e-8
 STOPPED = 1e-10
-"""What rounding of its steps may move of where a run stops: 2e-11, as seen of two compiled forms."""
+"""What rounding of steps may move of where a run stops: 2e-11, as seen of two compiled forms."""
 REFERENCE = 2e-3
 TOLERANCES = (
     Tolerance(
