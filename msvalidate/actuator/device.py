@@ -48,7 +48,8 @@ class Actuator:
     depth
         Of the body out of the plane (m): forces and energies are per depth times this.
     permittivity_ratio
-        Permittivity over that of what surrounds the body; "in_air" alone asks for it.
+        Permittivity over that of what surrounds the body; "in_air" alone asks for it,
+        other models leave it aside.
 
     Raises
     ------
@@ -119,8 +120,12 @@ class Actuator:
         Raises
         ------
         ProblemError
-            If they cross or touch there.
+            If they cross or touch there, or positions are not one for each point.
         """
+        if np.shape(position) != self.network.points.shape:
+            raise ProblemError(
+                f"position: shape {np.shape(position)}; give {self.network.points.shape}"
+            )
         return self.charged.moved(position[self.loaded])
 
     def potentials(self, voltage: float) -> Array:
@@ -135,7 +140,9 @@ def _chain(name: str, given: object, network: Network) -> Index:
         raise ProblemError(f"{name}: shape {line.shape}; give the numbers of 2 or more points")
     n = len(network.points)
     if line.min() < 0 or line.max() >= n:
-        raise ProblemError(f"{name}: points {line.min()} to {line.max()}; the network has {n}")
+        raise ProblemError(
+            f"{name}: points {line.min()} to {line.max()}; the network has {n}, from 0"
+        )
     pairs = _sorted_pairs(line)
     known = set(map(tuple, np.sort(network.springs, axis=1).tolist()))
     for i, j in pairs.tolist():

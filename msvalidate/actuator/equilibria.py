@@ -158,13 +158,18 @@ def _begun(actuator: Actuator, start: Held | None) -> Held:
     """Where a walk begins: what was given, or rest without charges."""
     if start is None:
         return _at_rest(actuator)
+    refuse_other(actuator, start)
+    return replace(start, iterations=0)
+
+
+def refuse_other(actuator: Actuator, start: Held) -> None:
+    """Raise `ProblemError` unless `start` is of a network of as many points as the actuator's."""
     instance("start", start, Held)
     if start.displacement.shape != actuator.network.points.shape:
         raise ProblemError(
             f"start: displacements {start.displacement.shape} of another network; this one has "
             f"{actuator.network.points.shape}"
         )
-    return replace(start, iterations=0)
 
 
 def _at_rest(actuator: Actuator) -> Held:

@@ -111,8 +111,9 @@ def without_tips(actuator: Actuator, within: float) -> Actuator:
     ProblemError
         If the distance is below zero, or nothing is left to move.
     """
+    near = near_tips(actuator, within)[:, None]
     network = actuator.network
-    held = network.held | near_tips(actuator, within)[:, None]
+    held = network.held | near
     return replace(actuator, network=replace(network, held=held))
 
 
@@ -127,7 +128,7 @@ def near_tips(actuator: Actuator, within: float) -> Mask:
     size = float(np.ptp(start, axis=0).max())
     near: Mask = away <= distance + WHOLE * size / len(start)
     if (actuator.network.held | near[:, None]).all():
-        raise ProblemError(f"distance from a tip: {distance:g} m; it holds every point")
+        raise ProblemError(f"distance from a tip: {distance:g} m; it holds every point, give less")
     return near
 
 

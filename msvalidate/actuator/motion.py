@@ -10,7 +10,7 @@ import numpy as np
 from msvalidate import kernels
 from msvalidate.actuator.balance import Found, factor_at, is_small
 from msvalidate.actuator.device import Actuator
-from msvalidate.actuator.equilibria import Held, held_at
+from msvalidate.actuator.equilibria import Held, held_at, refuse_other
 from msvalidate.actuator.models import Electric, electrified
 from msvalidate.integrate import SPECTRUM_ERROR
 from msvalidate.integrators import EULER_CROMER, factors_of, stability_limit
@@ -144,7 +144,7 @@ class _Run:
         self.motion = kernels.Motion(network)
         moved = np.array(network.displacement)
         if start is not None:
-            instance("start", start, Held)
+            refuse_other(actuator, start)
             moved = np.where(network.held, moved, start.displacement)
         self.displacement, self.velocity = moved, np.zeros_like(moved)
         self.free, self.inertia = ~network.held, network.mass[:, None]
@@ -159,6 +159,7 @@ class _Run:
 
     def charge(self, step: int) -> None:
         """Solve for the charges where the electrodes are."""
+        self.refuse_diverged(step)
         try:
             with np.errstate(over="ignore", invalid="ignore"):  # refused as coordinates
                 self.electric = electrified(self.actuator, self.position, self.voltage)
@@ -180,12 +181,17 @@ class _Run:
         self.velocity = self.keep * self.velocity + self.push * self.balance() / self.inertia
         self.displacement = self.displacement + self.dt * self.velocity
 
+    def refuse_diverged(self, step: int) -> None:
+        """Raise `SolverError` if a point is far away, or nowhere."""
+        if not np.abs(self.displacement).max() < DIVERGED * self.size:
+            raise SolverError(
+                f"{self.name} diverged by step {step}; take a smaller dt, or a lower voltage"
+            )
+
     def look(self, step: int) -> tuple[int, float, float, float]:
         """Step, residual (N), kinetic energy (J) and mean height of the top (m)."""
         residual = float(np.abs(self.balance()).max())
         kinetic = 0.5 * float((self.inertia * self.velocity**2).sum())
-        if not np.abs(self.displacement).max() < DIVERGED * self.size:
-            raise SolverError(f"{self.name} diverged by step {step}; take a smaller dt")
         height = float(self.position[self.actuator.electrodes[0], 1].mean())
         return step, residual, kinetic, height
 

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from msvalidate.problem import ProblemError, SolverError, number, positive
+from msvalidate.problem.values import LONGEST
 
 CREASING_FIELD_THEORY = 1.03
 CREASING_FIELD_EXPERIMENT = 0.85
@@ -22,6 +23,8 @@ CREASING_FIELD_EXPERIMENT = 0.85
 measured: literature, not derived here (Wang, Zhang and Zhao 2011, Phys. Rev. Lett. 106, 118301)."""
 CREASING_WAVELENGTH = 1.5
 """Distance of creases over the thickness, from the same source."""
+MOST_STRETCHED = 1e6
+"""Stretch beyond which, and below the inverse of which, squares and cubes lose their digits."""
 THINNEST = 1e-9
 """Thickness ratio below which nothing is looked for."""
 
@@ -43,14 +46,16 @@ def pressure(
     """
     l = positive("thickness ratio", ratio)  # noqa: E741  # the formula's
     k1, k2 = positive("axial", axial, "Pa"), positive("diagonal", diagonal, "Pa")
-    wide = positive("stretch", stretch)
+    wide = _stretched(stretch)
     diagonals = 2 * k2 * l * (math.sqrt(2) / math.hypot(wide, l) - 1)
     return (k1 * (1 - l) + diagonals) / wide
 
 
 def relaxed_thickness(stretch: float, *, axial: float = 1.0, diagonal: float = 0.5) -> float:
     """Thickness ratio at which a stretched film of this lattice needs no pressure."""
-    wide = positive("stretch", stretch)
+    positive("axial", axial, "Pa")
+    positive("diagonal", diagonal, "Pa")
+    wide = _stretched(stretch)
     if wide == 1:
         return 1.0
     # Springs along y want a ratio of 1; diagonals √(2-λ²), or none where even that is too long.
@@ -119,7 +124,8 @@ def thickness(
     end = pull_in(height=height, permittivity=permittivity, **springs)
     if wanted > end.voltage:
         raise SolverError(
-            f"uniform slab: no thickness at {wanted:.6g} V; it is pulled in at {end.voltage:.6g} V"
+            f"uniform slab: no thickness at {wanted:.6g} V; it is pulled in at "
+            f"{end.voltage:.6g} V, stay below"
         )
     force = 0.5 * permittivity * (wanted / height) ** 2
 
@@ -173,13 +179,15 @@ def bonded_film_field(wavenumber: float) -> float:
     falls with κ towards √2: short waves go first, and no wavelength is preferred without a surface
     energy.
     """
-    wave = positive("wavenumber times thickness", wavenumber)
+    wave = min(positive("wavenumber times thickness", wavenumber), 300.0)  # √2 from there on
+    if wave < 1 / LONGEST:
+        raise ProblemError(f"wavenumber times thickness: {wave:g}; give {1 / LONGEST:g} or more")
     if wave < 0.02:
         # sinhκ·coshκ - κ = ⅔κ³(1 + κ²/5 + ...) cancels below; what is left out is below κ⁴.
         resisted = (1 + 2 * wave**2) / (2 / 3 * wave**3 * (1 + wave**2 / 5))
     else:
         # Over cosh², so that long films do not overflow.
-        decay = 1 / math.cosh(min(wave, 300.0)) ** 2
+        decay = 1 / math.cosh(wave) ** 2
         resisted = (1 + wave**2 * decay) / (math.tanh(wave) - wave * decay)
     return math.sqrt(2 * resisted * math.tanh(wave))
 
@@ -189,8 +197,15 @@ def bonded_film_limit() -> float:
     return math.sqrt(2)
 
 
-def _widened(stretch: float) -> float:
+def _stretched(stretch: float) -> float:
     wide = positive("stretch", stretch)
+    if not 1 / MOST_STRETCHED <= wide <= MOST_STRETCHED:
+        raise ProblemError(f"stretch: {wide:g}; give {1 / MOST_STRETCHED:g} to {MOST_STRETCHED:g}")
+    return wide
+
+
+def _widened(stretch: float) -> float:
+    wide = _stretched(stretch)
     if wide < 1:
         raise ProblemError(f"stretch: {wide:g}; a voltage only widens a film, give 1 or more")
     return wide

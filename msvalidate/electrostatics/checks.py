@@ -5,7 +5,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import Array, Index, ProblemError, coordinates, finite, integers
+from msvalidate.problem import Array, Index, ProblemError, coordinates, finite, integers, shown
+
+MOST_DENSE = 30_000
+"""Segments or patches beyond which no matrix is made of all pairs: it would take 7 GB or more."""
+
+
+def refuse_dense(what: str, count: int) -> None:
+    """Raise `ProblemError` before memory is taken for a matrix of too many segments or patches."""
+    if count > MOST_DENSE:
+        raise ProblemError(
+            f"{what}: {count}, a matrix of {8e-9 * count**2:.3g} GB; take at most {MOST_DENSE}, or "
+            "of electrodes in one medium the charges of `Multipole`"
+        )
 
 
 def in_plane(name: str, points: ArrayLike, *, least: int = 0) -> Array:
@@ -14,6 +26,14 @@ def in_plane(name: str, points: ArrayLike, *, least: int = 0) -> Array:
     if given.ndim != 2 or given.shape[1] != 2 or len(given) < least:
         count = f", n above {least - 1}" if least else ""
         raise ProblemError(f"{name}: shape {given.shape}; give (n, 2){count}")
+    return given
+
+
+def moved_points(name: str, points: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Return points (n, 2) in m; raise `ProblemError` unless as many as there were."""
+    given = in_plane(name, points)
+    if given.shape != shape:
+        raise ProblemError(f"{name}: shape {given.shape}; give {shape}, as there were")
     return given
 
 
@@ -29,7 +49,9 @@ def refuse_gaps(name: str, numbers: Index) -> None:
     """Raise `ProblemError` unless numbers of electrodes or conductors are 0, 1, ..., all there."""
     known = np.unique(numbers)
     if not np.array_equal(known, np.arange(len(known))):
-        raise ProblemError(f"{name}: numbers are left out; count {name}s 0, 1, 2 and so on")
+        raise ProblemError(
+            f"{name}: {shown(known)}; numbers are left out, count {name}s 0, 1, 2 and so on"
+        )
 
 
 def voltages_of(owner: str, count: int, voltages: ArrayLike) -> Array:

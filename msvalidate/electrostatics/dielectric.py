@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
-from msvalidate.electrostatics.checks import voltages_of
+from msvalidate.electrostatics.checks import refuse_dense, voltages_of
 from msvalidate.electrostatics.faces import Faces
 from msvalidate.electrostatics.moments import Complex, complex_of, places
 from msvalidate.kernels import charges as integrals
@@ -54,6 +54,7 @@ class SlabInAir:
 
     def __init__(self, faces: Faces, *, ratio: float = 1.0, permittivity: float = 1.0) -> None:
         instance("faces", faces, Faces)
+        refuse_dense("segments", len(faces.points))
         self.faces = faces
         self.ratio = positive("ratio", ratio)
         self.permittivity = positive("permittivity", permittivity, "F/m")

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from msvalidate.electrostatics.checks import freeze, in_plane, owners, refuse_gaps
+from msvalidate.electrostatics.checks import freeze, in_plane, moved_points, owners, refuse_gaps
 from msvalidate.problem import (
     Array,
     Index,
@@ -17,6 +17,8 @@ from msvalidate.problem import (
     chosen,
     integers,
     metres,
+    number,
+    refuse_too_many,
     whole,
 )
 from msvalidate.problem.values import PLACEMENT
@@ -55,7 +57,8 @@ class Electrodes:
             raise ProblemError(f"segments: shape {segments.shape}; give (m, 2), 1 or more")
         if segments.min() < 0 or segments.max() >= len(points):
             raise ProblemError(
-                f"segments: points {segments.min()} to {segments.max()}; there are {len(points)}"
+                f"segments: points {segments.min()} to {segments.max()}; there are {len(points)}, "
+                "from 0"
             )
         electrode = owners("electrode", self.electrode, len(segments))
         refuse_gaps("electrode", electrode)
@@ -94,7 +97,8 @@ class Electrodes:
 
     def moved(self, points: ArrayLike) -> Electrodes:
         """The same electrodes with their points (n, 2) elsewhere (m)."""
-        return Electrodes(np.asarray(points), self.segments, self.electrode)
+        later = moved_points("points of electrodes", points, self.points.shape)
+        return Electrodes(later, self.segments, self.electrode)
 
 
 def chains(*lines: ArrayLike) -> Electrodes:
@@ -120,12 +124,14 @@ def strip(
     `cosine` puts them where equal angles of a half circle project: charge that grows like the
     inverse root of the distance from an edge is then spread evenly over the segments.
     """
-    half = 0.5 * metres("width", width)
-    part = np.linspace(-1.0, 1.0, whole("segments", segments, 1) + 1)
+    half, level = 0.5 * metres("width", width), number("height", height)
+    middle = number("centre", centre)
+    refuse_too_many("segments", whole("segments", segments, 1), what="segments")
+    part = np.linspace(-1.0, 1.0, segments + 1)
     chosen("grading", grading, GRADINGS)
     if grading == "cosine":
         part = np.sin(0.5 * np.pi * part)
-    return np.column_stack([centre + half * part, np.full(len(part), height)])
+    return np.column_stack([middle + half * part, np.full(len(part), level)])
 
 
 def facing_strips(

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from msvalidate.electrostatics.checks import freeze, in_plane, owners
+from msvalidate.electrostatics.checks import freeze, in_plane, moved_points, owners
 from msvalidate.electrostatics.electrodes import GRADINGS, strip
 from msvalidate.problem import (
     Array,
@@ -98,7 +98,7 @@ class Faces:
 
     def moved(self, points: ArrayLike) -> Faces:
         """The same faces with their points (n, 2) elsewhere (m)."""
-        return Faces(np.asarray(points), self.electrode)
+        return Faces(moved_points("points of faces", points, self.points.shape), self.electrode)
 
 
 def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike, ...]) -> Faces:
@@ -123,16 +123,20 @@ def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike,
         raise ProblemError(f"outline: shape {around.shape}; give (m,) numbers of points (n, 2)")
     if around.min() < 0 or around.max() >= len(given):
         raise ProblemError(
-            f"outline: points {around.min()} to {around.max()}; there are {len(given)}"
+            f"outline: points {around.min()} to {around.max()}; there are {len(given)}, from 0"
         )
     segment = {
         frozenset(pair): i
         for i, pair in enumerate(zip(around.tolist(), np.roll(around, -1).tolist(), strict=True))
     }
     electrode = np.full(len(around), BARE)
+    if not isinstance(electrodes, tuple | list):
+        raise ProblemError(f"electrodes: {shown(electrodes)}; give a tuple of chains of numbers")
     for k, chain in enumerate(electrodes):
-        numbers = integers("electrodes", chain).tolist()
-        for pair in pairwise(numbers):
+        numbers = integers(f"electrode {k}", chain)
+        if numbers.ndim != 1:
+            raise ProblemError(f"electrode {k}: shape {numbers.shape}; give (m,) numbers of points")
+        for pair in pairwise(numbers.tolist()):
             place = segment.get(frozenset(pair))
             if place is None:
                 raise ProblemError(
@@ -218,7 +222,8 @@ def _refuse_electrodes(electrode: Index) -> None:
     known = np.unique(electrode)
     if not np.array_equal(known[known != BARE], np.arange(max(2, known[-1] + 1))):
         raise ProblemError(
-            "electrode: give at least 0 and 1, and leave out none; -1 where the face is bare"
+            f"electrode: {shown(known)}; give at least 0 and 1, and leave out none; -1 where the "
+            "face is bare"
         )
     after = np.roll(electrode, -1)
     touching = np.flatnonzero((electrode != after) & (electrode != BARE) & (after != BARE))

@@ -23,7 +23,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.electrostatics.checks import in_plane, voltages_of
+from msvalidate.electrostatics.checks import in_plane, refuse_dense, voltages_of
 from msvalidate.electrostatics.electrodes import Electrodes
 from msvalidate.electrostatics.neutral import Neutral, factorised, neutral_gmres
 from msvalidate.kernels import charges as integrals
@@ -149,7 +149,7 @@ class Moments:
     Raises
     ------
     ProblemError
-        If there is but one electrode, or an argument is out of range.
+        If there is but one electrode, segments are too many, or an argument is out of range.
     SolverError
         If segments are so close that rounding leaves their energies negative.
     """
@@ -168,6 +168,7 @@ class Moments:
     def _state(self, electrodes: Electrodes, permittivity: float, weighting: Weighting) -> None:
         self.electrodes = more_than_one(electrodes)
         chosen("weighting", weighting, WEIGHTINGS)
+        refuse_dense("segments", len(electrodes.segments))
         self.weighting: Weighting = weighting
         self.permittivity = positive("permittivity", permittivity, "F/m")
         self._matrix: Array | None = None

@@ -19,7 +19,7 @@ import shapely
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
-from msvalidate.electrostatics.checks import freeze, owners, refuse_gaps, voltages_of
+from msvalidate.electrostatics.checks import freeze, owners, refuse_dense, refuse_gaps, voltages_of
 from msvalidate.kernels import polygons
 from msvalidate.problem import (
     Array,
@@ -106,6 +106,7 @@ class PatchMoments:
 
     def __init__(self, patches: Patches, *, permittivity: float = 1.0) -> None:
         instance("patches", patches, Patches)
+        refuse_dense("patches", len(patches.corners))
         self.patches = patches
         self.permittivity = positive("permittivity", permittivity, "F/m")
         mean = polygons.seen(patches.middle, patches.corners) / patches.area

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.electrostatics.patches import Patches
-from msvalidate.problem import ProblemError, metres, number, shown, whole
+from msvalidate.problem import ProblemError, metres, number, refuse_too_many, shown, whole
 
 STEEPEST = 8.0
 """Largest exponent of grading: beyond it patches at edges are lost in rounding."""
@@ -27,7 +27,10 @@ def plate(
     grading
         The n-th line from a side is n to this power away: 1 for uniform patches.
     """
-    half = np.linspace(-1.0, 1.0, whole("segments", segments, 1) + 1)
+    if not isinstance(sides, tuple | list) or len(sides) != 2:
+        raise ProblemError(f"sides: {shown(sides)}; give two lengths in m")
+    refuse_too_many("segments", float(whole("segments", segments, 1)) ** 2, what="patches")
+    half = np.linspace(-1.0, 1.0, segments + 1)
     part = np.sign(half) * (1 - (1 - np.abs(half)) ** _exponent(grading))
     x, y = (0.5 * metres("side", side) * part for side in sides)
     left, low = (line.ravel() for line in np.meshgrid(x[:-1], y[:-1], indexing="ij"))
@@ -65,6 +68,7 @@ def disc(
     power, inwards = _exponent(grading), np.linspace(1.0, 0.0, whole("rings", rings, 1) + 1)
     turns = whole("sectors", sectors, 2) * whole("arcs", arcs, 1)
     bulge = np.sqrt((2 * np.pi / turns) / np.sin(2 * np.pi / turns))
+    refuse_too_many("rings", float(rings) * turns, what="corners of patches")
     r = metres("radius", radius) * bulge * (1 - inwards**power)
     angle = 2 * np.pi / turns * (arcs * np.arange(sectors)[:, None] + np.arange(arcs + 1))
     arc = np.stack([np.cos(angle), np.sin(angle)], axis=-1)

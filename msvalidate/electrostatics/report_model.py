@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
-from msvalidate.electrostatics.checks import voltages_of
+from msvalidate.electrostatics.checks import in_plane, refuse_dense, voltages_of
 from msvalidate.electrostatics.electrodes import Electrodes
 from msvalidate.electrostatics.moments import more_than_one
 from msvalidate.electrostatics.pieces import PLACES, Place, pieces
@@ -34,7 +34,6 @@ from msvalidate.problem import (
     Array,
     Index,
     chosen,
-    coordinates,
     instance,
     metres,
     positive,
@@ -71,6 +70,7 @@ class ReportModel:
         charges_on: Place = "springs",
     ) -> None:
         instance("electrodes", electrodes, Electrodes)
+        refuse_dense("segments", len(electrodes.segments))
         chosen("kernel", kernel, KERNELS)
         chosen("charges_on", charges_on, PLACES)
         if kernel == "plane":
@@ -192,7 +192,7 @@ class ReportCharges:
         """Potential (n,) in V at points (n, 2) in m, at half the depth."""
         moments = self.moments
         spread = moments.spread() @ self.charge
-        at: Array = moments.views(coordinates("points", points)).mean @ spread
+        at: Array = moments.views(in_plane("points", points)).mean @ spread
         if moments.kernel == "report":
             return at
         first = moments.views().mean[0] @ spread  # the plane's potentials lack a constant

@@ -77,7 +77,8 @@ def equilibrium_at(
         return found.held[-1]
     last = found.pull_in[0]
     raise SolverError(
-        f"actuator: no equilibrium at {voltage:g} V; the last held is at {last:.6g} V ({found.why})"
+        f"actuator: no equilibrium at {voltage:g} V; the last held is at {last:.6g} V "
+        f"({found.why}); stay below, or take `sweep`, which keeps it"
     )
 
 

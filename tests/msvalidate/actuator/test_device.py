@@ -157,3 +157,10 @@ def test_without_tips_holds_points_near_the_edges():
 def test_without_tips_refuses(small, within, match):
     with pytest.raises(ProblemError, match=match):
         without_tips(small, within)
+    with pytest.raises(ProblemError, match="actuator: None; give an Actuator"):
+        without_tips(None, 1.0)
+
+
+def test_electrodes_lie_where_all_points_are(small):
+    with pytest.raises(ProblemError, match=r"position: shape \(3, 2\); give \(21, 2\)"):
+        small.lying(np.zeros((3, 2)))

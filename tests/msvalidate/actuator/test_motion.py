@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.actuator import at_voltage, moving
+from msvalidate.actuator import at_voltage, moving, slab
 from msvalidate.problem import ProblemError, SolverError
 
 
@@ -30,6 +30,17 @@ def test_motion_beyond_pull_in_says_so(plates):
 def test_motion_out_of_time_says_so(film):
     with pytest.raises(SolverError, match=r"not at rest after 3 steps"):
         moving(film, 1.0, max_steps=3)
+
+
+def test_a_step_too_long_is_not_called_pull_in(film):
+    with pytest.raises(SolverError, match=r"at 0.1 V diverged by step \d+; take a smaller dt"):
+        moving(film, 0.1, dt=100.0)
+
+
+def test_a_start_of_another_network_is_refused(film):
+    other = at_voltage(slab(2.0, 1.0, 1), 0.1)
+    with pytest.raises(ProblemError, match=r"start: displacements \(6, 2\) of another network"):
+        moving(film, 0.1, start=other)
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,16 @@ import pytest
 from msvalidate.electrostatics import (
     Electrodes,
     Moments,
+    PatchMoments,
+    ReportModel,
+    SlabInAir,
     capacitance,
     chains,
+    checks,
     facing_strips,
     facing_strips_capacitance,
+    plate,
+    slab_faces,
     strip,
 )
 from msvalidate.problem import ProblemError
@@ -74,6 +80,11 @@ BAD = [
     ("too few names", lambda: Electrodes(FLAT, [[0, 1]], [0, 1]), "shape (2,); give (1,)"),
     ("names left out", lambda: Electrodes(FLAT, [[0, 1]], [10**9]), "numbers are left out"),
     ("grading", lambda: strip(1.0, 0.0, 4, grading="log"), "grading: 'log'; choose uniform or"),
+    ("fewer points moved", lambda: PAIR.moved(ABOVE), "shape (2, 2); give (4, 2), as there were"),
+    ("more points moved", lambda: PAIR.moved(np.eye(5, 2)), "shape (5, 2); give (4, 2), as there"),
+    ("height of a strip", lambda: strip(1.0, math.nan, 4), "height: nan; every value must be"),
+    ("centre of a strip", lambda: strip(1.0, 0.0, 4, centre="a"), "centre: expected numbers"),
+    ("too many", lambda: strip(1.0, 0.0, 10**9), "segments: 1e+09 segments, and the most is"),
     ("segments of a strip", lambda: strip(1.0, 0.0, 0), "segments: 0; give a whole number"),
     ("one electrode", lambda: Moments(chains(FLAT)), "one alone holds no charge in the plane"),
     ("not electrodes", lambda: Moments(FLAT), "electrodes: [[0.0, 0.0], [1.0, 0.0]]; give an"),
@@ -95,6 +106,21 @@ def test_bad_input_is_told_in_one_line(make, words):
     assert words in str(told.value)
     assert "\n" not in str(told.value)
     assert len(str(told.value)) < 300
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        Moments,
+        ReportModel,
+        lambda _: SlabInAir(slab_faces(2.0, 1.0, 4)),
+        lambda _: PatchMoments(plate((1.0, 1.0), 2)),
+    ],
+)
+def test_a_matrix_beyond_memory_is_refused(make, monkeypatch):
+    monkeypatch.setattr(checks, "MOST_DENSE", 3)
+    with pytest.raises(ProblemError, match=r"(segments|patches): \d+, a matrix of .* GB; take at"):
+        make(facing_strips(1.0, 1.0, 2))
 
 
 def test_electrodes_know_their_segments():

@@ -57,7 +57,9 @@ def test_chains_of_a_network_become_faces():
         ([0, 1, 2, 5, 4, 3], ([3, 4], [4, 3]), "electrodes 0 and 1: both cover the surface"),
         ([0, 1, 2, 5, 4, 3], ([3, 4], [4, 5]), "touch between segments"),
         ([0, 1, 2, 5, 4, 9], ([3, 4], [0, 1]), "outline: points 0 to 9; there are 7"),
-        ([0, 1, 2, 5, 4, 3], ([3, 4],), "electrode: give at least 0 and 1"),
+        ([0, 1, 2, 5, 4, 3], ([3, 4],), "electrode: .*; give at least 0 and 1"),
+        ([0, 1, 2, 5, 4, 3], None, "electrodes: None; give a tuple of chains"),
+        ([0, 1, 2, 5, 4, 3], (3, 0), r"electrode 0: shape \(\); give \(m,\)"),
     ],
 )
 def test_bad_chains_are_refused(outline, electrodes, said):
@@ -84,6 +86,11 @@ def test_bad_chains_are_refused(outline, electrodes, said):
 def test_bad_outlines_are_refused(points, electrode, said):
     with pytest.raises(ProblemError, match=said):
         Faces(points, electrode)
+
+
+def test_faces_move_with_as_many_points():
+    with pytest.raises(ProblemError, match=r"points of faces: shape \(3, 2\); give \(4, 2\)"):
+        Faces(SQUARE, COVERED).moved(SQUARE[:3])
 
 
 @pytest.mark.parametrize("covered", [0.0, -0.1, 1.1, np.nan])

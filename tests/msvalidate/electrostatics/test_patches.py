@@ -250,6 +250,12 @@ def test_bad_questions_are_refused():
     for grading in (0.5, 9.0, np.nan):
         with pytest.raises(ProblemError, match="grading"):
             plate((1.0, 1.0), 2, grading=grading)
+    for sides in (1.0, (1.0,), (1.0, 1.0, 1.0), None):
+        with pytest.raises(ProblemError, match=r"sides: .*; give two lengths in m"):
+            plate(sides, 2)
+    for many in (lambda: plate((1.0, 1.0), 10**6), lambda: disc(1.0, 10**8)):
+        with pytest.raises(ProblemError, match="patches, and the most is 2e"):
+            many()
     with pytest.raises(ProblemError, match="sectors: 1; give a whole number, 2 or more"):
         disc(1.0, 2, sectors=1)
     with pytest.raises(ProblemError, match="radius: -1 m; it must be above zero"):

@@ -249,5 +249,7 @@ def test_bad_questions_are_refused():
         ReportModel(chains([(0.0, 0.0), (1.0, 0.0)]), kernel="plane")
     with pytest.raises(ProblemError, match=r"voltages: shape \(3,\); give \(2,\)"):
         ReportModel(wavy(1)).charges((1.0, 0.0, 0.0))
+    with pytest.raises(ProblemError, match=r"points: shape \(3,\); give \(n, 2\)"):
+        ReportModel(wavy(1)).charges((1.0, 0.0)).potential([0.0, 1.0, 2.0])
     with pytest.raises(ProblemError, match="give an Electrodes"):
         ReportModel([(0.0, 0.0)])

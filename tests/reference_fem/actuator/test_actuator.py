@@ -132,6 +132,7 @@ def test_linear_stress_pulls_in_at_two_thirds():
 def test_a_voltage_beyond_pull_in_is_refused_and_names_the_last():
     with pytest.raises(SolverError, match="no equilibrium at 7 V; the last held is at 6\\.") as no:
         equilibrium_at(between_plates(), 7.0, resolution=0.1)
+    assert str(no.value).endswith("; stay below, or take `sweep`, which keeps it")
     assert "\n" not in str(no.value)
 
 
