@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from msvalidate.problem import ProblemError, SolverError, number, positive
-from msvalidate.problem.values import LONGEST
+from msvalidate.problem import LONGEST, ProblemError, SolverError, number, positive
 
 CREASING_FIELD_THEORY = 1.03
 CREASING_FIELD_EXPERIMENT = 0.85

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate.electrostatics.checks import freeze, in_plane, moved_points, owners, refuse_gaps
 from msvalidate.problem import (
+    PLACEMENT,
     Array,
     Index,
     ProblemError,
@@ -21,7 +22,6 @@ from msvalidate.problem import (
     refuse_too_many,
     whole,
 )
-from msvalidate.problem.values import PLACEMENT
 
 GRADINGS = ("uniform", "cosine")
 

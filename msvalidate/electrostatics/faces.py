@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike
 from msvalidate.electrostatics.checks import freeze, in_plane, moved_points, owners
 from msvalidate.electrostatics.electrodes import GRADINGS, strip
 from msvalidate.problem import (
+    PLACEMENT,
     Array,
     Index,
+    Mask,
     ProblemError,
     chosen,
     coordinates,
@@ -23,7 +25,6 @@ from msvalidate.problem import (
     shown,
     whole,
 )
-from msvalidate.problem.values import PLACEMENT, Mask
 
 BARE = -1
 """In the place of an electrode's number: none."""

@@ -22,6 +22,7 @@ from scipy.linalg import lu_factor, lu_solve
 from msvalidate.electrostatics.checks import freeze, owners, refuse_dense, refuse_gaps, voltages_of
 from msvalidate.kernels import polygons
 from msvalidate.problem import (
+    PLACEMENT,
     Array,
     Index,
     ProblemError,
@@ -29,7 +30,6 @@ from msvalidate.problem import (
     instance,
     positive,
 )
-from msvalidate.problem.values import PLACEMENT
 
 OVERLAP = 1e-6
 """Part of a patch that another may seem to cover: rounding of thin ones takes some 1e-10."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from msvalidate.problem import (
+    PLACEMENT,
     ProblemError,
     chosen,
     instance,
@@ -15,7 +16,6 @@ from msvalidate.problem import (
     positive,
     shown,
 )
-from msvalidate.problem.values import PLACEMENT
 
 Side = Literal["top", "bottom"]
 SIDES: tuple[Side, ...] = ("top", "bottom")
