@@ -66,11 +66,16 @@ def draw_slab(axis: Axes, points: pd.DataFrame) -> None:
         lines.set_label(f"springs along the axes, {state}")
         axis.add_collection(lines)
     for name, colour in ELECTRODE.items():
-        on = (points["electrode"] == name).to_numpy()
-        order = np.argsort(first[on, 0])
-        axis.plot(*now[on][order].T, color=colour, lw=2.2, label=f"{name} electrode")
+        axis.plot(*electrode_line(points, name).T, color=colour, lw=2.2, label=f"{name} electrode")
     axis.margins(0.02)
     axis.grid(visible=False)
+
+
+def electrode_line(points: pd.DataFrame, electrode: str) -> Array:
+    """Deformed places (k, 2) of an electrode's points, from left to right."""
+    on = points[points["electrode"] == electrode].sort_values("x")
+    line: Array = on[["x", "y"]].to_numpy() + on[["along", "up"]].to_numpy()
+    return line
 
 
 def grid_lines(first: Array, at: Array) -> list[Array]:
@@ -120,10 +125,9 @@ def draw_potential(axis: Axes, points: pd.DataFrame, potential: pd.DataFrame) ->
     columns = len(np.unique(np.round(first[:, 0], 9)))
     for line in (lines[0], lines[columns - 1], lines[-1]):
         axis.plot(*line.T, color="black", lw=0.8)
-    for name in ELECTRODE:
-        on = (points["electrode"] == name).to_numpy()
-        order = np.argsort(first[on, 0])
-        axis.plot(*now[on][order].T, color=figures.COLOURS[1], lw=2)
+    for name, colour in ELECTRODE.items():
+        axis.plot(*electrode_line(points, name).T, color="white", lw=4)  # black stands on dark blue
+        axis.plot(*electrode_line(points, name).T, color=colour, lw=2.2)
     axis.set(aspect="equal", xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
     axis.set_title("potential around the slab, equal axes", fontsize=9)
     axis.grid(visible=False)
