@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RUN := $(BIN)/python -m msvalidate.study
 
-.PHONY: help poisson bench check report test lint types format clean
+.PHONY: help poisson bench check report test slow lint types format clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -46,7 +46,11 @@ report: $(VENV)/runs
 
 # As many workers as cores, so a thread each.
 test: $(VENV)/develops
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder $(ARGS)
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow" $(ARGS)
+
+# make slow      the tests that take minutes: nightly, not at each change
+slow: $(VENV)/develops
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m slow $(ARGS)
 
 # make lint      style, make types: types, make format: rewrite to style
 lint: $(VENV)/develops
