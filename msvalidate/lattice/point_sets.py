@@ -48,6 +48,11 @@ RISE = 0.1
 points that stay where they are two may then be left almost in one place."""
 
 
+UNIT = 2.0**-44
+"""Of crowding: sums and differences of a point's are then exact, up to 512 of the most crowding
+pairs, and two points that crowd nobody but each other are equally crowded, not by rounding."""
+
+
 def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -> Array:
     """Points of a rectangular periodic cell.
 
@@ -188,6 +193,7 @@ def _kept(
     distance = np.sqrt((apart**2).sum(axis=1)) / reach
     nearer = np.maximum(LIMIT * (1 - (count / total) ** BLEND) - distance, 0)
     crowding = np.maximum(1 - distance - (1 - RISE) * nearer, 0) ** CROWDING
+    crowding = np.rint(crowding / UNIT) * UNIT
     return candidates[_survivors(pairs, crowding, total, count)]
 
 
