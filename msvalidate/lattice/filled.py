@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
 from msvalidate.lattice.pattern import Pattern
-from msvalidate.lattice.ties import TIE
+from msvalidate.lattice.ties import slanted
 from msvalidate.problem import (
     Array,
     Box,
@@ -30,8 +30,6 @@ from msvalidate.problem import (
 Kind = TypeVar("Kind", bound=np.generic)
 VTK_ORDER = {2: (0, 1, 3, 2), 3: (0, 1, 3, 2, 4, 5, 7, 6)}
 """Axes -> corners of a box, listed x fastest, in VTK's order: round the low side, then the high."""
-SLANTED = np.array([[1.0, 0.0], [TIE, 1.0]])
-"""A shear by so little that it decides no more than ties."""
 WEIGHTS = ("shared", "equal", "per_cell")
 """Rules for the weight of a spring on the boundary: see `boundary_weights`."""
 
@@ -330,8 +328,7 @@ def _covered(pattern: Pattern, axis: int, there: Index) -> Index:
         order = np.argsort(places[:, 0], kind="stable")
         facets = np.column_stack([order[:-1], order[1:]])
     else:
-        # Sheared by a little, no four places lie on a circle: their place tells how they are cut.
-        facets = Delaunay(places @ SLANTED).simplices
+        facets = Delaunay(slanted(places)).simplices
     ends = (slice(None, -1), slice(1, None))
     numbers = [
         there[(*(ends[step] for step in reversed(images[i])), j)].ravel()

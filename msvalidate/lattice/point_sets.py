@@ -193,12 +193,12 @@ def _kept(
     distance = np.sqrt((apart**2).sum(axis=1)) / reach
     nearer = np.maximum(LIMIT * (1 - (count / total) ** BLEND) - distance, 0)
     crowding = np.maximum(1 - distance - (1 - RISE) * nearer, 0) ** CROWDING
-    crowding = np.rint(crowding / UNIT) * UNIT
     return candidates[_survivors(pairs, crowding, total, count)]
 
 
 def _survivors(pairs: Index, crowding: Array, total: int, count: int) -> Index:
     """Numbers (count,) of the candidates, the first `total`, that are left."""
+    crowding = np.rint(crowding / UNIT) * UNIT
     ends, others = pairs.ravel("F"), pairs[:, ::-1].ravel("F")
     order = np.argsort(ends, kind="stable")
     other, share = others[order], np.tile(crowding, 2)[order]

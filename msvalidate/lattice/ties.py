@@ -14,6 +14,19 @@ TIE = 1e-6
 """Part of a distance by which two are told apart: rounding of coordinates is 1e-16 of the body's
 size, which may be 1e7 distances or more; and no two distances on purpose are as near."""
 
+SLANT = np.array([[0.0, 0.8, 0.3], [0.0, 0.5, 0.7], [0.0, 0.0, 1.0]])
+"""A strain of no symmetry: no rectangle or box at an angle that anybody chooses stays one."""
+
+
+def slanted(points: Array) -> Array:
+    """Points (n, d) strained by `TIE`, so that no more of them lie on one circle or sphere.
+
+    How the squares and cubes between points of a lattice are cut into triangles and tetrahedra is
+    then told by their places: as given, any cut is Delaunay's, and rounding chooses one.
+    """
+    d = points.shape[1]
+    return np.asarray(points + TIE * points @ SLANT[:d, :d])
+
 
 def levels(values: Array, room: float, axis: int = 0) -> Index:
     """Number of the level of each value, from 0 up along an axis.
