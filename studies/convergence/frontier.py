@@ -50,10 +50,15 @@ KINETIC, NEWTON = "springs, kinetic damping", "springs, Newton"
 INSIDE = 1 - 1e-9
 DRAWN = {KINETIC: COLOURS[2], NEWTON: COLOURS[0], "Q1 elements": "black", "Q2 elements": COLOURS[1]}
 """Colours: those of the same methods in the other figures."""
-ORDER_ROUNDING, ENDS_ROUNDING = 1e-6, 1e-5
-"""Of the orders and of the ends of their intervals: displacements are known to rounding times the
-condition of the graded reference, 1e-16 x 1e6, relative, and the smallest errors of 1e-4 so to 1e-6
-of them. Of three sizes the interval is 12.7 times as wide as their scatter (Student)."""
+ROUNDING = {
+    **dict.fromkeys(("error", "reference_error"), 1e-9),
+    "order": 1e-5,
+    **dict.fromkeys(("low_order", "high_order"), 5e-5),
+}
+"""Displacements are known to rounding times the condition of the finest graded mesh, 1e-16 x 1e7,
+relative, so the smallest errors of three sizes, 1.3e-4, to 8e-6 of them. An order over a factor of
+4 is then known to 8e-6/ln 4, and the ends of its interval, 12.7 times as wide as the scatter of
+three sizes (Student), to 6 times 8e-6."""
 HUNDREDTH = 0.01
 AT_REST = 1e-7
 """Tolerance of the explicit relaxation: its own error is then far below that of the spacing."""
@@ -134,11 +139,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
         figures={"frontier": draw},
         columns=COLUMNS,
         findings=findings(table),
-        rounding={
-            "order": ORDER_ROUNDING,
-            "low_order": ENDS_ROUNDING,
-            "high_order": ENDS_ROUNDING,
-        },
+        rounding=ROUNDING,
     )
 
 
