@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RUN := $(BIN)/python -m msvalidate.study
 
-.PHONY: help poisson bench check report test slow lint types format clean
+.PHONY: help poisson bench check any-cpu report test slow lint types format clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -35,6 +35,10 @@ poisson: $(VENV)/runs
 # make check     every study in its small form against theory, bands and the committed baseline
 check: $(VENV)/runs
 	$(RUN) check $(ARGS)
+
+# make any-cpu   the same as three other processors would run it; ARGS="--as old" for one of them
+any-cpu: $(VENV)/runs
+	$(BIN)/python .ci/any_cpu.py $(ARGS)
 
 # make bench     time springs and elements beside their peers, and tell what was aimed at
 bench: $(VENV)/peers

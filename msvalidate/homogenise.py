@@ -48,6 +48,8 @@ DENSE = 300
 """Motions of a cell up to which all eigenvectors are found, and those without stiffness told."""
 PHASES = 8
 """Of waves along each axis, even, so that pi is one."""
+SAME_HEIGHT = 1e-9
+"""Part of a squared frequency by which two waves' are told apart; rounding leaves 1e-14 of it."""
 LARGEST_CELL = 1000
 """Points of a cell up to which all frequencies of all waves are found: dense matrices."""
 NO_STIFFNESS = 1e-10
@@ -297,7 +299,10 @@ def highest_frequency(pattern: Pattern, constants: Constants) -> float:
     steps = 2 * math.pi / PHASES * np.arange(PHASES)
     # A wave and its opposite are one: half of the phases of the last axis will do.
     waves = product(*[steps] * (d - 1), steps[: PHASES // 2 + 1])
-    best, start = max((square(np.array(wave)), wave) for wave in waves)
+    each = [(square(np.array(wave)), wave) for wave in waves]
+    best = max(value for value, _ in each)
+    # Of waves as high but for rounding, the first.
+    start = next(wave for value, wave in each if value >= best * (1 - SAME_HEIGHT))
     options = {"xatol": 1e-8, "fatol": 1e-14}
     uphill = minimize(lambda q: -square(q), start, method="Nelder-Mead", options=options)
     return unit * max(best, -float(uphill.fun))

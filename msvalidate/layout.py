@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from msvalidate.problem import Array, Index
 
@@ -134,11 +134,33 @@ def _order(points: int, dim: int, springs: Index) -> Index:
         (np.ones(2 * len(springs), dtype=np.int8), np.concatenate((springs, springs[:, ::-1])).T),
         shape=(points, points),
     )
-    order = reverse_cuthill_mckee(graph.tocsr(), symmetric_mode=True)
+    order = cuthill_mckee(graph.tocsr())
     place = _places(order, points)
     if np.abs(np.subtract(*place[springs].T)).mean() >= apart:
         return np.zeros(0, dtype=np.intp)
-    return np.asarray(order, dtype=np.intp)
+    return order
+
+
+def cuthill_mckee(graph: csr_array) -> Index:
+    """The ordering (n,) of Cuthill and McKee (1969), reversed, of a symmetric graph (n, n).
+
+    Each piece is searched in breadth from a point of fewest neighbours, those with fewer first, and
+    of as many the one of lower number. SciPy's starts wherever an unstable sort, which goes by the
+    processor, puts one of the points of fewest neighbours.
+    """
+    n = graph.shape[0]
+    rank = np.argsort(np.diff(graph.indptr), kind="stable")
+    ranked = graph[rank][:, rank]
+    ranked.sort_indices()
+    _, piece = connected_components(ranked, directed=False)
+    start = np.unique(piece, return_index=True)[1]
+    # One search for all pieces, from a root beside the points that leads to the first of each.
+    rows = np.append(ranked.indptr, ranked.nnz + len(start))
+    columns = np.append(ranked.indices, start)
+    rooted = csr_array((np.ones(len(columns)), columns, rows), shape=(n + 1, n + 1))
+    found = breadth_first_order(rooted, n, return_predecessors=False)[1:]
+    found = found[np.argsort(piece[found], kind="stable")]
+    return np.asarray(rank[found[::-1]], dtype=np.intp)
 
 
 def _grouped(

@@ -154,7 +154,9 @@ def _relaxed_constants(pattern: Pattern, spacing: float, E: float, nu: float) ->
     for rule in pattern.rules.values():
         start = np.maximum(np.array(rule) / max(rule), START) * unit
         tries.append(least_squares(misfit, start, "3-point", (0, np.inf), x_scale=unit, **limits))
-    best = min(tries, key=lambda found: float(found.cost))
+    # Of constants that are exact but for rounding, those of the first rule.
+    exact = [found for found in tries if np.abs(found.fun).max() <= ALIKE]
+    best = exact[0] if exact else min(tries, key=lambda found: float(found.cost))
     solid = homogenised(pattern, tuple(best.x), spacing)
     if np.abs(best.fun).max() > ALIKE:
         raise ProblemError(

@@ -27,6 +27,7 @@ from scipy.spatial import cKDTree
 from msvalidate.equilibrium import Equilibrium
 from msvalidate.lattice import CutLattice, Lattice
 from msvalidate.lattice.corners import corner_volumes
+from msvalidate.lattice.ties import TIE
 from msvalidate.network import Network
 from msvalidate.problem import (
     LONGEST,
@@ -215,11 +216,12 @@ def fitted_stress(
     """Stress (p, 3) or (p, 6) in Pa at places (p, d): tensor times the strain of a polynomial.
 
     The polynomial is the best, in least squares, for the displacements of the points nearest to a
-    place. Where displacements are exact its strain errs by r^degree, r the distance of the furthest
-    point taken. Where they are those of a cut lattice, whose boundary leaves errors of the order of
-    the strain in cells that it cuts, they are to be of `whole_points`, and r is to grow beside the
-    spacing h as that shrinks: by default as √h. A place on the outline then lies a cell or two
-    outside the points that are fitted.
+    place; of points equally far (to `TIE`) either all are taken or none, so that neither rounding
+    nor the order of the points decides. Where displacements are exact its strain errs by r^degree,
+    r the distance of the furthest point taken. Where they are those of a cut lattice, whose
+    boundary leaves errors of the order of the strain in cells that it cuts, they are to be of
+    `whole_points`, and r is to grow beside the spacing h as that shrinks: by default as √h. A place
+    on the outline then lies a cell or two outside the points that are fitted.
 
     Parameters
     ----------
@@ -230,8 +232,9 @@ def fitted_stress(
     degree
         Of the polynomial, 1 to 4.
     count
-        Points for each fit, by default four times the polynomial's coefficients, or the square
-        root of all the points if that is more: so r is as √h.
+        Points for each fit, and more where several are as far as the last; by default four times
+        the polynomial's coefficients, or the square root of all the points if that is more: so r
+        is as √h.
 
     Raises
     ------
@@ -256,9 +259,17 @@ def fitted_stress(
             f"fitted stress: tensor {C.shape}, {k} of {len(x)} points a fit; give a Voigt tensor "
             "and no more points than there are"
         )
-    near = cKDTree(x).query(at, k=k)[1]
+    near = _nearest(x, at, k)
     strains = [_fitted(x[i], u[i], place, powers) for place, i in zip(at, near, strict=True)]
     return np.asarray(np.stack(strains) @ C)
+
+
+def _nearest(points: Array, places: Array, count: int) -> list[Index]:
+    """At least so many points nearest to each place: all that are as far as the last, too."""
+    tree = cKDTree(points)
+    last = tree.query(places, k=[count])[0][:, 0]
+    found = tree.query_ball_point(places, last * (1 + TIE), return_sorted=True)
+    return [np.array(each, dtype=np.intp) for each in found]
 
 
 def whole_points(lattice: CutLattice) -> Mask:
@@ -286,7 +297,7 @@ def members(lattice: Lattice) -> tuple[Index, Index]:
     instance("lattice", lattice, Lattice)
     n = len(lattice.points)
     code = lattice.springs.min(axis=1) * n + lattice.springs.max(axis=1)
-    order = np.argsort(code)
+    order = np.argsort(code, kind="stable")
     pairs = [np.sort(lattice.cells[:, ends], axis=1) for ends in _pairs(lattice.cells.shape[1])]
     wanted = np.stack([pair[:, 0] * n + pair[:, 1] for pair in pairs])
     at = np.minimum(np.searchsorted(code[order], wanted), len(code) - 1)

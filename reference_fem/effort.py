@@ -7,9 +7,9 @@ from contextlib import contextmanager
 
 import numpy as np
 from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import reverse_cuthill_mckee
+from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from msvalidate.problem import Mask, SolverError
+from msvalidate.problem import Index, Mask, SolverError
 
 
 def envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:
@@ -29,12 +29,32 @@ def envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:
     """
     free = ~held.all(axis=1)
     graph = links[free][:, free]
-    order = reverse_cuthill_mckee(graph, symmetric_mode=True)
+    order = _in_breadth(graph)
     place = np.empty(len(order), dtype=np.intp)
-    place[order] = np.arange(len(order))
+    place[order[::-1]] = np.arange(len(order))
     first = np.minimum.reduceat(place[graph.indices], graph.indptr[:-1])
     reach = held.shape[1] * (np.maximum(place - first, 0) + 1.0)
     return held.shape[1] * float(reach.sum()), held.shape[1] * float((reach**2).sum())
+
+
+def _in_breadth(graph: csr_matrix) -> Index:
+    """Nodes (n,) of each part in breadth from one of fewest neighbours, those with fewer first.
+
+    Ties go by number. The library's `reverse_cuthill_mckee` leaves its start to an unstable sort,
+    and so to the processor.
+    """
+    by_degree = np.argsort(np.diff(graph.indptr), kind="stable")
+    graph = graph[by_degree][:, by_degree]
+    graph.sort_indices()
+    _, part = connected_components(graph, directed=False)
+    (first,) = np.nonzero(np.diff(np.maximum.accumulate(part), prepend=-1))
+    # A node more, before all others: the search goes from it to the first of each part.
+    indptr = np.concatenate(([0], graph.indptr + len(first)))
+    indices = np.concatenate((first, graph.indices)) + 1
+    size = graph.shape[0] + 1
+    joined = csr_matrix((np.ones(len(indices)), indices, indptr), shape=(size, size))
+    seen = breadth_first_order(joined, 0, return_predecessors=False)[1:] - 1
+    return np.asarray(by_degree[seen[np.argsort(part[seen], kind="stable")]])
 
 
 @contextmanager

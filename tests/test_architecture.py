@@ -567,6 +567,66 @@ def test_meshio_guard_fires(planted):
     assert uses_meshio(planted)
 
 
+# --- sorts ----------------------------------------------------------------------------------------
+
+UNSTABLE = {"argpartition", "partition", "reverse_cuthill_mckee", "nlargest"}
+"""What leaves ties to an algorithm that goes by the processor, and cannot be told not to."""
+
+
+def by_processor(text):
+    """Calls whose order of ties goes by the processor; arguments sorted by two columns are not."""
+    found = []
+    for node in ast.walk(ast.parse(text)):
+        if not isinstance(node, ast.Call):
+            continue
+        name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+        string = isinstance(node.func, ast.Attribute) and len(node.args) == 1 and not node.keywords
+        given = {k.arg: ast.unparse(k.value) for k in node.keywords}
+        several = name == "sort_values" and node.args and isinstance(node.args[0], ast.List)
+        sorts = name in {"argsort", "sort_values"} and not several
+        if sorts and given.get("kind") != "'stable'":
+            found.append(ast.unparse(node))
+        if name in UNSTABLE and not (name == "partition" and string):
+            found.append(ast.unparse(node))
+    return found
+
+
+@every_module
+def test_ties_are_sorted_by_number(module):
+    assert by_processor(source(module)) == []
+
+
+@pytest.mark.parametrize(
+    "planted",
+    [
+        "np.argsort(x)",
+        "x.argsort()",
+        "np.argsort(x, kind='quicksort')",
+        "table.sort_values('x')",
+        "table.sort_values('x', kind='heapsort')",
+        "np.argpartition(x, 3)",
+        "np.partition(x, 3)",
+        "order = reverse_cuthill_mckee(graph)",
+        "def f():\n    return [np.argsort(row) for row in rows]",
+    ],
+)
+def test_sorting_guard_fires(planted):
+    assert by_processor(planted)
+
+
+@pytest.mark.parametrize(
+    "allowed",
+    [
+        "np.argsort(x, axis=1, kind='stable')",
+        "table.sort_values(['x', 'y'])",
+        "'a b'.partition(' ')",
+        "np.sort(x)",
+    ],
+)
+def test_sorting_guard_lets_pass(allowed):
+    assert by_processor(allowed) == []
+
+
 # --- docstrings -----------------------------------------------------------------------------------
 
 

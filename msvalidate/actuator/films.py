@@ -189,4 +189,4 @@ def _held(x: Array, y: Array, width: float) -> Mask:
 def _along(x: Array, y: Array, level: float) -> Index:
     """Points at a height, from left to right."""
     (there,) = np.nonzero(y == level)
-    return there[np.argsort(x[there])]
+    return there[np.argsort(x[there], kind="stable")]

@@ -11,6 +11,7 @@ from msvalidate.actuator.balance import stiffness
 from msvalidate.actuator.equilibria import Held
 from msvalidate.actuator.films import near_tips
 from msvalidate.actuator.models import electrified
+from msvalidate.lattice.ties import TIE
 from msvalidate.linear import Factor, factorised
 from msvalidate.problem import Array, ProblemError, SolverError, instance, whole
 
@@ -40,8 +41,8 @@ def lowest_modes(held: Held, count: int = 1, *, without_tips: float = 0.0) -> tu
 
     Returns
     -------
-    (count,) values in N/m, rising, and (count, n, 2) modes, each with its largest component above
-    zero.
+    (count,) values in N/m, rising, and (count, n, 2) modes, each with the first of its largest
+    components above zero.
 
     Raises
     ------
@@ -63,7 +64,10 @@ def lowest_modes(held: Held, count: int = 1, *, without_tips: float = 0.0) -> tu
     values, vectors = _smallest(csr_array(0.5 * (K + K.T)), count)
     modes = np.zeros((count, 2 * n))
     modes[:, free] = vectors.T
-    largest = np.take_along_axis(modes, np.abs(modes).argmax(axis=1)[:, None], axis=1)
+    # Of a symmetric body two components are as large, and may be of opposite signs.
+    size = np.abs(modes)
+    first = (size >= size.max(axis=1, keepdims=True) * (1 - TIE)).argmax(axis=1)
+    largest = np.take_along_axis(modes, first[:, None], axis=1)
     return values, (modes * np.sign(largest)).reshape(count, n, 2)
 
 
@@ -79,7 +83,7 @@ def _smallest(K: csr_array, count: int) -> tuple[Array, Array]:
         values, vectors = eigsh(K, count, sigma=shift, OPinv=inverse, v0=start)
     except ArpackError as error:
         raise SolverError(f"lowest modes: the iteration failed ({error})") from error
-    order = np.argsort(values)
+    order = np.argsort(values, kind="stable")
     return values[order], vectors[:, order]
 
 

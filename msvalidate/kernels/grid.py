@@ -126,7 +126,7 @@ def _placed(network: Network) -> tuple[Index, tuple[int, ...], Index] | None:
         place, shape = _ravelled(number, count, axes)
         if shape[-1] >= WIDTH and np.array_equal(place, np.arange(n)):
             return place, shape, np.empty(0, dtype=np.intp)
-    *short, long = np.argsort(count)
+    *short, long = np.argsort(count, kind="stable")
     place, shape = _ravelled(number, count, (*reversed(short), long))
     if np.bincount(place, minlength=n).max() > 1:
         return None

@@ -28,6 +28,7 @@ from msvalidate.lattice.corners import corners_of_cell
 from msvalidate.lattice.filled import Lattice
 from msvalidate.lattice.outline import inside, moments, outline
 from msvalidate.lattice.pattern import Pattern
+from msvalidate.lattice.ties import levels
 from msvalidate.problem import (
     Array,
     Domain,
@@ -45,6 +46,9 @@ from msvalidate.problem import (
 
 RULES = ("moment", "fraction", "whole")
 """What of a cell's springs counts where the outline cuts it: see the module's text."""
+ROUNDING = 1e-9
+"""Part of a cell, or of its side, that is rounding: a cell of which just half or just a sliver is
+inside counts as one of those that have no more, and no less, whatever its coordinates round to."""
 SLIVER = 1e-2
 """Cells with less than this part of them inside are left out: the tangent is then as well
 conditioned as an uncut lattice's, and errors are as without. From 0.1 on what is lost shows."""
@@ -74,7 +78,8 @@ class CutLattice(Lattice):
     def weights_at(self, places: Array) -> tuple[Index, Array]:
         """Points (q, corners) and weights (q, corners) that interpolate at places (q, d) in m.
 
-        Linear along each axis of the cell at the place, or of the nearest cell that is there.
+        Linear along each axis of the cell at the place, or of the nearest cell that is there; of
+        cells as near, the first along x, then y, then z.
 
         Raises
         ------
@@ -86,13 +91,30 @@ class CutLattice(Lattice):
             raise ProblemError(f"places: {places.shape}; give (q, {self.points.shape[1]})")
         low = self.points[self.cells[:, 0]]
         h, d = self.spacing, places.shape[1]
-        _, cell = cKDTree(low + h / 2).query(places, p=np.inf)
+        cell = _nearest(low, h, places)
         s = (places - low[cell]) / h
         weights = [
             np.prod([s[:, a] if up[a] else 1 - s[:, a] for a in range(d)], axis=0)
             for up in corners_of_cell(d)
         ]
         return self.cells[cell], np.stack(weights, axis=1)
+
+
+def _nearest(low: Array, side: float, places: Array) -> Index:
+    """The cell (q,), of low corners (c, d) in m, nearest to each place (q, d).
+
+    By the distance from the whole cell: from its middle, a place beside one cell may be as far from
+    several, and a tree then takes any of them.
+    """
+    near = min(3 ** low.shape[1], len(low))
+    # Whatever is nearest is among those whose middles are: cells lie in a grid.
+    cells = cKDTree(low + side / 2).query(places, k=np.arange(near) + 1, p=np.inf)[1]
+    from_low = (places[:, None] - low[cells]) / side
+    past = np.maximum(np.maximum(-from_low, from_low - 1), 0.0)
+    apart = levels(np.linalg.norm(past, axis=2), ROUNDING, axis=1)
+    step = np.rint((low - low.min(axis=0)) / side)[cells]
+    order = np.lexsort((*np.moveaxis(step, 2, 0)[::-1], apart), axis=1)
+    return np.asarray(np.take_along_axis(cells, order[:, :1], axis=1)[:, 0])
 
 
 def cut_lattice(
@@ -228,7 +250,7 @@ def _grid(domain: Domain, h: float, base: Array, sliver: float) -> tuple[Index, 
     refuse_too_many(f"cut lattice of spacing {h:g} m", float(np.prod(count + 1.0)) * (layers + 1))
     index = first + np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), -1).reshape(-1, 2)
     part = moments(area, base[:2] + h * index, h).reshape(-1, 4)[:, [0, 2, 3, 1]]
-    kept = part.sum(axis=1) > sliver
+    kept = part.sum(axis=1) > sliver + ROUNDING
     if not kept.any():
         raise ProblemError(
             f"cut lattice: no cell of {h:g} m has more than {sliver:g} of it inside the body; "
@@ -262,7 +284,7 @@ def _by_rule(part: Array, rule: str) -> Array:
         return part
     fraction = part.sum(axis=1, keepdims=True)
     if rule == "whole":
-        fraction = (fraction >= 0.5).astype(float)
+        fraction = (fraction >= 0.5 - ROUNDING).astype(float)
     return np.asarray(np.broadcast_to(fraction / part.shape[1], part.shape))
 
 

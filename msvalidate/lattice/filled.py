@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
 from msvalidate.lattice.pattern import Pattern
+from msvalidate.lattice.ties import slanted
 from msvalidate.problem import (
     Array,
     Box,
@@ -324,10 +325,10 @@ def _covered(pattern: Pattern, axis: int, there: Index) -> Index:
     image, point = np.nonzero((low | (images[:, None] == 0)).all(axis=2))
     places = points[point] + images[image] * size
     if len(others) == 1:
-        order = np.argsort(places[:, 0])
+        order = np.argsort(places[:, 0], kind="stable")
         facets = np.column_stack([order[:-1], order[1:]])
     else:
-        facets = Delaunay(places).simplices
+        facets = Delaunay(slanted(places)).simplices
     ends = (slice(None, -1), slice(1, None))
     numbers = [
         there[(*(ends[step] for step in reversed(images[i])), j)].ravel()

@@ -23,6 +23,8 @@ from msvalidate.problem import (
 ARC = 32
 """Straight pieces that a bent side is drawn by: their area is off by some 1e-4 of what lies between
 the side and its chord."""
+TOUCHED = 1e-9
+"""Part of a square's side within which a line runs along it or through its corner."""
 NO_PRISM = 1e-3
 """Part of its volume by which a solid may miss base × height: more than the drawing of bent sides
 takes."""
@@ -157,8 +159,12 @@ def straight_pieces(part: Part, domain: Domain) -> Array:
 
 
 def crossed(pieces: Array, low: Array, side: float) -> Index:
-    """Indices of the squares, of low corners (c, 2) in m, that lines (q, 2, 2) run through."""
-    squares = shapely.STRtree(shapely.box(*low.T, *(low + side).T))
+    """Indices of the squares, of low corners (c, 2) in m, that lines (q, 2, 2) run through.
+
+    Or touch: rounding would decide whether a line through a corner meets the squares beside it.
+    """
+    room = TOUCHED * side
+    squares = shapely.STRtree(shapely.box(*(low - room).T, *(low + (side + room)).T))
     return np.unique(squares.query(shapely.linestrings(pieces), predicate="intersects")[1])
 
 

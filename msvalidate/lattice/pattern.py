@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
+from msvalidate.lattice.ties import levels
 from msvalidate.problem import (
     Array,
     Index,
@@ -232,7 +233,8 @@ def by_shells(
         if not len(at):
             raise ProblemError(f"pattern {name}: no two points are {distance:g} spacings apart")
         # By direction, along the first axis first: (1, 0), (0, 1) and (1, 1), (-1, 1).
-        keys = [i[at], -vectors[at, 0], *vectors[at, 1:].T]
+        along = levels(vectors[at], SAME_DISTANCE * distance)
+        keys = [i[at], -along[:, 0], *along[:, 1:].T]
         chosen.append(at[np.lexsort(keys)])
         kind.append(np.full(len(at), number))
     at = np.concatenate(chosen)

@@ -48,6 +48,11 @@ RISE = 0.1
 points that stay where they are two may then be left almost in one place."""
 
 
+UNIT = 2.0**-44
+"""Of crowding: sums and differences of a point's are then exact, up to 512 of the most crowding
+pairs, and two points that crowd nobody but each other are equally crowded, not by rounding."""
+
+
 def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -> Array:
     """Points of a rectangular periodic cell.
 
@@ -193,6 +198,7 @@ def _kept(
 
 def _survivors(pairs: Index, crowding: Array, total: int, count: int) -> Index:
     """Numbers (count,) of the candidates, the first `total`, that are left."""
+    crowding = np.rint(crowding / UNIT) * UNIT
     ends, others = pairs.ravel("F"), pairs[:, ::-1].ravel("F")
     order = np.argsort(ends, kind="stable")
     other, share = others[order], np.tile(crowding, 2)[order]

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from msvalidate.lattice.images import complete
+from msvalidate.lattice.ties import slanted
 from msvalidate.lattice.triangulation import (
     FACES,
     determinants,
@@ -226,7 +227,7 @@ def simplices(points: Array, box: Box) -> tuple[Index, Index]:
                 f"points: none in the corner {place_name(corner)} of the {box}; add it"
             )
     x = x * _unit(x, box)
-    cells, beyond = triangulation(x, len(x), np.arange(len(x)))
+    cells, beyond = triangulation(slanted(x), len(x), np.arange(len(x)))
     facets = cells[:, FACES[box.dim]][beyond < 0]
     on_side = (x[facets] == 0) | (x[facets] == x.max(axis=0))
     volume = determinants(x[cells]).sum() / math.factorial(box.dim)

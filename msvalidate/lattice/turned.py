@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 from msvalidate.lattice.filled import Lattice, joined, missing, side_share, weakly_held
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.tessellation import simplices
+from msvalidate.lattice.ties import TIE, levels
 from msvalidate.problem import (
     Array,
     Box,
@@ -36,10 +37,11 @@ def turned(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> L
     """A lattice turned in a box: inside as it is, at the boundary made to fit.
 
     Points within `REACH` of a side, inside or beyond, are moved onto it, and the nearest one into
-    every corner; what lies further out is left out with its springs. A point that its nearest
-    neighbours no longer hold in every direction gets more springs of the first kind. Springs in a
-    side count half, in two sides a quarter. So loads and supports meet the sides whatever the
-    angle, but uniform strain is not exact: the boundary's error is of first order in the spacing.
+    every corner, of those as near the first along x, then y, then z; what lies further out is left
+    out with its springs. A point that its nearest neighbours no longer hold in every direction gets
+    more springs of the first kind. Springs in a side count half, in two sides a quarter. So loads
+    and supports meet the sides whatever the angle, but uniform strain is not exact: the boundary's
+    error is of first order in the spacing.
 
     Parameters
     ----------
@@ -93,7 +95,7 @@ def turned(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> L
 def _sites(pattern: Pattern, box: Box, a: float, Q: Array) -> tuple[Index, Array]:
     """Numbers (.., cells y, cells x, points a cell) of the places, -1 left out, and positions."""
     edges = np.array(box.size)
-    reach = REACH * a * float(np.linalg.norm(pattern.vectors, axis=1).min())
+    reach = REACH * (1 + TIE) * a * float(np.linalg.norm(pattern.vectors, axis=1).min())
     ends = np.array(list(product((0.0, 1.0), repeat=box.dim))) * edges
     cells = ends @ Q / (a * np.array(pattern.size))
     low, high = np.floor(cells.min(axis=0)) - 1, np.ceil(cells.max(axis=0)) + 2
@@ -115,7 +117,7 @@ def _sites(pattern: Pattern, box: Box, a: float, Q: Array) -> tuple[Index, Array
 
 def _merged(points: Array, ends: Array, reach: float) -> tuple[Index, Array]:
     """Numbers of points of which those that met are one, and the points, one in every corner."""
-    _, nearest = KDTree(points).query(ends)
+    nearest = _first_of_nearest(points, ends, TIE * reach)
     if len(set(nearest.tolist())) < len(ends):
         raise ProblemError(
             "lattice, turned: two corners of the box share their nearest point; take a smaller "
@@ -123,7 +125,7 @@ def _merged(points: Array, ends: Array, reach: float) -> tuple[Index, Array]:
         )
     points[nearest] = ends
     same = np.arange(len(points))
-    pairs = KDTree(points).query_pairs(reach, output_type="ndarray")
+    pairs = KDTree(points).query_pairs(reach * (1 + TIE), output_type="ndarray")
     corner = np.isin(np.arange(len(points)), nearest)
     for i, j in pairs[np.lexsort(pairs.T[::-1])]:
         into, gone = (j, i) if corner[j] else (i, j)
@@ -131,3 +133,17 @@ def _merged(points: Array, ends: Array, reach: float) -> tuple[Index, Array]:
             same[gone] = into
     kept, number = np.unique(same, return_inverse=True)
     return number, points[kept]
+
+
+def _first_of_nearest(points: Array, places: Array, room: float) -> Index:
+    """The point (q,) nearest to each place (q, d), of those as near the first along x, y and z.
+
+    Distances and coordinates within `room` (m) of each other are one.
+    """
+    tree = KDTree(points)
+    apart, _ = tree.query(places)
+    found = []
+    for near in tree.query_ball_point(places, apart + room, return_sorted=True):
+        order = np.lexsort(levels(points[near], room).T[::-1])
+        found.append(near[order[0]])
+    return np.array(found)

@@ -77,7 +77,7 @@ def gains(held: Actuated, count: int = 1) -> tuple[Array, Array]:
         )
     except ArpackError as error:
         raise SolverError(f"actuator: its gains are not found at {held.voltage:g} V") from error
-    order = np.argsort(-values)
+    order = np.argsort(-values, kind="stable")
     fields = np.array([_moved(held, modes[:, i] / np.abs(modes[:, i]).max()) for i in order])
     return values[order], fields
 

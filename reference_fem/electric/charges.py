@@ -22,6 +22,8 @@ from reference_fem.electric.mesh import SlabMesh
 
 Far = Literal["natural", "floating"]
 FAR: tuple[Far, ...] = ("natural", "floating")
+SAME = 1e-9
+"""Part of a distance by which two are told apart."""
 TIP = 0.05
 """Radius around electrodes' edges within which `gathered` takes forces on the air, in heights."""
 
@@ -91,7 +93,7 @@ class Charged:
         force, air = self.solution.forces.copy(), self.mesh.air
         points = self.mesh.body.points
         distance, nearest = KDTree(points[self.mesh.tips]).query(points[air])
-        near = distance <= size
+        near = distance <= size * (1 + SAME)  # a node of an even mesh may lie just there
         np.add.at(force, self.mesh.tips[nearest[near]], force[air[near]])
         return force[self.mesh.nodes]
 

@@ -103,7 +103,7 @@ class Discretisation:
         # In space three corners of a face tell it from all others.
         each = np.sort(faces.reshape(-1, faces.shape[2]), axis=1)[:, : self.dim]
         number = each @ len(self.points) ** np.arange(self.dim)
-        order = np.argsort(number)
+        order = np.argsort(number, kind="stable")
         (shared,) = (np.diff(number[order]) == 0).nonzero()
         cell = order // faces.shape[1]
         size = len(self.cells)
@@ -209,7 +209,7 @@ class Discretisation:
         if self.curved:
             return curved(self.points[self.cell_nodes], self.element)
         mesh = self.basis.mesh
-        return straight(mesh.p.T[mesh.t.T[:, np.argsort(self.element.order)]])
+        return straight(mesh.p.T[mesh.t.T[:, np.argsort(self.element.order, kind="stable")]])
 
 
 def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisation:

@@ -62,7 +62,7 @@ class Element:
     @cached_property
     def places(self) -> Array:
         """Local coordinates (nodes, d) of the nodes in VTK order."""
-        corners = np.asarray(self.function.doflocs)[np.argsort(self.order)]
+        corners = np.asarray(self.function.doflocs)[np.argsort(self.order, kind="stable")]
         return np.asarray(self.means @ corners)
 
     @cached_property
@@ -102,7 +102,7 @@ class Element:
         """
         if not self.simplex:
             return cells[:, self.listed]
-        turn = np.argsort(cells[:, : self.corners], axis=1)
+        turn = np.argsort(cells[:, : self.corners], axis=1, kind="stable")
         amid = np.zeros((self.corners, self.corners), dtype=np.intp)
         for i, (a, b) in enumerate(self.middles):
             amid[a, b] = amid[b, a] = self.corners + i

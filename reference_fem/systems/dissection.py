@@ -14,7 +14,8 @@ from msvalidate.problem import Array, Index, Mask
 from reference_fem.mesh.discretisation import Discretisation
 
 SAME = 1e-7
-"""Middles of cells this close, relative to twice the piece they are in, lie in one layer."""
+"""Middles of cells this close, relative to twice the piece they are in, lie in one layer; cuts and
+axes that differ by this part in their worth are alike, whatever coordinates are rounded to."""
 WIDE = 0.4
 """Worth of a cut through the widest gap, against shares of the cells that it leaves unlike."""
 SMALL = 16
@@ -64,7 +65,7 @@ def _paths(corners: Array) -> Index:
         count = np.diff(start, append=len(order))
         which = np.repeat(np.arange(len(start)), count)
         place = _along_the_longest(middle[order], size[order], start, count)
-        turn = np.argsort(which + place)
+        turn = np.argsort(which + place, kind="stable")
         order, place = order[turn], place[turn]
         step = np.diff(place, prepend=0.0)
         step[start] = 0.0  # where a piece begins, it can be cut if nowhere else: it stays whole
@@ -88,7 +89,7 @@ def _cuts(step: Array, start: Index, count: Index, which: Index) -> Index:
     widest = np.maximum.reduceat(step[begin], first)[piece]
     alike = 0.5 - np.abs(begin - start[piece] - count[piece] / 2) / count[piece]
     worth = alike + WIDE * step[begin] / np.where(widest > 0, widest, 1.0)
-    (best,) = (worth == np.maximum.reduceat(worth, first)[piece]).nonzero()
+    (best,) = (worth >= np.maximum.reduceat(worth, first)[piece] - SAME).nonzero()
     cut = np.empty(len(start), dtype=np.intp)
     cut[piece[best]] = begin[best]
     return cut
@@ -98,7 +99,8 @@ def _along_the_longest(middle: Array, size: Array, start: Index, count: Index) -
     """Place (c,) of each cell from 0 to 1/2 in its piece, along the axis with most cells."""
     low = np.minimum.reduceat(middle, start)
     extent = np.maximum.reduceat(middle, start) - low
-    axis = (extent * count[:, None] / np.add.reduceat(size, start)).argmax(axis=1)
+    cells = extent * count[:, None] / np.add.reduceat(size, start)
+    axis = (cells >= cells.max(axis=1, keepdims=True) * (1 - SAME)).argmax(axis=1)
     piece = np.arange(len(start))
     low, extent = low[piece, axis], extent[piece, axis]
     scale = 0.5 / np.where(extent > 0, extent, 1.0)

@@ -87,7 +87,7 @@ def plane_material() -> Isotropic:
 def upper(points: Array) -> Index:
     """Numbers of the points of the upper face, from left to right."""
     at = np.flatnonzero(np.isclose(points[:, 1], points[:, 1].max()))
-    return at[np.argsort(points[at, 0])]
+    return at[np.argsort(points[at, 0], kind="stable")]
 
 
 def uniform_deflection(voltage: float, permittivity: float = 1.0) -> float:

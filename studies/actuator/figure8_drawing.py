@@ -73,7 +73,7 @@ def draw_slab(axis: Axes, points: pd.DataFrame) -> None:
 
 def electrode_line(points: pd.DataFrame, electrode: str) -> Array:
     """Deformed places (k, 2) of an electrode's points, from left to right."""
-    on = points[points["electrode"] == electrode].sort_values("x")
+    on = points[points["electrode"] == electrode].sort_values("x", kind="stable")
     line: Array = on[["x", "y"]].to_numpy() + on[["along", "up"]].to_numpy()
     return line
 
@@ -85,7 +85,7 @@ def grid_lines(first: Array, at: Array) -> list[Array]:
         keys = np.round(first[:, axis], 9)
         for key in np.unique(keys):
             on = np.flatnonzero(keys == key)
-            lines.append(at[on[np.argsort(first[on, 1 - axis])]])
+            lines.append(at[on[np.argsort(first[on, 1 - axis], kind="stable")]])
     return lines
 
 

@@ -110,7 +110,7 @@ def of_elements(covered: str, layers: int, voltages: tuple[float, ...]) -> list[
     top = points[upper(points)]
     on = np.abs(top[:, 0] - 0.5 * LENGTH) <= 0.5 * LENGTH * COVERED[covered] + 1e-9
     conductor = soft.mesh.conductors[0]
-    order = np.argsort(soft.mesh.body.points[conductor, 0])
+    order = np.argsort(soft.mesh.body.points[conductor, 0], kind="stable")
     found: list[Seen] = []
     last = None
     for voltage in voltages:

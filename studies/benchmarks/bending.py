@@ -131,7 +131,7 @@ def bending_stiffness(candidate: Candidate, material: Isotropic, cells: int) -> 
     network = models.network_of(problem, square(beam, (LENGTH * cells, cells)))
     move = candidate(problem, network, "linear")
     bottom = network.points[:, 1] == 0
-    deflection = move[bottom, 1][np.argsort(network.points[bottom, 0])]
+    deflection = move[bottom, 1][np.argsort(network.points[bottom, 0], kind="stable")]
     middle = LENGTH * cells // 2
     left, centre, right = deflection[middle - 1 : middle + 2]
     curvature = (left - 2 * centre + right) * cells**2

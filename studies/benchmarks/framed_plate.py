@@ -84,5 +84,5 @@ def frame(mesh: Discretisation) -> csr_array:
 
 def _along(x: Array, axis: int, nodes: Index) -> Index:
     """End, middle and end (e, 3) of each element's side among the nodes of an edge."""
-    line = nodes[np.argsort(x[nodes, axis])]
+    line = nodes[np.argsort(x[nodes, axis], kind="stable")]
     return np.column_stack([line[:-2:2], line[1:-1:2], line[2::2]])

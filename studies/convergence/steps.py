@@ -292,7 +292,7 @@ def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
             f"nodes to the power of: {told}."
         )
         last = table[(table["body"] == body) & (table["threshold"] == TIGHT)]
-        last = last[last["nodes"] == last["nodes"].max()].sort_values("evaluations")
+        last = last[last["nodes"] == last["nodes"].max()].sort_values("evaluations", kind="stable")
         counts = ", ".join(
             f"{row.method} {row.evaluations:,}"
             for row in last[last["outcome"] == "reached"].itertuples(index=False)

@@ -176,7 +176,7 @@ def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
     said = []
     for body in bodies.SIZES:
         part = tight[tight["body"] == body]
-        last = part[part["nodes"] == part["nodes"].max()].sort_values("wall_seconds")
+        last = part[part["nodes"] == part["nodes"].max()].sort_values("wall_seconds", kind="stable")
         ranks = ", ".join(
             f"{row.method} {row.wall_seconds:.2g} s after {row.setup_seconds:.2g} s"
             for row in last.itertuples(index=False)

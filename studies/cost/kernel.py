@@ -194,7 +194,8 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
     last = lattice[lattice["nodes"] == lattice["nodes"].max()]
     timed = last[last["ns_here"] != ABSENT].assign(ns=lambda t: t["ns_here"].astype(float))
     ranks = ", ".join(
-        f"{row.way} {row.ns:.2g}" for row in timed.sort_values("ns").itertuples(index=False)
+        f"{row.way} {row.ns:.2g}"
+        for row in timed.sort_values("ns", kind="stable").itertuples(index=False)
     )
     absent = ", ".join(last["way"][last["ns_here"] == ABSENT])
     missing = f" {absent}: not installed; pip install '.[peers]' brings it." if absent else ""

@@ -121,7 +121,7 @@ def beside_steps(nodes: int, tables: Tables) -> Measured:
     table = table[_near(table["nodes"], nodes)]
     if table.empty:
         return SMALL_FORM
-    best = table.sort_values("cpu_seconds").iloc[0]
+    best = table.sort_values("cpu_seconds", kind="stable").iloc[0]
     names = ("least_cpu_seconds", "cpu_seconds", "most_cpu_seconds")
     rounds = int(best["rounds"])
     return Reading([float(best[name] / best["kernel_seconds"]) for name in names], rounds)

@@ -194,7 +194,7 @@ def _worst(exponents: pd.Series, quantity: str, methods: tuple[str, ...], law: f
 def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
     """Who is fastest on the largest plate, and what explicit methods do beside their steps."""
     tight = table[(table["threshold"] == TIGHT) & (table["outcome"] == "reached")]
-    last = tight[tight["nodes"] == tight["nodes"].max()].sort_values("cpu_seconds")
+    last = tight[tight["nodes"] == tight["nodes"].max()].sort_values("cpu_seconds", kind="stable")
     ranks = ", ".join(
         f"{row.method} {row.cpu_seconds:.2g} s in {row.steps_here:,} steps"
         for row in last.itertuples(index=False)

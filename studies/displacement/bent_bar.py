@@ -143,7 +143,7 @@ def bending_stiffness(candidate: Candidate, cells: int) -> float:
     network = lattice_network(problem, grid, (1.0, 1.0))
     move = candidate(problem, network, "linear")
     line = (grid.points[:, 1:] == 0).all(axis=1)
-    deflection = move[line, 1][np.argsort(grid.points[line, 0])]
+    deflection = move[line, 1][np.argsort(grid.points[line, 0], kind="stable")]
     middle = LENGTH * cells // 2
     left, centre, right = deflection[middle - 1 : middle + 2]
     curvature = (left - 2 * centre + right) * cells**2

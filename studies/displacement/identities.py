@@ -178,7 +178,7 @@ def bending_stiffness(candidate: Candidate, cells: int) -> float:
     network = lattice_network(problem, grid, SQUARE.constants)
     move = candidate(problem, network, "linear")
     bottom = grid.points[:, 1] == 0
-    deflection = move[bottom, 1][np.argsort(grid.points[bottom, 0])]
+    deflection = move[bottom, 1][np.argsort(grid.points[bottom, 0], kind="stable")]
     middle = LENGTH * cells // 2
     left, centre, right = deflection[middle - 1 : middle + 2]
     curvature = (left - 2 * centre + right) * cells**2

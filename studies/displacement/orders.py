@@ -37,7 +37,7 @@ def observed(cases: pd.DataFrame) -> pd.DataFrame:
         model = next(m for m in MODELS if (m.lattice, m.k) == (head["lattice"], key[2:4]))
         corner = twice_exponent(str(head["case"]), model)
         columns = ["cells_y", "discretisation", "reference"]
-        series = group.sort_values("cells_y")[columns].to_numpy()
+        series = group.sort_values("cells_y", kind="stable")[columns].to_numpy()
         for (coarse, before, _), (fine, after, doubt) in pairwise(series):
             found = order(before, after, fine / coarse, doubt)
             row = {"cells_y_coarse": int(coarse), "cells_y": int(fine), "order": found}

@@ -154,7 +154,7 @@ def spring_tip(candidate: Candidate, cells: int) -> Array:
     network = lattice_network(problem, square(BOX, cells), (K1, 2 * K1))
     move = candidate(problem, network, "linear")
     edge = network.points[:, 0] == 1
-    up = np.argsort(network.points[edge, 1])
+    up = np.argsort(network.points[edge, 1], kind="stable")
     y, tip = network.points[edge, 1][up], move[edge, 1][up]
     # As the load is shared out: corner points stand for half as much of the edge.
     return np.array([np.trapezoid(tip, y), tip[len(y) // 2]])

@@ -170,7 +170,7 @@ def at_corner(candidate: Solver, ratio: float) -> dict[str, object]:
     faces = slab_faces(SLAB, 1.0, BOTTOM)
     free = candidate.in_air(faces, ratio=ratio).charges(VOLTAGES).free
     top = np.flatnonzero(faces.electrode == 0)
-    top = top[np.argsort(-faces.middle[top, 0])]  # from the right corner inwards
+    top = top[np.argsort(-faces.middle[top, 0], kind="stable")]  # from the right corner inwards
     ends = np.concatenate([[0.0], np.cumsum(faces.length[top])])
     near = np.arange(LEFT_OUT, int(np.searchsorted(ends, CORNER)) - 1)
     wedge = 2 / np.pi * np.arctan(np.sqrt((1 + 3 * ratio) / (3 + ratio)))

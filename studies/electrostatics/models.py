@@ -153,7 +153,7 @@ def upper(candidate: Solver, model: Model) -> Upper:
         faces = slab_faces(RATIO, 1.0, SPRINGS, grading="uniform")
         found = candidate.in_air(faces, ratio=model.ratio).charges(VOLTAGES)
         top = np.flatnonzero(np.abs(faces.points[:, 1] - 1.0) < 1e-9)
-        top = top[np.argsort(faces.points[top, 0])]
+        top = top[np.argsort(faces.points[top, 0], kind="stable")]
         force = candidate.forces_in_air(found)
         stretch = right_half(faces.points, force)
         return Upper(float(found.totals[0]), faces.points[top] - (0, 1), force[top], stretch)

@@ -98,7 +98,7 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
     """Which lattice is the cheapest, and which the dearest, of each size of body."""
     said = []
     for cells, rows in table.groupby("cells"):
-        ranked = rows.sort_values("work_of_body")
+        ranked = rows.sort_values("work_of_body", kind="stable")
         least, most = ranked.iloc[0], ranked.iloc[-1]
         said.append(
             f"To rest at {cells} cells: {least['lattice']}, {least['rule']}, takes the least work, "

@@ -131,7 +131,9 @@ def findings(table: pd.DataFrame, candidate: Schemes) -> list[str]:
     one = table[(table["body"] == "oscillator") & table["scheme"].isin(common.REPORTED)]
     said = []
     for ratio in (0.0, 0.3, 2.0):
-        rows = one[one["damping_ratio"] == ratio].sort_values("limit_measured", ascending=False)
+        rows = one[one["damping_ratio"] == ratio].sort_values(
+            "limit_measured", ascending=False, kind="stable"
+        )
         values = [
             f"{common.title(name)} {limit:.3f}"
             for name, limit in zip(rows["scheme"], rows["limit_measured"], strict=True)

@@ -64,7 +64,9 @@ def scored(families: dict[Any, pd.DataFrame], cauchy: float) -> dict[str, dict[A
         "nearest to a ratio of 1/2": lambda rows: away(rows, WANTED),
     }
     return {
-        criterion: {key: sample(rows.sort_values("seed")) for key, rows in families.items()}
+        criterion: {
+            key: sample(rows.sort_values("seed", kind="stable")) for key, rows in families.items()
+        }
         for criterion, sample in of.items()
     }
 

@@ -72,7 +72,7 @@ class Strewn:
         """
         along = 1 - SIDES[side][0]
         touching = np.flatnonzero(self.at(side))
-        return touching[np.argsort(self.cells.points[touching, along])]
+        return touching[np.argsort(self.cells.points[touching, along], kind="stable")]
 
 
 def strewn(points: str, count: int, stiffness: str, seed: int, aspect: float = 1.0) -> Strewn:

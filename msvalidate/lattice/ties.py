@@ -1,0 +1,43 @@
+"""Numbers that are alike but for rounding: places equally far, lines on one level.
+
+Rounding goes by the processor and by the order of sums, and so would every choice between such
+numbers. Choices are made by levels instead, and on one level by place or by number.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msvalidate.problem import Array, Index
+
+TIE = 1e-6
+"""Part of a distance by which two are told apart: rounding of coordinates is 1e-16 of the body's
+size, which may be 1e7 distances or more; and no two distances on purpose are as near."""
+
+SLANT = np.array([[0.0, 0.8, 0.3], [0.0, 0.5, 0.7], [0.0, 0.0, 1.0]])
+"""A strain of no symmetry: no rectangle or box at an angle that anybody chooses stays one."""
+
+
+def slanted(points: Array) -> Array:
+    """Points (n, d) strained by `TIE`, so that no more of them lie on one circle or sphere.
+
+    How the squares and cubes between points of a lattice are cut into triangles and tetrahedra is
+    then told by their places: as given, any cut is Delaunay's, and rounding chooses one.
+    """
+    d = points.shape[1]
+    return np.asarray(points + TIE * points @ SLANT[:d, :d])
+
+
+def levels(values: Array, room: float, axis: int = 0) -> Index:
+    """Number of the level of each value, from 0 up along an axis.
+
+    A value stands on the level of the next lower one that is within `room` (in their unit) of it:
+    no grid of roundings, whose borders would again divide what is alike.
+    """
+    order = np.argsort(values, axis=axis, kind="stable")
+    rising = np.take_along_axis(values, order, axis=axis)
+    first = np.take(rising, [0], axis=axis)
+    number = np.cumsum(np.diff(rising, axis=axis, prepend=first) > room, axis=axis)
+    found = np.empty_like(number)
+    np.put_along_axis(found, order, number, axis=axis)
+    return np.asarray(found)
