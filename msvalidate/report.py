@@ -162,21 +162,22 @@ def _exchanged_one_by_one(studies: Mapping[str, Files], out: Path) -> None:
 def rebuild(out: Path) -> list[Stored]:
     """Make the pages of `out` again from what its studies left; return the studies.
 
+    One that cannot be read has the reason for its error, and costs the others nothing.
+
     Raises
     ------
     ProblemError
-        If there is no result, or one cannot be read.
+        If there is no result.
     """
     if not _studies(out):
         raise ProblemError(f"--out {out}: no results there; run a study first")
-    studies = stored(out)
     publish({}, out)
-    return studies
+    return stored(out)
 
 
 def stored(out: Path) -> list[Stored]:
-    """The studies whose results lie in a folder, by name."""
-    return [read(out / name) for name in _studies(out)]
+    """The studies whose results lie in a folder, by name; of damaged ones no more than that."""
+    return [_read_or_said(out / name) for name in _studies(out)]
 
 
 def replace_folder(folder: Path, files: Mapping[str, Files], *, keep: bool = False) -> None:
@@ -224,7 +225,7 @@ def replace_file(path: Path, content: bytes) -> None:
 
 
 def _pages(folder: Path) -> dict[str, bytes]:
-    studies = [_read_or_said(folder / name) for name in _studies(folder)]
+    studies = stored(folder)
     return {"report.html": page(studies).encode(), "verdict.json": verdicts(studies)}
 
 
@@ -238,7 +239,15 @@ def _read_or_said(folder: Path) -> Stored:
 
 def _studies(folder: Path) -> list[str]:
     """Names of the studies that left results in a folder."""
-    return [name for name in catalogue.names() if (folder / name / ABOUT).is_file()]
+    return [name for name in catalogue.names() if _is_file(folder / name / ABOUT)]
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is a file; not where nobody lets us look."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _refuse_foreign(out: Path, names: Sequence[str]) -> None:
@@ -248,6 +257,11 @@ def _refuse_foreign(out: Path, names: Sequence[str]) -> None:
         if not folder.is_dir():
             continue
         written = known_files(folder)
+        if not written and _is_file(folder / ABOUT):
+            raise ProblemError(
+                f"--out {out}: {name}/{ABOUT} is damaged, so what lies beside it may be anybody's; "
+                "move the folder away or name another"
+            )
         for path in sorted(folder.iterdir()):
             if path.name not in written or path.is_dir():
                 raise ProblemError(
@@ -261,13 +275,18 @@ def _only_results(out: Path) -> bool:
     if not out.exists():
         return True
     known = catalogue.names()
-    for path in out.iterdir():
-        if path.name in PAGES or path.name.startswith(STAGED):
-            continue
-        if path.name not in known or not path.is_dir() or path.is_symlink():
-            return False
-        if any(p.suffix not in SUFFIXES or not p.is_file() for p in path.iterdir()):
-            return False
+    try:
+        for path in out.iterdir():
+            if path.name in PAGES or path.name.startswith(STAGED):
+                continue
+            if path.name not in known or not path.is_dir() or path.is_symlink():
+                return False
+            if any(p.suffix not in SUFFIXES or not p.is_file() for p in path.iterdir()):
+                return False
+            if not all(os.access(p, os.R_OK) for p in path.iterdir()):
+                return False
+    except OSError:
+        return False
     return True
 
 
