@@ -49,6 +49,7 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
     names
         Studies whose folders will lie in it.
     """
+    _resolved("--out", out)
     for name in names:
         if (out / name).exists() and not (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a file; name another folder")
@@ -83,14 +84,27 @@ def _refuse_unmakeable(out: Path) -> None:
 
 def refuse_place(option: str, path: Path, out: Path) -> None:
     """Raise `ProblemError`, before any work is done, if no file could be written at `path`."""
-    if out.resolve() in path.resolve().parents:
+    if out.resolve() in _resolved(option, path).parents:
         raise ProblemError(f"{option} {path}: inside --out {out}; name a place outside")
     if path.is_dir():
         raise ProblemError(f"{option} {path}: a folder; name a file")
+    if path.exists() and not path.is_file():
+        raise ProblemError(f"{option} {path}: a device or a pipe, which would be lost; name a file")
     if not path.parent.is_dir():
         raise ProblemError(f"{option} {path}: no folder {path.parent}; make it or name another")
     if not _writable(path.parent):
         raise ProblemError(f"{option} {path}: no permission to write there; name another place")
+
+
+def _resolved(option: str, path: Path) -> Path:
+    """The place that a path leads to; raise `ProblemError` if it leads in a circle, or nowhere."""
+    try:
+        found = path.resolve()
+        path.exists()
+    except (OSError, RuntimeError) as error:
+        why = error.strerror if isinstance(error, OSError) else "a link that leads back to itself"
+        raise ProblemError(f"{option} {path}: {why}; name another place") from error
+    return found
 
 
 def publish(
@@ -127,7 +141,7 @@ def publish(
         late = unfinished or {}
         new_files = {**studies, **{name: make(out / name) for name, make in late.items()}}
         _refuse_foreign(out, list(new_files))
-        whole = _only_results(out) and not _holds(out, Path.cwd()) and _writable(out.parent)
+        whole = _only_results(out) and not _holds(out, _here()) and _writable(out.parent)
         if not (whole and _exchanged_whole(new_files, out)):
             _exchanged_one_by_one(new_files, out)
         return [read(out / name) for name in new_files]
@@ -180,7 +194,13 @@ def stored(out: Path) -> list[Stored]:
     return [_read_or_said(out / name) for name in _studies(out)]
 
 
-def replace_folder(folder: Path, files: Mapping[str, Files], *, keep: bool = False) -> None:
+def replace_folder(
+    folder: Path,
+    files: Mapping[str, Files],
+    *,
+    keep: bool = False,
+    beside: tuple[Path, Callable[[], bytes]] | None = None,
+) -> None:
     """Replace a folder of folders whole.
 
     Parameters
@@ -191,6 +211,9 @@ def replace_folder(folder: Path, files: Mapping[str, Files], *, keep: bool = Fal
         Name of a folder in it -> its files.
     keep
         Whether all else that lies in it goes into the new one as it is.
+    beside
+        A file elsewhere that is replaced with it, and what makes its content: both are on the disk
+        before either takes its place, the file first.
     """
     folder = folder.resolve()
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -199,7 +222,10 @@ def replace_folder(folder: Path, files: Mapping[str, Files], *, keep: bool = Fal
             _copy_others(folder, new, files)
         for name, content in files.items():
             _write(new / name, content)
-        _replace(new, folder)
+        if beside:
+            replace_file(beside[0], beside[1], then=lambda: _replace(new, folder))
+        else:
+            _replace(new, folder)
 
 
 def _copy_others(old: Path, new: Path, names: Container[str]) -> None:
@@ -216,12 +242,15 @@ def _copy_others(old: Path, new: Path, names: Container[str]) -> None:
     )
 
 
-def replace_file(path: Path, content: bytes) -> None:
-    """Replace a file whole."""
+def replace_file(
+    path: Path, content: Callable[[], bytes], then: Callable[[], None] = lambda: None
+) -> None:
+    """Replace a file whole, its content made when no other run can write it; `then` at once act."""
     path = path.resolve()
     with _alone(path.parent), _staged(path.parent) as new:
-        _write(new, {path.name: content})
+        _write(new, {path.name: content()})
         _replace(new / path.name, path)
+        then()
 
 
 def _pages(folder: Path) -> dict[str, bytes]:
@@ -297,6 +326,14 @@ def _writable(folder: Path) -> bool:
 def _holds(folder: Path, other: Path) -> bool:
     """Whether a folder is another or holds it: exchanging it would take the ground away."""
     return folder == other or folder in other.parents
+
+
+def _here() -> Path:
+    """The current folder; the root of all if it has been removed."""
+    try:
+        return Path.cwd()
+    except OSError:
+        return Path("/")
 
 
 @contextlib.contextmanager

@@ -18,13 +18,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-import matplotlib as mpl
 import msgspec
 import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.evidence import Evidence, held
-from msvalidate.figures import STYLE, plain_logarithms
+from msvalidate.figures import plain_logarithms, styled
 from msvalidate.problem import ProblemError
 
 FORMATS = ("png", "svg")
@@ -142,7 +141,7 @@ def files(result: Result, origin: Mapping[str, str], *, plots: bool = True) -> d
     captions = {}
     for name, draw in evidence.figures.items() if plots else ():
         captions[name] = (draw.__doc__ or name).partition("\n")[0]
-        with mpl.rc_context(STYLE):
+        with styled():
             figure = draw(evidence.tables)
             _lay_out(figure)
             found |= {f"{name}.{kind}": _rendered(figure, kind) for kind in FORMATS}
