@@ -1,5 +1,6 @@
 """The command line: what it prints where, its exit codes, and what bad input leaves behind."""
 
+import ast
 import json
 import os
 import shutil
@@ -94,7 +95,7 @@ def test_a_table_alone_is_printed_whole(tmp_path):
 def test_a_table_that_there_is_not_is_told_before_the_work(tmp_path):
     done = run("poisson", "--table", "blok", "--out", "r", cwd=tmp_path)
     assert done.returncode == 2
-    assert "--table blok: no such table; did you mean block?" in done.stderr
+    assert "--table 'blok': no such table; did you mean block?" in done.stderr
     assert not list(tmp_path.iterdir())
 
 
@@ -266,18 +267,15 @@ def test_a_fault_of_the_program_is_one_line_and_no_missed_tolerance(verbose, tmp
 
 @pytest.mark.parametrize("backend", ["module://matplotlib_inline.backend_inline", "nonsense"])
 def test_a_backend_that_is_not_there_is_not_missed(backend, tmp_path):
-    body = ENDINGS["tolerance missed"][2].replace("Observed(2.0", "Observed(1.0")
-    body += """
-from msvalidate.figures import new
-def drawn(tables):
-    return new()[0]
-plain = run
+    body = """
 def run(setting):
-    from dataclasses import replace
-    return replace(plain(setting), figures={"f": drawn})"""
-    script = PATCHED.format(
-        body=f"def run(setting):\n exec({body!r}, {{}}, globals())\n return run(setting)"
-    )
+    import pandas as pd
+    from msvalidate.evidence import Evidence, Observed, Tolerance
+    from msvalidate.figures import new
+    return Evidence({"t": pd.DataFrame({"x": [1.0]})}, {"gap": Observed(0.0)},
+                    (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: new()[0]},
+                    columns={"x": "place (m)"})"""
+    script = PATCHED.format(body=body)
     done = run(cwd=tmp_path, script=script, MPLBACKEND=backend)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "r" / "poisson" / "f.png").read_bytes().startswith(b"\x89PNG")
@@ -312,7 +310,7 @@ def shell(line, cwd):
         ("study list > /dev/full", 2, "error: stdout: No space left on device"),
         ("study --help > /dev/full", 2, "error: stdout: No space left on device"),
         ("study report --out no 2> /dev/full", 2, ""),
-        ("mkdir d; cd d; rmdir ../d; study report", 2, "--out reports/latest: No such file"),
+        ("mkdir d; cd d; rmdir ../d; study poisson", 2, "--out reports/latest: No such file"),
     ],
 )
 def test_streams_that_are_closed_full_or_left(line, code, said, tmp_path):
@@ -477,6 +475,7 @@ def test_a_foreign_package_named_studies_is_refused(tmp_path):
 
 CHECKED = """
 import sys
+import time
 from pathlib import Path
 from msvalidate import baseline, catalogue, study
 from types import SimpleNamespace
@@ -628,50 +627,90 @@ def test_a_changelog_that_is_no_utf8_is_told_before_the_work(checked):
     script = small().replace("baseline.CHECKOUT", "run = None\nbaseline.CHECKOUT")
     done = run("check", "--update", "--reason", "so", cwd=checked, script=script)
     assert done.returncode == 2
-    assert done.stderr.endswith("CHANGELOG.md: not UTF-8 at byte 23; save it as UTF-8\n")
+    assert done.stderr.endswith("CHANGELOG.md: not UTF-8 at byte 22; save it as UTF-8\n")
 
 
-# Raises what a kill would end, before each step in which a file or folder changes.
+# Ended, as by a kill, before each step in turn that changes a file or folder.
 KILLED = """
-import os, pathlib
+import os
+from pathlib import Path
 from msvalidate import report
-instants = 0
 class Killed(BaseException): pass
+count = last = 0
 def counted(act):
     def step(*given):
-        global instants
-        instants += 1
-        if instants == {instant}: raise Killed
+        global count
+        count += 1
+        if count == last: raise Killed
         return act(*given)
     return step
-os.fsync = counted(os.fsync)
-report._exchanged = counted(report._exchanged)
+os.fsync, report._exchanged = counted(os.fsync), counted(report._exchanged)
 report._replace = counted(report._replace)
+report.publish = lambda *_: []
+base, log = Path("base/quick/poisson/t.csv"), Path("CHANGELOG.md")
+before, said = base.read_bytes(), log.read_bytes()
+found = []
+for last in range(1, 40):
+    count = 0
+    try: done = study.main(sys.argv[1:])
+    except Killed: done = None
+    found.append((base.read_bytes() != before, log.read_bytes() != said))
+    if done is not None: break
+    base.write_bytes(before)
+    log.write_bytes(said)
+print(found, file=sys.__stdout__)
 """
 
 
 def test_a_reason_and_its_baseline_appear_together(checked):
-    """Ended before any step of `check --update`: what CHANGELOG names has moved, but at one."""
-    base, log = checked / "base" / "quick" / "poisson" / "t.csv", checked / "CHANGELOG.md"
-    before, said = base.read_bytes(), log.read_bytes()
-    leads = []
-    for instant in range(1, 40):
-        killed = KILLED.format(instant=instant) + small(x="4.0").replace(
-            "sys.exit(study.main(sys.argv[1:]))",
-            "from msvalidate import report\nreport.publish = lambda *_: []\n"
-            "try: code = study.main(sys.argv[1:])\nexcept Killed: code = 9\nsys.exit(code)",
-        )
-        done = run("check", "--update", "--reason", "moved", cwd=checked, script=killed)
-        moved, named = base.read_bytes() != before, log.read_bytes() != said
-        assert named or not moved, "a number never moves without a reason"
-        leads += [instant] * (named and not moved)
-        if done.returncode == 0:
-            break
-        log.write_bytes(said)
-        base.write_bytes(before)
-    assert (moved, named) == (True, True)
-    assert instant > 4, "steps were counted"
-    assert len(leads) <= 2, "between two renames, and no longer"
+    """However `check --update` ends: what CHANGELOG names has moved, but between two renames."""
+    script = small(x="4.0").replace("sys.exit(study.main(sys.argv[1:]))", KILLED)
+    done = run("check", "--update", "--reason", "moved", cwd=checked, script=script)
+    found = ast.literal_eval(done.stdout)  # (moved, named), ended before each step
+    assert found[-1] == (True, True), done.stderr
+    assert len(found) > 4, "steps were counted"
+    assert (True, False) not in found, "a number never moves without a reason"
+    assert found.count((False, True)) <= 2, "the rename, and the exchange in it"
+
+
+FORKED = """
+import os, signal, time
+from pathlib import Path
+from msvalidate import report
+base, log = Path("base/quick/poisson/t.csv"), Path("CHANGELOG.md")
+before, said = base.read_bytes(), log.read_bytes()
+found = []
+def said_so(*_):
+    os.write(ready[1], b".")
+    return []
+report.publish = said_so
+for turn in range(60):
+    ready = os.pipe()
+    child = os.fork()
+    if not child:
+        os._exit(study.main(sys.argv[1:]))
+    os.read(ready[0], 1)
+    time.sleep(0.001 * turn)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    found.append((base.read_bytes() != before, log.read_bytes() != said))
+    base.write_bytes(before)
+    log.write_bytes(said)
+print(found, file=sys.__stdout__)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="needs kill -9")
+def test_a_reason_and_its_baseline_appear_together_under_kill(checked):
+    """Killed at 60 instants while the baseline is written."""
+    script = small(x="4.0").replace("sys.exit(study.main(sys.argv[1:]))", FORKED)
+    done = run("check", "--update", "--reason", "moved", cwd=checked, script=script)
+    found = ast.literal_eval(done.stdout)  # (moved, named), a turn
+    assert (True, False) not in found
+    assert found.count((False, True)) <= 2, "renames microseconds apart"
+    assert found.count((False, False)), "instants before"
+    assert found.count((True, True)), "instants after"
 
 
 def test_check_without_update_leaves_the_baseline_alone(checked):
