@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache, partial
 
+from msvalidate.candidate import named
 from msvalidate.evidence import Evidence, answers
 from msvalidate.relax import Method
 from msvalidate.relaxations import RELAXATIONS
@@ -41,6 +42,7 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one table of relaxations."""
     setting = setting or Setting()
+    candidate = named(candidate, Method, METHODS)
     counted = cache(partial(steps.run, candidate, setting))
     return answers(
         {

@@ -21,6 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from msvalidate.candidate import of_kind
 from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
 from studies.pull_in import beyond, controls, instability, sweep, which
@@ -48,6 +49,7 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
+    candidate = of_kind(candidate, Way)
     asked: dict[str, Callable[[], Evidence]] = {
         name: partial(ask, candidate, setting) for name, ask in ASKED.items()
     }

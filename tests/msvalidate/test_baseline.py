@@ -158,11 +158,13 @@ def test_tables_of_a_study(tmp_path):
         ),
     ],
 )
-def test_a_line_in_the_changelog(before, after, tmp_path, monkeypatch):
+@pytest.mark.parametrize("end", [b"\n", b"\r\n"])
+def test_a_line_in_the_changelog(before, after, end, tmp_path, monkeypatch):
     place = tmp_path / "CHANGELOG.md"
-    place.write_text(before, encoding="utf-8")
+    place.write_bytes(before.encode().replace(b"\n", end))
     monkeypatch.setattr(baseline, "CHANGELOG", place)
-    assert baseline.changelog("quick", "so").decode().endswith(f"## Unreleased\n\n{after}")
+    wanted = f"## Unreleased\n\n{after}".encode().replace(b"\n", end)
+    assert baseline.changelog("quick", "so").endswith(wanted)
 
 
 def test_a_line_in_the_changelog_names_studies(tmp_path, monkeypatch):
