@@ -1,8 +1,8 @@
 """Floor 3: a study's results as files, and back: what a page is made of, without solving again.
 
 A study's folder holds a CSV a table, `verdict.csv`, a PNG and an SVG a figure, and `study.json`:
-its question, findings, columns, captions and provenance. Tables are read back as text: what a page
-shows is what the files say.
+its question, findings, columns, captions, provenance and seconds. Tables are read back as text:
+what a page shows is what the files say.
 """
 
 from __future__ import annotations
@@ -81,8 +81,10 @@ class Stored:
         return not self.error and held(self.verdict)
 
 
-def files(result: Result, origin: Mapping[str, str], *, plots: bool = True) -> dict[str, bytes]:
-    """The files of a study that ran: name -> content."""
+def files(
+    result: Result, origin: Mapping[str, str], *, seconds: float = 0.0, plots: bool = True
+) -> dict[str, bytes]:
+    """The files of a study that ran, for so many `seconds`: name -> content."""
     evidence = result.evidence
     tables = {**evidence.tables, "verdict": result.verdict}
     found = {f"{name}.csv": csv(table) for name, table in tables.items()}
@@ -101,6 +103,7 @@ def files(result: Result, origin: Mapping[str, str], *, plots: bool = True) -> d
         "columns": {c: meaning for c, meaning in evidence.columns.items() if c in used},
         "captions": captions,
         "origin": dict(origin),
+        "seconds": seconds,
         "error": "",
         "files": sorted([*found, ABOUT]),
     }
@@ -116,11 +119,11 @@ def known_files(folder: Path) -> set[str]:
 
 
 def unfinished(
-    folder: Path, question: str, origin: Mapping[str, str], error: str
+    folder: Path, question: str, origin: Mapping[str, str], error: str, seconds: float = 0.0
 ) -> dict[str, bytes]:
     """The files of a study that did not finish: those of the run before, marked, if there are."""
     about: dict[str, Any] = {"question": question, "findings": [], "tables": [], "columns": {}}
-    about |= {"captions": {}, "origin": dict(origin), "files": [ABOUT]}
+    about |= {"captions": {}, "origin": dict(origin), "seconds": seconds, "files": [ABOUT]}
     found: dict[str, bytes] = {}
     if known_files(folder):
         found = {p.name: p.read_bytes() for p in sorted(folder.iterdir())}
@@ -185,13 +188,17 @@ def read_csv(path: Path | io.BytesIO) -> pd.DataFrame:
 
 
 def verdicts(studies: list[Stored]) -> bytes:
-    """`verdict.json`: a list, one object a judged quantity; what is not finite is null."""
-    keys = ("quantity", "unit", *NUMBERS, "verdict", "because")
+    """`verdict.json`: a list, one object a judged quantity; what is not finite is null.
+
+    A study that did not finish has one object, of no layer.
+    """
+    keys = ("layer", "quantity", "unit", *NUMBERS, "verdict", "because")
     found = []
     for study in studies:
         if study.error:
-            broken = {"quantity": "study finished", "unit": "1", "observed": 0.0, "reference": 1.0}
-            broken |= {"error": 1.0, "limit": 0.0, "verdict": "fail", "because": study.error}
+            broken: dict[str, object] = {"layer": None, "quantity": "study finished", "unit": "1"}
+            broken |= {"observed": 0.0, "reference": 1.0, "error": 1.0, "limit": 0.0}
+            broken |= {"verdict": "fail", "because": study.error}
             found.append({"study": study.name} | broken)
             continue
         for row in study.verdict.to_dict("records"):
