@@ -127,7 +127,8 @@ COLUMNS = {
 class Found:
     """A method, and displacement (m) and hoop stress (Pa, by each way to read it) of the inside.
 
-    `slanted`: τxy and von Mises stress (Pa) at 45°, of elements alone. `away`: root mean square error of the displacement, relative; 0 of elements, which have none.
+    `slanted`: τxy and von Mises stress (Pa) at 45°, of elements alone. `away`: root mean square
+    error of the displacement, relative; 0 of elements, which have none.
     """
 
     method: str
