@@ -29,8 +29,8 @@ FILE = Path(__file__).parent / "data" / "patch_mm.msh"
 UNIT = 1e-3
 """Length (m) that coordinates in the file are multiples of."""
 TENSION = 1e3
-SPACING = 0.03
-"""Of the lattice (m): 8 x 4 whole cells."""
+CELLS = 8
+"""Of the lattice, along the patch: 8 x 4 whole ones, however long the patch was read to be."""
 NU = curved.SPRINGS_ALONE
 SOURCE = "on paper"
 TOLERANCES = (
@@ -48,9 +48,10 @@ def run(candidate: Candidate, setting: Setting) -> Evidence:
     """Read the file and pull at what is in it."""
     mesh = read_mesh(FILE, unit=UNIT)
     asked = problem(mesh)
-    right = [[PATCH.size[0], 0.5 * PATCH.size[1]]]
+    length, height = mesh.points.max(axis=0)
+    right = [[length, 0.5 * height]]
     elastic = reference_fem.solve_problem(asked, reference_fem.mesh_discretisation(mesh))
-    springs = curved.spring_body(candidate, asked, SPACING)
+    springs = curved.spring_body(candidate, asked, float(length) / CELLS)
     far = springs.lattice.points[:, 0].argmax()
     longer = cases.Quantity(
         "patch from a file", "elongation", "m", TENSION / MODULUS * PATCH.size[0], SOURCE, NU
