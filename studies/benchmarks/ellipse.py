@@ -47,9 +47,9 @@ FEM = "FEM Q2"
 TOLERANCES = (
     Tolerance(
         "LE1: stress at the tip by Q2, finest mesh, against the published value, relative",
-        0.01,
+        7.4e-4,
         "1",
-        "what the benchmark is asked for; half of the last digit of 92.7 is 5e-4",
+        "half of the last digit of 92.7, 5.4e-4, and what Q2 may be off from the potentials, 2e-4",
     ),
     Tolerance(
         "LE1: Kolosov's potentials against the published value, relative",
