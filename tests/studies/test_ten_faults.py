@@ -205,7 +205,7 @@ FAULTS = {
         modulus_of_plane_stress_in_plane_strain,
         "benchmarks",
         "ring",
-        "pressed ring: displacement of springs everywhere, finest lattice, relative",
+        "pressed ring: order of the displacement of springs everywhere, all lattices",
     ),
     "10 edges in space halved": (edges_in_space_halved, "benchmarks", "patch", SOLID),
 }
