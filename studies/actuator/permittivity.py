@@ -34,7 +34,7 @@ TOLERANCES = (
 )
 COLUMNS = {
     "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
-    "source": "whose displacement: springs, or FEM",
+    "solved_by": "whose displacement: springs, or FEM",
     "permittivity": "of the slab and of what surrounds it (F/m)",
     "deflection": "of the middle of the upper face over that of a uniform slab (1)",
     "over_scaled": "largest displacement of the upper face over the same at 1 F/m and as many "
@@ -65,13 +65,13 @@ def run(candidate: Candidate, setting: Setting | None = None) -> Evidence:
     )
 
 
-def row(covered: str, source: str, move: Array, scaled: Array) -> dict[str, object]:
+def row(covered: str, solved_by: str, move: Array, scaled: Array) -> dict[str, object]:
     """Row of displacements (p, 2) in m of the upper face, at the permittivity and scaled."""
     largest = np.unravel_index(np.abs(scaled).argmax(), scaled.shape)
     middle = -float(move[len(move) // 2, 1])
     return {
         "covered": covered,
-        "source": source,
+        "solved_by": solved_by,
         "permittivity": PERMITTIVITY,
         "deflection": middle / uniform_deflection(VOLTAGE, PERMITTIVITY),
         "over_scaled": float(move[largest] / scaled[largest]),

@@ -212,7 +212,7 @@ def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
 
 
 def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:
-    """The value, and that it has no limit within reach."""
+    """The value, and that what it tends to is out of reach."""
     last = cases.finest(tables["le10"]).iloc[0]
     ends = tables["le10_supports"].groupby("support", sort=False)
     stress = {kind: rows["stress"].to_numpy() for kind, rows in ends}
