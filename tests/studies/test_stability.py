@@ -53,6 +53,7 @@ COLUMNS = {
         "order_low",
         "order_high",
         "order_expected",
+        "order_on_paper",
     ],
     "drift": ["scheme", "periods", "steps_a_period", "growth_a_period", "drift"],
     "passing": [
