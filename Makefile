@@ -64,6 +64,7 @@ format: $(VENV)/develops
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-# make clean     remove the environment and what was built
+# make clean     remove the environment and what was built, compiled kernels among it
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis reports/latest
+	find msvalidate reference_fem studies tests -name __pycache__ -prune -exec rm -rf {} +

@@ -161,7 +161,8 @@ def as_shown(arguments: Sequence[str]) -> list[str]:
         elif equals and option in PLACES:
             words.append(f"{option}={PLACES[option]}")
         else:
-            words.append(argument)
+            plain = (c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in argument)
+            words.append("".join(plain))
     return [*PROGRAM.split(), *words]
 
 

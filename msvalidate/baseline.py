@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -24,8 +25,8 @@ HOME = Path(__file__).resolve().parent
 CHECKOUT = HOME.parent / "reports" / "baseline"
 """Where a checkout keeps it; a wheel carries it inside the package."""
 CHANGELOG = HOME.parent / "CHANGELOG.md"
-UNRELEASED = "## Unreleased\n"
-HEADING = "### Numbers\n"
+UNRELEASED = "## Unreleased"
+HEADING = "### Numbers"
 RELATIVE = 1e-6
 """rtol: what other versions of the libraries and another order of sums change, with a factor of a
 hundred; no digit that a reader of a table sees."""
@@ -67,26 +68,40 @@ def changelog(form: str, reason: str, studies: Sequence[str] = ()) -> bytes:
     Raises
     ------
     ProblemError
-        If there is none to write to: an installed package has no baseline of its own.
+        If there is none to write to (an installed package has no baseline of its own), it is not
+        UTF-8, or has no heading for it.
     """
     if not CHANGELOG.is_file():
         raise ProblemError("check --update: no CHANGELOG.md to write to; run from a checkout")
-    text = CHANGELOG.read_text(encoding="utf-8")
-    head, unreleased, rest = text.partition(UNRELEASED)
-    if not unreleased:
-        raise ProblemError(f"CHANGELOG.md: no heading {UNRELEASED.strip()!r}; add it")
+    try:
+        text = CHANGELOG.read_bytes().decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ProblemError(
+            f"CHANGELOG.md: not UTF-8 at byte {error.start}; save it as UTF-8"
+        ) from error
+    heading = re.search(rf"^{UNRELEASED}[ \t]*(\r?\n)", text, re.MULTILINE)
+    if not heading:
+        raise ProblemError(f"CHANGELOG.md: no heading {UNRELEASED!r}; add it")
+    end = heading[1]  # of a line, as the file has it
     what = f"{form}; {', '.join(studies)}" if studies else form
-    entry = f"- Baseline ({what}): {reason}\n"
-    if HEADING in rest.partition("\n## ")[0]:
-        rest = rest.replace(f"{HEADING}\n", f"{HEADING}\n{entry}", 1)
-    else:
-        rest = f"\n{HEADING}\n{entry}{rest}"
-    return (head + unreleased + rest).encode()
+    entry = f"- Baseline ({what}): {reason}{end}"
+    later = re.compile(r"^## ", re.MULTILINE).search(text, heading.end())
+    numbers = re.compile(rf"^{HEADING}[ \t]*\r?\n(?:[ \t]*\r?\n)?", re.MULTILINE).search(
+        text, heading.end(), later.start() if later else len(text)
+    )
+    place = numbers.end() if numbers else heading.end()
+    added = entry if numbers else f"{end}{HEADING}{end}{end}{entry}"
+    return (text[:place] + added + text[place:]).encode()
 
 
 def files(evidence: Evidence) -> dict[str, bytes]:
     """A study's tables as a baseline keeps them."""
     return {f"{name}.csv": csv(_gated(table)) for name, table in evidence.tables.items()}
+
+
+def tables(study: str) -> set[str]:
+    """Names of the tables that a baseline of either form has of a study."""
+    return {path.stem for form in ("quick", "full") for path in (home(form) / study).glob("*.csv")}
 
 
 def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:

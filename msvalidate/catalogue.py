@@ -20,10 +20,24 @@ def names() -> list[str]:
 
 def question(name: str) -> str:
     """First line of a study's docstring, without importing the study."""
-    file = HOME / f"{name}.py"
-    source = file if file.exists() else HOME / name / "__init__.py"
-    docstring = ast.get_docstring(ast.parse(source.read_text(encoding="utf-8"))) or ""
-    return docstring.partition("\n")[0]
+    return docstring(name).partition("\n")[0]
+
+
+def docstring(name: str) -> str:
+    """A study's docstring as its source has it: Python may have been told to drop it."""
+    source = HOME / f"{name}.py"
+    if not source.exists():
+        source = HOME / name / "__init__.py"
+    return ast.get_docstring(ast.parse(source.read_text(encoding="utf-8"))) or ""
+
+
+def words(name: str) -> set[str]:
+    """All texts that stand as such in a study's sources: names of tables are among them."""
+    folder = HOME / name
+    sources = sorted(folder.rglob("*.py")) if folder.is_dir() else [HOME / f"{name}.py"]
+    trees = [ast.parse(source.read_text(encoding="utf-8")) for source in sources]
+    nodes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    return {node.value for node in nodes if isinstance(node.value, str)}
 
 
 def suggestion(name: str) -> str:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
+from collections.abc import Iterator
 from itertools import combinations, product
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -35,7 +38,16 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "msvalidate",
 }
-"""Applied by the report around each figure; part of no figure's meaning."""
+"""Of every figure; part of no figure's meaning."""
+
+
+@contextlib.contextmanager
+def styled() -> Iterator[None]:
+    """Draw and save as `STYLE` says, whatever the user's own settings of the library are."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(STYLE)
+        yield
 
 
 def new(

@@ -49,6 +49,7 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
     names
         Studies whose folders will lie in it.
     """
+    _resolved("--out", out)
     for name in names:
         if (out / name).exists() and not (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a file; name another folder")
@@ -83,14 +84,27 @@ def _refuse_unmakeable(out: Path) -> None:
 
 def refuse_place(option: str, path: Path, out: Path) -> None:
     """Raise `ProblemError`, before any work is done, if no file could be written at `path`."""
-    if out.resolve() in path.resolve().parents:
+    if out.resolve() in _resolved(option, path).parents:
         raise ProblemError(f"{option} {path}: inside --out {out}; name a place outside")
     if path.is_dir():
         raise ProblemError(f"{option} {path}: a folder; name a file")
+    if path.exists() and not path.is_file():
+        raise ProblemError(f"{option} {path}: a device or a pipe, which would be lost; name a file")
     if not path.parent.is_dir():
         raise ProblemError(f"{option} {path}: no folder {path.parent}; make it or name another")
     if not _writable(path.parent):
         raise ProblemError(f"{option} {path}: no permission to write there; name another place")
+
+
+def _resolved(option: str, path: Path) -> Path:
+    """The place that a path leads to; raise `ProblemError` if it leads in a circle, or nowhere."""
+    try:
+        found = path.resolve()
+        path.exists()
+    except (OSError, RuntimeError) as error:
+        why = error.strerror if isinstance(error, OSError) else "a link that leads back to itself"
+        raise ProblemError(f"{option} {path}: {why}; name another place") from error
+    return found
 
 
 def publish(
@@ -127,7 +141,7 @@ def publish(
         late = unfinished or {}
         new_files = {**studies, **{name: make(out / name) for name, make in late.items()}}
         _refuse_foreign(out, list(new_files))
-        whole = _only_results(out) and not _holds(out, Path.cwd()) and _writable(out.parent)
+        whole = _only_results(out) and not _holds(out, _here()) and _writable(out.parent)
         if not (whole and _exchanged_whole(new_files, out)):
             _exchanged_one_by_one(new_files, out)
         return [read(out / name) for name in new_files]
@@ -162,24 +176,31 @@ def _exchanged_one_by_one(studies: Mapping[str, Files], out: Path) -> None:
 def rebuild(out: Path) -> list[Stored]:
     """Make the pages of `out` again from what its studies left; return the studies.
 
+    One that cannot be read has the reason for its error, and costs the others nothing.
+
     Raises
     ------
     ProblemError
-        If there is no result, or one cannot be read.
+        If there is no result.
     """
     if not _studies(out):
         raise ProblemError(f"--out {out}: no results there; run a study first")
-    studies = stored(out)
     publish({}, out)
-    return studies
+    return stored(out)
 
 
 def stored(out: Path) -> list[Stored]:
-    """The studies whose results lie in a folder, by name."""
-    return [read(out / name) for name in _studies(out)]
+    """The studies whose results lie in a folder, by name; of damaged ones no more than that."""
+    return [_read_or_said(out / name) for name in _studies(out)]
 
 
-def replace_folder(folder: Path, files: Mapping[str, Files], *, keep: bool = False) -> None:
+def replace_folder(
+    folder: Path,
+    files: Mapping[str, Files],
+    *,
+    keep: bool = False,
+    beside: tuple[Path, Callable[[], bytes]] | None = None,
+) -> None:
     """Replace a folder of folders whole.
 
     Parameters
@@ -190,6 +211,9 @@ def replace_folder(folder: Path, files: Mapping[str, Files], *, keep: bool = Fal
         Name of a folder in it -> its files.
     keep
         Whether all else that lies in it goes into the new one as it is.
+    beside
+        A file elsewhere that is replaced with it, and what makes its content: both are on the disk
+        before either takes its place, the file first.
     """
     folder = folder.resolve()
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -198,7 +222,10 @@ def replace_folder(folder: Path, files: Mapping[str, Files], *, keep: bool = Fal
             _copy_others(folder, new, files)
         for name, content in files.items():
             _write(new / name, content)
-        _replace(new, folder)
+        if beside:
+            replace_file(beside[0], beside[1], then=lambda: _replace(new, folder))
+        else:
+            _replace(new, folder)
 
 
 def _copy_others(old: Path, new: Path, names: Container[str]) -> None:
@@ -215,16 +242,19 @@ def _copy_others(old: Path, new: Path, names: Container[str]) -> None:
     )
 
 
-def replace_file(path: Path, content: bytes) -> None:
-    """Replace a file whole."""
+def replace_file(
+    path: Path, content: Callable[[], bytes], then: Callable[[], None] = lambda: None
+) -> None:
+    """Replace a file whole, its content made when no other run can write it; `then` at once act."""
     path = path.resolve()
     with _alone(path.parent), _staged(path.parent) as new:
-        _write(new, {path.name: content})
+        _write(new, {path.name: content()})
         _replace(new / path.name, path)
+        then()
 
 
 def _pages(folder: Path) -> dict[str, bytes]:
-    studies = [_read_or_said(folder / name) for name in _studies(folder)]
+    studies = stored(folder)
     return {"report.html": page(studies).encode(), "verdict.json": verdicts(studies)}
 
 
@@ -238,7 +268,15 @@ def _read_or_said(folder: Path) -> Stored:
 
 def _studies(folder: Path) -> list[str]:
     """Names of the studies that left results in a folder."""
-    return [name for name in catalogue.names() if (folder / name / ABOUT).is_file()]
+    return [name for name in catalogue.names() if _is_file(folder / name / ABOUT)]
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is a file; not where nobody lets us look."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _refuse_foreign(out: Path, names: Sequence[str]) -> None:
@@ -248,6 +286,11 @@ def _refuse_foreign(out: Path, names: Sequence[str]) -> None:
         if not folder.is_dir():
             continue
         written = known_files(folder)
+        if not written and _is_file(folder / ABOUT):
+            raise ProblemError(
+                f"--out {out}: {name}/{ABOUT} is damaged, so what lies beside it may be anybody's; "
+                "move the folder away or name another"
+            )
         for path in sorted(folder.iterdir()):
             if path.name not in written or path.is_dir():
                 raise ProblemError(
@@ -261,13 +304,18 @@ def _only_results(out: Path) -> bool:
     if not out.exists():
         return True
     known = catalogue.names()
-    for path in out.iterdir():
-        if path.name in PAGES or path.name.startswith(STAGED):
-            continue
-        if path.name not in known or not path.is_dir() or path.is_symlink():
-            return False
-        if any(p.suffix not in SUFFIXES or not p.is_file() for p in path.iterdir()):
-            return False
+    try:
+        for path in out.iterdir():
+            if path.name in PAGES or path.name.startswith(STAGED):
+                continue
+            if path.name not in known or not path.is_dir() or path.is_symlink():
+                return False
+            if any(p.suffix not in SUFFIXES or not p.is_file() for p in path.iterdir()):
+                return False
+            if not all(os.access(p, os.R_OK) for p in path.iterdir()):
+                return False
+    except OSError:
+        return False
     return True
 
 
@@ -278,6 +326,14 @@ def _writable(folder: Path) -> bool:
 def _holds(folder: Path, other: Path) -> bool:
     """Whether a folder is another or holds it: exchanging it would take the ground away."""
     return folder == other or folder in other.parents
+
+
+def _here() -> Path:
+    """The current folder; the root of all if it has been removed."""
+    try:
+        return Path.cwd()
+    except OSError:
+        return Path("/")
 
 
 @contextlib.contextmanager

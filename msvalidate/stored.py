@@ -1,33 +1,88 @@
 """Floor 3: a study's results as files, and back: what a page is made of, without solving again.
 
 A study's folder holds a CSV a table, `verdict.csv`, a PNG and an SVG a figure, and `study.json`:
-its question, findings, columns, captions, provenance and seconds. Tables are read back as text:
-what a page shows is what the files say.
+its question, findings, columns, captions, provenance and seconds (`About`). Tables are read back
+as text: what a page shows is what the files say. What is read back is held to one schema, types and
+all: years may lie between, or an editor. A field that is added later has a default, so that old
+results still read.
 """
 
 from __future__ import annotations
 
+import csv as text_tables
 import io
 import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Literal
 
-import matplotlib as mpl
+import msgspec
 import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.evidence import Evidence, held
-from msvalidate.figures import STYLE, plain_logarithms
+from msvalidate.figures import plain_logarithms, styled
 from msvalidate.problem import ProblemError
 
 FORMATS = ("png", "svg")
-ABOUT = "study.json"
+ABOUT, VERDICT = "study.json", "verdict.csv"
 SUFFIXES = (".csv", ".json", *(f".{kind}" for kind in FORMATS))
 NUMBERS = ("observed", "reference", "error", "limit")
 """Columns of a verdict that hold numbers."""
+
+
+Name = Annotated[str, msgspec.Meta(pattern=r"^[^./\\\x00][^/\\\x00]*$")]
+"""Of a file in a study's folder, and in no other."""
+
+
+class About(msgspec.Struct, frozen=True):
+    """What `study.json` holds; the fields of `Stored`, and names of files.
+
+    Parameters
+    ----------
+    question, findings, columns, origin, error
+        As in `Stored`.
+    tables
+        Names, in the order of the study.
+    captions
+        Name of a figure -> what it shows.
+    files
+        All that the run wrote into the folder.
+    seconds
+        That the study itself took.
+    """
+
+    question: str
+    findings: tuple[str, ...]
+    columns: dict[str, str]
+    origin: dict[str, str]
+    tables: tuple[Name, ...]
+    captions: dict[Name, str]
+    files: tuple[Name, ...]
+    error: str = ""
+    seconds: float = 0.0
+
+
+class Written(msgspec.Struct, frozen=True):
+    """What a run wrote into a folder, whatever else its `study.json` says."""
+
+    files: tuple[Name, ...]
+
+
+class Row(msgspec.Struct, frozen=True):
+    """A row of `verdict.csv`; what is no finite number is NaN."""
+
+    layer: str
+    quantity: str
+    unit: str
+    observed: float
+    reference: float
+    error: float
+    limit: float
+    verdict: Literal["pass", "fail"]
+    because: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,30 +146,29 @@ def files(
     captions = {}
     for name, draw in evidence.figures.items() if plots else ():
         captions[name] = (draw.__doc__ or name).partition("\n")[0]
-        with mpl.rc_context(STYLE):
+        with styled():
             figure = draw(evidence.tables)
             _lay_out(figure)
             found |= {f"{name}.{kind}": _rendered(figure, kind) for kind in FORMATS}
     used = {column for table in evidence.tables.values() for column in table}
-    about = {
-        "question": result.question,
-        "findings": list(evidence.findings),
-        "tables": list(evidence.tables),
-        "columns": {c: meaning for c, meaning in evidence.columns.items() if c in used},
-        "captions": captions,
-        "origin": dict(origin),
-        "seconds": seconds,
-        "error": "",
-        "files": sorted([*found, ABOUT]),
-    }
-    return found | {ABOUT: _json(about)}
+    about = About(
+        question=result.question,
+        findings=tuple(evidence.findings),
+        columns={c: meaning for c, meaning in evidence.columns.items() if c in used},
+        origin=dict(origin),
+        tables=tuple(evidence.tables),
+        captions=captions,
+        files=tuple(sorted([*found, ABOUT])),
+        seconds=seconds,
+    )
+    return found | {ABOUT: _json(msgspec.to_builtins(about))}
 
 
 def known_files(folder: Path) -> set[str]:
     """Names of the files that a run left in a study's folder; none if it is no such folder."""
     try:
-        return set(json.loads((folder / ABOUT).read_text(encoding="utf-8"))["files"])
-    except (OSError, ValueError, KeyError, TypeError):
+        return set(msgspec.json.decode((folder / ABOUT).read_bytes(), type=Written).files)
+    except (OSError, ValueError, RecursionError):
         return set()
 
 
@@ -122,13 +176,13 @@ def unfinished(
     folder: Path, question: str, origin: Mapping[str, str], error: str, seconds: float = 0.0
 ) -> dict[str, bytes]:
     """The files of a study that did not finish: those of the run before, marked, if there are."""
-    about: dict[str, Any] = {"question": question, "findings": [], "tables": [], "columns": {}}
-    about |= {"captions": {}, "origin": dict(origin), "seconds": seconds, "files": [ABOUT]}
-    found: dict[str, bytes] = {}
-    if known_files(folder):
-        found = {p.name: p.read_bytes() for p in sorted(folder.iterdir())}
-        about = json.loads(found[ABOUT])
-    return found | {ABOUT: _json(about | {"error": error})}
+    try:
+        about = _about(folder)
+        found = {name: _content(folder / name) for name in about.files}
+    except (OSError, ValueError):  # none, or damaged: nothing that could be shown
+        about = About(question, (), {}, dict(origin), (), {}, (ABOUT,), seconds=seconds)
+        found = {}
+    return found | {ABOUT: _json(msgspec.to_builtins(msgspec.structs.replace(about, error=error)))}
 
 
 def read(folder: Path) -> Stored:
@@ -140,41 +194,74 @@ def read(folder: Path) -> Stored:
         If a file is missing or is not what a run writes.
     """
     try:
-        about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
-        verdict = pd.DataFrame(columns=["layer", "quantity", *NUMBERS, "verdict"])
-        if (folder / "verdict.csv").is_file():
-            verdict = read_csv(folder / "verdict.csv")
-            # What is not a number was written as nothing.
-            verdict[list(NUMBERS)] = verdict[list(NUMBERS)].replace("", "nan").astype(float)
+        about = _about(folder)
         return Stored(
             name=folder.name,
-            question=about["question"],
-            findings=tuple(about["findings"]),
-            columns=about["columns"],
-            origin=about["origin"],
-            verdict=verdict,
-            tables={name: read_csv(folder / f"{name}.csv") for name in about["tables"]},
+            question=about.question,
+            findings=about.findings,
+            columns=about.columns,
+            origin=about.origin,
+            verdict=_verdict(folder / VERDICT) if VERDICT in about.files else _judged([]),
+            tables={name: _table(folder / f"{name}.csv") for name in about.tables},
             pictures={
-                name: (caption, (folder / f"{name}.svg").read_bytes())
-                for name, caption in about["captions"].items()
+                name: (caption, _content(folder / f"{name}.svg"))
+                for name, caption in about.captions.items()
             },
-            error=about["error"],
+            error=about.error,
         )
     except FileNotFoundError as error:
         missing = Path(error.filename).name
         raise ProblemError(
             f"results of {folder.name}: {missing} is missing; run it again"
         ) from error
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else " ".join(str(error).split())
         raise ProblemError(
-            f"results of {folder.name}: not what a run writes ({error}); run it again"
+            f"results of {folder.name}: not what a run writes ({why}); run it again"
         ) from error
+
+
+def _content(path: Path) -> bytes:
+    """What is in a file; of a pipe nobody knows how long that takes."""
+    if path.exists() and not path.is_file():
+        raise ValueError(f"{path.name} is no file")
+    return path.read_bytes()
+
+
+def _about(folder: Path) -> About:
+    try:
+        return msgspec.json.decode((folder / ABOUT).read_bytes(), type=About)
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{ABOUT}: {error}") from error
+
+
+def _table(path: Path) -> pd.DataFrame:
+    try:
+        return read_csv(path)
+    except ValueError as error:
+        raise ValueError(f"{path.name}: {error}") from error
+
+
+def _verdict(path: Path) -> pd.DataFrame:
+    """A judgement; what is not a number was written as nothing."""
+    rows = _table(path).to_dict("records")
+    for row in rows:
+        row |= {name: row[name] or "nan" for name in NUMBERS if name in row}
+    try:
+        found = msgspec.convert(rows, list[Row], strict=False)
+    except ValueError as error:
+        raise ValueError(f"{path.name}: {error}") from error
+    return _judged(found)
+
+
+def _judged(rows: list[Row]) -> pd.DataFrame:
+    columns = [field.name for field in msgspec.structs.fields(Row)]
+    return pd.DataFrame([msgspec.structs.asdict(row) for row in rows], columns=columns)
 
 
 def unreadable(name: str, error: str) -> Stored:
     """A study of whose results no more can be said than why they cannot be read."""
-    nothing = pd.DataFrame(columns=["layer", "quantity", *NUMBERS, "verdict"])
-    return Stored(name, "", (), {}, {}, nothing, {}, {}, error)
+    return Stored(name, "", (), {}, {}, _judged([]), {}, {}, error)
 
 
 def csv(table: pd.DataFrame) -> bytes:
@@ -183,8 +270,29 @@ def csv(table: pd.DataFrame) -> bytes:
 
 
 def read_csv(path: Path | io.BytesIO) -> pd.DataFrame:
-    """A CSV as text: nothing in it is read as missing."""
-    return pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
+    """A CSV as text: nothing in it is read as missing, and no row is longer or shorter.
+
+    Raises
+    ------
+    ValueError
+        If it is no table, not UTF-8, or a row has not as many values as there are columns;
+        `pandas.errors.EmptyDataError` if there is no heading.
+    """
+    content = path.getvalue() if isinstance(path, io.BytesIO) else _content(path)
+    lines = io.StringIO(content.decode("utf-8"), newline="")
+    try:
+        heading, *rows = [row for row in text_tables.reader(lines, strict=True) if row] or [[]]
+    except text_tables.Error as error:
+        raise ValueError(f"no table ({error})") from error
+    if not heading:
+        raise pd.errors.EmptyDataError("not even a heading")
+    if len(set(heading)) < len(heading):
+        raise ValueError("two columns have one name")
+    for number, row in enumerate(rows):
+        if len(row) != len(heading):
+            raise ValueError(f"row {number} has {len(row)} values for {len(heading)} columns")
+    columns = zip(*rows, strict=True) if rows else ((),) * len(heading)
+    return pd.DataFrame(dict(zip(heading, map(list, columns), strict=True)), dtype=str)
 
 
 def verdicts(studies: list[Stored]) -> bytes:

@@ -7,6 +7,8 @@ defined would exist twice. Heavy imports wait until a study is really run.
 from __future__ import annotations
 
 import argparse
+import contextlib
+import difflib
 import gc
 import os
 import sys
@@ -15,7 +17,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from msvalidate import catalogue
 from msvalidate.arguments import (
@@ -45,34 +47,67 @@ def main(arguments: Sequence[str]) -> int:
     """Run what the command line asks for; return the exit code."""
     args = parse(arguments)
     if args.verb == "list":
-        return _list()
+        return _guarded(_list, args)
     if args.verb == "report":
-        return _guarded(lambda: _report(args))
-    return _guarded(lambda: _run(args, arguments))
+        return _guarded(lambda: _report(args), args)
+    return _guarded(lambda: _run(args, arguments), args)
 
 
 def _list() -> int:
     width = max(map(len, catalogue.names()))
-    for name in catalogue.names():
-        print(f"{name:<{width}}  {catalogue.question(name)}")
-    return HELD
+    return _printed([f"{name:<{width}}  {catalogue.question(name)}" for name in catalogue.names()])
 
 
-def _guarded(act: Callable[[], int]) -> int:
+def _guarded(act: Callable[[], int], args: argparse.Namespace) -> int:
     """Act; what goes wrong outside the studies is said in one line."""
     # One thread for dense algebra: the sparse solves here gain nothing from more, and sums come out
     # the same on any number of cores.
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-    from msvalidate.problem import ProblemError
-
+    # Figures are made without a window; the library refuses to start with one that is not there.
+    os.environ["MPLBACKEND"] = "agg"
     try:
         return act()
-    except (ProblemError, ImportError) as error:
+    except ImportError as error:
         return _error(str(error), USAGE)
     except OSError as error:
         what = f"{error.strerror}: {error.filename}" if error.filename else str(error)
         return _error(f"writing results: {what}", USAGE)
+    except Exception as error:  # noqa: BLE001  a fault of ours: one line, and a code of its own
+        from msvalidate.problem import ProblemError
+
+        if isinstance(error, ProblemError):
+            return _error(str(error), USAGE)
+        if args.verbose:
+            _tell(traceback.format_exc())
+        said = " ".join(f"{type(error).__name__}: {error}".split())
+        return _error(f"a fault of the program itself: {said}; -v shows where", FAILED)
+
+
+def _tell(message: str) -> None:
+    """A line to stderr; one that cannot be read any more is not missed."""
+    with contextlib.suppress(OSError):
+        print(message, file=sys.stderr)
+        return
+    sys.stderr = _nowhere()
+
+
+def _printed(lines: Sequence[str]) -> int:
+    """Lines to stdout; the exit code of a place where they do not fit."""
+    try:
+        for line in lines:
+            print(line)
+        print(end="", flush=True)
+    except BrokenPipeError:  # the reader left; the verdict stands
+        sys.stdout = _nowhere()
+    except OSError as error:  # a full disk; results are in files
+        sys.stdout = _nowhere()
+        return _error(f"stdout: {error.strerror}", USAGE)
+    return HELD
+
+
+def _nowhere() -> TextIO:
+    return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123  as long as the process
 
 
 def _report(args: argparse.Namespace) -> int:
@@ -83,7 +118,7 @@ def _report(args: argparse.Namespace) -> int:
     for study in studies:
         _say(study, args)
     if not args.quiet:
-        print(f"report in {args.out / 'report.html'}", file=sys.stderr)
+        _tell(f"report in {args.out / 'report.html'}")
     if any(study.error for study in studies):
         return FAILED
     return HELD if all(study.held for study in studies) else MISSED
@@ -98,6 +133,7 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
         report.refuse_place("--junit", args.junit, args.out)
     if args.update:
         _changelog(args)  # refuses, if there is none, before the work
+    _refuse_unknown_tables(args)
     for name in args.studies:
         catalogue.load(name)
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
@@ -106,20 +142,15 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
         results, uncompared = _compared(results, args)
         codes += [_error(message, NOTHING) for message in uncompared]
     studies = _written(results, unfinished, spent, args, arguments)
-    try:
-        for result in results:
-            _show(result, args)
-        for study in studies:
-            _say(study, args)
-        print(end="", flush=True)
-    except BrokenPipeError:  # the reader left; the verdict stands
-        sys.stdout = None
+    codes.append(_printed([line for result in results for line in _shown(result, args)]))
+    for study in studies:
+        _say(study, args)
     codes += _tables_there(results, args)
     failed = [study.name for study in studies if not study.held]
     if args.update:
         codes.append(_update(results, args, failed))
     if not args.quiet:
-        print(f"results in {args.out}, to read in {args.out / 'report.html'}", file=sys.stderr)
+        _tell(f"results in {args.out}, to read in {args.out / 'report.html'}")
     return max([*codes, MISSED if set(failed) - set(unfinished) else HELD])
 
 
@@ -144,7 +175,7 @@ def _written(
     late = {
         name: partial(
             stored.unfinished,
-            question=catalogue.load(name).__doc__ or "",
+            question=catalogue.load(name).__doc__ or catalogue.docstring(name),
             origin=origins[name],
             error=error,
             seconds=spent[name][1],
@@ -153,7 +184,7 @@ def _written(
     }
     studies = report.publish(files, args.out, late)
     if args.junit:
-        report.replace_file(args.junit, junit(studies))
+        report.replace_file(args.junit, lambda: junit(studies))
     return studies
 
 
@@ -174,23 +205,25 @@ def _studied(
     results, unfinished, spent, codes = [], {}, {}, []
     for name in args.studies:
         if args.verbose:
-            print(f"{name}: {catalogue.question(name)}", file=sys.stderr)
+            _tell(f"{name}: {catalogue.question(name)}")
         started, clock = datetime.now(UTC), time.perf_counter()
         try:
             module = catalogue.load(name)
             evidence = module.run(setting=setting)
-            results.append(Result(name, module.__doc__ or "", evidence, judge(evidence)))
+            question = module.__doc__ or catalogue.docstring(name)
+            results.append(Result(name, question, evidence, judge(evidence)))
         except (ProblemError, SolverError) as error:
             unfinished[name] = printable(str(error))
             code = USAGE if isinstance(error, ProblemError) else FAILED
             codes.append(_error(f"study {name}: {unfinished[name]}", code))
-        except Exception as error:  # noqa: BLE001  a crash is reported as one, and spoils nothing else
+        # A crash is reported as one, and spoils nothing else; so is one that ends the program.
+        except (Exception, SystemExit) as error:  # noqa: BLE001
             # What a crash says may hold paths of this machine: for the terminal, not the report.
             unfinished[name] = f"crashed: {type(error).__name__}"
             said = printable(str(error))
             codes.append(_error(f"study {name}: crashed: {type(error).__name__}: {said}", FAILED))
             if args.verbose:
-                traceback.print_exc()
+                _tell(traceback.format_exc())
         spent[name] = (started, time.perf_counter() - clock)
     return results, unfinished, spent, codes
 
@@ -228,13 +261,12 @@ def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) 
         return _error(
             f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
         )
-    changelog = _changelog(args)
     tables = {result.name: baseline.files(result.evidence) for result in results}
-    # The reason first: a number never moves without one.
-    report.replace_file(baseline.CHANGELOG, changelog)
-    report.replace_folder(baseline.home(args.form), tables, keep=args.named)
+    # The reason first: a number never moves without one. It follows at once.
+    reason = baseline.CHANGELOG, lambda: _changelog(args)
+    report.replace_folder(baseline.home(args.form), tables, keep=args.named, beside=reason)
     whose = f" of {', '.join(args.studies)}" if args.named else ""
-    print(f"{args.form} baseline{whose} renewed; CHANGELOG.md says why", file=sys.stderr)
+    _tell(f"{args.form} baseline{whose} renewed; CHANGELOG.md says why")
     return HELD
 
 
@@ -244,22 +276,41 @@ def _changelog(args: argparse.Namespace) -> bytes:
     return baseline.changelog(args.form, args.reason, args.studies if args.named else ())
 
 
-def _show(result: Result, args: argparse.Namespace) -> None:
-    """Print a study's tables and findings to stdout."""
+def _shown(result: Result, args: argparse.Namespace) -> list[str]:
+    """A study's tables and findings as stdout has them."""
     if args.quiet or args.verb == "check":
-        return
+        return []
     tables: dict[str, Any] = {**result.evidence.tables}
     tables["verdict"] = result.verdict.drop(columns="because")
-    if args.tables:
-        for name in (name for name in args.tables if name in tables):
-            print(f"\n{result.name}/{name}\n{_aligned(tables[name], len(tables[name]))}")
+    asked = [name for name in args.tables if name in tables] if args.tables else list(tables)
+    whole = args.tables or args.verbose
+    lines = [
+        f"\n{result.name}/{name}\n{_aligned(tables[name], None if whole else ROWS_SHOWN)}"
+        for name in asked
+    ]
+    findings = [] if args.tables else [f"- {finding}" for finding in result.evidence.findings]
+    return [*lines, *([] if args.tables else [""]), *findings]
+
+
+def _refuse_unknown_tables(args: argparse.Namespace) -> None:
+    """Raise `ProblemError`, before the work, for a table that none of the studies makes.
+
+    What they may make is in their baseline, or named in their sources.
+    """
+    if not args.tables:
         return
-    for name, table in tables.items():
-        print(f"\n{result.name}/{name}")
-        print(_aligned(table, len(table) if args.verbose else ROWS_SHOWN))
-    print()
-    for finding in result.evidence.findings:
-        print(f"- {finding}")
+    from msvalidate import baseline
+    from msvalidate.problem import ProblemError, shown
+
+    known = {"verdict"}.union(*map(baseline.tables, args.studies))
+    if len(known) == 1:
+        return  # nothing to go by
+    words = known.union(*map(catalogue.words, args.studies))
+    for name in args.tables:
+        if name not in words:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"choose from {', '.join(sorted(known))}"
+            raise ProblemError(f"--table {shown(name)}: no such table; {hint}")
 
 
 def _tables_there(results: list[Result], args: argparse.Namespace) -> list[int]:
@@ -272,8 +323,9 @@ def _tables_there(results: list[Result], args: argparse.Namespace) -> list[int]:
     return [_error(f"--table {unknown[0]}: no such table; choose from {known}", USAGE)]
 
 
-def _aligned(table: pd.DataFrame, rows: int) -> str:
-    """Aligned text of a table's first rows, and how many more there are."""
+def _aligned(table: pd.DataFrame, most: int | None) -> str:
+    """Aligned text of a table's first rows, and how many more there are; None is all."""
+    rows = len(table) if most is None else most
     text = table.head(rows).to_string(index=False, float_format=lambda value: f"{value:.6g}")
     return text + (f"\n… {len(table) - rows} more rows" if len(table) > rows else "")
 
@@ -286,7 +338,7 @@ def _say(study: Stored, args: argparse.Namespace) -> None:
     for row in rows:
         if row["verdict"] != "pass":
             why = f" ({row['because']})" if row["layer"] == "baseline" else ""
-            print(f"{study.name}: FAIL {line(row)}{why}", file=sys.stderr)
+            _tell(f"{study.name}: FAIL {line(row)}{why}")
     if args.quiet:
         return
     layers = [
@@ -295,24 +347,34 @@ def _say(study: Stored, args: argparse.Namespace) -> None:
     ]
     word = "held" if study.held else "FAILED"
     said = f"not finished: {study.error}" if study.error else f"{word}, {', '.join(layers)}"
-    print(f"{study.name}: {said}", file=sys.stderr)
+    _tell(f"{study.name}: {said}")
 
 
 def _error(message: str, code: int) -> int:
-    print(f"{PROGRAM}: error: {message}", file=sys.stderr)
+    _tell(f"{PROGRAM}: error: {message}")
     return code
 
 
+def _prepare_streams() -> None:
+    """Streams that take any letter; what was closed (``>&-``, cron) leads nowhere.
+
+    The numbers of closed ones are taken, else the first file that is opened would be stdout.
+    """
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(number)
+    for name in ("stdout", "stderr"):
+        stream: Any = getattr(sys, name) or _nowhere()
+        stream.reconfigure(errors="replace")
+        setattr(sys, name, stream)
+
+
 if __name__ == "__main__":
-    for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors="replace")  # type: ignore[union-attr]
+    _prepare_streams()
     try:
         code = main(sys.argv[1:])
-        print(end="", flush=True)
-        sys.exit(code)
-    except OSError as error:  # a closed pipe or a full disk behind stdout; results are in files
-        sys.stdout = None  # nothing more is flushed at exit
-        broken = isinstance(error, BrokenPipeError)
-        sys.exit(HELD if broken else _error(f"stdout: {error.strerror}", USAGE))
+    except SystemExit as end:  # --help, or wrong usage
+        code = end.code if isinstance(end.code, int) else HELD
     except KeyboardInterrupt:
-        sys.exit(_error("interrupted; results are as they were", INTERRUPTED))
+        code = _error("interrupted; results are as they were", INTERRUPTED)
+    sys.exit(max(code, _printed([])))  # what --help left unwritten

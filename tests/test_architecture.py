@@ -478,8 +478,14 @@ WRITERS = {
 WRITING = {
     "msvalidate.report": ("",),
     "msvalidate.stored": ("figure.savefig(page,", "table.to_csv(index="),
+    "msvalidate.study": ("open(os.devnull,", "os.open(os.devnull,"),
+    "msvalidate.kernels.cache": (
+        *("path.parent.mkdir(", "part.write_bytes(", "part.unlink()"),
+        *("shutil.rmtree(old,", "old.unlink("),
+    ),
 }
-"""Who may write, beginning with which calls: `stored` makes bytes and text, in memory."""
+"""Who may write, beginning with which calls: `stored` makes bytes and text, in memory; `cache` is
+where compiled code is kept."""
 
 
 def writes(text):

@@ -1,5 +1,6 @@
 """The command line: what it prints where, its exit codes, and what bad input leaves behind."""
 
+import ast
 import json
 import os
 import shutil
@@ -14,10 +15,10 @@ ROOT = Path(__file__).parents[1]
 PROGRAM = [sys.executable, "-m", "msvalidate.study"]
 
 
-def run(*arguments, cwd=None, script=None):
+def run(*arguments, cwd=None, script=None, **variables):
     """Run the program in a folder of its own; with `script`, python code that calls it."""
     command = [sys.executable, "-c", script] if script else PROGRAM
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    environment = os.environ | {"PYTHONPATH": str(ROOT)} | variables
     return subprocess.run(
         [*command, *arguments],
         capture_output=True,
@@ -80,22 +81,30 @@ TWO_TABLES = """
 import pandas as pd
 from msvalidate.evidence import Evidence, Observed, Tolerance
 def run(setting):
-    tables = {name: pd.DataFrame({"x": range(50)}) for name in ("long", "other")}
+    tables = {name: pd.DataFrame({"x": range(50)}) for name in ("block", "cube")}
     return Evidence(tables, {"gap": Observed(0.0)}, (Tolerance("gap", 0.5, "m", "so"),),
                     columns={"x": "place (m)"}, findings=("found",))"""
 
 
 def test_a_table_alone_is_printed_whole(tmp_path):
-    done = run("--table", "long", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
+    done = run("--table", "block", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
     assert done.returncode == 0, done.stderr
-    assert done.stdout.split() == ["poisson/long", "x", *map(str, range(50))]
+    assert done.stdout.split() == ["poisson/block", "x", *map(str, range(50))]
 
 
-def test_a_table_that_there_is_not(tmp_path):
-    done = run("--table", "lomg", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
+def test_a_table_that_there_is_not_is_told_before_the_work(tmp_path):
+    done = run("poisson", "--table", "blok", "--out", "r", cwd=tmp_path)
     assert done.returncode == 2
-    assert "--table lomg: no such table; choose from long, other, verdict" in done.stderr
-    assert (tmp_path / "r" / "poisson" / "long.csv").is_file(), "the results are kept"
+    assert "--table 'blok': no such table; did you mean block?" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_table_that_was_not_made(tmp_path):
+    """Named in the study's sources, so it could not be known before."""
+    done = run("--table", "finite_size", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
+    assert done.returncode == 2
+    assert "--table finite_size: no such table; choose from block, cube, verdict" in done.stderr
+    assert (tmp_path / "r" / "poisson" / "block.csv").is_file(), "the results are kept"
 
 
 def test_list_names_each_study_with_its_question():
@@ -210,6 +219,11 @@ def run(setting): raise ProblemError("spring constants: -1; give 0 or more")""",
 from msvalidate.problem import SolverError
 def run(setting): raise SolverError("diverged by step 7")""",
     ),
+    "ended by a library": (
+        3,
+        "study poisson: crashed: SystemExit: 0",
+        "def run(setting): sys.exit(0)",
+    ),
     "crash": (
         3,
         "study poisson: crashed: FileNotFoundError: /home/someone/secret",
@@ -257,6 +271,122 @@ def test_verbose_crash_shows_where(tmp_path):
     done = run("-v", cwd=tmp_path, script=PATCHED.format(body=ENDINGS["crash"][2]))
     assert done.returncode == 3
     assert "Traceback" in done.stderr
+
+
+BROKEN = "from msvalidate import report\nreport.publish = lambda *_: {}['key']\n"
+
+
+@pytest.mark.parametrize("verbose", [True, False])
+def test_a_fault_of_the_program_is_one_line_and_no_missed_tolerance(verbose, tmp_path):
+    script = BROKEN + PATCHED.format(body=ENDINGS["tolerance missed"][2])
+    done = run(*["-v"][: int(verbose)], cwd=tmp_path, script=script)
+    assert done.returncode == 3
+    assert "error: a fault of the program itself: KeyError: 'key'; -v shows" in done.stderr
+    assert ("Traceback" in done.stderr) == verbose
+    assert verbose or len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("backend", ["module://matplotlib_inline.backend_inline", "nonsense"])
+def test_a_backend_that_is_not_there_is_not_missed(backend, tmp_path):
+    body = """
+def run(setting):
+    import pandas as pd
+    from msvalidate.evidence import Evidence, Observed, Tolerance
+    from msvalidate.figures import new
+    return Evidence({"t": pd.DataFrame({"x": [1.0]})}, {"gap": Observed(0.0)},
+                    (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: new()[0]},
+                    columns={"x": "place (m)"})"""
+    script = PATCHED.format(body=body)
+    done = run(cwd=tmp_path, script=script, MPLBACKEND=backend)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "r" / "poisson" / "f.png").read_bytes().startswith(b"\x89PNG")
+
+
+def shell(line, cwd):
+    """A line of a shell that runs the program by its name, `study`."""
+    script = f'study() {{ "{sys.executable}" -m msvalidate.study "$@"; }}\n{line}'
+    return subprocess.run(
+        ["bash", "-c", script],  # noqa: S607
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        check=False,
+        timeout=100,
+    )
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a shell")
+@pytest.mark.parametrize(
+    ("line", "code", "said"),
+    [
+        ("study list >&-", 0, ""),
+        ("study list 2>&- >&- <&-", 0, ""),
+        ("study --help >&-", 0, ""),
+        ("study poison >&-", 2, "unknown study 'poison'"),
+        ("study poison 2>&-", 2, ""),
+        ("study report --out no 2>&- >&-", 2, ""),
+        ("study list | true; exit ${PIPESTATUS[0]}", 0, ""),
+        ("study report --out no 2>&1 | true; exit ${PIPESTATUS[0]}", 2, ""),
+        ("study list > /dev/full", 2, "error: stdout: No space left on device"),
+        ("study --help > /dev/full", 2, "error: stdout: No space left on device"),
+        ("study report --out no 2> /dev/full", 2, ""),
+        ("mkdir d; cd d; rmdir ../d; study poisson", 2, "--out reports/latest: No such file"),
+    ],
+)
+def test_streams_that_are_closed_full_or_left(line, code, said, tmp_path):
+    done = shell(line, tmp_path)
+    assert done.returncode == code, done.stderr
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    assert len(done.stderr.splitlines()) <= 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_results_and_exit_code_without_any_stream(tmp_path):
+    body = "import os\nfor number in range(3): os.close(number)\nsys.stdout = sys.stderr = None\n"
+    script = f"import sys\nfrom msvalidate import study\n{body}study._prepare_streams()\n"
+    script += PATCHED.format(body=ENDINGS["tolerance missed"][2])
+    done = run(cwd=tmp_path, script=script)
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", "")
+    assert (tmp_path / "r" / "poisson" / "t.csv").read_text(encoding="utf-8") == "x\n1.0\n"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs links and pipes")
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["poisson", "--out", "loop/x"], "--out loop/x: a link that leads back to itself"),
+        (["poisson", "--out", "loop"], "--out loop: a link that leads back to itself"),
+        (["report", "--out", "loop/x"], "--out loop/x: "),
+        (["check", "--junit", "loop"], "--junit loop: a link that leads back to itself"),
+        (["check", "--junit", "loop/x"], "--junit loop/x: a link that leads back to itself"),
+        (["check", "--junit", "pipe"], "--junit pipe: a device or a pipe, which would be lost"),
+        (["check", "--junit", "/dev/null"], "--junit /dev/null: a device or a pipe"),
+        (["check", "--junit", "x" * 300], "File name too long; name another place"),
+        (["poisson", "--out", "x" * 300], "File name too long"),
+        (["poisson", "--out", "pipe"], "--out pipe: pipe is a file; name a folder"),
+    ],
+)
+def test_links_in_a_circle_devices_and_pipes(arguments, said, tmp_path):
+    (tmp_path / "loop").symlink_to("loop")
+    os.mkfifo(tmp_path / "pipe")
+    done = run(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert {p.name for p in tmp_path.iterdir()} == {"loop", "pipe"}
+    assert (tmp_path / "pipe").is_fifo()
+
+
+def test_python_that_drops_docstrings(tmp_path):
+    script = PATCHED.format(body=ENDINGS["tolerance missed"][2]).replace(
+        '__doc__="?"', "__doc__=None"
+    )
+    done = run(cwd=tmp_path, script=script, PYTHONOPTIMIZE="2")
+    assert done.returncode == 1, done.stderr
+    page = (tmp_path / "r" / "report.html").read_text(encoding="utf-8")
+    assert "which formula is right, and for what?" in page
 
 
 def test_read_only_folder(tmp_path):
@@ -366,6 +496,7 @@ def test_a_foreign_package_named_studies_is_refused(tmp_path):
 
 CHECKED = """
 import sys
+import time
 from pathlib import Path
 from msvalidate import baseline, catalogue, study
 from types import SimpleNamespace
@@ -443,7 +574,7 @@ def test_a_moved_digit_fails_the_check(checked):
         ("x,word\n1.0,a\n2.0,c\n", "row 1: 'b' where the baseline has 'c'; words are exact"),
         ("x,word\n", "t.csv: rows: observed 2, reference nan"),
         ("", "t.csv: columns: missing or extra"),
-        ("x,word\n1.0,a,9\n2.0,b\n", "t.csv: x: observed 2, reference 0"),
+        ("x,word\n1.0,a,9\n2.0,b\n", "cannot be read: row 0 has 3 values for 2 columns"),
         ('x,word\n"1.0,a\n', "the baseline cannot be read: "),
     ],
 )
@@ -510,6 +641,97 @@ def test_no_changelog_to_say_why_in(checked):
     done = run("check", "--update", "--reason", "so", cwd=checked, script=script)
     assert done.returncode == 2
     assert done.stderr.endswith("no CHANGELOG.md to write to; run from a checkout\n")
+
+
+def test_a_changelog_that_is_no_utf8_is_told_before_the_work(checked):
+    (checked / "CHANGELOG.md").write_bytes(b"# C\n\n## Unreleased\n\n- \xe9t\xe9\n")
+    script = small().replace("baseline.CHECKOUT", "run = None\nbaseline.CHECKOUT")
+    done = run("check", "--update", "--reason", "so", cwd=checked, script=script)
+    assert done.returncode == 2
+    assert done.stderr.endswith("CHANGELOG.md: not UTF-8 at byte 22; save it as UTF-8\n")
+
+
+# Ended, as by a kill, before each step in turn that changes a file or folder.
+KILLED = """
+import os
+from pathlib import Path
+from msvalidate import report
+class Killed(BaseException): pass
+count = last = 0
+def counted(act):
+    def step(*given):
+        global count
+        count += 1
+        if count == last: raise Killed
+        return act(*given)
+    return step
+os.fsync, report._exchanged = counted(os.fsync), counted(report._exchanged)
+report._replace = counted(report._replace)
+report.publish = lambda *_: []
+base, log = Path("base/quick/poisson/t.csv"), Path("CHANGELOG.md")
+before, said = base.read_bytes(), log.read_bytes()
+found = []
+for last in range(1, 40):
+    count = 0
+    try: done = study.main(sys.argv[1:])
+    except Killed: done = None
+    found.append((base.read_bytes() != before, log.read_bytes() != said))
+    if done is not None: break
+    base.write_bytes(before)
+    log.write_bytes(said)
+print(found, file=sys.__stdout__)
+"""
+
+
+def test_a_reason_and_its_baseline_appear_together(checked):
+    """However `check --update` ends: what CHANGELOG names has moved, but between two renames."""
+    script = small(x="4.0").replace("sys.exit(study.main(sys.argv[1:]))", KILLED)
+    done = run("check", "--update", "--reason", "moved", cwd=checked, script=script)
+    found = ast.literal_eval(done.stdout)  # (moved, named), ended before each step
+    assert found[-1] == (True, True), done.stderr
+    assert len(found) > 4, "steps were counted"
+    assert (True, False) not in found, "a number never moves without a reason"
+    assert found.count((False, True)) <= 2, "the rename, and the exchange in it"
+
+
+FORKED = """
+import os, signal, time
+from pathlib import Path
+from msvalidate import report
+base, log = Path("base/quick/poisson/t.csv"), Path("CHANGELOG.md")
+before, said = base.read_bytes(), log.read_bytes()
+found = []
+def said_so(*_):
+    os.write(ready[1], b".")
+    return []
+report.publish = said_so
+for turn in range(60):
+    ready = os.pipe()
+    child = os.fork()
+    if not child:
+        os._exit(study.main(sys.argv[1:]))
+    os.read(ready[0], 1)
+    time.sleep(0.001 * turn)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    found.append((base.read_bytes() != before, log.read_bytes() != said))
+    base.write_bytes(before)
+    log.write_bytes(said)
+print(found, file=sys.__stdout__)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="needs kill -9")
+def test_a_reason_and_its_baseline_appear_together_under_kill(checked):
+    """Killed at 60 instants while the baseline is written."""
+    script = small(x="4.0").replace("sys.exit(study.main(sys.argv[1:]))", FORKED)
+    done = run("check", "--update", "--reason", "moved", cwd=checked, script=script)
+    found = ast.literal_eval(done.stdout)  # (moved, named), a turn
+    assert (True, False) not in found
+    assert found.count((False, True)) <= 2, "renames microseconds apart"
+    assert found.count((False, False)), "instants before"
+    assert found.count((True, True)), "instants after"
 
 
 def test_check_without_update_leaves_the_baseline_alone(checked):

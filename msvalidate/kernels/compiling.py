@@ -7,15 +7,13 @@ from typing import Any
 
 from numba import njit
 
+from msvalidate.kernels.cache import KernelCache
+
 
 def compiled(
     function: Callable[..., Any], *, fused: bool = False, inner: bool = False
 ) -> Callable[..., Any]:
-    """Compile at the first call; keep the result on disk where there is a place for it.
-
-    What is kept is as old as the function's own file: after a change in a function that those of
-    other files call (`segments`, `turning`), remove `kernels/__pycache__`, or these still run the
-    old one.
+    """Compile at the first call; keep the result on disk where there is a place for it (`cache`).
 
     `fused` lets a product and a sum be one operation with one rounding. No other liberty is ever
     given: a NaN must come out as one. An `inner` function is called by compiled ones alone, and
@@ -26,8 +24,6 @@ def compiled(
         options["fastmath"] = {"contract"}
     if inner:
         options |= {"forceinline": True, "no_cpython_wrapper": True}
-    try:
-        machine: Callable[..., Any] = njit(cache=True, **options)(function)
-    except RuntimeError:  # neither the package's folder nor the user's home can be written
-        machine = njit(**options)(function)
+    machine: Callable[..., Any] = njit(**options)(function)
+    machine._cache = KernelCache(function, options)  # type: ignore[attr-defined]
     return machine

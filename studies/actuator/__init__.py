@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from msvalidate.candidate import actuated
 from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
 from studies.actuator import air, controls, figure8, permittivity, prestretched, profile
@@ -67,7 +68,8 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
+    linear = air.run if candidate is springs else partial(air.run, actuated(candidate))
+    candidate = actuated(candidate)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    linear = air.run if candidate is springs else partial(air.run, candidate)
     asked |= {"air": partial(linear, setting=setting)}
     return answers(asked | {"controls": partial(controls.run, setting)}, questions)

@@ -28,7 +28,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from msvalidate.candidate import Candidate, springs
+from msvalidate.candidate import Candidate, answering, springs
 from msvalidate.evidence import Evidence, answers, merged
 from msvalidate.sweep import Setting
 from studies.benchmarks import (
@@ -77,6 +77,7 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     asked = setting or Setting()
+    candidate = answering(candidate)
     found = answers(
         {name: partial(ask, candidate, asked) for name, ask in QUESTIONS.items()}, questions
     )

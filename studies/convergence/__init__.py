@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache, partial
 
+from msvalidate.candidate import named
 from msvalidate.evidence import Evidence, answers
 from msvalidate.relax import Method
 from msvalidate.relaxations import RELAXATIONS
@@ -47,6 +48,7 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one table of relaxations."""
     setting = setting or Setting()
+    candidate = named(candidate, Method, METHODS)
     counted = cache(partial(steps.run, candidate, setting))
     return answers(
         {

@@ -25,6 +25,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, partial
 
 from msvalidate import kernels
+from msvalidate.candidate import of_kind
 from msvalidate.evidence import Evidence, answers
 from msvalidate.relax import Method
 from msvalidate.relaxations import RELAXATIONS
@@ -102,6 +103,7 @@ def run(
 ) -> Evidence:
     """All questions, or those named."""
     setting = setting or Setting()
+    candidate = of_kind(candidate, Candidate)
     asked: dict[str, Callable[[], Evidence]] = {
         "agreement": cache(partial(agreement.run, candidate.motion, setting)),
         "kernel": cache(partial(kernel.run, candidate.motion, setting)),

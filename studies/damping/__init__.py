@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from msvalidate.candidate import moving
 from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
 from studies.damping import (
@@ -75,5 +76,6 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
+    candidate = moving(candidate)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     return answers(asked | {"controls": controls.run}, questions)

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from functools import cache, partial
 
-from msvalidate.candidate import Candidate, springs
+from msvalidate.candidate import Candidate, answering, springs
 from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
 from studies.displacement import (
@@ -67,6 +67,7 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
+    candidate = answering(candidate)
     bodies = cache(partial(elastic.solved, setting))
     measured = cache(partial(measuring.all_measured, candidate, setting))
     return answers(

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from msvalidate.candidate import of_kind
 from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
 from studies.electrostatics import (
@@ -65,5 +66,6 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
+    candidate = of_kind(candidate, Solver)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     return answers(asked | {"controls": controls.run}, questions)

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from functools import cache, partial
 
-from msvalidate.candidate import Candidate, springs
+from msvalidate.candidate import Candidate, answering, springs
 from msvalidate.evidence import Evidence, answers
 from msvalidate.homogenise import homogenised
 from msvalidate.sweep import Setting
@@ -68,6 +68,7 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one candidate and one way to homogenise."""
     setting = setting or Setting()
+    candidate = answering(candidate)
     endless = cache(partial(solids.found, solid, setting))
     stretched = cache(lambda: uniform.run(candidate, solid, setting))
     held = cache(lambda: clamped.run(candidate, solid, setting))

@@ -20,7 +20,7 @@ from __future__ import annotations
 from functools import partial
 
 from msvalidate import faults
-from msvalidate.candidate import Candidate, springs
+from msvalidate.candidate import Candidate, answering, springs
 from msvalidate.evidence import Evidence, merged
 from msvalidate.sweep import Setting
 from studies.poisson import (
@@ -45,6 +45,7 @@ FAULTS = {
 def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
     """All questions, for one candidate."""
     setting = setting or Setting()
+    candidate = answering(candidate)
     return merged(
         finite_size.run(candidate, setting),
         direction.run(setting=setting),

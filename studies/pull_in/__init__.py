@@ -22,6 +22,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from msvalidate.candidate import of_kind
 from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
 from studies.pull_in import beyond, controls, instability, permittivity, sweep, which
@@ -50,6 +51,7 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
+    candidate = of_kind(candidate, Way)
     asked: dict[str, Callable[[], Evidence]] = {
         name: partial(ask, candidate, setting) for name, ask in ASKED.items()
     }

@@ -23,8 +23,9 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
+from msvalidate.candidate import named
 from msvalidate.evidence import Evidence, answers
-from msvalidate.integrators import INTEGRATORS
+from msvalidate.integrators import INTEGRATORS, Integrator
 from msvalidate.sweep import Setting
 from studies.stability import (
     controls,
@@ -92,5 +93,6 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one table of schemes."""
     setting = setting or Setting()
+    candidate = named(candidate, Integrator, {})
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     return answers(asked | {"controls": partial(controls.run, setting)}, questions)

@@ -2,6 +2,7 @@
 
 import getpass
 import json
+import os
 import shutil
 import socket
 from datetime import UTC, datetime
@@ -250,33 +251,101 @@ def test_where_folders_cannot_be_exchanged(tmp_path, monkeypatch):
     assert not list(out.glob(".*"))
 
 
+def said(key, value, text=None):
+    """What puts another value, or text in its place, into `study.json`."""
+
+    def damage(folder):
+        about = json.loads((folder / "study.json").read_text(encoding="utf-8")) | {key: value}
+        changed = json.dumps(about)
+        if text:
+            changed = changed.replace(f'"{key}": {value}', f'"{key}": {text}')
+        (folder / "study.json").write_text(changed, encoding="utf-8")
+
+    return damage
+
+
+def judged(column, value):
+    """What puts a value into `verdict.csv`."""
+
+    def damage(folder):
+        table = pd.read_csv(folder / "verdict.csv").astype(object)
+        table[column] = value
+        table.to_csv(folder / "verdict.csv", index=False)
+
+    return damage
+
+
+def in_place(name, make):
+    """What puts something else in a file's place."""
+
+    def damage(folder):
+        (folder / name).unlink()
+        make(folder / name)
+
+    return damage
+
+
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
         (lambda f: (f / "line.csv").unlink(), "line.csv is missing; run it again"),
         (lambda f: (f / "study.json").write_text("{}"), "not what a run writes"),
         (lambda f: (f / "study.json").write_text("["), "not what a run writes"),
-        (lambda f: (f / "verdict.csv").write_text("a\n1\n"), "not what a run writes"),
+        (lambda f: (f / "verdict.csv").write_text("a\n1\n"), "verdict.csv: Object missing"),
+        (said("question", None), "study.json: Expected `str`, got `null` - at `$.question`"),
+        (said("findings", 3), "Expected `array`, got `int` - at `$.findings`"),
+        (said("columns", {"x": [1]}), "Expected `str`, got `array` - at `$.columns[...]`"),
+        (said("captions", []), "Expected `object`, got `array` - at `$.captions`"),
+        (said("tables", ["../line"]), "study.json: Expected `str` matching regex"),
+        (said("question", "\ud800"), "study.json: "),
+        (said("more", 0, "[" * 100000 + "]" * 100000), "study.json: maximum recursion depth"),
+        (lambda f: (f / "study.json").write_bytes(b'{"question": "\xff'), "study.json: "),
+        (judged("observed", "wide"), "verdict.csv: Expected `float`, got `str`"),
+        (judged("verdict", "maybe"), "verdict.csv: Invalid enum value 'maybe'"),
+        (lambda f: (f / "line.csv").write_text("x\n1,2\n"), "line.csv: row 0 has 2 values for 1"),
+        (lambda f: (f / "line.csv").write_bytes(b"x\n\xff\n"), "line.csv: 'utf-8' codec"),
+        (lambda f: (f / "line.csv").write_bytes(b""), "line.csv: not even a heading"),
+        (in_place("line.csv", os.mkfifo), "line.csv is no file"),
+        (in_place("line.svg", os.mkdir), "line.svg is no file"),
+        (in_place("line.csv", lambda p: p.symlink_to(p.name)), "Too many levels of symbolic"),
         (lambda f: (f / "line.svg").unlink(), "line.svg is missing; run it again"),
     ],
 )
-def test_damaged_results_are_named(damage, message, tmp_path):
-    report.publish({"poisson": files()}, tmp_path / "r")
-    damage(tmp_path / "r" / "poisson")
-    with pytest.raises(ProblemError, match=message):
-        report.rebuild(tmp_path / "r")
-
-
-def test_damage_to_one_study_does_not_cost_the_others(tmp_path):
+def test_damaged_results_are_named_and_cost_no_others(damage, message, tmp_path):
     out = tmp_path / "r"
     report.publish({"poisson": files()}, out)
-    (out / "poisson" / "line.csv").unlink()
-    report.publish({"displacement": files("displacement", gap=1.2)}, out)
+    damage(out / "poisson")
+    report.publish({"displacement": files("displacement", gap=1.2, plots=False)}, out)
+    fresh, study = report.rebuild(out)
+    assert fresh.held
+    assert message in study.error
+    assert "\n" not in study.error
     good, bad = json.loads((out / "verdict.json").read_text(encoding="utf-8"))
     assert (good["study"], good["verdict"]) == ("displacement", "pass")
     assert (bad["study"], bad["quantity"]) == ("poisson", "study finished")
-    assert "line.csv is missing" in bad["because"]
     assert str(tmp_path) not in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_results_of_before_and_of_later_still_read(tmp_path):
+    """Fields that are not known are left alone; those that may be missing have a default."""
+    out = tmp_path / "r"
+    report.publish({"poisson": files()}, out)
+    path = out / "poisson" / "study.json"
+    about = json.loads(path.read_text(encoding="utf-8"))
+    del about["error"]
+    path.write_text(json.dumps(about | {"later": [1]}), encoding="utf-8")
+    table = pd.read_csv(out / "poisson" / "verdict.csv")
+    table.assign(later=1).to_csv(out / "poisson" / "verdict.csv", index=False)
+    (study,) = report.rebuild(out)
+    assert not study.error
+    assert study.verdict["observed"].tolist() == [2.0]
+
+
+def test_a_study_whose_list_of_files_is_damaged_is_not_replaced(tmp_path):
+    report.publish({"poisson": files()}, tmp_path / "r")
+    (tmp_path / "r" / "poisson" / "study.json").write_text('{"files": 3}', encoding="utf-8")
+    with pytest.raises(ProblemError, match=r"poisson/study.json is damaged, so what lies beside"):
+        report.refuse_unwritable(tmp_path / "r", ["poisson"])
 
 
 def test_no_results_to_report_on(tmp_path):

@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 from msvalidate import catalogue
 from msvalidate.evidence import held, judge
+from msvalidate.problem import ProblemError
 from msvalidate.sweep import Setting
 
 QUICK = Setting(quick=True)
@@ -61,3 +62,10 @@ def test_fails_under_a_known_fault(name, fault):
     study = catalogue.load(name)
     verdict = judge(study.run(**study.FAULTS[fault], setting=QUICK))
     assert not held(verdict)
+
+
+@pytest.mark.parametrize("candidate", [None, 3, [], {"a": 1}])
+def test_a_candidate_that_is_none_is_refused_in_one_line(study, candidate):
+    with pytest.raises(ProblemError, match=r"^candidate: ") as refused:
+        study.run(candidate=candidate, setting=QUICK)
+    assert "\n" not in str(refused.value)
