@@ -14,9 +14,10 @@ from msvalidate.problem import ProblemError, SolverError
 
 T = TypeVar("T")
 Tables = Mapping[str, pd.DataFrame]
-Layer = Literal["theory", "agreement", "baseline"]
+Layer = Literal["theory", "agreement", "regression", "baseline"]
 """What a judgement holds a value to: formulas, orders, identities and the reference's own accuracy;
-a band between springs and elasticity; or the value as it was."""
+a band between springs and elasticity, whose width has a reason of its own; a limit that was set
+from a measurement, which notices a change and proves nothing; or the value as it was."""
 UNGATED = ("_seconds", "_per_second", "_bytes", "_here")
 """Endings of columns that depend on the machine, or on its rounding: in the tables, and not held to
 the baseline."""

@@ -22,6 +22,7 @@ ROWS_SHOWN = 40
 LAYERS = {
     "theory": "formulas, orders, identities and the reference's own accuracy",
     "agreement": "a band between springs and elasticity",
+    "regression": "a limit set from a measurement: notices a change, proves nothing",
     "baseline": "the values of the committed tables",
 }
 """Layer of judgement -> what it holds values to, in the order of the page."""

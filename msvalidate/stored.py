@@ -1,10 +1,10 @@
 """Floor 3: a study's results as files, and back: what a page is made of, without solving again.
 
 A study's folder holds a CSV a table, `verdict.csv`, a PNG and an SVG a figure, and `study.json`:
-its question, findings, columns, captions and provenance (`About`). Tables are read back as text:
-what a page shows is what the files say. What is read back is held to one schema, types and all:
-years may lie between, or an editor. A field that is added later has a default, so that old results
-still read.
+its question, findings, columns, captions, provenance and seconds (`About`). Tables are read back
+as text: what a page shows is what the files say. What is read back is held to one schema, types and
+all: years may lie between, or an editor. A field that is added later has a default, so that old
+results still read.
 """
 
 from __future__ import annotations
@@ -50,6 +50,8 @@ class About(msgspec.Struct, frozen=True):
         Name of a figure -> what it shows.
     files
         All that the run wrote into the folder.
+    seconds
+        That the study itself took.
     """
 
     question: str
@@ -60,6 +62,7 @@ class About(msgspec.Struct, frozen=True):
     captions: dict[Name, str]
     files: tuple[Name, ...]
     error: str = ""
+    seconds: float = 0.0
 
 
 class Written(msgspec.Struct, frozen=True):
@@ -133,8 +136,10 @@ class Stored:
         return not self.error and held(self.verdict)
 
 
-def files(result: Result, origin: Mapping[str, str], *, plots: bool = True) -> dict[str, bytes]:
-    """The files of a study that ran: name -> content."""
+def files(
+    result: Result, origin: Mapping[str, str], *, seconds: float = 0.0, plots: bool = True
+) -> dict[str, bytes]:
+    """The files of a study that ran, for so many `seconds`: name -> content."""
     evidence = result.evidence
     tables = {**evidence.tables, "verdict": result.verdict}
     found = {f"{name}.csv": csv(table) for name, table in tables.items()}
@@ -154,6 +159,7 @@ def files(result: Result, origin: Mapping[str, str], *, plots: bool = True) -> d
         tables=tuple(evidence.tables),
         captions=captions,
         files=tuple(sorted([*found, ABOUT])),
+        seconds=seconds,
     )
     return found | {ABOUT: _json(msgspec.to_builtins(about))}
 
@@ -167,14 +173,15 @@ def known_files(folder: Path) -> set[str]:
 
 
 def unfinished(
-    folder: Path, question: str, origin: Mapping[str, str], error: str
+    folder: Path, question: str, origin: Mapping[str, str], error: str, seconds: float = 0.0
 ) -> dict[str, bytes]:
     """The files of a study that did not finish: those of the run before, marked, if there are."""
     try:
         about = _about(folder)
         found = {name: _content(folder / name) for name in about.files}
     except (OSError, ValueError):  # none, or damaged: nothing that could be shown
-        about, found = About(question, (), {}, dict(origin), (), {}, (ABOUT,)), {}
+        about = About(question, (), {}, dict(origin), (), {}, (ABOUT,), seconds=seconds)
+        found = {}
     return found | {ABOUT: _json(msgspec.to_builtins(msgspec.structs.replace(about, error=error)))}
 
 
@@ -289,13 +296,17 @@ def read_csv(path: Path | io.BytesIO) -> pd.DataFrame:
 
 
 def verdicts(studies: list[Stored]) -> bytes:
-    """`verdict.json`: a list, one object a judged quantity; what is not finite is null."""
-    keys = ("quantity", "unit", *NUMBERS, "verdict", "because")
+    """`verdict.json`: a list, one object a judged quantity; what is not finite is null.
+
+    A study that did not finish has one object, of no layer.
+    """
+    keys = ("layer", "quantity", "unit", *NUMBERS, "verdict", "because")
     found = []
     for study in studies:
         if study.error:
-            broken = {"quantity": "study finished", "unit": "1", "observed": 0.0, "reference": 1.0}
-            broken |= {"error": 1.0, "limit": 0.0, "verdict": "fail", "because": study.error}
+            broken: dict[str, object] = {"layer": None, "quantity": "study finished", "unit": "1"}
+            broken |= {"observed": 0.0, "reference": 1.0, "error": 1.0, "limit": 0.0}
+            broken |= {"verdict": "fail", "because": study.error}
             found.append({"study": study.name} | broken)
             continue
         for row in study.verdict.to_dict("records"):

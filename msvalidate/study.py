@@ -12,6 +12,7 @@ import difflib
 import gc
 import os
 import sys
+import time
 import traceback
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 
     from msvalidate.stored import Result, Stored
 
+Spent = tuple[datetime, float]
+"""When a study began, and how many seconds it took."""
 ROWS_SHOWN = 40
 """Longer tables are shown by their first rows; the CSV has them all."""
 
@@ -125,7 +128,6 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     """Run and judge studies, write what they found, and say what failed."""
     from msvalidate import report
 
-    started = datetime.now(UTC)
     report.refuse_unwritable(args.out, args.studies)
     if args.junit:
         report.refuse_place("--junit", args.junit, args.out)
@@ -135,11 +137,11 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     for name in args.studies:
         catalogue.load(name)
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
-    results, unfinished, codes = _studied(args)
+    results, unfinished, spent, codes = _studied(args)
     if args.verb == "check" and not args.update:
         results, uncompared = _compared(results, args)
         codes += [_error(message, NOTHING) for message in uncompared]
-    studies = _written(results, unfinished, args, (arguments, started))
+    studies = _written(results, unfinished, spent, args, arguments)
     codes.append(_printed([line for result in results for line in _shown(result, args)]))
     for study in studies:
         _say(study, args)
@@ -155,23 +157,28 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
 def _written(
     results: list[Result],
     unfinished: dict[str, str],
+    spent: dict[str, Spent],
     args: argparse.Namespace,
-    command: tuple[Sequence[str], datetime],
+    arguments: Sequence[str],
 ) -> list[Stored]:
     """Write what was found; return it as it was stored."""
     from msvalidate import report, stored
     from msvalidate.junit import junit
     from msvalidate.provenance import provenance
 
-    arguments, started = command
-    origin = provenance(as_shown(arguments), args.seed, started)
-    files = {r.name: stored.files(r, origin, plots=args.plots) for r in results}
+    command = as_shown(arguments)
+    origins = {name: provenance(command, args.seed, *each) for name, each in spent.items()}
+    files = {
+        r.name: stored.files(r, origins[r.name], seconds=spent[r.name][1], plots=args.plots)
+        for r in results
+    }
     late = {
         name: partial(
             stored.unfinished,
             question=catalogue.load(name).__doc__ or catalogue.docstring(name),
-            origin=origin,
+            origin=origins[name],
             error=error,
+            seconds=spent[name][1],
         )
         for name, error in unfinished.items()
     }
@@ -183,8 +190,8 @@ def _written(
 
 def _studied(
     args: argparse.Namespace,
-) -> tuple[list[Result], dict[str, str], list[int]]:
-    """Run the studies: those that finished, the errors of those that did not, and exit codes.
+) -> tuple[list[Result], dict[str, str], dict[str, Spent], list[int]]:
+    """Run the studies: those that finished, the errors of those that did not, times, exit codes.
 
     One that fails does not keep the others from running.
     """
@@ -195,10 +202,11 @@ def _studied(
     from msvalidate.sweep import Setting
 
     setting = Setting(quick=args.form == "quick", seed=args.seed, progress=not args.quiet)
-    results, unfinished, codes = [], {}, []
+    results, unfinished, spent, codes = [], {}, {}, []
     for name in args.studies:
         if args.verbose:
             _tell(f"{name}: {catalogue.question(name)}")
+        started, clock = datetime.now(UTC), time.perf_counter()
         try:
             module = catalogue.load(name)
             evidence = module.run(setting=setting)
@@ -216,7 +224,8 @@ def _studied(
             codes.append(_error(f"study {name}: crashed: {type(error).__name__}: {said}", FAILED))
             if args.verbose:
                 _tell(traceback.format_exc())
-    return results, unfinished, codes
+        spent[name] = (started, time.perf_counter() - clock)
+    return results, unfinished, spent, codes
 
 
 def _compared(results: list[Result], args: argparse.Namespace) -> tuple[list[Result], list[str]]:

@@ -246,6 +246,27 @@ def test_exit_codes(ending, tmp_path):
     assert row["verdict"] == "fail"
 
 
+def test_each_study_has_its_own_seconds(tmp_path):
+    script = PATCHED.format(body="import time\n" + ENDINGS["tolerance missed"][2]).replace(
+        'catalogue.load = lambda name: SimpleNamespace(__doc__="?", run=run)',
+        """
+def slow(setting):
+    time.sleep(1.0)
+    return run(setting)
+def load(name):
+    return SimpleNamespace(__doc__="?", run=slow if name == "actuator" else run)
+catalogue.load, catalogue.names = load, lambda: ["actuator", "poisson"]""",
+    )
+    run("--no-plots", cwd=tmp_path, script=script.replace('"poisson", "--out"', '"all", "--out"'))
+    about = {
+        name: json.loads((tmp_path / "r" / name / "study.json").read_text(encoding="utf-8"))
+        for name in ("actuator", "poisson")
+    }
+    assert about["actuator"]["seconds"] > 1 > about["poisson"]["seconds"] + 0.2
+    for each in about.values():
+        assert f"took {each['seconds']:.1f} s" in each["origin"]["time"]
+
+
 def test_verbose_crash_shows_where(tmp_path):
     done = run("-v", cwd=tmp_path, script=PATCHED.format(body=ENDINGS["crash"][2]))
     assert done.returncode == 3

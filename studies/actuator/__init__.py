@@ -4,6 +4,7 @@ The report ends with a dielectric elastomer actuator: charges on the springs of 
 Coulomb's law between them, and its Figure 8, "to be compared with FEM later". One question a file:
 
 - `profile`: the upper face at low voltage against finite elements, and what happens at edges;
+- `permittivity`: whether it enters as the square of the voltage does;
 - `air`: how much of the marginal effect is left of a dielectric in air;
 - `figure8`: the report's Figure 8 (2) and (3) drawn again, and a verdict on each statement;
 - `prestretched`: whether a pre-stretched film is nearly a uniform compression;
@@ -21,10 +22,15 @@ from functools import partial
 from msvalidate.candidate import actuated
 from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
-from studies.actuator import air, controls, figure8, prestretched, profile
+from studies.actuator import air, controls, figure8, permittivity, prestretched, profile
 from studies.actuator.bodies import Candidate, responding, springs
 
-ASKED = {"profile": profile.run, "figure8": figure8.run, "prestretched": prestretched.run}
+ASKED = {
+    "profile": profile.run,
+    "permittivity": permittivity.run,
+    "figure8": figure8.run,
+    "prestretched": prestretched.run,
+}
 """Question -> who answers it for a candidate. `air` is asked of linear responses."""
 FAULTS = {
     name: {"candidate": controls.KINDS[kind].spoilt(size), "questions": (question,)}

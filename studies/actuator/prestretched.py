@@ -51,9 +51,10 @@ TOLERANCES = (
     ),
     Tolerance(
         "pre-stretched films: thinning of the middle, springs over FEM",
-        0.01,
+        0.003,
         "1",
-        "three heights from the margin, where both are of order 1 in what it does there",
+        "three heights from the margin it still lifts the middle by exp(-0.9·3) of a quarter, 1.7 "
+        "%, of which springs, of order 1, miss a sixth with the 6 layers of the small form",
         layer="agreement",
     ),
     Tolerance(

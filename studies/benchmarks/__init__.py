@@ -5,6 +5,7 @@ the differences, an uncertainty, and the order with which the mesh takes them aw
 file:
 
 - `patch`: MacNeal and Harder's patch tests;
+- `from_file`: the patch from a mesh file in mm;
 - `cantilever`: Timoshenko and Goodier's beam, whose exact field is known;
 - `bending`: pure bending at any Poisson's ratio, against a closed form;
 - `three_point`: a beam under a load in the middle of its span;
@@ -37,6 +38,7 @@ from studies.benchmarks import (
     controls,
     cook,
     ellipse,
+    from_file,
     hole,
     overview,
     patch,
@@ -53,6 +55,7 @@ FAULTS = controls.FAULTS
 that should notice."""
 QUESTIONS: dict[str, Callable[[Candidate, Setting], Evidence]] = {
     "patch": patch.run,
+    "from_file": from_file.run,
     "cantilever": cantilever.run,
     "bending": bending.run,
     "three_point": three_point.run,

@@ -126,6 +126,11 @@ def uncertainty(cells: Sequence[int], values: Sequence[float]) -> float | str:
     return float(abs(estimate.uncertainty[0] / fine[0]))
 
 
+def over_stated(table: pd.DataFrame) -> pd.Series:
+    """Distance from the limit over the uncertainty that the meshes themselves state, row by row."""
+    return (table["against_limit"] / table["uncertainty"].astype(float)).abs()
+
+
 def finest(table: pd.DataFrame) -> pd.DataFrame:
     """The row of the finest mesh of every quantity and method, in their order."""
     keys = ["benchmark", "quantity", "nu", "method"]

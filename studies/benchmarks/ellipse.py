@@ -47,9 +47,9 @@ FEM = "FEM Q2"
 TOLERANCES = (
     Tolerance(
         "LE1: stress at the tip by Q2, finest mesh, against the published value, relative",
-        0.01,
+        1.1e-3,
         "1",
-        "what the benchmark is asked for; half of the last digit of 92.7 is 5e-4",
+        "half of the last digit of 92.7 is 5.4e-4, and as much again for the elements",
     ),
     Tolerance(
         "LE1: Kolosov's potentials against the published value, relative",
@@ -61,13 +61,15 @@ TOLERANCES = (
         "LE1: Kolosov's potentials, 24 terms against 32, relative",
         cases.ROUNDING,
         "1",
-        "what is missed falls by a factor of 3 a term, as measured; 24 terms leave 1e-11",
+        "what is missed was seen to fall by a factor of 3 a term: 24 terms leave 1e-11",
+        layer="regression",
     ),
     Tolerance(
-        "LE1: stress at the tip by Q2, finest mesh, against the potentials, relative",
-        2e-4,
+        "LE1: stress at the tip by Q2, from the potentials, over what it states to be off",
+        1.0,
         "1",
-        "1.5e-3 at 8 cells at most, as measured, is 1.9e-4 at 32 at an order of 1.5",
+        "three meshes that halve their cells state by Richardson's rule how far the last is off, "
+        "with a factor of safety: no value may be farther from the limit",
     ),
     Tolerance(
         "LE1: order of the stress at the tip by Q2",
@@ -181,7 +183,7 @@ def observe(table: pd.DataFrame, missing: float) -> dict[str, Observed]:
         worst(elements["against_accepted"], 0.0),
         Observed(float(elements["limit"].iloc[0] / PUBLISHED - 1)),
         Observed(missing),
-        worst(elements["against_limit"], 0.0),
+        worst(cases.over_stated(elements), 0.0),
         worst(cases.orders(elements), 2.0),
         worst(quartic["against_limit"], 0.0),
         worst(curved.fitted_orders(quadratic), 2.0),

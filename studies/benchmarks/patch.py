@@ -1,7 +1,8 @@
 """Patch tests: is a linear displacement kept exactly on a patch of any shape?
 
-Question   Displacement of the inner points, and mean stress, of a patch whose outline is moved by a
-           linear field: a rectangle of five quadrilaterals and a cube of seven hexahedra.
+Question   Displacement of the inner points, mean stress, and stress at the points, of a patch whose
+           outline is moved by a linear field: a rectangle of five quadrilaterals and a cube of
+           seven hexahedra; at a negative Poisson's ratio too.
 Candidate  Linear equilibrium of springs: regular lattices in the patch's outline, and a spring on
            every edge of the irregular patch cut into triangles.
 Reference  The field itself (MacNeal and Harder 1985, doi:10.1016/0168-874X(85)90003-4).
@@ -40,9 +41,12 @@ from studies.benchmarks.patch_bodies import (
 )
 
 SOURCE = "MacNeal and Harder 1985"
-RATIOS = (1 / 4, 1 / 3)
+RATIOS = (-0.3, 1 / 4, 1 / 3)
+"""Of the plane; the first tells a ratio from its size."""
+SOLID_RATIOS = (-0.3, CAUCHY[3])
 PLANE_ELEMENTS, SOLID_ELEMENTS = ("P1", "P2", "Q1", "Q2"), ("T1", "T2", "H1", "H2")
 PER_EDGE = "springs, edges of triangles"
+AT_POINTS = "stress at the point and of the component farthest off, over the exact one"
 EXACT = 1e-9
 MAGNIFIED = 100
 """Factor on the displacements in the picture."""
@@ -95,12 +99,12 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
     network = lattice_network(asked, mesh_lattice(mesh), (MODULUS * THICKNESS,))
     irregular = spring_patch(candidate, asked, network, len(mesh.cells))
     found += rows(irregular, PER_EDGE, nu)
-    nu = CAUCHY[3]
-    for element in SOLID_ELEMENTS:
-        found += rows(elastic_patch(element, nu), f"FEM {element}", nu)
-    asked, grid = problem(CUBE, nu), fill(patterns.cubic18(), CUBE, 3)
-    patch = spring_patch(candidate, asked, lattice_network(asked, grid), len(grid.cells))
-    found += rows(patch, "springs, cubic 18", nu)
+    for nu in SOLID_RATIOS:
+        for element in SOLID_ELEMENTS:
+            found += rows(elastic_patch(element, nu), f"FEM {element}", nu)
+        asked, grid = problem(CUBE, nu), fill(patterns.cubic18(), CUBE, 3)
+        patch = spring_patch(candidate, asked, models.network_of(asked, grid), len(grid.cells))
+        found += rows(patch, models.method("cubic 18", nu, 3), nu)
     table = pd.DataFrame(found)
     return Evidence(
         tables={"patch": table, "patch_points": points_table(irregular)},
@@ -119,7 +123,7 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
 
 
 def stress(dim: int, nu: float) -> tuple[float, float]:
-    """Exact σxx and τxy (Pa): Hooke's law of the strains."""
+    """Exact normal and shear stress (Pa), the same on all axes: Hooke's law of the strains."""
     strain, shear = GRADIENT[dim][0, 0], 2 * GRADIENT[dim][0, 1]
     mu = MODULUS / (2 * (1 + nu))
     lam = MODULUS * nu / ((1 - nu**2) if dim == 2 else ((1 + nu) * (1 - 2 * nu)))
@@ -139,6 +143,11 @@ def rows(patch: Patch, method: str, nu: float) -> list[dict[str, object]]:
     ):
         asked = cases.Quantity(name, quantity, unit, accepted, SOURCE, nu)
         found += cases.rows(asked, method, (patch.cells,), (float(value),))
+    if patch.at_points is not None:
+        exact = np.array([normal] * dim + [shear] * (patch.at_points.shape[1] - dim))
+        off = (patch.at_points / exact - 1).ravel()
+        asked = cases.Quantity(name, AT_POINTS, "1", 1.0, SOURCE, nu)
+        found += cases.rows(asked, method, (patch.cells,), (1 + float(off[np.abs(off).argmax()]),))
     return found
 
 

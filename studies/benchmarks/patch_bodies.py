@@ -66,13 +66,14 @@ class Patch:
     """A patch's points (n, d) in m, their displacements (m), its cells, and mean stress (Pa).
 
     The stress is that of the forces on the outline, Σ x f/volume: the mean over the patch, whatever
-    is inside.
+    is inside. `at_points`: (n, 3 or 6) in Pa as elements give it at the points; springs have none.
     """
 
     points: Array
     move: Array
     cells: int
     stress: Array
+    at_points: Array | None = None
 
     @property
     def off(self) -> Array:
@@ -110,10 +111,12 @@ def elastic_patch(element: str, nu: float) -> Patch:
     mesh = published(element[0])
     asked = problem(mesh, nu)
     body = reference_fem.mesh_discretisation(mesh, element)
-    move = reference_fem.solve_problem(asked, body).displacement
+    solution = reference_fem.solve_problem(asked, body)
+    move = solution.displacement
     force = (stiffness(body, asked.material) @ move.T.ravel()).reshape(body.dim, -1).T
     volume = mesh.volume * asked.material.thickness
-    return Patch(body.points, move, len(body.cells), body.points.T @ force / volume)
+    mean = body.points.T @ force / volume
+    return Patch(body.points, move, len(body.cells), mean, solution.stress(body.points))
 
 
 def spring_patch(candidate: Candidate, asked: Problem, network: Network, cells: int) -> Patch:

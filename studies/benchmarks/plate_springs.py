@@ -283,6 +283,6 @@ def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:
         f"NAFEMS LE10 as posed, {line['layers']} layers: {line['springs']:.2f} MPa by springs, "
         f"{100 * away[0]:+.2g} % off the published value and {100 * away[1]:+.2g} % off springs "
         "with the rim held. The held line is a band of points as wide as a cell: what it is worth "
-        "depends on the spacing, and it has no limit either."
+        "depends on the spacing, and the sinking there has no limit either."
     )
     return near, posed

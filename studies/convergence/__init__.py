@@ -5,6 +5,7 @@ limited and constant", against O(n^9) by finite elements. One question a file:
 
 - `steps`: steps and force evaluations of every relaxation to a given error, and their growth;
 - `dynamic_relaxation`: counts of an independent program, and steps against the condition number;
+- `strained`: the order of Newton's method at strains of 5 to 10 %;
 - `times`: seconds of the same runs, and of a finite element solution of the same body;
 - `frontier`: error against the elastic solution for the time that it takes, springs and elements.
 
@@ -22,7 +23,7 @@ from msvalidate.evidence import Evidence, answers
 from msvalidate.relax import Method
 from msvalidate.relaxations import RELAXATIONS
 from msvalidate.sweep import Setting
-from studies.convergence import dynamic_relaxation, frontier, spoilt, steps, times
+from studies.convergence import dynamic_relaxation, frontier, spoilt, steps, strained, times
 
 METHODS = RELAXATIONS | {dynamic_relaxation.NAME: dynamic_relaxation.METHOD}
 FAULTS = {
@@ -30,6 +31,11 @@ FAULTS = {
     for (name, methods), question in zip(
         spoilt.FAULTS.items(), ("steps", "dynamic_relaxation", "dynamic_relaxation"), strict=True
     )
+} | {
+    "the geometric part of the tangent with a wrong sign": {
+        "candidate": METHODS | {"newton": spoilt.WRONG_TANGENT},
+        "questions": ("strained",),
+    }
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""
@@ -48,6 +54,7 @@ def run(
         {
             "steps": counted,
             "dynamic_relaxation": partial(dynamic_relaxation.run, candidate, setting),
+            "strained": partial(strained.run, candidate, setting),
             "times": lambda: times.run(
                 candidate, steps.together("steps", counted().tables), setting
             ),

@@ -79,10 +79,10 @@ TOLERANCES = (
         "tenth of the whole on the coarsest",
     ),
     Tolerance(
-        "relaxed springs against Newton's, relative distance of the displacements",
-        2e-4,
+        "relaxed springs against Newton's, relative distance over sqrt(kappa), times 1e7",
+        1.0,
         "1",
-        "stops at 1e-7 of the forces, times a lever of the order of kappa^(1/2), at most 2e3 here",
+        "stops at 1e-7 of the forces, times a lever of the order of kappa^(1/2)",
     ),
     Tolerance(
         "uncertainty of the reference over the smallest error that it judges, worst body",
@@ -128,6 +128,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     fitted = orders(table)
     apart = [
         bodies.relative_distance(what.displacement, found[NEWTON, *key[1:]].displacement)
+        / (AT_REST * root_kappa(*key[1:]))
         for key, what in found.items()
         if key[0] == KINETIC
     ]
@@ -141,6 +142,12 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
         findings=findings(table),
         rounding=ROUNDING,
     )
+
+
+def root_kappa(body: str, fineness: int) -> float:
+    """Highest over lowest natural frequency of a network."""
+    low, high = bodies.frequencies(body, fineness)
+    return high / low
 
 
 def elastic(accuracy: Mapping[str, float], body: str) -> tuple[Array, float]:

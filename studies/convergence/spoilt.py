@@ -7,8 +7,11 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import spsolve
 
 from msvalidate.integrators import LEAPFROG, factors_of
+from msvalidate.network import stretched, tangent
 from msvalidate.problem import Array
 from msvalidate.relaxations import RELAXATIONS
 from msvalidate.run import SAFETY, Run
@@ -46,6 +49,23 @@ def _lagging(run: Run) -> Iterator[None]:
         before = force
 
 
+def _wrong_tangent(run: Run) -> Iterator[None]:
+    """Newton's method whose tangent has the tension's part with a wrong sign."""
+    network = run.network
+    free = np.flatnonzero(~network.held.ravel())
+    run.displacement[:] = network.displacement
+    run.moved()
+    while True:
+        yield
+        length = stretched(network, run.position)[1]
+        # Of springs that are at rest as they lie, the tangent is its elastic part alone.
+        elastic = tangent(replace(network, rest_length=length), run.position)
+        wrong = csc_array(2 * elastic - tangent(network, run.position))[free][:, free]
+        run.displacement.reshape(-1)[free] += spsolve(wrong, run.balance().ravel()[free])
+        run.moved(1, 1)
+
+
+WRONG_TANGENT = replace(RELAXATIONS["newton"], walk=_wrong_tangent)
 TRUE = {"viscous_leapfrog": RELAXATIONS["viscous_leapfrog"], dynamic_relaxation.NAME: METHOD}
 WALKS: dict[str, tuple[Walk, Walk]] = {
     "damping halved": (_half_damped, partial(at_its_best, LEAPFROG, 0.5)),

@@ -58,10 +58,10 @@ PATIENCE = 20
 TOLERANCES = (
     Tolerance(
         "steps to rest over those of all modes, from 1",
-        0.025,
+        0.02,
         "1",
-        "both are counted in looks, at least 50 in a run, and may end a look apart; the motion is "
-        "linear to a part in a million",
+        "both are counted in looks, at least 50 in a run, and may end one look apart: the motion "
+        "is linear to a part in a million only",
     ),
     Tolerance(
         "steps to rest over those of the slowest mode alone, logarithm to base 2",

@@ -4,6 +4,7 @@ Every lattice that `msvalidate.lattice.patterns` knows, under each of its rules 
 its springs. One question a file:
 
 - `solids`: tensor, modulus, ratio and anisotropy of the endless lattice, and its fastest wave;
+- `orthotropic`: a solid whose three shears differ, told apart;
 - `uniform`: bodies under uniform stress: which are exact, and at what order others converge;
 - `clamped`: bodies with singular stress, against finite elements;
 - `cost`: steps to rest;
@@ -24,7 +25,7 @@ from msvalidate.candidate import Candidate, answering, springs
 from msvalidate.evidence import Evidence, answers
 from msvalidate.homogenise import homogenised
 from msvalidate.sweep import Setting
-from studies.lattices import choice, clamped, controls, cost, solids, uniform
+from studies.lattices import choice, clamped, controls, cost, orthotropic, solids, uniform
 from studies.lattices.cases import Solid
 from studies.lattices.ratio import any_ratio, near_half
 from studies.lattices.ratio import faults as ratio_faults
@@ -75,6 +76,7 @@ def run(
     return answers(
         {
             "solids": lambda: solids.run(*endless()),
+            "orthotropic": lambda: orthotropic.run(candidate, solid, setting),
             "uniform": stretched,
             "clamped": held,
             "cost": rested,

@@ -4,6 +4,7 @@ Charges squeeze the slab, a thinner slab is squeezed more, and past some voltage
 left. Several instabilities share that name. One question a file:
 
 - `sweep`: thickness against voltage up to pull-in, between walls and bonded, springs and elements;
+- `permittivity`: a slab of another permittivity;
 - `instability`: the lowest eigenvalue of K_mech - K_elec and its mode on several meshes, the
   electrode's edge told from the slab inside;
 - `which`: which pull-in is which, closed forms beside computed values;
@@ -24,11 +25,12 @@ from functools import partial
 from msvalidate.candidate import of_kind
 from msvalidate.evidence import Evidence, answers
 from msvalidate.sweep import Setting
-from studies.pull_in import beyond, controls, instability, sweep, which
+from studies.pull_in import beyond, controls, instability, permittivity, sweep, which
 from studies.pull_in.way import SPRINGS, Way
 
 ASKED = {
     "sweep": sweep.run,
+    "permittivity": permittivity.run,
     "instability": instability.run,
     "beyond": beyond.run,
     "which": which.run,

@@ -39,7 +39,7 @@ TOLERANCES = (
     ),
     Tolerance(
         "last voltage held over that of another step, from 1",
-        1e-3,
+        2e-4,
         "1",
         "two walks end within the bracket of 1e-4, each of its own",
     ),

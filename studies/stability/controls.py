@@ -5,8 +5,8 @@ Candidate  Schemes with a known fault put into their step.
 Reference  The tolerances of `cost` (the leading term of the error) and `order` (under damping), met
            on one oscillator, which gives the network's linear motion without its rounding.
 Expected   A kick that is wrong by a part ε moves the frequency by ε/4, and is noticed once that is
-           2 % of the frequency's own error, (h·ω)²/24: ε = (h·ω)²/300, 8e-9 at the finest step of
-           the small form. A wrong damping leaves an error that does not fall with the step, where
+           1.5e-6, twice the next term, of the frequency's own error, (h·ω)²/24: ε near 6e-13. A
+           wrong damping leaves an error that does not fall with the step, where
            a scheme's own error does: the smaller that is, the smaller the fault noticed.
 """
 
@@ -29,13 +29,14 @@ from studies.stability import cost, order, oscillator
 
 CLOSE = 1e-6
 """Relative width at which the search for the smallest fault ends."""
-LEAST, MOST = 1e-12, 0.5
+LEAST, MOST = 1e-15, 0.5
 TOLERANCES = (
     Tolerance(
         "smallest fault noticed, largest over the kinds",
-        0.02,
+        1e-6,
         "1",
-        "a hundredth of the fault that a user would make, a factor of two",
+        "a damping wrong by a part ε moves the end of the motion by 0.2·ε of the amplitude or so, "
+        "and 5e-8 of it is noticed: 2.5e-7, and a factor of four; kicks are held closer",
     ),
 )
 COLUMNS = {
@@ -75,10 +76,10 @@ def with_weak_damping(name: str, size: float) -> Integrator:
 
 def leading(scheme: Integrator) -> float:
     """Error of Verlet's leading term, over its tolerance."""
-    steps = cost.QUICK_EVALUATIONS[-1]
+    steps = cost.JUDGED
     power, coefficient = cost.LEADING[scheme.name]
     error = abs(oscillator.swing(scheme, steps, cost.ANGLE) - math.cos(cost.ANGLE))
-    return abs(error / (coefficient * (cost.ANGLE / steps) ** power) - 1) / cost.LEADS
+    return abs(error / (coefficient * (cost.ANGLE / steps) ** power) - 1) / cost.LEADS[scheme.name]
 
 
 def damped_order(scheme: Integrator) -> float:
@@ -86,8 +87,9 @@ def damped_order(scheme: Integrator) -> float:
     ratio, steps = order.RATIOS[1], np.array(order.QUICK_STEPS)
     exact = order.swung(1.0, ratio)
     errors = [oscillator.swing(scheme, int(n), order.ANGLE, ratio) - exact for n in steps]
-    expected = order.DAMPED_ORDER.get(scheme.name, 1)
-    return abs(observed_order(order.ANGLE / steps, errors) - expected) / order.ORDER
+    expected = order.on_paper(scheme.name, ratio, steps)
+    limit = order.within(scheme.name, ratio, steps)
+    return abs(observed_order(order.ANGLE / steps, errors) - expected) / limit
 
 
 FAULTS: dict[str, tuple[Callable[[float], Integrator], Callable[[Integrator], float], str]] = {

@@ -40,14 +40,43 @@ LEADING = {
     "velocity_verlet": (2, ANGLE / 24 * abs(math.sin(ANGLE))),
 }
 """Scheme -> power of h·ω and coefficient of the error's leading term at `ANGLE`, from rest at 1."""
-LEADS = 0.02
+JUDGED = 12800
+"""Evaluations at which errors are held to their leading terms: in both forms."""
+STEP = ANGLE / JUDGED
+TURN = abs(math.tan(ANGLE))
+NEXT = {
+    "explicit_euler": (
+        STEP * ANGLE / 4 + 2 / 3 * STEP * TURN,
+        (
+            "the amplitude's growth compounds, by h·ω·20/4 of the first term, and the phase lags "
+            "by (h·ω)²/3, which adds 2/3·h·ω·tan 20"
+        ),
+    ),
+    "euler_cromer": (
+        STEP * ANGLE / 12 + STEP / 4 / TURN,
+        (
+            "its frequency is Verlet's, (h·ω)²/24 too high: 20/12·h·ω of the first term; and half "
+            "a step ahead, squared over 2, turned by 90°"
+        ),
+    ),
+} | dict.fromkeys(
+    ("leapfrog", "velocity_verlet"),
+    (
+        STEP**2 * (9 / 80 + ANGLE / 48 / TURN),
+        (
+            "the frequency, 2/h·asin(h·ω/2), has the next term 3/640·(h·ω)⁴, 9/80·(h·ω)² of the "
+            "first; the phase's own square adds 20/48·(h·ω)²·cot 20"
+        ),
+    ),
+)
+"""Scheme -> next term of its error over the leading one at `JUDGED`, as a bound, and why."""
+LEADS = {name: 2 * size for name, (size, _) in NEXT.items()}
 TOLERANCES = tuple(
     Tolerance(
-        f"error at the finest step over its leading term: {common.title(name)}",
-        LEADS,
+        f"error of 12,800 evaluations over its leading term: {common.title(name)}",
+        LEADS[name],
         "1",
-        "the next term is smaller by h·ω = 0.0016 times at most 10, half the angle: explicit "
-        "Euler's growth compounds",
+        f"the next term: {NEXT[name][1]}; twice it, for the terms beyond",
     )
     for name in common.REPORTED
 )
@@ -71,7 +100,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     cases = list(product(schemes.items(), numbers))
     table = pd.DataFrame(setting.sweep(measured, cases, "cost"))
     needed = pd.DataFrame([need(table, name, w) for name, w in product(schemes, WANTED)])
-    finest = table[table["evaluations"] == numbers[-1]].set_index("scheme")
+    finest = table[table["evaluations"] == JUDGED].set_index("scheme")
     ratio = finest["error"] / finest["leading"]
     return Evidence(
         tables={"cost": table, "cost_needed": needed},

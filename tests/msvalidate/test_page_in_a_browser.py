@@ -49,7 +49,7 @@ def browser(tmp_path_factory):
 def real_results(folder, evidence):
     """The small form of a study, through its files."""
     result = stored.Result("poisson", poisson.__doc__, evidence, judge(evidence))
-    origin = provenance(["a", "command"], 0, datetime.now(UTC))
+    origin = provenance(["a", "command"], 0, datetime.now(UTC), 1.5)
     for name, content in stored.files(result, origin).items():
         (folder / name).write_bytes(content)
     return stored.read(folder)

@@ -81,6 +81,7 @@ def test_verdict_json(tmp_path):
     found = json.loads((tmp_path / "r" / "verdict.json").read_text(encoding="utf-8"))
     keys = [
         "study",
+        "layer",
         "quantity",
         "unit",
         "observed",
@@ -99,6 +100,7 @@ def test_verdict_json(tmp_path):
     )
     assert (good["observed"], good["limit"], good["verdict"]) == (1.2, 0.5, "pass")
     assert good["because"] == "half a gap"
+    assert good["layer"] == "theory"
 
 
 def test_same_tables_draw_the_same_picture():
@@ -363,7 +365,7 @@ def test_unwritable_places(tmp_path):
 
 
 def test_provenance_names_no_host_user_or_path():
-    origin = provenance.provenance(["python", "-m", "x"], 3, datetime.now(UTC))
+    origin = provenance.provenance(["python", "-m", "x"], 3, datetime.now(UTC), 1.5)
     labels = "msvalidate Python libraries processor system seed command time"
     assert list(origin) == labels.split()
     text = " ".join(origin.values())

@@ -143,7 +143,7 @@ def findings(locks: pd.DataFrame) -> tuple[str, ...]:
     stiff = "; ".join(locked)
     said = (
         f"Volume energy of whole cells that does not lock: {free or 'none'}. What locks, in plane "
-        f"strain and space: {stiff}. Triangles with a volume each are P1 elements exactly, and "
-        "lock as those do."
+        f"strain and space: {stiff}. Equilateral triangles with a volume each are P1 elements "
+        "exactly, and lock as those do."
     )
     return (said,)

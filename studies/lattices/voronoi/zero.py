@@ -57,15 +57,18 @@ TOLERANCES = (
     ),
     Tolerance(
         "nearly square grid, k = A/L: order of the ratio in the jitter",
-        0.05,
+        5e-4,
         "1",
-        "facets are in proportion to the jitter; the next term is the jitter itself, at most 1e-3",
+        "facets are in proportion to the jitter; the next term is the jitter itself, at most 1e-4, "
+        "times a number of up to ten, and weighs 1/(2 ln 10) in a slope over two decades: 2e-4, "
+        "and a factor of two",
     ),
     Tolerance(
         "nearly square grid, k = 1: ratio at a jitter of 1e-6 less that at 1e-5",
-        1e-3,
+        5e-5,
         "1",
-        "the same diagonals, turned by 1e-5 at most; relaxation adds a factor of up to a hundred",
+        "the same diagonals, turned by twice the jitter, 2e-5, at most; points that relax add a "
+        "factor of two or three",
     ),
     Tolerance(
         "Algorithm 1 at rest: ratio against linear equilibrium",

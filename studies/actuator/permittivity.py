@@ -1,0 +1,78 @@
+"""Permittivity: does it enter as the square of the voltage does?
+
+Question   Displacement of the slab where the permittivity is not 1 F/m, as it is in the report.
+Candidate  The actuator at rest at a voltage, in one medium all around.
+Reference  The same slab at 1 F/m under as many times the voltage as the root of the permittivity;
+           finite elements likewise.
+Expected   Equal: charges are ε·V times a length, and forces ε·V² times one; nothing else asks for
+           either. A permittivity that is left out changes the displacement by its own factor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.compare import worst
+from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.problem import Array
+from msvalidate.sweep import Setting
+from studies.actuator.bodies import COVERED, Candidate, body, elastic, uniform_deflection, upper
+
+PERMITTIVITY, VOLTAGE, LAYERS, MESH = 2.7, 0.1, 3, 4
+"""F/m, V, and cells up the slab of springs and up that of elements."""
+TOLERANCES = (
+    Tolerance(
+        "displacement at 2.7 F/m over that at 1 F/m and √2.7 times the voltage, from 1",
+        1e-7,
+        "1",
+        "the same equation: rest is found to 1e-10 of the forces that meet at a point, which are "
+        "at most some hundreds of times the electrodes' own",
+    ),
+)
+COLUMNS = {
+    "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
+    "solved_by": "whose displacement: springs, or FEM",
+    "permittivity": "of the slab and of what surrounds it (F/m)",
+    "deflection": "of the middle of the upper face over that of a uniform slab (1)",
+    "over_scaled": "largest displacement of the upper face over the same at 1 F/m and as many "
+    "times the voltage as the root of the permittivity (1)",
+}
+
+
+def run(candidate: Candidate, setting: Setting | None = None) -> Evidence:
+    """Move both slabs at one permittivity and at the other."""
+    rows = []
+    for covered in COVERED:
+        plain = body(covered, LAYERS)
+        dense, scaled = replace(plain, permittivity=PERMITTIVITY), VOLTAGE * PERMITTIVITY**0.5
+        top = upper(plain.network.points)
+        of_springs = candidate(dense, VOLTAGE)[top], candidate(plain, scaled)[top]
+        of_elements = (
+            elastic(MESH, dense, VOLTAGE)[top],
+            elastic(MESH, plain, scaled)[top],
+        )
+        rows += [row(covered, "springs", *of_springs), row(covered, "FEM", *of_elements)]
+    table = pd.DataFrame(rows)
+    return Evidence(
+        tables={"permittivity": table},
+        observed={TOLERANCES[0].quantity: worst(table["over_scaled"], 1.0)},
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        rounding={"deflection": 1e-7, "over_scaled": 1e-8},
+    )
+
+
+def row(covered: str, solved_by: str, move: Array, scaled: Array) -> dict[str, object]:
+    """Row of displacements (p, 2) in m of the upper face, at the permittivity and scaled."""
+    largest = np.unravel_index(np.abs(scaled).argmax(), scaled.shape)
+    middle = -float(move[len(move) // 2, 1])
+    return {
+        "covered": covered,
+        "solved_by": solved_by,
+        "permittivity": PERMITTIVITY,
+        "deflection": middle / uniform_deflection(VOLTAGE, PERMITTIVITY),
+        "over_scaled": float(move[largest] / scaled[largest]),
+    }
