@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,12 +30,12 @@ from msvalidate.problem import (
     shown,
     vectors_at,
 )
-from reference_fem.elasticity import VOIGT, elastic_tensor, stiffness
+from reference_fem.elasticity import VOIGT, elastic_tensor, solver_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
 from reference_fem.mixed import lame, mixed_solution
 from reference_fem.stress import engineering_strain, gradient, pressure_at
-from reference_fem.systems.solver import Solved, Solver
+from reference_fem.systems.solver import Solved
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +80,15 @@ class Solution:
                 raise ProblemError(f"pressure: shape {np.shape(self.pressure)}; give {wanted}")
             self.pressure.setflags(write=False)
 
+    @property
+    def error(self) -> float:
+        """Largest error of a nodal displacement as the elements' own, relative to the largest.
+
+        What rounding and the solver leave of the linear equations; how far the elements are from
+        the body is another matter, for which refine the mesh. NaN where displacements were given.
+        """
+        return self.solved.error if self.solved else math.nan
+
     def at(self, points: ArrayLike) -> Array:
         """Displacement (p, d) in m at points (p, d) of the body.
 
@@ -100,7 +110,8 @@ class Solution:
         ProblemError
             If a point lies outside the body.
         """
-        return engineering_strain(gradient(self.body, self.displacement, points))
+        rest = self.solved.remainder if self.solved else None
+        return engineering_strain(gradient(self.body, self.displacement, points, rest))
 
     def stress(self, points: ArrayLike) -> Array:
         """Stress (p, 3 or 6) in Pa at points (p, d), tension positive, in the order of `strain`.
@@ -174,7 +185,7 @@ def solve_problem(
         found, pressure, solved = mixed_solution(body, law, held, displacement, force)
         return Solution(body, found, law, pressure, solved)
     with np.errstate(over="ignore", invalid="ignore"):
-        ready = Solver(body, stiffness(body, law), held, solver)
+        ready = solver_of(body, law, held, solver)
     found, solved = ready.solve(displacement, force)
     return Solution(body, found, law, solved=solved)
 

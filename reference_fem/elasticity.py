@@ -111,7 +111,7 @@ def solve_on(
     """
     refuse_shapes(body, held=held, displacement=displacement, force=force)
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
-        ready = Solver(body, stiffness(body, material), held, solver)
+        ready = solver_of(body, material, held, solver)
     return ready.solve(displacement, force)[0]
 
 
@@ -131,7 +131,27 @@ def stiffness(body: Discretisation, material: Material) -> csr_matrix:
     instance("material", material, Material)
     if material.dim != body.dim:
         raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
-    return weighted(body, material.thickness * full_tensor(elastic_tensor(material)))
+    return weighted(body, measured(material))
+
+
+def measured(material: Material) -> Array:
+    """C (d, d, d, d) in Pa, times the thickness."""
+    return np.asarray(material.thickness * full_tensor(elastic_tensor(material)))
+
+
+def solver_of(
+    body: Discretisation, material: Material, held: Mask, choice: str = "auto"
+) -> Solver:
+    """A `Solver` of a body and its material, which sums residuals cell by cell.
+
+    Raises
+    ------
+    ProblemError
+        As `stiffness` and `Solver`.
+    SolverError
+        If memory does not suffice.
+    """
+    return Solver(body, stiffness(body, material), held, choice, measured(material))
 
 
 def weighted(body: Discretisation, C: Array) -> csr_matrix:

@@ -39,8 +39,8 @@ class Factor:
     inverse: Apply
 
     def __call__(self, load: Array) -> Array:
-        """Free displacements (f,) in m under forces (f,) in N."""
-        found = np.empty(len(load))
+        """Free displacements (f,) in m under forces (f,) in N; or (f, r) of r loads at once."""
+        found = np.empty(load.shape)
         found[self.order] = self.inverse(load[self.order])
         return found
 
@@ -77,7 +77,7 @@ def factorised(body: Discretisation, free: Index, order: Index, K: csr_matrix, n
         kept = free[order]
         A = K[kept][:, kept]
         if not np.isfinite(A.data).all():
-            return Factor(name, order, lambda load: np.full(len(load), np.nan))  # none allowed
+            return Factor(name, order, lambda load: np.full(load.shape, np.nan))  # none allowed
         A.sort_indices()
         try:
             inverse = {"superlu": _superlu, "cholmod": _cholmod}[name](A)
@@ -154,6 +154,6 @@ def _cholmod(A: csr_matrix) -> Apply:
     def inverse(load: Array) -> Array:
         found = matrix(load)
         cholmod.solve(factor, found)
-        return np.array(found).ravel()
+        return np.array(found).reshape(load.shape)
 
     return inverse
