@@ -139,9 +139,7 @@ def measured(material: Material) -> Array:
     return np.asarray(material.thickness * full_tensor(elastic_tensor(material)))
 
 
-def solver_of(
-    body: Discretisation, material: Material, held: Mask, choice: str = "auto"
-) -> Solver:
+def solver_of(body: Discretisation, material: Material, held: Mask, choice: str = "auto") -> Solver:
     """A `Solver` of a body and its material, which sums residuals cell by cell.
 
     Raises

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
 from scipy.sparse import csr_matrix
 
-from msvalidate.problem import Array
-from reference_fem.mesh.gradients import Gradients
+from msvalidate.problem import Array, Index
+from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.mesh.gradients import Gradients, gradients
 
 EPS = float(np.finfo(float).eps)
 
@@ -76,6 +76,94 @@ class ElasticCells:
         for part, (a, b) in zip(stress, self._pairs, strict=True):
             full[a, b] = full[b, a] = part
         return full
+
+
+@dataclass(frozen=True, eq=False)
+class MixedCells:
+    """Forces of σ = 2με + pI on nodes, and volumes of div u - p/λ, as `mixed` states them.
+
+    Unknowns are displacements (d, n) in m and pressures (v,) in Pa, one after the other.
+
+    Parameters
+    ----------
+    shear
+        The forces of 2με.
+    inverse
+        1/λ (1/Pa).
+    thickness
+        In m.
+    functions, corners
+        (k, q) values of the pressure's functions in a cell, and (k, c) the pressures that they
+        belong to.
+    count
+        Number of pressures.
+    """
+
+    shear: ElasticCells
+    inverse: float
+    thickness: float
+    functions: Array
+    corners: Index
+    count: int
+    positive = False
+
+    def strain(self, u: Array, rest: Array | None = None) -> tuple[Array, Array]:
+        """Strain (s, q, c) and pressure (q, c)."""
+        less = None if rest is None else self._displacement(rest)
+        pressure = u[-self.count :] if rest is None else u[-self.count :] + rest[-self.count :]
+        strain = self.shear.strain(self._displacement(u), less)
+        return strain, self.functions.T @ pressure[self.corners]
+
+    def stress(self, strain: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Stress (s, q, c) and what volumes are wrong by (q, c), times the measure."""
+        d, weight = len(self.shear.tensor), self.thickness * self.shear.gradients.measure
+        stress = self.shear.stress(strain[0])
+        stress[:d] += weight * strain[1]
+        return stress, weight * (strain[0][:d].sum(axis=0) - self.inverse * strain[1])
+
+    def forces(self, stress: tuple[Array, Array]) -> Array:
+        """Nodal forces (N), then volumes (m³)."""
+        return self.sized(stress)[0]
+
+    def sized(self, stress: tuple[Array, Array]) -> tuple[Array, Array]:
+        """As `forces`, and the sizes of what the cells bring to them."""
+        forces, sizes = self.shear.sized(stress[0])
+        each = self.functions @ stress[1]
+        sums = (self._by_corner(each), self._by_corner(self.functions @ np.abs(stress[1])))
+        return (
+            np.concatenate([forces.ravel(), sums[0]]),
+            np.concatenate([sizes.ravel(), sums[1]]),
+        )
+
+    def noise(self, u: Array, sums: Array) -> Array:
+        """Forces (N) and volumes (m³) as rounding makes them, with random signs."""
+        d, moved = len(self.shear.tensor), self._displacement(u)
+        force = self.shear.noise(moved, sums[: moved.size].reshape(moved.shape))
+        strain = np.abs(self.shear.strain(moved)[:d]).sum(axis=0)
+        pressure = self.functions.T @ np.abs(u[-self.count :])[self.corners]
+        weight = self.thickness * self.shear.gradients.measure
+        size = self._by_corner(self.functions @ (weight * (strain + self.inverse * pressure)))
+        signs = np.random.default_rng(1).uniform(-1, 1, self.count)
+        return np.concatenate([force.ravel(), EPS * size * signs])
+
+    def _displacement(self, u: Array) -> Array:
+        return u[: -self.count].reshape(len(self.shear.tensor), -1)
+
+    def _by_corner(self, each: Array) -> Array:
+        found = np.bincount(self.corners.ravel(), each.ravel(), self.count)
+        return np.asarray(found, dtype=float)
+
+
+def mixed_cells(body: Discretisation, mu: float, inverse: float, thickness: float) -> MixedCells:
+    """The equations of mixed elements of μ (Pa), 1/λ (1/Pa) and thickness (m)."""
+    unit = np.eye(body.dim)
+    straight = np.einsum("ac,be->abce", unit, unit)
+    tensor = thickness * mu * (straight + straight.swapaxes(2, 3))
+    X, linear = np.asarray(body.basis.X), body.element.linear
+    functions = np.array([linear.lbasis(X, i)[0] for i in range(body.element.corners)])
+    shear = ElasticCells(gradients(body), tensor)
+    corners = np.searchsorted(body.vertices, shear.gradients.nodes[: body.element.corners])
+    return MixedCells(shear, inverse, thickness, functions, corners, len(body.vertices))
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse import csc_matrix, csr_matrix, diags_array
 from scipy.sparse.linalg import splu
 
 from msvalidate.problem import Array, Index, SolverError, place_name
 from reference_fem.effort import within_memory
 from reference_fem.mesh.discretisation import Discretisation
 
+SHIFT = 1e-14
+"""Part of the diagonal that is added to it where a factor fails by rounding."""
 NO_STIFFNESS = 1e-14
 """Strain energy of a mode that is rounding, relative to what its components cost one by one."""
 
@@ -79,9 +81,13 @@ def factorised(body: Discretisation, free: Index, order: Index, K: csr_matrix, n
         if not np.isfinite(A.data).all():
             return Factor(name, order, lambda load: np.full(load.shape, np.nan))  # none allowed
         A.sort_indices()
+        make = {"superlu": _superlu, "cholmod": _cholmod}[name]
         try:
-            inverse = {"superlu": _superlu, "cholmod": _cholmod}[name](A)
+            inverse = make(A)
         except (ArithmeticError, RuntimeError) as error:
+            if body.in_one_piece and K.diagonal().min() > 0:
+                # Rounding has made it so: no motion is free of strain. Refinement mends the shift.
+                return Factor(name, order, make(A + SHIFT * diags_array(A.diagonal())))
             raise SolverError(
                 "finite elements: the stiffness is singular: a part of the body can move without "
                 "strain; join the parts or hold each"

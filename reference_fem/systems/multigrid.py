@@ -81,9 +81,7 @@ class Hierarchy:
         right = np.zeros(self._held.shape)
         right.T[~self._held.T] = load / largest
         with within_memory(len(load), "unknowns"):
-            found, taken = _conjugate_gradients(
-                self._A, right.ravel(), self._cycle, steps, error
-            )
+            found, taken = _conjugate_gradients(self._A, right.ravel(), self._cycle, steps, error)
         free = found.reshape(self._held.shape).T[~self._held.T]
         return np.asarray(free * (largest / self._unit)), taken
 

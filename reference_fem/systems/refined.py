@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -42,28 +42,31 @@ Inverse = Callable[[Array], Array]
 
 
 class System(Protocol):
-    """Linear equations whose residual is summed cell by cell; unknowns (m, n) by component."""
+    """Linear equations whose residual is summed cell by cell.
+
+    Their unknowns are an array of any shape, which loads and forces have too.
+    """
 
     @property
     def positive(self) -> bool:
         """Whether every motion takes energy."""
 
-    def strain(self, u: Array, rest: Array | None = None) -> Array:
+    def strain(self, u: Array, rest: Array | None = None) -> Any:
         """What costs energy, of unknowns and the digits that these lack."""
 
-    def stress(self, strain: Array) -> Array:
+    def stress(self, strain: Any) -> Any:
         """What goes with it in the energy, measured."""
 
-    def forces(self, stress: Array) -> Array:
-        """Forces (m, n) that the unknowns feel."""
+    def forces(self, stress: Any) -> Array:
+        """Forces that the unknowns feel."""
 
-    def sized(self, stress: Array) -> tuple[Array, Array]:
-        """As `forces`, and the sizes (m, n) of what adds up to them."""
+    def sized(self, stress: Any) -> tuple[Array, Array]:
+        """As `forces`, and the sizes of what adds up to them."""
 
     def noise(self, u: Array, sums: Array) -> Array:
-        """Forces (m, n) as rounding makes them in residuals, by random signs.
+        """Forces as rounding makes them in residuals, by random signs.
 
-        `sums` (m, n) are sizes of what is added up at nodes.
+        `sums` are sizes of what is added up at nodes.
         """
 
 
@@ -74,9 +77,9 @@ class Refined:
     Parameters
     ----------
     value, rest
-        (m, n): the answer is their sum.
+        The answer is their sum.
     error
-        Largest error of a component, relative to the largest of the answer.
+        Largest error of an unknown that counts, relative to the largest of these.
     corrections
         How many there were.
     """
@@ -88,9 +91,16 @@ class Refined:
 
 
 def refined(
-    system: System, inverse: Inverse, start: Array, load: Array, free: Mask, *, sample: bool = True
+    system: System,
+    inverse: Inverse,
+    start: Array,
+    load: Array,
+    free: Mask,
+    *,
+    sample: bool = True,
+    counted: Mask | None = None,
 ) -> Refined:
-    """The solution that a start leads to, both (m, n), under loads (m, n).
+    """The solution that a start leads to, under loads.
 
     Parameters
     ----------
@@ -101,11 +111,14 @@ def refined(
     start
         The first answer, with what is held at its values.
     load, free
-        (m, n).
+        Loads, and which unknowns are sought, both of the shape of the unknowns.
     sample
         Whether `inverse` is so cheap that what rounding leaves in residuals can be sampled.
+    counted
+        Unknowns whose error is judged; all by default.
     """
-    work = _Work(system, inverse, load, free, start.copy(), np.zeros(start.shape))
+    judged = np.ones(start.shape, dtype=bool) if counted is None else counted
+    work = _Work(system, inverse, load, free, judged, start.copy(), np.zeros(start.shape))
     if not free.any() or not np.isfinite(start).all():
         return Refined(start, work.rest, 0.0, 0)
     force, sums = system.sized(work.stress())
@@ -167,29 +180,30 @@ class _Work:
     inverse: Inverse
     load: Array
     free: Mask
+    counted: Mask
     value: Array
     rest: Array
 
     def __post_init__(self) -> None:
-        self.directions: list[tuple[Array, Array]] = []
+        self.directions: list[tuple[Array, Any]] = []
 
-    def stress(self) -> Array:
+    def stress(self) -> Any:
         return self.system.stress(self.system.strain(self.value, self.rest))
 
-    def residual(self, stress: Array) -> Array:
+    def residual(self, stress: Any) -> Array:
         """Forces left on the free unknowns (f,)."""
         return np.asarray((self.load - self.system.forces(stress))[self.free])
 
     def spread(self, part: Array) -> Array:
-        """Unknowns (m, n), zero where held, of the free ones (f,)."""
+        """Unknowns, zero where held, of the free ones (f,)."""
         every = np.zeros(self.value.shape)
         every[self.free] = part
         return every
 
     def relative(self, part: Array) -> float:
         """Largest of a correction, relative to the answer."""
-        largest = float(np.abs(self.value).max())
-        size = float(np.abs(part).max())
+        largest = float(np.abs(self.value[self.counted]).max())
+        size = float(np.abs(part[self.counted[self.free]]).max(initial=0.0))
         return size / largest if largest else (np.inf if size else 0.0)
 
     def corrected(self, part: Array) -> float:
@@ -226,7 +240,7 @@ class _Work:
         way = direction[0]
         share = float(_dot(way, self.load)) - _dot(self.system.strain(way), stress)
         self.add(share * way)
-        return self.relative(share * way)
+        return self.relative(share * way[self.free])
 
     def sampled(self, sample: bool) -> float:
         """What rounding leaves in residuals, as a part of the answer."""
@@ -244,11 +258,11 @@ class _Work:
             strain = self.system.strain(rest)
             for way, pull in self.directions:
                 rest = rest - _dot(strain, pull) * way
-        return SAMPLE * self.relative(found + rest)
+        return SAMPLE * self.relative((found + rest)[self.free])
 
     def ended(self, left: float, corrections: int) -> Refined:
         error = left + LEAST if np.isfinite(left) else np.inf
-        if not np.abs(self.value).max():
+        if not np.abs(self.value[self.counted]).max():
             error = 0.0 if left == 0 else np.inf
         return Refined(self.value, self.rest, float(error), corrections)
 
