@@ -83,11 +83,8 @@ def factorised(body: Discretisation, free: Index, order: Index, K: csr_matrix, n
         A.sort_indices()
         make = {"superlu": _superlu, "cholmod": _cholmod}[name]
         try:
-            inverse = make(A)
+            inverse = _shifted(A, make, body)
         except (ArithmeticError, RuntimeError) as error:
-            if body.in_one_piece and K.diagonal().min() > 0:
-                # Rounding has made it so: no motion is free of strain. Refinement mends the shift.
-                return Factor(name, order, make(A + SHIFT * diags_array(A.diagonal())))
             raise SolverError(
                 "finite elements: the stiffness is singular: a part of the body can move without "
                 "strain; join the parts or hold each"
@@ -96,6 +93,21 @@ def factorised(body: Discretisation, free: Index, order: Index, K: csr_matrix, n
         if not body.in_one_piece:
             _refuse_mechanism(body, kept, A, inverse)
     return Factor(name, order, inverse)
+
+
+def _shifted(A: csr_matrix, make: Callable[[csr_matrix], Apply], body: Discretisation) -> Apply:
+    """The inverse, of a diagonal a little larger where rounding alone makes the matrix singular.
+
+    It has no motion without strain where cells hang together by whole sides, and refinement mends
+    the shift.
+    """
+    try:
+        return make(A)
+    except (ArithmeticError, RuntimeError):
+        stiff = A.diagonal()
+        if not (body.in_one_piece and (stiff > 0).all()):
+            raise
+        return make(csr_matrix(A + diags_array(SHIFT * stiff)))
 
 
 def _refuse_mechanism(body: Discretisation, kept: Index, A: csr_matrix, inverse: Apply) -> None:

@@ -291,8 +291,8 @@ def too_ill(error: float) -> str:
     known = f"known to {error:.1g} of the largest only" if error < 1 else "all rounding"
     return (
         f"finite elements: displacements are {known}, wanted {ACCEPTED:g}: the body is too "
-        "slender, or its cells too thin, for this many of them; take fewer and longer cells, a part of the "
-        "body, or the formula of a beam"
+        "slender, or its cells too thin, for this many of them; take fewer and longer cells, a "
+        "part of the body, or the formula of a beam"
     )
 
 
