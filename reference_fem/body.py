@@ -150,7 +150,12 @@ class Solution:
 
 
 def solve_problem(
-    problem: Problem, body: Discretisation, *, mixed: bool = False, solver: str = "auto"
+    problem: Problem,
+    body: Discretisation,
+    *,
+    mixed: bool = False,
+    solver: str = "auto",
+    allow_locked: bool = False,
 ) -> Solution:
     """Solve a problem on a discretisation of its domain, such as `box_discretisation` gives.
 
@@ -163,6 +168,8 @@ def solve_problem(
         plane strain and space, on quadratic elements. Displacement elements lock there.
     solver
         One of `solver.SOLVERS`, as for a `Solver`; of mixed elements "auto" or "superlu".
+    allow_locked
+        Answer also where elements of the first degree lock (`locking`): to look at locking itself.
 
     Raises
     ------
@@ -170,7 +177,8 @@ def solve_problem(
         If a support or load does not meet the mesh, mixed elements are not for the material, or the
         solver is unknown, not there or not for this body.
     SolverError
-        If the solution fails its residual check.
+        If the elements lock, or the solution fails its residual check or its error may be above
+        `solver.ACCEPTED`.
     """
     _refuse_other_body(problem, body)
     held, displacement = prescribed(problem, body.points)
@@ -185,7 +193,7 @@ def solve_problem(
         found, pressure, solved = mixed_solution(body, law, held, displacement, force)
         return Solution(body, found, law, pressure, solved)
     with np.errstate(over="ignore", invalid="ignore"):
-        ready = solver_of(body, law, held, solver)
+        ready = solver_of(body, law, held, solver, allow_locked=allow_locked)
     found, solved = ready.solve(displacement, force)
     return Solution(body, found, law, solved=solved)
 

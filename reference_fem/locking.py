@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.problem import Array, SolverError, enclosed
+from msvalidate.problem import Array, SolverError, enclosed, facet_areas
 from reference_fem.mesh.discretisation import Discretisation
 
 LOCKED = 0.2
@@ -68,20 +68,12 @@ def bulk_over_shear(C: Array) -> float:
 
 
 def body_size(body: Discretisation) -> float:
-    """Thickness (m) of a body: twice its volume over its surface, of slender and flat ones exact."""
-    x = body.points - body.points[0]
-    surface = body.surface[:, : body.element.side.refdom.nnodes]
-    corners = x[surface]
-    if body.dim == 2:
-        area = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).sum()
-    else:
-        edges = corners[:, 1:] - corners[:, :1]
-        turns = np.cross(edges[:, :-1], edges[:, 1:])
-        area = np.linalg.norm(turns, axis=2).sum() / 2
-    return 2 * float(enclosed(corners)) / float(area)
+    """Thickness (m) of a slender or flat body: twice its volume over its surface."""
+    facets = body.points[body.surface]
+    return 2 * enclosed(facets) / float(facet_areas(facets).sum())
 
 
 def cell_size(body: Discretisation) -> float:
-    """Root mean square of the cells' largest extents (m)."""
+    """Root mean square, over the volume, of the cells' largest extents (m)."""
     extent = np.ptp(body.points[body.cells], axis=1).max(axis=1)
-    return float(np.sqrt((extent**2).mean()))
+    return float(np.sqrt(np.average(extent**2, weights=np.asarray(body.basis.dx).sum(axis=1))))

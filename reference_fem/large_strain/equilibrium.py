@@ -24,6 +24,7 @@ from msvalidate.problem import (
 )
 from reference_fem.effort import within_memory
 from reference_fem.large_strain.solid import Solid
+from reference_fem.locking import refuse_locked
 from reference_fem.systems.factor import Apply, signed
 from reference_fem.systems.solver import ACCEPTED, refuse_shapes
 
@@ -100,6 +101,7 @@ def deform(
     parts: int = 1,
     least_part: float = LEAST_PART,
     tolerance: float = TOLERANCE,
+    allow_locked: bool = False,
 ) -> Deformed:
     """Equilibrium of a body at large strain.
 
@@ -124,6 +126,8 @@ def deform(
         Part of the load that is not halved any more.
     tolerance
         Residual to stop at, relative to the forces that cancel at a node.
+    allow_locked
+        Answer also where elements of the first degree lock (`locking`).
 
     Raises
     ------
@@ -131,7 +135,7 @@ def deform(
         If an argument is of another shape, or `start` turns a cell inside out.
     SolverError
         If there is no stable equilibrium to be found; the message says up to which part of the load
-        there was, and what stopped it.
+        there was, and what stopped it. If the elements lock, or rounding takes too many digits.
     """
     instance("solid", solid, Solid)
     whole("parts of the load", parts, 1)
@@ -147,6 +151,8 @@ def deform(
             "start: turns a cell inside out; start from an equilibrium, or from rest"
         )
     how = _Steps(1 / parts, least_part, tolerance)
+    if not allow_locked:
+        refuse_locked(solid.body, solid.at_rest)
     # What has no numbers is not upright, and refused as such.
     with within_memory(len(begin), "nodes"), np.errstate(over="ignore", invalid="ignore"):
         return _followed(solid, begin, displacement, force, how)

@@ -21,6 +21,7 @@ from msvalidate.problem import (
     positive,
     refuse_free_motions,
 )
+from reference_fem.elasticity import VOIGT
 from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
 from reference_fem.mesh.assembly import nodal_sums
 from reference_fem.mesh.discretisation import Discretisation
@@ -119,7 +120,14 @@ class Solid:
     @cached_property
     def _modulus(self) -> float:
         """Largest entry (Pa) of the law's tangent at rest."""
-        return float(np.abs(self.law.tangent(np.eye(self.body.dim)[None])).max())
+        return float(np.abs(self.at_rest).max())
+
+    @cached_property
+    def at_rest(self) -> Array:
+        """The law's tangent (Pa) at rest as a Voigt tensor (3, 3) or (6, 6)."""
+        (A,) = self.law.tangent(np.eye(self.body.dim)[None])
+        pairs = VOIGT[self.body.dim]
+        return np.array([[A[i, j, k, m] for k, m in pairs] for i, j in pairs])
 
     def tangent(self, displacement: Array) -> csr_matrix:
         """∂f/∂u (d·n, d·n) in N/m, component-major and symmetric."""
