@@ -212,12 +212,8 @@ class _Work:
         return self.relative(part)
 
     def add(self, change: Array) -> None:
-        """Add to the answer, and keep the digits that it cannot hold (Dekker 1971)."""
-        change = change + self.rest
-        total = self.value + change
-        part = total - self.value
-        self.rest = (self.value - (total - part)) + (change - part)
-        self.value = total
+        """Add to the answer, and keep the digits that it cannot hold."""
+        self.value, self.rest = with_digits(self.value, self.rest, change)
 
     def kept(self, way: Array) -> bool:
         """Make a direction conjugate to all before and keep it; False if it has no energy."""
@@ -265,6 +261,18 @@ class _Work:
         if not np.abs(self.value[self.counted]).max():
             error = 0.0 if left == 0 else np.inf
         return Refined(self.value, self.rest, float(error), corrections)
+
+
+def with_digits(value: Array, rest: Array, change: Array) -> tuple[Array, Array]:
+    """A sum of value and rest with a change, as its doubles and the digits that these cannot hold.
+
+    The rounding of a sum is a double itself, and six operations find it (Knuth 1997, The Art of
+    Computer Programming, volume 2, section 4.2.2).
+    """
+    change = change + rest
+    total = value + change
+    part = total - value
+    return total, (value - (total - part)) + (change - part)
 
 
 def _dot(a: Array, b: Array) -> float:
