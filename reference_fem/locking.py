@@ -53,18 +53,17 @@ def refuse_locked(body: Discretisation, C: Array) -> None:
 def bulk_over_shear(C: Array) -> float:
     """λ/μ of an isotropic Voigt tensor (3, 3) or (6, 6); of others, what answers to it.
 
-    By compliances: how little hydrostatic stress swells the body, and how much deviatoric stress
-    shears it, in the mean. A body that is stiff along fibres alone swells, and does not lock.
+    How little hydrostatic stress swells the body, against its stiffness in shear, in the mean. A
+    body that is stiff along fibres alone swells, and does not lock.
     """
     d = 2 if len(C) == 3 else 3
     root = np.sqrt(np.repeat([1.0, 2.0], [d, len(C) - d]))  # Mandel's: rotations keep lengths
-    S = np.linalg.inv(C * np.outer(root, root))
+    stiffness, modes = np.linalg.eigh(C * np.outer(root, root))
+    stiffness = np.maximum(stiffness, np.finfo(float).eps * stiffness.max())  # laws may have none
     swelling = np.repeat([1.0, 0.0], [d, len(C) - d]) / np.sqrt(d)
-    soft = float(swelling @ S @ swelling)
-    shear = (float(np.trace(S)) - soft) / (len(C) - 1)
-    if soft <= 0:  # by rounding
-        return float(np.inf)
-    return (shear / soft - 1) * 2 / d
+    share = (swelling @ modes) ** 2
+    shear = float((1 - share) @ stiffness) / (len(C) - 1)
+    return (1 / (float(share @ (1 / stiffness)) * shear) - 1) * 2 / d
 
 
 def body_size(body: Discretisation) -> float:

@@ -149,7 +149,8 @@ class Dielectric:
             raise SolverError(
                 f"potential: known to {min(error, 1.0):.1g} of the largest only, wanted "
                 f"{ACCEPTED:g}: permittivities from {low:g} to {high:g} F/m, or cells so thin, "
-                "leave no digits; hold what hardly has a field in it at a potential, or leave it out"
+                "leave no digits; hold what hardly has a field in it at a potential, or leave "
+                "it out"
             )
         return replace(found, error=error)
 

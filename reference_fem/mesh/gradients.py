@@ -57,6 +57,18 @@ class Gradients:
                 _summed(zip(local, self.inverse[:, i], strict=True), found[a, i])
         return found
 
+    def coarsest(self, values: Array) -> Array:
+        """Gradients (q, c) that values (m, n) would have if all changes went the shortest way.
+
+        Relative to it their gradients are rounded: in thin cells what changes along the cell
+        cancels across it.
+        """
+        apart = np.zeros(self.nodes.shape[1])
+        for value in values:
+            each = value[self.nodes]
+            np.maximum(apart, np.abs(each - each[0]).max(axis=0), out=apart)
+        return np.asarray(apart * np.abs(self.inverse).sum(axis=0).max(axis=0))
+
     def gathered(self, flux: Array) -> Array:
         """Σ F_ai ∂_i φ (m, n) by node, of fluxes F (m, d, q, c) that hold the measure already."""
         return self._by_node(self._each(flux))

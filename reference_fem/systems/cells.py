@@ -51,12 +51,12 @@ class ElasticCells:
     def noise(self, u: Array, sums: Array) -> Array:
         """Forces (d, n) in N as rounding makes them, with random signs.
 
-        Gradients are rounded relative to what cancels in strains: the turning of a cell. Sums at
-        nodes, and loads, are rounded relative to their terms.
+        Gradients are rounded relative to what cancels in strains, such as the turning of a cell.
+        Sums at nodes, and loads, are rounded relative to their terms.
         """
         signs = np.random.default_rng(0)
-        turning = np.abs(self.gradients.of(u)).max(axis=(0, 1))
-        size = np.abs(self._voigt).sum(axis=1)[:, None, None] * turning * self.gradients.measure
+        size = np.abs(self._voigt).sum(axis=1)[:, None, None] * self.gradients.measure
+        size = size * self.gradients.coarsest(u)
         wrong = EPS * size * signs.uniform(-1, 1, size.shape)
         return np.asarray(self.forces(wrong) + EPS * sums * signs.uniform(-1, 1, sums.shape))
 
@@ -202,8 +202,10 @@ class ScalarCells:
     def noise(self, u: Array, sums: Array) -> Array:
         """Fluxes (n,) as rounding makes them, with random signs."""
         signs = np.random.default_rng(0)
-        stress = self.stress(self.gradients.of(u[None]))
-        wrong = self.forces(EPS * stress * signs.uniform(-1, 1, stress.shape))
+        size = self.weight * self.gradients.measure * self.gradients.coarsest(u[None])
+        wrong = self.forces(
+            EPS * size * signs.uniform(-1, 1, (1, len(self.gradients.inverse), *size.shape))
+        )
         found: Array = wrong + EPS * sums * signs.uniform(-1, 1, sums.shape)
         return found
 

@@ -19,8 +19,10 @@ import numpy as np
 
 from msvalidate.problem import Array, Mask
 
-QUICK = 1e-7
-"""A first correction this small, relative to the answer, leaves its square: rounding."""
+QUICK = 1e-10
+"""A first correction this small, relative to the answer, leaves nothing but rounding: no more than
+its square, were it not for directions that the inverse knows less well, and those were 1e5 times as
+bad."""
 NEAR = 1e-14
 """Corrections below this, relative to the answer, change no more than its rounding."""
 SLOW = 0.1
@@ -31,11 +33,13 @@ MOST = 30
 MOST_DIRECTIONS = 60
 PATIENCE = 12
 """Directions that may bring no smaller correction."""
+SQUARE = 1e5
 SAMPLE = 4.0
 """Factor on the one sample that is taken of what rounding leaves: its largest part by chance."""
 CAUTION = 2.0
 """Times a correction that was made roughly, for what is left after it."""
-LEAST = 4 * float(np.finfo(float).eps)
+LEAST = 16 * float(np.finfo(float).eps)
+"""What is rounded once or twice before there are equations: constants, weights, loads."""
 
 Inverse = Callable[[Array], Array]
 """Corrections (f, r) of residuals (f, r) on the free unknowns."""
@@ -130,7 +134,7 @@ def refined(
     if size <= QUICK:
         left = CAUTION * size
         if sample:
-            left = size**2 + SAMPLE * work.relative(first[:, 1])
+            left = SQUARE * size**2 + SAMPLE * work.relative(first[:, 1])
         return work.ended(left, 1)
     return _slowly(work, size, sample)
 
