@@ -33,7 +33,7 @@ def refuse_locked(body: Discretisation, C: Array) -> None:
         If the cells are of the first degree, the material nearly incompressible, and the cells not
         small enough for that.
     """
-    if body.element.degree > 1:
+    if body.element.degree > 1 or not np.isfinite(C).all():  # the residual refuses the latter
         return
     ratio = bulk_over_shear(C)
     if ratio <= NEARLY:
@@ -58,7 +58,7 @@ def bulk_over_shear(C: Array) -> float:
     """
     d = 2 if len(C) == 3 else 3
     root = np.sqrt(np.repeat([1.0, 2.0], [d, len(C) - d]))  # Mandel's: rotations keep lengths
-    stiffness, modes = np.linalg.eigh(C * np.outer(root, root))
+    stiffness, modes = np.linalg.eigh(C / np.abs(C).max() * np.outer(root, root))
     stiffness = np.maximum(stiffness, np.finfo(float).eps * stiffness.max())  # laws may have none
     swelling = np.repeat([1.0, 0.0], [d, len(C) - d]) / np.sqrt(d)
     share = (swelling @ modes) ** 2

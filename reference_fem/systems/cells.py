@@ -187,12 +187,12 @@ class ScalarCells:
         return self.gradients.of(u[None], None if rest is None else rest[None])
 
     def stress(self, strain: Array) -> Array:
-        """W ∇φ times the measure (1, d, q, c)."""
+        """Flux w ∇φ times the measure (1, d, q, c)."""
         return np.asarray(strain * (self.weight * self.gradients.measure))
 
     def forces(self, stress: Array) -> Array:
         """Fluxes (n,)."""
-        return self.gradients.gathered(stress)[0]
+        return np.asarray(self.gradients.gathered(stress)[0])
 
     def sized(self, stress: Array) -> tuple[Array, Array]:
         """As `forces`, and the sizes of what the cells bring to them."""

@@ -38,8 +38,9 @@ SAMPLE = 4.0
 """Factor on the one sample that is taken of what rounding leaves: its largest part by chance."""
 CAUTION = 2.0
 """Times a correction that was made roughly, for what is left after it."""
-LEAST = 16 * float(np.finfo(float).eps)
-"""What is rounded once or twice before there are equations: constants, weights, loads."""
+LEAST = 128 * float(np.finfo(float).eps)
+"""What is rounded before there are equations: constants, points and weights of integration, and the
+products of 27 functions there."""
 
 Inverse = Callable[[Array], Array]
 """Corrections (f, r) of residuals (f, r) on the free unknowns."""
