@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,12 +30,12 @@ from msvalidate.problem import (
     shown,
     vectors_at,
 )
-from reference_fem.elasticity import VOIGT, elastic_tensor, stiffness
+from reference_fem.elasticity import VOIGT, elastic_tensor, solver_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
 from reference_fem.mixed import lame, mixed_solution
 from reference_fem.stress import engineering_strain, gradient, pressure_at
-from reference_fem.systems.solver import Solved, Solver
+from reference_fem.systems.solver import Solved
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +80,15 @@ class Solution:
                 raise ProblemError(f"pressure: shape {np.shape(self.pressure)}; give {wanted}")
             self.pressure.setflags(write=False)
 
+    @property
+    def error(self) -> float:
+        """Largest error of a nodal displacement as the elements' own, relative to the largest.
+
+        What rounding and the solver leave of the linear equations; how far the elements are from
+        the body is another matter, for which refine the mesh. NaN where displacements were given.
+        """
+        return self.solved.error if self.solved else math.nan
+
     def at(self, points: ArrayLike) -> Array:
         """Displacement (p, d) in m at points (p, d) of the body.
 
@@ -100,7 +110,8 @@ class Solution:
         ProblemError
             If a point lies outside the body.
         """
-        return engineering_strain(gradient(self.body, self.displacement, points))
+        rest = self.solved.remainder if self.solved else None
+        return engineering_strain(gradient(self.body, self.displacement, points, rest))
 
     def stress(self, points: ArrayLike) -> Array:
         """Stress (p, 3 or 6) in Pa at points (p, d), tension positive, in the order of `strain`.
@@ -139,7 +150,12 @@ class Solution:
 
 
 def solve_problem(
-    problem: Problem, body: Discretisation, *, mixed: bool = False, solver: str = "auto"
+    problem: Problem,
+    body: Discretisation,
+    *,
+    mixed: bool = False,
+    solver: str = "auto",
+    allow_locked: bool = False,
 ) -> Solution:
     """Solve a problem on a discretisation of its domain, such as `box_discretisation` gives.
 
@@ -152,6 +168,8 @@ def solve_problem(
         plane strain and space, on quadratic elements. Displacement elements lock there.
     solver
         One of `solver.SOLVERS`, as for a `Solver`; of mixed elements "auto" or "superlu".
+    allow_locked
+        Answer also where elements of the first degree lock (`locking`): to look at locking itself.
 
     Raises
     ------
@@ -159,7 +177,8 @@ def solve_problem(
         If a support or load does not meet the mesh, mixed elements are not for the material, or the
         solver is unknown, not there or not for this body.
     SolverError
-        If the solution fails its residual check.
+        If the elements lock, or the solution fails its residual check or its error may be above
+        `solver.ACCEPTED`.
     """
     _refuse_other_body(problem, body)
     held, displacement = prescribed(problem, body.points)
@@ -174,7 +193,7 @@ def solve_problem(
         found, pressure, solved = mixed_solution(body, law, held, displacement, force)
         return Solution(body, found, law, pressure, solved)
     with np.errstate(over="ignore", invalid="ignore"):
-        ready = Solver(body, stiffness(body, law), held, solver)
+        ready = solver_of(body, law, held, solver, allow_locked=allow_locked)
     found, solved = ready.solve(displacement, force)
     return Solution(body, found, law, solved=solved)
 

@@ -19,6 +19,7 @@ from msvalidate.problem import (
     shown,
 )
 from reference_fem.effort import within_memory
+from reference_fem.locking import refuse_locked
 from reference_fem.mesh.discretisation import Discretisation, discretise
 from reference_fem.systems.solver import Solver, refuse_shapes
 
@@ -35,6 +36,8 @@ def solve(
     material: Material,
     fixed: Iterable[tuple[int, int, float]],
     nodal_forces: Iterable[tuple[int, int, float]],
+    *,
+    allow_locked: bool = False,
 ) -> Array:
     """Displacement (n, d) in m of the nodes of a mesh.
 
@@ -52,16 +55,20 @@ def solve(
         Rows (node, component, displacement in m).
     nodal_forces
         Rows (node, component, force in N), over the whole thickness; rows for one component add up.
+    allow_locked
+        Answer also where the elements lock (`locking`).
 
     Raises
     ------
     ProblemError
         If the mesh or a row is wrong, or the body can move rigidly.
     SolverError
-        If the solution fails its residual check.
+        If the elements lock, or the solution fails its residual check or its error may be above
+        `ACCEPTED`.
     """
     body = discretise(points, cells, element)
-    return solve_on(body, material, *arrays(body, fixed, nodal_forces))
+    rows = arrays(body, fixed, nodal_forces)
+    return solve_on(body, material, *rows, allow_locked=allow_locked)
 
 
 def arrays(
@@ -96,6 +103,7 @@ def solve_on(
     force: Array,
     *,
     solver: str = "auto",
+    allow_locked: bool = False,
 ) -> Array:
     """Displacement (n, d) in m under held components (n, d), their values (m) and forces (N).
 
@@ -107,11 +115,12 @@ def solve_on(
         If a rigid motion is free, the material is not for this body or not compressible, or the
         solver is unknown, not there or not for this body.
     SolverError
-        If part of the body can move without strain, or the solution fails its residual check.
+        If part of the body can move without strain, the elements lock, or the solution fails its
+        residual check or its error may be above `ACCEPTED`.
     """
     refuse_shapes(body, held=held, displacement=displacement, force=force)
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
-        ready = Solver(body, stiffness(body, material), held, solver)
+        ready = solver_of(body, material, held, solver, allow_locked=allow_locked)
     return ready.solve(displacement, force)[0]
 
 
@@ -131,7 +140,35 @@ def stiffness(body: Discretisation, material: Material) -> csr_matrix:
     instance("material", material, Material)
     if material.dim != body.dim:
         raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
-    return weighted(body, material.thickness * full_tensor(elastic_tensor(material)))
+    return weighted(body, measured(material))
+
+
+def measured(material: Material) -> Array:
+    """C (d, d, d, d) in Pa, times the thickness."""
+    return np.asarray(material.thickness * full_tensor(elastic_tensor(material)))
+
+
+def solver_of(
+    body: Discretisation,
+    material: Material,
+    held: Mask,
+    choice: str = "auto",
+    *,
+    allow_locked: bool = False,
+) -> Solver:
+    """A `Solver` of a body and its material, which sums residuals cell by cell.
+
+    Raises
+    ------
+    ProblemError
+        As `stiffness` and `Solver`.
+    SolverError
+        If memory does not suffice, or the elements lock and that is not allowed.
+    """
+    K = stiffness(body, material)
+    if not allow_locked:
+        refuse_locked(body, elastic_tensor(material))
+    return Solver(body, K, held, choice, measured(material))
 
 
 def weighted(body: Discretisation, C: Array) -> csr_matrix:

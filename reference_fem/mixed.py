@@ -36,7 +36,9 @@ from msvalidate.problem import (
 from reference_fem.effort import within_memory
 from reference_fem.elasticity import arrays, full_tensor, weighted
 from reference_fem.mesh.discretisation import Discretisation, discretise
-from reference_fem.systems.solver import RESIDUAL, Solved, refuse_shapes
+from reference_fem.systems.cells import mixed_cells
+from reference_fem.systems.refined import Inverse, refined
+from reference_fem.systems.solver import ACCEPTED, RESIDUAL, Solved, refuse_shapes, too_ill
 
 TAYLOR_HOOD = {"P2-P1": "P2", "Q2-Q1": "Q2", "T2-T1": "T2", "H2-H1": "H2"}
 """Elements of displacement and pressure, and the first of the two."""
@@ -92,7 +94,8 @@ def solve_mixed_on(
     ProblemError
         If a rigid motion is free, or the body or its material is not for mixed elements.
     SolverError
-        If the system is singular, or the solution fails its residual check.
+        If the system is singular, the solution fails its residual check, or rounding takes too
+        many of its digits.
     """
     return mixed_solution(body, material, held, displacement, force)[:2]
 
@@ -110,11 +113,27 @@ def mixed_solution(
     u = np.where(held, displacement, 0.0).T.ravel()
     load = force.T.ravel()
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
-        found = system.solved(free, load - system.A @ u, -(system.B @ u))
-        u[free], p = found[: free.sum()], found[free.sum() :]
+        inverse = system.inverse(free)
+        found = inverse(np.concatenate([(load - system.A @ u)[free], -(system.B @ u)])[:, None])
+        u[free], p = found[: free.sum(), 0], found[free.sum() :, 0]
         left = system.check(free, u, p, load)
-    solved = Solved("superlu", "mixed elements: indefinite", left, 0, perf_counter() - began)
-    return u.reshape(body.dim, -1).T.copy(), p, solved
+        pressures = np.ones(len(p), dtype=bool)
+        better = refined(
+            mixed_cells(body, *lame(material), material.thickness),
+            inverse,
+            np.concatenate([u, p]),
+            np.concatenate([load, np.zeros(len(p))]),
+            np.concatenate([free, pressures]),
+            counted=np.concatenate([np.ones(len(u), dtype=bool), ~pressures]),
+        )
+    if not better.error <= ACCEPTED:
+        raise SolverError(too_ill(better.error))
+    moved, rest = (
+        each[: len(u)].reshape(body.dim, -1).T.copy() for each in (better.value, better.rest)
+    )
+    how = "superlu", "mixed elements: indefinite", left, 0, perf_counter() - began
+    solved = Solved(*how, better.error, better.corrections, rest)
+    return moved, better.value[len(u) :].copy(), solved
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,10 +144,11 @@ class _System:
     B: csr_array
     M: csr_array
 
-    def solved(self, free: Mask, load: Array, swelling: Array) -> Array:
-        """Free displacements (m), then pressures (Pa): scaled so that each equation is near 1.
+    def inverse(self, free: Mask) -> Inverse:
+        """Free displacements (m), then pressures (Pa), of forces (N) and then volumes (m³).
 
-        The scale of a pressure is the diagonal of B A⁻¹ Bᵀ + M, with the diagonal of A for A.
+        Scaled so that each equation is near 1. The scale of a pressure is the diagonal of
+        B A⁻¹ Bᵀ + M, with the diagonal of A for A.
         """
         A, B = self.A[free][:, free], self.B[:, free]
         stiff = A.diagonal()
@@ -138,7 +158,8 @@ class _System:
         scale = 1 / np.sqrt(np.concatenate([stiff, soft]))
         S = diags_array(scale)
         K = S @ block_array([[A, B.T], [B, -self.M]], format="csr") @ S
-        return np.asarray(scale * _direct(K, scale * np.concatenate([load[free], swelling])))
+        factor = _factorised(K)
+        return lambda right: np.asarray(scale[:, None] * factor(scale[:, None] * right))
 
     def check(self, free: Mask, u: Array, p: Array, load: Array) -> float:
         """Larger residual of the two equations, relative; refused if it is more than rounding."""
@@ -162,14 +183,15 @@ class _System:
 
 _NO_VOLUME = (
     "mixed finite elements: the system is singular: at nu = 1/2 the pressure of a body held all "
-    "round has no value, and a part that hangs by a corner can move; leave part of the surface "
-    "free, join the parts, or take nu < 1/2"
+    "round has no value, a part that hangs by a corner can move, and a body too slender for so many "
+    "cells is lost in rounding; leave part of the surface free, join the parts, take nu < 1/2, or "
+    "longer cells"
 )
 
 
-def _direct(K: csr_array, right: Array) -> Array:
-    """Solution of a symmetric indefinite system by a factor, refined once."""
-    with within_memory(len(right), "unknowns"):
+def _factorised(K: csr_array) -> Inverse:
+    """Solutions of a symmetric indefinite system by a factor."""
+    with within_memory(K.shape[0], "unknowns"):
         try:
             factor = splu(
                 K.tocsc(),
@@ -180,14 +202,13 @@ def _direct(K: csr_array, right: Array) -> Array:
         except RuntimeError as error:
             raise SolverError(_NO_VOLUME) from error
     # What the system does not feel hides from the residual, not from two inverse iterations.
-    mode = np.random.default_rng(0).normal(size=len(right))
+    mode = np.random.default_rng(0).normal(size=K.shape[0])
     for _ in range(2):
         mode = factor.solve(mode)
         mode /= np.abs(mode).max()
     if not np.abs(K @ mode).max() > SINGULAR * (abs(K) @ np.abs(mode)).max():
         raise SolverError(_NO_VOLUME)
-    found = factor.solve(right)
-    return np.asarray(found + factor.solve(right - K @ found))
+    return lambda right: np.asarray(factor.solve(right))
 
 
 def _system(body: Discretisation, material: Material) -> _System:

@@ -18,8 +18,12 @@ from reference_fem.elasticity import VOIGT
 from reference_fem.mesh.discretisation import Discretisation
 
 
-def gradient(body: Discretisation, displacement: Array, points: ArrayLike) -> Array:
+def gradient(
+    body: Discretisation, displacement: Array, points: ArrayLike, rest: Array | None = None
+) -> Array:
     """∂u_k/∂x_l as (p, d, d) at points (p, d) of the body, of nodal values (n, d).
+
+    Of differences within a cell, and of the digits `rest` (n, d) that the values lack, if given.
 
     ∇φ = J⁻ᵀ ∂φ/∂ξ, with J = ∂x/∂ξ of the map onto the cell.
 
@@ -31,10 +35,19 @@ def gradient(body: Discretisation, displacement: Array, points: ArrayLike) -> Ar
     point, cell, local = body.incident(points)
     nodes = body.nodes_of(cell)
     _, slope = body.element.functions(local)
-    along = np.einsum("kjq,kqd->qjd", slope, body.points[nodes])  # Jᵀ
-    change = np.einsum("kjq,kqd->qjd", slope, displacement[nodes])
+    along = np.einsum("kjq,kqd->qjd", slope, _apart(body.points, nodes))  # Jᵀ
+    moved = _apart(displacement, nodes)
+    if rest is not None:
+        moved += _apart(rest, nodes)
+    change = np.einsum("kjq,kqd->qjd", slope, moved)
     each = np.linalg.solve(along, change).transpose(0, 2, 1)
     return _mean(point, each)
+
+
+def _apart(values: Array, nodes: Index) -> Array:
+    """Values (k, q, d) at the nodes of cells (k, q), less those at the first of each."""
+    each = values[nodes]
+    return np.asarray(each - each[0])
 
 
 def engineering_strain(gradient: Array) -> Array:

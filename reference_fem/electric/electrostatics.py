@@ -12,7 +12,7 @@ by the very quadrature that W is summed with. No normal and no jump of the field
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -33,11 +33,16 @@ from msvalidate.problem import (
     shown,
 )
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
-from reference_fem.mesh.assembly import nodal_sums, slopes
 from reference_fem.mesh.discretisation import Discretisation, discretise
+from reference_fem.mesh.gradients import gradients
 from reference_fem.stress import gradient
+from reference_fem.systems.cells import ScalarCells
 from reference_fem.systems.factor import Factor
-from reference_fem.systems.solver import RESIDUAL
+from reference_fem.systems.refined import Refined, refined, with_digits
+from reference_fem.systems.solver import ACCEPTED, RESIDUAL
+
+ROUNDING = 1e-13
+"""Of sums over nodes, relative to their terms."""
 
 
 def no_nodes() -> Index:
@@ -117,22 +122,37 @@ class Dielectric:
         K, floating = self._relative, self.floating
         with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what is infinite
             share = load / self._unit
-            phi = self._found(given, share)
+            first = self._found(given, share)
+            phi, rest, error = first.value, first.rest, first.error
             if len(floating):
                 raised = np.zeros(len(given))
                 raised[floating] = 1.0
                 unit = self._found(raised, np.zeros(len(given)))
-                phi += (share - K @ phi)[floating].sum() / (K @ unit)[floating].sum() * unit
+                missing = (share - self._fluxes(phi, rest))[floating].sum()
+                level = missing / self._fluxes(unit.value, unit.rest)[floating].sum()
+                error = max(error, unit.error)
+                phi, rest = with_digits(phi, rest + level * unit.rest, level * unit.value)
             residual = np.abs((K @ phi - share)[self._free]).max(initial=0.0)
             scale = (abs(K) @ np.abs(phi) + np.abs(share))[self._free].max(initial=0.0)
-            found = Potential(self, phi, self._unit * (K @ phi - share))
+            found = Potential(
+                self, phi, self._unit * (self._fluxes(phi, rest) - share), error, rest
+            )
             if not (residual <= RESIDUAL * scale and np.isfinite(found.energy)):
                 raise SolverError(
                     f"potential: residual {residual:.3g} V against terms of {scale:.3g} V, energy "
                     f"{found.energy:.3g} J/m; the system is badly scaled, take less graded cells "
                     "and units in which potentials and permittivities are ordinary numbers"
                 )
-        return found
+            error = max(error, found.imbalance(load), found.astray)
+        if not error <= ACCEPTED:
+            low, high = self.permittivity.min(), self.permittivity.max()
+            raise SolverError(
+                f"potential: known to {min(error, 1.0):.1g} of the largest only, wanted "
+                f"{ACCEPTED:g}: permittivities from {low:g} to {high:g} F/m, or cells so thin, "
+                "leave no digits; hold what hardly has a field in it at a potential, or leave "
+                "it out"
+            )
+        return replace(found, error=error)
 
     @property
     def stiffness(self) -> csr_matrix:
@@ -158,12 +178,26 @@ class Dielectric:
     def _factor(self) -> Factor:
         return scalar_factor(self.body, self._relative, self._free)
 
-    def _found(self, given: Array, share: Array) -> Array:
+    @cached_property
+    def cells(self) -> ScalarCells:
+        """Its equations cell by cell, of permittivities relative to the largest."""
+        return ScalarCells(gradients(self.body), self.permittivity / self._unit)
+
+    def _fluxes(self, phi: Array, rest: Array) -> Array:
+        """Charges (n,) of a potential over the largest permittivity (V)."""
+        return self.cells.forces(self.cells.stress(self.cells.strain(phi, rest)))
+
+    def _correction(self, load: Array) -> Array:
+        return self._factor(load)
+
+    def _found(self, given: Array, share: Array) -> Refined:
         phi = given.copy()
         phi[self._free] = 0.0
+        free = np.zeros(len(phi), dtype=bool)
+        free[self._free] = True
         if len(self._free):
             phi[self._free] = self._factor((share - self._relative @ phi)[self._free])
-        return phi
+        return refined(self.cells, self._correction, phi, share, free)
 
     def _nodal(self, name: str, values: ArrayLike) -> Array:
         array = finite(name, values)
@@ -185,20 +219,51 @@ class Potential:
     charge
         (n,) charge of conductors by node, per depth (C/m): what the equations leave there, which
         is nothing at nodes of no conductor. Sum it over a conductor.
+    error
+        Largest error as the solution of these equations, not that of the mesh: of a potential
+        relative to the largest, of the energy, or of a charge relative to all of them.
+    rest
+        (n,) digits (V) that the values lack: fields where they hardly vary are in these.
     """
 
     medium: Dielectric
     values: Array
     charge: Array
+    error: float
+    rest: Array
 
     def __post_init__(self) -> None:
-        for array in (self.values, self.charge):
+        for array in (self.values, self.charge, self.rest):
             array.setflags(write=False)
 
     @property
     def energy(self) -> float:
         """½∫ε|E|² per depth (J/m)."""
-        return 0.5 * float(self.values @ (self.medium.stiffness @ self.values))
+        E = self._slopes
+        unit = float(self.medium.permittivity.max())
+        return 0.5 * unit * float((E * self.medium.cells.stress(E)).sum())
+
+    @property
+    def astray(self) -> float:
+        """Charge left where no conductor is, over that of the conductors: no charge is off by more.
+
+        By Gauss's law, as a node's charge flows off to the conductors in parts.
+        """
+        held = self.medium.held.copy()
+        held[self.medium.floating] = True
+        size, left = np.abs(self.charge[held]).sum(), np.abs(self.charge[~held]).sum()
+        return float(left / size) if size else 0.0
+
+    def imbalance(self, load: Array) -> float:
+        """Difference of ΣQV from ∫ε|E|², relative; charges (n,) of conductors, and those given."""
+        work, size = (self.charge + load) * self.values, 2 * self.energy
+        lost = abs(float(work.sum()) - size) - ROUNDING * float(np.abs(work).sum())
+        return max(lost, 0.0) / size if size else 0.0
+
+    @cached_property
+    def _slopes(self) -> Array:
+        """∇φ (1, 2, q, c) in V/m."""
+        return self.medium.cells.strain(self.values, self.rest)
 
     def at(self, points: ArrayLike) -> Array:
         """Potential (p,) in V at points (p, 2) in m of the mesh.
@@ -221,7 +286,8 @@ class Potential:
         ProblemError
             If a point lies outside the mesh.
         """
-        return -gradient(self.medium.body, self.values[:, None], points)[:, 0]
+        rest = self.rest[:, None]
+        return -gradient(self.medium.body, self.values[:, None], points, rest)[:, 0]
 
     @cached_property
     def forces(self) -> Array:
@@ -231,14 +297,10 @@ class Potential:
         On conductors and faces of dielectrics they are the pull on them; elsewhere they are what
         the discretisation leaves, which is little but at edges of electrodes.
         """
-        body = self.medium.body
-        slope, measure = slopes(body.basis)
-        nodes = body.cell_nodes.T
-        E = -np.einsum("kacq,kc->acq", slope, self.values[nodes])
-        weight = self.medium.permittivity[:, None] * measure
+        cells, E = self.medium.cells.gradients, -self._slopes[0]
+        weight = self.medium.permittivity * cells.measure
         stress = weight * (E[:, None] * E - 0.5 * (E**2).sum(axis=0) * np.eye(2)[:, :, None, None])
-        each = -np.einsum("abcq,kbcq->akc", stress, slope)
-        return nodal_sums(nodes, each, len(body.points))
+        return -cells.gathered(stress).T
 
 
 def solve_potential(

@@ -16,12 +16,11 @@ from msvalidate.problem import (
     instance,
 )
 from reference_fem.body import Solution
-from reference_fem.elasticity import stiffness
+from reference_fem.elasticity import solver_of
 from reference_fem.electric.charges import Far, charged
 from reference_fem.electric.mesh import GRADING, SlabMesh, slab_mesh
 from reference_fem.electric.slab import Slab
 from reference_fem.refinement import HIGHEST_ORDER, Estimate, richardson, thrice
-from reference_fem.systems.solver import Solver
 
 
 def respond(mesh: SlabMesh, forces: Array, material: Isotropic) -> Solution:
@@ -47,7 +46,7 @@ def respond(mesh: SlabMesh, forces: Array, material: Isotropic) -> Solution:
     instance("material", material, Isotropic)
     solid = mesh.solid
     held = np.repeat(mesh.base[:, None], 2, axis=1)
-    ready = Solver(solid, stiffness(solid, material), held)
+    ready = solver_of(solid, material, held)
     force = material.thickness * finite("forces", forces)
     moved, solved = ready.solve(np.zeros(solid.points.shape), force)
     return Solution(solid, moved, material, solved=solved)

@@ -24,12 +24,16 @@ from msvalidate.problem import (
 )
 from reference_fem.effort import within_memory
 from reference_fem.large_strain.solid import Solid
-from reference_fem.systems.factor import signed
-from reference_fem.systems.solver import refuse_shapes
+from reference_fem.locking import refuse_locked
+from reference_fem.systems.factor import Apply, signed
+from reference_fem.systems.solver import ACCEPTED, refuse_shapes
 
 TOLERANCE = 1e-11
 """Residual at which Newton's method stops, relative to the largest sum of the forces that cancel at
 a node: quadratic convergence usually leaves rounding, 1e-15."""
+SETTLED = 1e-7
+"""Correction that the tangent makes of the residual left, relative to the displacement, up to which
+Newton's method may stop. In slender bodies the residual alone hardly knows of bending."""
 ITERATIONS = 20
 """Newton steps that a part of the load may take: far more than quadratic convergence needs."""
 FEW = 5
@@ -60,6 +64,9 @@ class Deformed:
         Largest force left on a free component, relative to the forces that cancel there.
     iterations, parts
         Linear solves, and parts of the load, that it took.
+    error
+        Largest error of a displacement as the solution of the discrete equations, relative to the
+        largest displacement: twice what the last tangent makes of the forces left.
     """
 
     solid: Solid
@@ -68,6 +75,7 @@ class Deformed:
     residual: float
     iterations: int
     parts: int
+    error: float
 
     def __post_init__(self) -> None:
         self.displacement.setflags(write=False)
@@ -93,6 +101,7 @@ def deform(
     parts: int = 1,
     least_part: float = LEAST_PART,
     tolerance: float = TOLERANCE,
+    allow_locked: bool = False,
 ) -> Deformed:
     """Equilibrium of a body at large strain.
 
@@ -117,6 +126,8 @@ def deform(
         Part of the load that is not halved any more.
     tolerance
         Residual to stop at, relative to the forces that cancel at a node.
+    allow_locked
+        Answer also where elements of the first degree lock (`locking`).
 
     Raises
     ------
@@ -124,7 +135,7 @@ def deform(
         If an argument is of another shape, or `start` turns a cell inside out.
     SolverError
         If there is no stable equilibrium to be found; the message says up to which part of the load
-        there was, and what stopped it.
+        there was, and what stopped it. If the elements lock, or rounding takes too many digits.
     """
     instance("solid", solid, Solid)
     whole("parts of the load", parts, 1)
@@ -140,6 +151,8 @@ def deform(
             "start: turns a cell inside out; start from an equilibrium, or from rest"
         )
     how = _Steps(1 / parts, least_part, tolerance)
+    if not allow_locked:
+        refuse_locked(solid.body, solid.at_rest)
     # What has no numbers is not upright, and refused as such.
     with within_memory(len(begin), "nodes"), np.errstate(over="ignore", invalid="ignore"):
         return _followed(solid, begin, displacement, force, how)
@@ -168,12 +181,12 @@ def _followed(
     What holds the start in place is not asked for: it is the load to begin with.
     """
     first = solid.internal_force(start)[0]
-    u, reached, iterations, parts, part = start, 0.0, 0, 0, how.first
+    u, reached, iterations, parts, part, error = start, 0.0, 0, 0, how.first, 0.0
     while reached < 1:
         target = min(1.0, reached + part)
         wanted = np.where(solid.held, (1 - target) * start + target * displacement, 0.0)
         load = (1 - target) * first + target * force
-        found, steps, why = _newton(solid, u, wanted, load, how.tolerance)
+        found, steps, why, error = _newton(solid, u, wanted, load, how.tolerance)
         iterations += steps
         if found is None:
             part = (target - reached) / 2
@@ -189,37 +202,70 @@ def _followed(
     inner, sizes = solid.internal_force(u)
     reaction = np.where(solid.held, inner - force, 0.0)
     left, scale = _left(solid, force - inner, sizes + np.abs(force))
-    return Deformed(solid, u, reaction, left / scale if scale else 0.0, iterations, parts)
+    return Deformed(solid, u, reaction, left / scale if scale else 0.0, iterations, parts, error)
 
 
 def _newton(
     solid: Solid, u: Array, wanted: Array, load: Array, tolerance: float
-) -> tuple[Array | None, int, str]:
-    """Stable equilibrium under a load, None if there is none near; linear solves; why none."""
+) -> tuple[Array | None, int, str, float]:
+    """Stable equilibrium under a load, None if there is none near; solves; why none; error."""
+    near = SETTLED * max(1.0, tolerance / TOLERANCE)
+    error = np.inf
     inner, sizes = solid.internal_force(u)
     for steps in range(1, ITERATIONS + 1):
         ahead = np.where(solid.held, wanted - u, 0.0)
         balance = load - inner
-        step, negative = _step(solid, u, balance, ahead)
+        step, negative, inverse = _step(solid, u, balance, ahead)
         if step is None or negative:
+            _refuse_at_rest(u)
             count = "motions" if negative > 1 else "a motion"
-            return None, steps, f"the tangent has {count} without stiffness"
+            return None, steps, f"the tangent has {count} without stiffness", np.inf
         u_next = _searched(solid, u, step, load, balance, bool(ahead.any()))
         if u_next is None:
-            return None, steps, "a step would turn a cell inside out or not descend"
+            return None, steps, "a step would turn a cell inside out or not descend", np.inf
         u = np.where(solid.held, wanted, u_next)  # to the last bit
         inner, sizes = solid.internal_force(u)
         left, scale = _left(solid, load - inner, sizes + np.abs(load))
-        if left <= tolerance * scale:
+        if left <= max(tolerance * scale, solid.rounding(u)):
+            error = _error(solid, u, load - inner, inverse)
+            if error > near and steps < ITERATIONS:
+                continue
+            if error > max(ACCEPTED, near):
+                break
             cell = solid.turned(u)
             if cell is not None:
-                return None, steps, f"cell {cell} is turned inside out at a node"
-            return u, steps, ""
-    return None, ITERATIONS, f"Newton's method did not converge in {ITERATIONS} steps"
+                return None, steps, f"cell {cell} is turned inside out at a node", np.inf
+            return u, steps, "", error
+    if np.isfinite(error):
+        raise SolverError(
+            f"finite strain: displacements are known to {error:.1g} of the largest only, wanted "
+            f"{ACCEPTED:g}: rounding rules in a body so slender; take fewer and longer cells"
+        )
+    return None, ITERATIONS, f"Newton's method did not converge in {ITERATIONS} steps", np.inf
 
 
-def _step(solid: Solid, u: Array, balance: Array, ahead: Array) -> tuple[Array | None, int]:
-    """Newton step (n, d) in m, the held components moving as `ahead` says; negative modes."""
+def _error(solid: Solid, u: Array, balance: Array, inverse: Apply | None) -> float:
+    """Twice what a tangent's inverse makes of the forces left, relative to the displacement."""
+    largest = float(np.abs(u).max())
+    if inverse is None or not largest:
+        return 0.0
+    return 2 * float(np.abs(inverse(balance.T.ravel()[solid.free])).max()) / largest
+
+
+def _refuse_at_rest(u: Array) -> None:
+    """A tangent that is not positive before there is any load is no matter of the load."""
+    if not u.any():
+        raise SolverError(
+            "finite strain: the tangent at rest has a motion without stiffness: the law has none "
+            "there, or the body is too slender for so many cells and rounding rules; take a law "
+            "with stiffness in every strain, or fewer and longer cells"
+        )
+
+
+def _step(
+    solid: Solid, u: Array, balance: Array, ahead: Array
+) -> tuple[Array | None, int, Apply | None]:
+    """Newton step (n, d) in m, held ones moving as `ahead` says; negative modes; inverse."""
     K, free = solid.tangent(u), solid.free
     step = ahead.T.ravel().copy()
     if len(free):
@@ -228,12 +274,12 @@ def _step(solid: Solid, u: Array, balance: Array, ahead: Array) -> tuple[Array |
         try:
             inverse, negative = signed(A)
         except (ArithmeticError, RuntimeError):
-            return None, 0
+            return None, 0, None
         step[free] = inverse((balance.T.ravel() - K @ step)[free])
         if not np.isfinite(step).all():
-            return None, negative
-        return solid.by_node(step), negative
-    return solid.by_node(step), 0
+            return None, negative, inverse
+        return solid.by_node(step), negative, inverse
+    return solid.by_node(step), 0, None
 
 
 def _searched(
@@ -253,6 +299,8 @@ def _searched(
                 return np.asarray(trial)
             left = load - solid.internal_force(trial)[0]
             if abs(float(left[free] @ step[free])) <= DESCENT * abs(slope):
+                return np.asarray(trial)
+            if np.abs(left[free]).max() <= solid.rounding(trial):  # no slope tells any more
                 return np.asarray(trial)
         share /= 2
     return None

@@ -6,6 +6,9 @@ A law is a record with three functions of deformation gradients F = I + ∂u/∂
     stress   P = ∂W/∂F       (q, d, d) in Pa, the first Piola-Kirchhoff stress
     tangent  A = ∂P/∂F       (q, d, d, d, d) in Pa, A_iJkL = ∂P_iJ/∂F_kL
 
+A law may also have `stress_by_gradient(H)`, P by the displacement gradient H = F - I: at small
+strain F - I has lost what H still tells, and E = (H + Hᵀ + HᵀH)/2 loses nothing. All laws here do.
+
 In the plane F has d = 2 and the body does not strain across it (plane strain): no law here has a
 plane stress form. All of them have no stress at F = I and do not see a rotation: W(RF) = W(F).
 """
@@ -99,8 +102,14 @@ class NeoHookean:
 
     def stress(self, F: Array) -> Array:
         """P = μ (F - F⁻ᵀ) + λ ln J F⁻ᵀ (q, d, d) in Pa."""
-        log, inverse = _log_volume(F), _inverse_transposed(F)
-        return np.asarray(self.mu * F + (self.lam * log - self.mu)[:, None, None] * inverse)
+        return self.stress_by_gradient(F - np.eye(self.dim))
+
+    def stress_by_gradient(self, H: Array) -> Array:
+        """P (q, d, d) in Pa of H = F - I, with F - F⁻ᵀ = (H + Hᵀ + H Hᵀ) F⁻ᵀ."""
+        inverse = _inverse_transposed(np.eye(self.dim) + H)
+        log = np.log1p(_volume_change(H))[:, None, None]
+        along = H + _transposed(H) + H @ _transposed(H)
+        return np.asarray(self.mu * along @ inverse + self.lam * log * inverse)
 
     def tangent(self, F: Array) -> Array:
         """A (q, d, d, d, d) in Pa, by ∂F⁻ᵀ_iJ/∂F_kL = -F⁻ᵀ_iL F⁻ᵀ_kJ."""
@@ -158,20 +167,27 @@ class StVenantKirchhoff:
 
     def energy(self, F: Array) -> Array:
         """W (q,) in J/m³."""
-        E = _green(F)
+        E = _green(F - np.eye(self.dim))
         return np.asarray(0.5 * np.einsum("qIJ,IJKL,qKL->q", E, self.C, E))
 
     def stress(self, F: Array) -> Array:
         """P = F S (q, d, d) in Pa."""
-        return np.asarray(F @ self._second(F))
+        return self.stress_by_gradient(F - np.eye(self.dim))
+
+    def stress_by_gradient(self, H: Array) -> Array:
+        """P (q, d, d) in Pa of H = F - I."""
+        return np.asarray((np.eye(self.dim) + H) @ self._second(H))
 
     def tangent(self, F: Array) -> Array:
         """A_iJkL = δ_ik S_JL + F_iI C_IJKL F_kK (q, d, d, d, d) in Pa."""
         material = np.einsum("qiI,IJKL,qkK->qiJkL", F, self.C, F, optimize=True)
-        return np.asarray(material + np.einsum("ik,qJL->qiJkL", np.eye(self.dim), self._second(F)))
+        return np.asarray(
+            material
+            + np.einsum("ik,qJL->qiJkL", np.eye(self.dim), self._second(F - np.eye(self.dim)))
+        )
 
-    def _second(self, F: Array) -> Array:
-        return np.asarray(np.einsum("IJKL,qKL->qIJ", self.C, _green(F)))
+    def _second(self, H: Array) -> Array:
+        return np.asarray(np.einsum("IJKL,qKL->qIJ", self.C, _green(H)))
 
 
 def st_venant_kirchhoff(material: Material) -> StVenantKirchhoff:
@@ -241,8 +257,14 @@ class Fibres:
 
     def stress(self, F: Array) -> Array:
         """P = Σ k (1 - |r|/|y|) y ⊗ r / cell with y = F r, (q, d, d) in Pa."""
-        y, length, rest = self._stretched(F)
-        pull = self.stiffness / self.cell * (1 - rest / length)
+        return self.stress_by_gradient(F - np.eye(self.dim))
+
+    def stress_by_gradient(self, H: Array) -> Array:
+        """P (q, d, d) in Pa of H = F - I, with |y| - |r| = Hr·(2r + Hr)/(|y| + |r|)."""
+        y, length, rest = self._stretched(np.eye(self.dim) + H)
+        move = np.einsum("qiJ,sJ->qsi", H, self.vectors)
+        longer = (move * (2 * self.vectors + move)).sum(axis=2) / (length + rest)
+        pull = self.stiffness / self.cell * longer / length
         return np.asarray(np.einsum("qs,qsi,sJ->qiJ", pull, y, self.vectors, optimize=True))
 
     def tangent(self, F: Array) -> Array:
@@ -285,8 +307,9 @@ def _lame(material: Material) -> tuple[float, float]:
     return float(C[-1, -1]), float(C[0, 1])
 
 
-def _green(F: Array) -> Array:
-    return np.asarray((_transposed(F) @ F - np.eye(F.shape[1])) / 2)
+def _green(H: Array) -> Array:
+    """E = (FᵀF - I)/2 of H = F - I."""
+    return np.asarray((H + _transposed(H) + _transposed(H) @ H) / 2)
 
 
 def _identity(d: int) -> Array:
@@ -296,12 +319,22 @@ def _identity(d: int) -> Array:
 
 def _log_volume(F: Array) -> Array:
     """Ln J (q,), of deformations that turn nothing inside out."""
-    J = np.linalg.det(F)
-    if not (J > 0).all():
+    return np.asarray(np.log1p(_volume_change(F - np.eye(F.shape[1]))))
+
+
+def _volume_change(H: Array) -> Array:
+    """J - 1 (q,) of H = F - I, the sum of H's principal minors: of deformations with J > 0."""
+    det, trace = np.linalg.det(H), np.trace(H, axis1=1, axis2=2)
+    change = trace + det
+    if H.shape[1] == 3:
+        for a, b in ((0, 1), (0, 2), (1, 2)):
+            change = change + (H[:, a, a] * H[:, b, b] - H[:, a, b] * H[:, b, a])
+    if not (change > -1).all():
         raise ProblemError(
-            f"deformation gradient: det F = {J.min():.3g}; a neo-Hookean body keeps it above zero"
+            f"deformation gradient: det F = {1 + change.min():.3g}; a neo-Hookean body keeps it "
+            "above zero"
         )
-    return np.asarray(np.log(J))
+    return np.asarray(change)
 
 
 def _inverse_transposed(F: Array) -> Array:

@@ -21,11 +21,16 @@ from msvalidate.problem import (
     positive,
     refuse_free_motions,
 )
+from reference_fem.elasticity import VOIGT
 from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
-from reference_fem.mesh.assembly import nodal_sums, slopes
+from reference_fem.mesh.assembly import nodal_sums
 from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.mesh.gradients import Gradients, gradients
 from reference_fem.systems.dissection import elimination_order
 from reference_fem.systems.solver import refuse_shapes
+
+ROUNDED = 4 * float(np.finfo(float).eps)
+"""Of a displacement, what its storing and the differences of a few of them may lose."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +78,12 @@ class Solid:
 
     def gradient(self, displacement: Array) -> Array:
         """F = I + ∂u/∂X (c, q, d, d) at the points of integration, of displacements (n, d)."""
-        u = displacement[self._nodes].transpose(0, 2, 1)[:, None]
-        return np.asarray(np.eye(self.body.dim) + u @ self._slopes)
+        return np.asarray(np.eye(self.body.dim) + self._slope(displacement))
+
+    def _slope(self, displacement: Array) -> Array:
+        """∂u/∂X (c, q, d, d), of differences within the cells."""
+        u = displacement[self._nodes]
+        return np.asarray((u - u[:, :1]).transpose(0, 2, 1)[:, None] @ self._slopes)
 
     def energy(self, displacement: Array) -> float:
         """∫ W dX in J."""
@@ -83,11 +92,42 @@ class Solid:
 
     def internal_force(self, displacement: Array) -> tuple[Array, Array]:
         """∫ P:∂φ/∂X dX (n, d) in N, and the sizes (n, d) that add up to it."""
-        F = self.gradient(displacement)
-        P = self.law.stress(F.reshape(-1, *F.shape[2:])).reshape(F.shape)
+        H = self._slope(displacement)
+        P = self._stress(H.reshape(-1, *H.shape[2:])).reshape(H.shape)
         # A cell's forces, (c, k, d): its points and the axis J are one sum.
         each = np.einsum("cqkJ,cqiJ,cq->cki", self._slopes, P, self._weights, optimize=True)
         return self._gathered(each), self._gathered(np.abs(each))
+
+    def rounding(self, displacement: Array) -> float:
+        """Largest force (N) on a node that the rounding of the displacements themselves makes.
+
+        Where a body moves as a whole its strain may be tiny: forces that cancel at a node do not
+        tell what the differences of displacements have lost.
+        """
+        moved = np.abs(displacement).max(axis=1)[self._nodes]
+        size = np.einsum("cqkJ,ck->cq", np.abs(self._slopes), moved) * self._weights
+        each = np.einsum("cqkJ,cq->ck", np.abs(self._slopes), size, optimize=True)
+        felt = np.bincount(self._nodes.ravel(), each.ravel())
+        return float(ROUNDED * self._modulus * felt.max())
+
+    def _stress(self, H: Array) -> Array:
+        """P (q, d, d) in Pa of displacement gradients (q, d, d), as exactly as the law can."""
+        exact = getattr(self.law, "stress_by_gradient", None)
+        if exact is not None:
+            return np.asarray(exact(H))
+        return np.asarray(self.law.stress(np.eye(self.body.dim) + H))
+
+    @cached_property
+    def _modulus(self) -> float:
+        """Largest entry (Pa) of the law's tangent at rest."""
+        return float(np.abs(self.at_rest).max())
+
+    @cached_property
+    def at_rest(self) -> Array:
+        """The law's tangent (Pa) at rest as a Voigt tensor (3, 3) or (6, 6)."""
+        (A,) = self.law.tangent(np.eye(self.body.dim)[None])
+        pairs = VOIGT[self.body.dim]
+        return np.array([[A[i, j, k, m] for k, m in pairs] for i, j in pairs])
 
     def tangent(self, displacement: Array) -> csr_matrix:
         """∂f/∂u (d·n, d·n) in N/m, component-major and symmetric."""
@@ -130,10 +170,17 @@ class Solid:
     @cached_property
     def _slopes(self) -> Array:
         """∂φ/∂X (c, q, k, d) at the points of integration."""
-        by_function, _ = slopes(self.body.basis)
-        return np.ascontiguousarray(by_function.transpose(2, 3, 0, 1))
+        cells = self._gradients
+        d, q = len(cells.inverse), len(cells.measure)
+        local = cells.reference.reshape(d, q, -1)
+        each = np.einsum("jqk,jJqc->cqkJ", local, cells.inverse, optimize=True)
+        return np.ascontiguousarray(each)
 
     @cached_property
     def _weights(self) -> Array:
         """Volume (c, q) in m³ that each point of integration stands for."""
-        return np.asarray(self.thickness * self.body.basis.dx)
+        return np.ascontiguousarray(self.thickness * self._gradients.measure.T)
+
+    @cached_property
+    def _gradients(self) -> Gradients:
+        return gradients(self.body)

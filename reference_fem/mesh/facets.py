@@ -66,7 +66,8 @@ class Facets:
     @cached_property
     def _stretched(self) -> Array:
         """Normals (f, q, d), as long as the map stretches the side."""
-        sides = np.einsum("keq,fkd->efqd", self._functions[1], self._corners)
+        x = self._corners
+        sides = np.einsum("keq,fkd->efqd", self._functions[1], x - x[:, :1])
         if len(sides) == 2:
             return np.asarray(np.cross(*sides))
         return np.stack([sides[0][..., 1], -sides[0][..., 0]], axis=-1)

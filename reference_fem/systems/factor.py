@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse import csc_matrix, csr_matrix, diags_array
 from scipy.sparse.linalg import splu
 
 from msvalidate.problem import Array, Index, SolverError, place_name
 from reference_fem.effort import within_memory
 from reference_fem.mesh.discretisation import Discretisation
 
+SHIFT = 1e-14
+"""Part of the diagonal that is added to it where a factor fails by rounding."""
 NO_STIFFNESS = 1e-14
 """Strain energy of a mode that is rounding, relative to what its components cost one by one."""
 
@@ -39,8 +41,8 @@ class Factor:
     inverse: Apply
 
     def __call__(self, load: Array) -> Array:
-        """Free displacements (f,) in m under forces (f,) in N."""
-        found = np.empty(len(load))
+        """Free displacements (f,) in m under forces (f,) in N; or (f, r) of r loads at once."""
+        found = np.empty(load.shape)
         found[self.order] = self.inverse(load[self.order])
         return found
 
@@ -77,10 +79,11 @@ def factorised(body: Discretisation, free: Index, order: Index, K: csr_matrix, n
         kept = free[order]
         A = K[kept][:, kept]
         if not np.isfinite(A.data).all():
-            return Factor(name, order, lambda load: np.full(len(load), np.nan))  # none allowed
+            return Factor(name, order, lambda load: np.full(load.shape, np.nan))  # none allowed
         A.sort_indices()
+        make = {"superlu": _superlu, "cholmod": _cholmod}[name]
         try:
-            inverse = {"superlu": _superlu, "cholmod": _cholmod}[name](A)
+            inverse = _shifted(A, make, body)
         except (ArithmeticError, RuntimeError) as error:
             raise SolverError(
                 "finite elements: the stiffness is singular: a part of the body can move without "
@@ -90,6 +93,21 @@ def factorised(body: Discretisation, free: Index, order: Index, K: csr_matrix, n
         if not body.in_one_piece:
             _refuse_mechanism(body, kept, A, inverse)
     return Factor(name, order, inverse)
+
+
+def _shifted(A: csr_matrix, make: Callable[[csr_matrix], Apply], body: Discretisation) -> Apply:
+    """The inverse, of a diagonal a little larger where rounding alone makes the matrix singular.
+
+    It has no motion without strain where cells hang together by whole sides, and refinement mends
+    the shift.
+    """
+    try:
+        return make(A)
+    except (ArithmeticError, RuntimeError):
+        stiff = A.diagonal()
+        if not (body.in_one_piece and (stiff > 0).all()):
+            raise
+        return make(csr_matrix(A + diags_array(SHIFT * stiff)))
 
 
 def _refuse_mechanism(body: Discretisation, kept: Index, A: csr_matrix, inverse: Apply) -> None:
@@ -154,6 +172,6 @@ def _cholmod(A: csr_matrix) -> Apply:
     def inverse(load: Array) -> Array:
         found = matrix(load)
         cholmod.solve(factor, found)
-        return np.array(found).ravel()
+        return np.array(found).reshape(load.shape)
 
     return inverse

@@ -54,7 +54,9 @@ class Hierarchy:
             self._A = inside @ scaled @ inside + diags_array(1.0 - free)
             self._cycle = _cycle(body, free, self._A)
 
-    def solve(self, load: Array, steps: int = MOST_STEPS) -> tuple[Array, int]:
+    def solve(
+        self, load: Array, steps: int = MOST_STEPS, error: float = ERROR
+    ) -> tuple[Array, int]:
         """Displacement (f,) in m of the free components under forces (f,) in N, and steps taken.
 
         Parameters
@@ -63,6 +65,8 @@ class Hierarchy:
             Forces on the free components, component-major.
         steps
             Most steps of conjugate gradients, each with one cycle.
+        error
+            To stop at, as `ERROR` is.
 
         Raises
         ------
@@ -77,25 +81,25 @@ class Hierarchy:
         right = np.zeros(self._held.shape)
         right.T[~self._held.T] = load / largest
         with within_memory(len(load), "unknowns"):
-            found, taken = _conjugate_gradients(self._A, right.ravel(), self._cycle, steps)
+            found, taken = _conjugate_gradients(self._A, right.ravel(), self._cycle, steps, error)
         free = found.reshape(self._held.shape).T[~self._held.T]
         return np.asarray(free * (largest / self._unit)), taken
 
 
 def _conjugate_gradients(
-    A: csr_array, b: Array, cycle: LinearOperator, most: int
+    A: csr_array, b: Array, cycle: LinearOperator, most: int, error: float
 ) -> tuple[Array, int]:
-    """Solution of A x = b to `ERROR`, and its steps, at most so many."""
+    """Solution of A x = b to an error as `ERROR` is, and its steps, at most so many."""
     x, residual = np.zeros(len(b)), b
     ahead = cycle @ residual
-    allowed, steps = ERROR * _norm(ahead), 0
+    allowed, steps = error * _norm(ahead), 0
     while _norm(ahead) > allowed:
         direction = ahead  # afresh, from a residual that no recursion has let drift
         while _norm(ahead) > allowed:
             force, power = A @ direction, _dot(residual, ahead)
             stiff = _dot(direction, force)
             if steps == most or not (stiff > 0 and power > 0):  # or rounding is all that is left
-                left = _norm(ahead) * ERROR / allowed
+                left = _norm(ahead) * error / allowed
                 raise SolverError(
                     f"finite elements: error {left:.1g} of the displacement after {steps} steps of "
                     "conjugate gradients; take cells of better shape, fewer of them, or a smaller "

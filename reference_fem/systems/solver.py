@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from functools import cached_property
 from time import perf_counter
 
@@ -22,15 +23,23 @@ from msvalidate.problem import (
 )
 from reference_fem.effort import envelope, within_memory
 from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.mesh.gradients import Gradients, gradients
+from reference_fem.systems.cells import ElasticCells, Entries
 from reference_fem.systems.dissection import elimination_order
 from reference_fem.systems.factor import Factor, factorised, has_cholmod
 from reference_fem.systems.multigrid import MOST_STEPS, Hierarchy
+from reference_fem.systems.refined import Refined, System, refined
 
 SOLVERS = ("auto", "superlu", "cholmod", "multigrid")
 """Names of solvers. "auto" chooses one of the others."""
 RESIDUAL = 1e-9
 """Largest accepted residual relative to the terms that cancel in it; a direct solve of a regular
 system leaves 1e-13."""
+ACCEPTED = 1e-6
+"""Largest accepted error of a displacement, relative to the largest: the discretisation's own is
+seldom less, and an error that is known to be larger is of use to nobody as a reference."""
+ROUGHLY = 0.1
+"""Error to which multigrid makes corrections, which are rounding themselves as a rule."""
 WORTH_CHOLMOD = 20_000
 """Unknowns from which on CHOLMOD is taken where it is there. Below, either factor takes a second at
 most, and answers are the same bits with it and without."""
@@ -65,6 +74,13 @@ class Solved:
         Steps of conjugate gradients; 0 of a factor.
     seconds
         Wall time (s) of this solution; the first of a `Solver` makes its factor or hierarchy.
+    error
+        Largest error of a displacement as the solution of these linear equations, relative to the
+        largest displacement: how far the elements are from the body is another matter (`refine`).
+    corrections
+        By which the first answer was refined.
+    remainder
+        (n, d) in m: the digits that the displacement lacks, which strains of slender bodies need.
     """
 
     choice: str
@@ -72,6 +88,9 @@ class Solved:
     residual: float
     steps: int
     seconds: float
+    error: float = math.nan
+    corrections: int = 0
+    remainder: Array | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +111,10 @@ class Solver:
         "multigrid"; or "auto": a factor in the plane and of slender or small bodies in space,
         multigrid of others. All of them agree to 1e-9, and in bodies whose condition allows no
         factor more than 1e-8, such as beams of 100:1, to that.
+    tensor
+        C (d, d, d, d) in Pa that the stiffness was made with, thickness included, as `measured`
+        gives it. With it residuals are summed cell by cell, which slender bodies need; without it,
+        by the entries of the stiffness, whose rounding is then a part of the error.
 
     Raises
     ------
@@ -104,6 +127,7 @@ class Solver:
     stiffness: csr_matrix
     held: Mask
     choice: str = "auto"
+    tensor: Array | None = None
 
     def __post_init__(self) -> None:
         refuse_shapes(self.body, held=self.held)
@@ -136,8 +160,8 @@ class Solver:
         ProblemError
             If an argument is of another shape.
         SolverError
-            If part of the body can move without strain, memory does not suffice, or the solution
-            fails its residual check.
+            If part of the body can move without strain, memory does not suffice, the solution
+            fails its residual check, or its error may be above `ACCEPTED`.
         """
         refuse_shapes(self.body, displacement=displacement, force=force)
         began = perf_counter()
@@ -155,8 +179,38 @@ class Solver:
                         f"{scale:.3g} N; {self._remedy(displacement=displacement, force=force)}"
                     )
                 left = float(residual / scale) if scale else 0.0
-        moved = u.reshape(self.body.dim, -1).T.copy()
-        return moved, Solved(choice, reason, left, steps, perf_counter() - began)
+            found = self._refined(choice, u.reshape(self.body.dim, -1), force.T)
+        seconds = perf_counter() - began
+        if not found.error <= ACCEPTED:
+            raise SolverError(too_ill(found.error))
+        moved, rest = found.value.T.copy(), found.rest.T.copy()
+        how = Solved(choice, reason, left, steps, seconds, found.error, found.corrections, rest)
+        return moved, how
+
+    def _refined(self, choice: str, u: Array, load: Array) -> Refined:
+        """The answer (d, n), refined by the way that it was found."""
+        inverse = self._roughly if choice == "multigrid" else self._directly
+        with within_memory(len(self._free), "unknowns"):
+            return refined(
+                self._system, inverse, u, load, ~self.held.T, sample=choice != "multigrid"
+            )
+
+    def _directly(self, forces: Array) -> Array:
+        return self._factor(forces)
+
+    def _roughly(self, forces: Array) -> Array:
+        each = [self._hierarchy.solve(force, error=ROUGHLY)[0] for force in forces.T]
+        return np.stack(each, axis=1)
+
+    @cached_property
+    def _system(self) -> System:
+        if self.tensor is None:
+            return Entries(self.stiffness)
+        return ElasticCells(self._gradients, self.tensor)
+
+    @cached_property
+    def _gradients(self) -> Gradients:
+        return gradients(self.body)
 
     def _remedy(self, **given: Array) -> str:
         """What to say of a solution that fails its check."""
@@ -230,6 +284,16 @@ class Solver:
     @cached_property
     def _hierarchy(self) -> Hierarchy:
         return Hierarchy(self.body, self.held, self.stiffness)
+
+
+def too_ill(error: float) -> str:
+    """What to say of an answer that rounding has taken its digits from."""
+    known = f"known to {error:.1g} of the largest only" if error < 1 else "all rounding"
+    return (
+        f"finite elements: displacements are {known}, wanted {ACCEPTED:g}: the body is too "
+        "slender, or its cells too thin, for this many of them; take fewer and longer cells, a "
+        "part of the body, or the formula of a beam"
+    )
 
 
 def refuse_shapes(body: Discretisation, **named: Array | Mask) -> None:

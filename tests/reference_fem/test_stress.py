@@ -233,3 +233,18 @@ def test_the_elliptic_membrane_of_nafems():
     first, second = np.abs(np.diff(stress))
     assert second < first / 2.5, "the changes must shrink towards the second order of a gradient"
     assert elliptic_membrane("P2", 32) / 1e6 == pytest.approx(92.7, rel=0.01)
+
+
+@pytest.mark.parametrize("element", ["Q1", "Q2", "P1", "P2", "H1", "H2", "T1", "T2"])
+def test_shear_stress_is_the_shear_modulus_times_the_engineering_shear(element):
+    # u_a = G_ab x_b with unlike shears: a halved or exchanged one shows in any element.
+    d = 2 if element[0] in "QP" else 3
+    E, nu, size = 1e6, -0.2, 0.37
+    body = reference_fem.box_discretisation(Box((size,) * d), 2, element)
+    G = 1e-3 * np.array([[0.0, 3.0, 5.0], [0.5, 0.0, 7.0], [0.25, 0.125, 0.0]])[:d, :d]
+    law = Isotropic(E, nu, "plane_strain" if d == 2 else "solid")
+    found = Solution(body, body.points @ G.T, law).stress(np.full((1, d), 0.3 * size))[0]
+    shears = ((0, 1),) if d == 2 else ((1, 2), (0, 2), (0, 1))
+    wanted = [E / (2 * (1 + nu)) * (G[a, b] + G[b, a]) for a, b in shears]
+    np.testing.assert_allclose(found[d:], wanted, rtol=1e-12)
+    np.testing.assert_allclose(found[:d], 0, atol=1e-12 * max(wanted))

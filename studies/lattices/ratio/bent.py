@@ -92,7 +92,8 @@ def deflection(candidate: Candidate, block: Bent) -> float:
     if block.model in ELEMENTS[box.dim]:
         mesh = reference_fem.box_discretisation(box, cells, block.model)
         force = nodal_forces(problem, mesh)
-        move = reference_fem.solve_problem(problem, mesh).displacement
+        # Elements that lock are what is looked at.
+        move = reference_fem.solve_problem(problem, mesh, allow_locked=True).displacement
     else:
         network = springs_of(problem, block.model, cells)
         force, move = network.force, candidate(problem, network, "linear")

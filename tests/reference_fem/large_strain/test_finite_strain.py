@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from msvalidate.problem import Box, Isotropic, ProblemError, SolverError
+from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError, SolverError
 from reference_fem import box_discretisation, discretise, solve
+from reference_fem.elasticity import solve_on
 from reference_fem.large_strain import (
     NeoHookean,
     Solid,
@@ -345,3 +346,48 @@ def test_bad_loads_are_refused():
         deform(solid, rest, rest, parts=0)
     with pytest.raises(ProblemError, match="tolerance"):
         deform(solid, rest, rest, tolerance=-1.0)
+
+
+# --- small strains, and what an answer says of itself ----------------------------------------------
+
+PAIRS = ((0, 0), (1, 1), (0, 1))
+
+
+@pytest.mark.parametrize("strain", [1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("name", ALL_LAWS)
+def test_small_strains_are_the_linear_ones(name, strain):
+    law = ALL_LAWS[name]
+    box = Box((0.37, 0.37))
+    body = box_discretisation(box, 4, "Q2")
+    held = np.repeat(body.points[:, :1] == 0, 2, axis=1)
+    force = np.zeros(held.shape)
+    force[body.points[:, 0] == 0.37] = strain * 0.37 / 9 * np.array([0.3, 1.0])
+    found = deform(Solid(body, law, held), 0 * force, force)
+    A = law.tangent(np.eye(2)[None])[0]
+    C = np.array([[A[i, j, k, m] for k, m in PAIRS] for i, j in PAIRS])
+    linear = solve_on(body, Anisotropic(C), held, 0 * force, force)
+    apart = np.abs(found.displacement - linear).max() / np.abs(linear).max()
+    # They differ by squares of the displacement's gradients, which are a few times the load's.
+    assert apart <= 100 * strain + found.error
+    assert found.error <= 1e-9
+
+
+def test_a_large_turn_with_a_small_strain_is_at_rest():
+    law = neo_hookean(Isotropic(1e6, 0.3, "plane_strain"))
+    body = box_discretisation(Box((0.37, 0.37)), 2, "Q2")
+    turn = np.array([[0.0, -1.0], [1.0, 0.0]]) * (1 + 1e-9)
+    right = body.points @ (turn - np.eye(2)).T
+    held = np.zeros(right.shape, dtype=bool)
+    held[np.unique(body.surface)] = True
+    found = deform(Solid(body, law, held), right, 0 * right, start=right)
+    assert np.abs(found.displacement - right).max() <= found.error * np.abs(right).max() + 1e-15
+    assert found.error <= 1e-9
+
+
+def test_a_body_too_slender_for_its_cells_is_no_matter_of_the_load():
+    body = box_discretisation(Box((1e4, 1.0)), (300, 1), "Q2")
+    held = np.repeat(body.points[:, :1] == 0, 2, axis=1)
+    force = np.where(held, 0.0, 1e-9)
+    law = neo_hookean(Isotropic(1e6, 0.3, "plane_strain"))
+    with pytest.raises(SolverError, match="fewer and longer cells"):
+        deform(Solid(body, law, held), 0 * force, force)

@@ -46,7 +46,7 @@ def answer(problem, body, most, monkeypatch):
     monkeypatch.setattr(
         "reference_fem.systems.solver.MOST_PRODUCTS", {"superlu": most, "cholmod": most}
     )
-    return reference_fem.solve_problem(problem, body).displacement
+    return reference_fem.solve_problem(problem, body, allow_locked=True).displacement
 
 
 def refused(*_):
@@ -110,7 +110,7 @@ def test_what_multigrid_finds_hard_is_solved_directly(size, cells, grading, nu, 
     assert body.points.size > 4000
     with monkeypatch.context() as only:
         only.setattr("reference_fem.systems.solver.Hierarchy", refused)
-        direct = reference_fem.solve_problem(problem, body).displacement
+        direct = reference_fem.solve_problem(problem, body, allow_locked=True).displacement
     # The same where multigrid is asked first, and is wrong or stalls.
     monkeypatch.setattr("reference_fem.systems.solver.LEAST_STEPS", 5)
     again = answer(problem, body, 0, monkeypatch)

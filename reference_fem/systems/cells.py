@@ -1,0 +1,245 @@
+"""Elastic forces summed cell by cell: the equations that `refined` solves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from msvalidate.problem import Array, Index
+from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.mesh.gradients import Gradients, gradients
+
+EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticCells:
+    """Forces of σ = C:ε on nodes.
+
+    Parameters
+    ----------
+    gradients
+        Of the mesh.
+    tensor
+        C (d, d, d, d) in Pa, thickness included.
+    """
+
+    gradients: Gradients
+    tensor: Array
+    positive = True
+
+    def strain(self, u: Array, rest: Array | None = None) -> Array:
+        """Symmetric gradient (s, q, c), shears doubled, of displacements (d, n) in m."""
+        G = self.gradients.of(u, rest)
+        return np.array([G[a, a] if a == b else G[a, b] + G[b, a] for a, b in self._pairs])
+
+    def stress(self, strain: Array) -> Array:
+        """C:ε times the measure (s, q, c)."""
+        found = (self._voigt @ strain.reshape(len(strain), -1)).reshape(strain.shape)
+        return np.asarray(found * self.gradients.measure)
+
+    def forces(self, stress: Array) -> Array:
+        """Nodal forces (d, n) in N of stresses (s, q, c) that hold the measure."""
+        return self.gradients.gathered(self._full(stress))
+
+    def sized(self, stress: Array) -> tuple[Array, Array]:
+        """As `forces`, and the sizes (d, n) in N of what the cells bring to them."""
+        return self.gradients.sized(self._full(stress))
+
+    def noise(self, u: Array, sums: Array) -> Array:
+        """Forces (d, n) in N as rounding makes them, with random signs.
+
+        Gradients are rounded relative to what cancels in strains, such as the turning of a cell.
+        Sums at nodes, and loads, are rounded relative to their terms.
+        """
+        signs = np.random.default_rng(0)
+        size = np.abs(self._voigt).sum(axis=1)[:, None, None] * self.gradients.measure
+        size = size * self.gradients.coarsest(u)
+        wrong = EPS * size * signs.uniform(-1, 1, size.shape)
+        return np.asarray(self.forces(wrong) + EPS * sums * signs.uniform(-1, 1, sums.shape))
+
+    @property
+    def _pairs(self) -> list[tuple[int, int]]:
+        d = len(self.tensor)
+        return [(a, a) for a in range(d)] + [(a, b) for a in range(d) for b in range(a + 1, d)]
+
+    @property
+    def _voigt(self) -> Array:
+        return np.array([[self.tensor[a, b, c, e] for c, e in self._pairs] for a, b in self._pairs])
+
+    def _full(self, stress: Array) -> Array:
+        """Stress (d, d, q, c) of its parts (s, q, c)."""
+        d = len(self.tensor)
+        full = np.empty((d, d, *stress.shape[1:]))
+        for part, (a, b) in zip(stress, self._pairs, strict=True):
+            full[a, b] = full[b, a] = part
+        return full
+
+
+@dataclass(frozen=True, eq=False)
+class MixedCells:
+    """Forces of σ = 2με + pI on nodes, and volumes of div u - p/λ, as `mixed` states them.
+
+    Unknowns are displacements (d, n) in m and pressures (v,) in Pa, one after the other.
+
+    Parameters
+    ----------
+    shear
+        The forces of 2με.
+    inverse
+        1/λ (1/Pa).
+    thickness
+        In m.
+    functions, corners
+        (k, q) values of the pressure's functions in a cell, and (k, c) the pressures that they
+        belong to.
+    count
+        Number of pressures.
+    """
+
+    shear: ElasticCells
+    inverse: float
+    thickness: float
+    functions: Array
+    corners: Index
+    count: int
+    positive = False
+
+    def strain(self, u: Array, rest: Array | None = None) -> tuple[Array, Array]:
+        """Strain (s, q, c) and pressure (q, c)."""
+        less = None if rest is None else self._displacement(rest)
+        pressure = u[-self.count :] if rest is None else u[-self.count :] + rest[-self.count :]
+        strain = self.shear.strain(self._displacement(u), less)
+        return strain, self.functions.T @ pressure[self.corners]
+
+    def stress(self, strain: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Stress (s, q, c) and what volumes are wrong by (q, c), times the measure."""
+        d, weight = len(self.shear.tensor), self.thickness * self.shear.gradients.measure
+        stress = self.shear.stress(strain[0])
+        stress[:d] += weight * strain[1]
+        return stress, weight * (strain[0][:d].sum(axis=0) - self.inverse * strain[1])
+
+    def forces(self, stress: tuple[Array, Array]) -> Array:
+        """Nodal forces (N), then volumes (m³)."""
+        return self.sized(stress)[0]
+
+    def sized(self, stress: tuple[Array, Array]) -> tuple[Array, Array]:
+        """As `forces`, and the sizes of what the cells bring to them."""
+        forces, sizes = self.shear.sized(stress[0])
+        each = self.functions @ stress[1]
+        sums = (self._by_corner(each), self._by_corner(self.functions @ np.abs(stress[1])))
+        return (
+            np.concatenate([forces.ravel(), sums[0]]),
+            np.concatenate([sizes.ravel(), sums[1]]),
+        )
+
+    def noise(self, u: Array, sums: Array) -> Array:
+        """Forces (N) and volumes (m³) as rounding makes them, with random signs."""
+        d, moved = len(self.shear.tensor), self._displacement(u)
+        force = self.shear.noise(moved, sums[: moved.size].reshape(moved.shape))
+        strain = np.abs(self.shear.strain(moved)[:d]).sum(axis=0)
+        pressure = self.functions.T @ np.abs(u[-self.count :])[self.corners]
+        weight = self.thickness * self.shear.gradients.measure
+        size = self._by_corner(self.functions @ (weight * (strain + self.inverse * pressure)))
+        signs = np.random.default_rng(1).uniform(-1, 1, self.count)
+        return np.concatenate([force.ravel(), EPS * size * signs])
+
+    def _displacement(self, u: Array) -> Array:
+        return u[: -self.count].reshape(len(self.shear.tensor), -1)
+
+    def _by_corner(self, each: Array) -> Array:
+        found = np.bincount(self.corners.ravel(), each.ravel(), self.count)
+        return np.asarray(found, dtype=float)
+
+
+def mixed_cells(body: Discretisation, mu: float, inverse: float, thickness: float) -> MixedCells:
+    """The equations of mixed elements of μ (Pa), 1/λ (1/Pa) and thickness (m)."""
+    unit = np.eye(body.dim)
+    straight = np.einsum("ac,be->abce", unit, unit)
+    tensor = thickness * mu * (straight + straight.swapaxes(2, 3))
+    X, linear = np.asarray(body.basis.X), body.element.linear
+    functions = np.array([linear.lbasis(X, i)[0] for i in range(body.element.corners)])
+    shear = ElasticCells(gradients(body), tensor)
+    corners = np.searchsorted(body.vertices, shear.gradients.nodes[: body.element.corners])
+    return MixedCells(shear, inverse, thickness, functions, corners, len(body.vertices))
+
+
+@dataclass(frozen=True, eq=False)
+class ScalarCells:
+    """Fluxes of w ∇φ into nodes: charges of a potential.
+
+    Parameters
+    ----------
+    gradients
+        Of the mesh.
+    weight
+        (c,) of the cells.
+    """
+
+    gradients: Gradients
+    weight: Array
+    positive = True
+
+    def strain(self, u: Array, rest: Array | None = None) -> Array:
+        """∇φ (1, d, q, c) of a potential (n,)."""
+        return self.gradients.of(u[None], None if rest is None else rest[None])
+
+    def stress(self, strain: Array) -> Array:
+        """Flux w ∇φ times the measure (1, d, q, c)."""
+        return np.asarray(strain * (self.weight * self.gradients.measure))
+
+    def forces(self, stress: Array) -> Array:
+        """Fluxes (n,)."""
+        return np.asarray(self.gradients.gathered(stress)[0])
+
+    def sized(self, stress: Array) -> tuple[Array, Array]:
+        """As `forces`, and the sizes of what the cells bring to them."""
+        fluxes, sizes = self.gradients.sized(stress)
+        return fluxes[0], sizes[0]
+
+    def noise(self, u: Array, sums: Array) -> Array:
+        """Fluxes (n,) as rounding makes them, with random signs."""
+        signs = np.random.default_rng(0)
+        size = self.weight * self.gradients.measure * self.gradients.coarsest(u[None])
+        wrong = self.forces(
+            EPS * size * signs.uniform(-1, 1, (1, len(self.gradients.inverse), *size.shape))
+        )
+        found: Array = wrong + EPS * sums * signs.uniform(-1, 1, sums.shape)
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Entries:
+    """Forces K u of a matrix as it stands, whose entries are rounded.
+
+    Parameters
+    ----------
+    K
+        Stiffness (d·n, d·n) in N/m, component-major.
+    """
+
+    K: csr_matrix
+    positive = True
+
+    def strain(self, u: Array, rest: Array | None = None) -> Array:
+        """The displacements (d, n) in m."""
+        return u if rest is None else u + rest
+
+    def stress(self, strain: Array) -> Array:
+        """K u (d, n) in N."""
+        return np.asarray(self.K @ strain.ravel()).reshape(strain.shape)
+
+    def forces(self, stress: Array) -> Array:
+        """The same."""
+        return stress
+
+    def sized(self, stress: Array) -> tuple[Array, Array]:
+        """The same, twice: what adds up to them is known where the displacements are."""
+        return stress, np.abs(stress)
+
+    def noise(self, u: Array, sums: Array) -> Array:
+        """Forces (d, n) in N as the rounding of entries makes them, with random signs."""
+        size = (abs(self.K) @ np.abs(u).ravel()).reshape(u.shape) + sums
+        return np.asarray(EPS * size * np.random.default_rng(0).uniform(-1, 1, u.shape))
