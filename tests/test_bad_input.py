@@ -253,7 +253,7 @@ BAD = [
         ProblemError,
         "mass: [1. 1. 1.]; choose shared or equal",
     ),
-    ("held as numbers", lambda: net(held=np.ones((3, 2))), ProblemError, "give booleans (3, 2)"),
+    ("held as numbers", lambda: net(held=np.full((3, 2), 2)), ProblemError, "give booleans (3, 2)"),
     ("held in rows", lambda: net(held=[[True], [True, False]]), ProblemError, "held: rows of diff"),
     ("held of None", lambda: Network(*[None] * 8), ProblemError, "points: expected numbers"),
     (

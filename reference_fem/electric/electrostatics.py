@@ -26,6 +26,7 @@ from msvalidate.problem import (
     Mask,
     ProblemError,
     SolverError,
+    booleans,
     finite,
     instance,
     integers,
@@ -89,15 +90,15 @@ class Dielectric:
             raise ProblemError(
                 f"permittivity: {permittivity[cell]:g} F/m in cell {cell}; it must be above zero"
             )
-        if np.shape(self.held) != (size,) or np.asarray(self.held).dtype != bool:
-            raise ProblemError(f"held: {shown(self.held)}; give ({size},) of True and False")
+        held = booleans("held", self.held, (size,))
         floating = np.unique(integers("floating", self.floating))
         if ((floating < 0) | (floating >= size)).any():
             raise ProblemError(f"floating: {shown(self.floating)}; nodes run from 0 to {size - 1}")
-        if self.held[floating].any():
+        if held[floating].any():
             raise ProblemError("floating: a node of it is held as well; leave it out of one")
         object.__setattr__(self, "permittivity", permittivity)
         object.__setattr__(self, "floating", floating)
+        object.__setattr__(self, "held", held)
         _refuse_adrift(self.body, self.held)
 
     def solve(self, values: Array, charge: Array | None = None) -> Potential:
