@@ -22,6 +22,8 @@ from msvalidate.problem import (
 MOST_DENSE = 30_000
 """Segments or patches beyond which no matrix is made of all pairs: it would take 7 GB or more."""
 
+ROUNDED = 8 * float(np.finfo(float).eps)
+"""Error of an integral over pairs, over its larger terms: sums of some eight, rounded each."""
 LEAST_KNOWN = 1e-3
 """Error of charges, over the charges, beyond which none are handed out: integrals of near segments
 and factors of their matrices are rounded by 1e-16, and three digits are what a chart is read to."""
@@ -109,6 +111,14 @@ def condition_of(factor: Array, norm: float, *, symmetric: bool) -> float:
     else:
         inverse, _ = lapack.dgecon(factor, norm, norm="1")
     return 1 / float(inverse) if inverse > 0 else np.inf
+
+
+def rounded(extent: float) -> float:
+    """Error of mean logarithms of distances (m) in electrodes of an extent (m), over their spread.
+
+    A unit far from their size makes all logarithms large, and differences of them are what counts.
+    """
+    return ROUNDED * (1 + abs(float(np.log(extent))))
 
 
 def norm_of(matrix: Array) -> float:

@@ -33,11 +33,12 @@ from msvalidate.electrostatics.checks import (
     permittivity_of,
     ratio_of,
     refuse_dense,
+    rounded,
     voltages_of,
 )
 from msvalidate.electrostatics.faces import Faces
 from msvalidate.electrostatics.moments import Complex, complex_of, places
-from msvalidate.electrostatics.neutral import EPS, levelled
+from msvalidate.electrostatics.neutral import levelled
 from msvalidate.kernels import charges as integrals
 from msvalidate.kernels import fluxes
 from msvalidate.problem import Array, ProblemError, instance, positive
@@ -106,8 +107,9 @@ class SlabInAir:
         level, middle = levelled(given)
         solved = self.solve(self.air * np.where(self.faces.bare, 0.0, level[self.faces.electrode]))
         constant = float(solved[-1]) / self.air + middle
-        found = ChargesInAir(self, given, solved[:-1], constant, EPS * self._condition)
-        return replace(found, error=known(found.error * _lost(found)))
+        rounding = rounded(float(np.ptp(self.faces.points, axis=0).max()))
+        found = ChargesInAir(self, given, solved[:-1], constant, known(rounding * self._condition))
+        return replace(found, error=found.error * _lost(found))
 
     def solve(self, right: Array, *, adjoint: bool = False) -> Array:
         """Solution (n + 1, ...) for n rows of the equations; `adjoint` transposes them."""

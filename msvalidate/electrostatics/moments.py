@@ -28,10 +28,11 @@ from msvalidate.electrostatics.checks import (
     known,
     permittivity_of,
     refuse_dense,
+    rounded,
     voltages_of,
 )
 from msvalidate.electrostatics.electrodes import Electrodes
-from msvalidate.electrostatics.neutral import EPS, Neutral, factorised, levelled, neutral_gmres
+from msvalidate.electrostatics.neutral import Neutral, factorised, levelled, neutral_gmres
 from msvalidate.kernels import charges as integrals
 from msvalidate.problem import (
     Array,
@@ -218,7 +219,7 @@ class Moments:
                 return found
         if self._own is None:
             self._own, self._nearby = self._factorised(), None
-        return self._own(potential), 0, EPS * self._own.condition
+        return self._own(potential), 0, self._rounding * self._own.condition
 
     def _factorised(self) -> Neutral:
         """The solution by a factor, for which the matrix is given up."""
@@ -245,7 +246,11 @@ class Moments:
         )
         if found is None:
             return None
-        return found.solved, found.steps, found.error + EPS * nearby.condition
+        return found.solved, found.steps, found.error + self._rounding * nearby.condition
+
+    @property
+    def _rounding(self) -> float:
+        return rounded(self.electrodes.extent)
 
     def _coefficients(self) -> Array:
         if self._matrix is not None:

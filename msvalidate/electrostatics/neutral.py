@@ -19,7 +19,6 @@ RESTARTS = 3
 """Of GMRES, which stops by the preconditioned residual and then looks at that of the potentials."""
 
 Solve = Callable[[Array], Array]
-EPS = float(np.finfo(float).eps)
 FOLLOWED = 10.0
 """How far an error may exceed what one more step of an iteration would change."""
 

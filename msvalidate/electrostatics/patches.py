@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
 from msvalidate.electrostatics.checks import (
+    ROUNDED,
     condition_of,
     freeze,
     known,
@@ -128,7 +129,7 @@ class PatchMoments:
         """Charges at potentials (k,) in V, one for each conductor, over that far away."""
         given = voltages_of("a conductor", self.patches.count, voltages)
         charge = lu_solve(self._factor, given[self.patches.conductor])
-        error = known(np.finfo(float).eps * self._condition)
+        error = known(ROUNDED * self._condition)
         return PatchCharges(self, given, charge, error)
 
 

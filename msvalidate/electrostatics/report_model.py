@@ -32,6 +32,7 @@ from msvalidate.electrostatics.checks import (
     norm_of,
     permittivity_of,
     refuse_dense,
+    rounded,
     voltages_of,
 )
 from msvalidate.electrostatics.electrodes import Electrodes
@@ -116,7 +117,9 @@ class ReportModel:
         """
         given = voltages_of("an electrode", self.electrodes.count, voltages)
         charge = self.solve(given[self.pieces.electrode])
-        return ReportCharges(self, given, charge, known(np.finfo(float).eps * self._condition))
+        return ReportCharges(
+            self, given, charge, known(rounded(self.electrodes.extent) * self._condition)
+        )
 
     def solve(self, potential: Array, *, adjoint: bool = False) -> Array:
         """Charges (k, ...) in C/m at potentials of their seats (V); `adjoint` transposes."""
