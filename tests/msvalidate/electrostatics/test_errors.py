@@ -94,8 +94,8 @@ def test_permittivity_ratios_tend_to_limits(ratio, size):
     # The limit's own distance from it is 1e-6 of some geometry of order 1.
     np.testing.assert_allclose(charges.totals, expected.totals, rtol=1e-5)
     assert charges.energy > 0
-    # A condition of some hundreds, and logarithms of lengths up to 21.
-    assert charges.error < 1e-10
+    # A condition of some hundreds, logarithms up to 21, a free charge that is a difference.
+    assert charges.error < 1e-9
 
 
 def test_a_slab_of_great_permittivity_is_a_capacitor_without_edges():
