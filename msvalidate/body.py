@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.calibrate import stiffnesses
 from msvalidate.lattice import Constants, CutLattice, Lattice, boundary_weights
 from msvalidate.lattice.corners import quadrilateral_shares
+from msvalidate.lattice_constants import stiffnesses
 from msvalidate.local_shear import LocalShear
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import (

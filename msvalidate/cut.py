@@ -30,10 +30,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from msvalidate.calibrate import stiffnesses
 from msvalidate.lattice import Constants
 from msvalidate.lattice.cut import CutLattice
 from msvalidate.lattice.outline import crossed, outline, outside, straight_pieces
+from msvalidate.lattice_constants import stiffnesses
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import (
     Array,

@@ -286,12 +286,15 @@ def stability_limit(
 
 def _limit(integrator: Integrator, omega: float, rates: Array) -> float:
     """Least limit (s) of a mode over the rates between the smallest and the largest."""
-    least, most = rates.min() / 2 / omega, rates.max() / 2 / omega
+    with np.errstate(over="ignore"):  # beyond all numbers there is no limit to tell
+        least, most = rates.min() / 2 / omega, rates.max() / 2 / omega
+    if not math.isfinite(most):
+        return math.inf
     ratios = [least, most]
     if most > least:  # beyond a ratio of 2 every limit falls
         ratios += list(np.linspace(least, min(most, 2.0), RATIOS)) if least < 2 else []
     limits = [integrator.limit(float(zeta)) for zeta in ratios]
-    at = min(limits) / omega if math.isfinite(most) else math.inf
+    at = min(limits) / omega
     return math.inf if at == 0 and min(limits) > 0 else at
 
 

@@ -30,9 +30,11 @@ from msvalidate.problem import (
     Mask,
     ProblemError,
     SolverError,
+    booleans,
     coordinates,
     finite,
     instance,
+    integers,
     shown,
 )
 from msvalidate.volumes import Volumes
@@ -103,7 +105,7 @@ class Network:
             if value.shape != shape:
                 raise ProblemError(f"{name}: shape {value.shape}; this network needs {shape}")
             object.__setattr__(self, name, value)
-        held, moved = _mask("held", self.held, (n, d)), self.displacement
+        held, moved = booleans("held", self.held, (n, d)), self.displacement
         _refuse("stiffness", self.stiffness, self.stiffness < 0, "N/m; it must be 0 or more")
         _refuse(
             "displacement", moved[~held], moved[~held] != 0, "m of what is not held; hold it too"
@@ -225,7 +227,7 @@ def spring_network(
         if rest_length is None
         else _filled("rest_length", rest_length, len(pairs)),
         mass=_filled("mass", mass, len(x)),
-        held=_mask("held", zero.astype(bool) if held is None else held, x.shape),
+        held=booleans("held", zero if held is None else held, x.shape),
         displacement=finite("displacement", zero if displacement is None else displacement),
         force=finite("force", zero if force is None else force),
         volumes=volumes,
@@ -323,6 +325,8 @@ def stretched(network: Network, position: Array) -> tuple[Array, Array]:
     instance("network", network, Network)
     if getattr(position, "shape", None) != network.points.shape:
         raise ProblemError(f"position: {shown(position)}; give an array {network.points.shape}")
+    if type(position) is not np.ndarray or position.dtype != np.float64:
+        position = coordinates("position", position)
     vector = position[network.springs[:, 1]] - position[network.springs[:, 0]]
     length = np.linalg.norm(vector, axis=1)
     if not math.isfinite(length.sum()):  # one look for any number of springs
@@ -337,31 +341,16 @@ def stretched(network: Network, position: Array) -> tuple[Array, Array]:
 
 
 def _pairs(springs: ArrayLike, n: int) -> Index:
-    try:
-        pairs = np.asarray(springs)
-    except ValueError as error:
-        raise ProblemError(
-            "springs: rows of different length; give whole numbers (m, 2)"
-        ) from error
-    if pairs.size == 0 or pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
-        raise ProblemError(f"springs: {pairs.dtype} {pairs.shape}; give whole numbers (m, 2)")
+    pairs = integers("springs", springs)
+    if pairs.size == 0 or pairs.ndim != 2 or pairs.shape[1] != 2:
+        raise ProblemError(f"springs: shape {pairs.shape}; give whole numbers (m, 2)")
     bad = np.flatnonzero((pairs < 0).any(axis=1) | (pairs >= n).any(axis=1))
     if len(bad):
         raise ProblemError(f"springs: {pairs[bad[0]]} at index {bad[0]}; there are {n} points")
     own = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
     if len(own):
         raise ProblemError(f"springs: {pairs[own[0]]} at index {own[0]} joins a point to itself")
-    return np.array(pairs, dtype=np.intp)
-
-
-def _mask(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Mask:
-    try:
-        mask = np.array(value)
-    except ValueError as error:
-        raise ProblemError(f"{name}: rows of different length; give booleans {shape}") from error
-    if mask.dtype != bool or mask.shape != shape:
-        raise ProblemError(f"{name}: {mask.dtype} {mask.shape}; give booleans {shape}")
-    return mask
+    return pairs
 
 
 def _filled(name: str, value: ArrayLike, count: int) -> Array:

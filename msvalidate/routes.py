@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -32,6 +33,44 @@ from msvalidate.problem.material import State
 from msvalidate.spring_constants import along_axes, isotropic_constants
 from msvalidate.stable_range import least_ratio, least_volume
 from msvalidate.stiffness import ALIKE, CAUCHY, UNIT, moduli
+
+Verdict = Literal["exact", "first order", "unstable", "not known"]
+
+
+@dataclass(frozen=True)
+class Body:
+    """What a body made of a calibrated lattice does under uniform tension, each axis in turn.
+
+    Parameters
+    ----------
+    verdict
+        "exact": it follows the material to rounding, whatever its size. "first order": its sides
+        cut springs, which leaves an error that halves with the spacing. "unstable": its tangent
+        has a negative or no stiffness for some motion, so that it has no equilibrium to show.
+        "not known": it was not tried.
+    error
+        The largest error of a displacement's component over the largest displacement, of the worst
+        axis, where the verdict is of first order; 0 where it is exact, or else NaN.
+    points
+        Of the body that was tried: that one, or a smaller one of the same lattice, whose error is
+        then taken to be in proportion to the spacing over the body's least length.
+    """
+
+    verdict: Verdict
+    error: float
+    points: int
+
+    def __str__(self) -> str:
+        if self.verdict == "exact":
+            return "uniform strain is exact in this body"
+        if self.verdict == "first order":
+            return (
+                "this body's sides cut springs: under uniform tension displacements are off by "
+                f"about {100 * self.error:.2g} % of the largest, half of that with half the spacing"
+            )
+        if self.verdict == "unstable":
+            return "this body is unstable: take another ratio or lattice"
+        return "what this body does was not tried"
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +97,9 @@ class Calibration:
     lattice, spacing, thickness
         What all of this is for: the pattern's name, its unit's length (m), and the thickness (m).
         In the plane it serves any spacing.
+    body
+        What the body does that was given; None of a pattern, and all of the above is of endless
+        lattices.
     """
 
     constants: Constants
@@ -71,9 +113,14 @@ class Calibration:
     lattice: str
     spacing: float
     thickness: float
+    body: Body | None = None
 
     def __post_init__(self) -> None:
         self.tensor.setflags(write=False)
+
+    def __str__(self) -> str:
+        end = "of an endless lattice; bodies differ" if self.body is None else str(self.body)
+        return f"{self.lattice} lattice by {self.route}: E = {self.E:g} Pa, nu = {self.nu:g}; {end}"
 
 
 def by_first(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:

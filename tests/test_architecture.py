@@ -274,6 +274,8 @@ FLOORS = {
     "msvalidate.blocks": 1,
     "msvalidate.body": 1,
     "msvalidate.calibrate": 1,
+    "msvalidate.lattice_constants": 1,
+    "msvalidate.uniform_tension": 1,
     "msvalidate.candidate": 2,
     "msvalidate.cut": 1,
     "msvalidate.electrostatics": 1,

@@ -20,15 +20,25 @@ adds up to nothing to rounding. For ε_r = 1 all this is Galerkin's `Moments`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
-from msvalidate.electrostatics.checks import refuse_dense, voltages_of
+from msvalidate.electrostatics.checks import (
+    condition_of,
+    known,
+    norm_of,
+    permittivity_of,
+    ratio_of,
+    refuse_dense,
+    rounded,
+    voltages_of,
+)
 from msvalidate.electrostatics.faces import Faces
 from msvalidate.electrostatics.moments import Complex, complex_of, places
+from msvalidate.electrostatics.neutral import levelled
 from msvalidate.kernels import charges as integrals
 from msvalidate.kernels import fluxes
 from msvalidate.problem import Array, ProblemError, instance, positive
@@ -56,10 +66,13 @@ class SlabInAir:
         instance("faces", faces, Faces)
         refuse_dense("segments", len(faces.points))
         self.faces = faces
-        self.ratio = positive("ratio", ratio)
-        self.permittivity = positive("permittivity", permittivity, "F/m")
+        self.ratio = ratio_of(ratio)
+        self.permittivity = permittivity_of(permittivity)
         self._passed = fluxes.crossed(*self.lines()) / (2 * np.pi)
-        self._factor = lu_factor(self._equations())
+        equations = np.asfortranarray(self._equations())
+        norm = norm_of(equations)
+        self._factor = lu_factor(equations, overwrite_a=True)
+        self._condition = condition_of(self._factor[0], norm, symmetric=False)
 
     @property
     def air(self) -> float:
@@ -91,8 +104,12 @@ class SlabInAir:
     def charges(self, voltages: ArrayLike) -> ChargesInAir:
         """Charges at potentials (k,) in V, one for each electrode."""
         given = voltages_of("an electrode", self.faces.count, voltages)
-        solved = self.solve(self.air * np.where(self.faces.bare, 0.0, given[self.faces.electrode]))
-        return ChargesInAir(self, given, solved[:-1], float(solved[-1]) / self.air)
+        level, middle = levelled(given)
+        solved = self.solve(self.air * np.where(self.faces.bare, 0.0, level[self.faces.electrode]))
+        constant = float(solved[-1]) / self.air + middle
+        rounding = rounded(float(np.ptp(self.faces.points, axis=0).max()))
+        found = ChargesInAir(self, given, solved[:-1], constant, known(rounding * self._condition))
+        return replace(found, error=found.error * _lost(found))
 
     def solve(self, right: Array, *, adjoint: bool = False) -> Array:
         """Solution (n + 1, ...) for n rows of the equations; `adjoint` transposes them."""
@@ -129,12 +146,17 @@ class ChargesInAir:
         (n,) free and bound of the segments, per depth (C/m).
     floating
         The constant (V) that the potentials of the charges lack.
+    error
+        How far the charges, and the free ones, may be from the solution of their equations, as sums
+        over all segments of the sizes of both, by the condition of the matrix. Totals and energy
+        share it. What the segments' number leaves out is not in it.
     """
 
     moments: SlabInAir
     voltages: Array
     charge: Array
     floating: float
+    error: float
 
     def __post_init__(self) -> None:
         self.charge.setflags(write=False)
@@ -205,6 +227,13 @@ class ChargesInAir:
         seen = integrals.fields(places(points), *self.moments.lines())
         turned = np.conj(seen @ self.charge) / (2 * np.pi * self.moments.air)
         return np.column_stack([turned.real, turned.imag])
+
+
+def _lost(charges: ChargesInAir) -> float:
+    """How much more of itself the free charge is off than charge in all, being a difference."""
+    ratio = charges.moments.ratio
+    taken, free = float(np.abs(charges.charge).sum()), float(np.abs(charges.free).sum())
+    return max(1.0, (1 + ratio) * taken / free) if free else 1.0
 
 
 def forces_in_air(charges: ChargesInAir) -> Array:

@@ -23,16 +23,22 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.electrostatics.checks import in_plane, refuse_dense, voltages_of
+from msvalidate.electrostatics.checks import (
+    in_plane,
+    known,
+    permittivity_of,
+    refuse_dense,
+    rounded,
+    voltages_of,
+)
 from msvalidate.electrostatics.electrodes import Electrodes
-from msvalidate.electrostatics.neutral import Neutral, factorised, neutral_gmres
+from msvalidate.electrostatics.neutral import Neutral, factorised, levelled, neutral_gmres
 from msvalidate.kernels import charges as integrals
 from msvalidate.problem import (
     Array,
     ProblemError,
     chosen,
     instance,
-    positive,
 )
 
 Weighting = Literal["galerkin", "collocation"]
@@ -87,6 +93,10 @@ class Charges:
         (m,) of the segments, per depth (C/m).
     floating
         The constant c (V).
+    error
+        How far the charges may be from the solution of their equations, as sums over all segments
+        of the sizes of both, by the condition of the matrix or what one more correction changes.
+        Totals and energy share it. What the segments' number leaves out is not in it.
     iterations
         Of GMRES, 0 if a factor of these equations was at hand.
     """
@@ -95,6 +105,7 @@ class Charges:
     voltages: Array
     charge: Array
     floating: float
+    error: float
     iterations: int = 0
 
     def __post_init__(self) -> None:
@@ -151,7 +162,8 @@ class Moments:
     ProblemError
         If there is but one electrode, segments are too many, or an argument is out of range.
     SolverError
-        If segments are so close that rounding leaves their energies negative.
+        If segments are so close that rounding leaves their energies negative; from `charges`, if
+        it leaves these no digits.
     """
 
     def __init__(
@@ -170,7 +182,7 @@ class Moments:
         chosen("weighting", weighting, WEIGHTINGS)
         refuse_dense("segments", len(electrodes.segments))
         self.weighting: Weighting = weighting
-        self.permittivity = positive("permittivity", permittivity, "F/m")
+        self.permittivity = permittivity_of(permittivity)
         self._matrix: Array | None = None
 
     def moved(self, points: ArrayLike) -> Moments:
@@ -190,30 +202,33 @@ class Moments:
     def charges(self, voltages: ArrayLike) -> Charges:
         """Charges at potentials (k,) in V, one for each electrode."""
         given = voltages_of("an electrode", self.electrodes.count, voltages)
-        solved, steps = self._solved(given[self.electrodes.electrode])
-        return Charges(self, given, solved[:-1], float(solved[-1]), steps)
+        level, middle = levelled(given)
+        solved, steps, error = self._solved(level[self.electrodes.electrode])
+        constant = float(solved[-1]) + middle
+        return Charges(self, given, solved[:-1], constant, known(error), steps)
 
     def solve(self, potential: Array) -> Array:
         """Charges (m,) or (m, k) in C/m at potentials of segments (V), neutral together."""
         return self._solved(potential)[0][:-1]
 
-    def _solved(self, potential: Array) -> tuple[Array, int]:
-        """Charges (m,) or (m, k) and then the constant, and the steps taken."""
+    def _solved(self, potential: Array) -> tuple[Array, int, float]:
+        """Charges (m,) or (m, k) and then the constant, the steps taken, and the charges' error."""
         if self._own is None and potential.ndim == 1:
-            solved, steps = self._iterated(potential)
-            if solved is not None:
-                return solved, steps
+            found = self._iterated(potential)
+            if found is not None:
+                return found
         if self._own is None:
             self._own, self._nearby = self._factorised(), None
-        return self._own(potential), 0
+        return self._own(potential), 0, self._rounding * self._own.condition
 
     def _factorised(self) -> Neutral:
         """The solution by a factor, for which the matrix is given up."""
         matrix = self._coefficients()
         self._matrix = None
-        return Neutral(factorised(matrix, symmetric=self.weighting == "galerkin"), len(matrix))
+        solve, condition = factorised(matrix, symmetric=self.weighting == "galerkin")
+        return Neutral(solve, len(matrix), condition)
 
-    def _iterated(self, potential: Array) -> tuple[Array | None, int]:
+    def _iterated(self, potential: Array) -> tuple[Array, int, float] | None:
         """GMRES, or None if it takes too many steps."""
         self._matrix = matrix = self._coefficients()
         m, nearby = len(matrix), self._nearby
@@ -222,13 +237,20 @@ class Moments:
         def bordered(x: Array) -> Array:
             return np.append(matrix @ x[:m] + x[m], x[:m].sum())
 
-        return neutral_gmres(
+        found = neutral_gmres(
             bordered,
             lambda x: nearby(x[:m], float(x[m])),
             potential,
             most=MOST_STEPS,
             residual=RESIDUAL,
         )
+        if found is None:
+            return None
+        return found.solved, found.steps, found.error + self._rounding * nearby.condition
+
+    @property
+    def _rounding(self) -> float:
+        return rounded(self.electrodes.extent)
 
     def _coefficients(self) -> Array:
         if self._matrix is not None:

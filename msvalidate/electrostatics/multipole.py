@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from msvalidate.electrostatics.checks import voltages_of
+from msvalidate.electrostatics.checks import known, permittivity_of, voltages_of
 from msvalidate.electrostatics.electrodes import Electrodes
 from msvalidate.electrostatics.moments import (
     Charges,
@@ -27,10 +27,10 @@ from msvalidate.electrostatics.moments import (
     lines,
     more_than_one,
 )
-from msvalidate.electrostatics.neutral import neutral_gmres
+from msvalidate.electrostatics.neutral import Iterated, levelled, neutral_gmres
 from msvalidate.electrostatics.two_levels import TwoLevels
 from msvalidate.kernels import charges as integrals
-from msvalidate.problem import Array, Index, ProblemError, SolverError, positive
+from msvalidate.problem import Array, Index, ProblemError, SolverError
 
 NEAR = 8.0
 """Distance of the middles over the mean length up to which pairs have exact integrals."""
@@ -41,6 +41,9 @@ PRECISION = 4
 """What the library calls 1e-12."""
 RESIDUAL = 1e-10
 """Of the potentials, left by GMRES. Charges err by about ten times that, energies by far less."""
+SUMMED = 1e-8
+"""Error of charges by sums over Gauss points, which leave out 1e-10 of a mean of ln r: a hundred
+times that, as it is for electrodes at a distance of a hundredth of their width."""
 MOST_STEPS = 100
 
 
@@ -68,7 +71,7 @@ class Multipole:
     def __init__(self, electrodes: Electrodes, *, permittivity: float = 1.0) -> None:
         self._library = _library()
         self.electrodes = more_than_one(electrodes)
-        self.permittivity = positive("permittivity", permittivity, "F/m")
+        self.permittivity = permittivity_of(permittivity)
         self.weighting: Weighting = "galerkin"
         start, along = lines(electrodes)
         self._points = (start[:, None] + along[:, None] * NODES).ravel()
@@ -85,26 +88,29 @@ class Multipole:
             If GMRES does not converge.
         """
         given = voltages_of("an electrode", self.electrodes.count, voltages)
-        solved, steps = self._solved(given[self.electrodes.electrode])
-        return Charges(self, given, solved[:-1], float(solved[-1]), steps)
+        level, middle = levelled(given)
+        found = self._solved(level[self.electrodes.electrode])
+        error = known(found.error + SUMMED) if level.any() else 0.0
+        constant = float(found.solved[-1]) + middle
+        return Charges(self, given, found.solved[:-1], constant, error, found.steps)
 
     def solve(self, potential: Array) -> Array:
         """Charges (m,) or (m, k) in C/m at potentials of segments (V), neutral together."""
         if potential.ndim == 1:
-            return self._solved(potential)[0][:-1]
+            return self._solved(potential).solved[:-1]
         return np.column_stack([self.solve(column) for column in potential.T])
 
-    def _solved(self, potential: Array) -> tuple[Array, int]:
-        solved, steps = neutral_gmres(
+    def _solved(self, potential: Array) -> Iterated:
+        found = neutral_gmres(
             self._bordered, self._nearly, potential, most=MOST_STEPS, residual=RESIDUAL
         )
-        if solved is None:
+        if found is None:
             raise SolverError(
                 f"multipole: {MOST_STEPS} steps of GMRES leave more than {RESIDUAL:g} of the "
                 "potentials; grade segments so that neighbours are more alike"
             )
-        solved[:-1] *= 2 * np.pi * self.permittivity
-        return solved, steps
+        found.solved[:-1] *= 2 * np.pi * self.permittivity
+        return found
 
     def _bordered(self, x: Array) -> Array:
         """Potentials and sum (m + 1,) of charges over 2πε, and a constant (m + 1,)."""

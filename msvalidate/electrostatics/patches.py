@@ -19,7 +19,18 @@ import shapely
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
-from msvalidate.electrostatics.checks import freeze, owners, refuse_dense, refuse_gaps, voltages_of
+from msvalidate.electrostatics.checks import (
+    ROUNDED,
+    condition_of,
+    freeze,
+    known,
+    norm_of,
+    owners,
+    permittivity_of,
+    refuse_dense,
+    refuse_gaps,
+    voltages_of,
+)
 from msvalidate.kernels import polygons
 from msvalidate.problem import (
     PLACEMENT,
@@ -28,7 +39,6 @@ from msvalidate.problem import (
     ProblemError,
     coordinates,
     instance,
-    positive,
 )
 
 OVERLAP = 1e-6
@@ -108,14 +118,19 @@ class PatchMoments:
         instance("patches", patches, Patches)
         refuse_dense("patches", len(patches.corners))
         self.patches = patches
-        self.permittivity = positive("permittivity", permittivity, "F/m")
+        self.permittivity = permittivity_of(permittivity)
         mean = polygons.seen(patches.middle, patches.corners) / patches.area
-        self._factor = lu_factor(mean / (4 * np.pi * self.permittivity))
+        equations = np.asfortranarray(mean / (4 * np.pi * self.permittivity))
+        norm = norm_of(equations)
+        self._factor = lu_factor(equations, overwrite_a=True)
+        self._condition = condition_of(self._factor[0], norm, symmetric=False)
 
     def charges(self, voltages: ArrayLike) -> PatchCharges:
         """Charges at potentials (k,) in V, one for each conductor, over that far away."""
         given = voltages_of("a conductor", self.patches.count, voltages)
-        return PatchCharges(self, given, lu_solve(self._factor, given[self.patches.conductor]))
+        charge = lu_solve(self._factor, given[self.patches.conductor])
+        error = known(ROUNDED * self._condition)
+        return PatchCharges(self, given, charge, error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +145,15 @@ class PatchCharges:
         (k,) of the conductors (V).
     charge
         (n,) of the patches (C).
+    error
+        How far the charges may be from the solution of their equations, as sums over all patches of
+        the sizes of both, by the condition of the matrix.
     """
 
     moments: PatchMoments
     voltages: Array
     charge: Array
+    error: float
 
     def __post_init__(self) -> None:
         self.charge.setflags(write=False)

@@ -25,7 +25,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
-from msvalidate.electrostatics.checks import in_plane, refuse_dense, voltages_of
+from msvalidate.electrostatics.checks import (
+    condition_of,
+    in_plane,
+    known,
+    norm_of,
+    permittivity_of,
+    refuse_dense,
+    rounded,
+    voltages_of,
+)
 from msvalidate.electrostatics.electrodes import Electrodes
 from msvalidate.electrostatics.moments import more_than_one
 from msvalidate.electrostatics.pieces import PLACES, Place, pieces
@@ -36,7 +45,6 @@ from msvalidate.problem import (
     chosen,
     instance,
     metres,
-    positive,
 )
 
 
@@ -78,14 +86,19 @@ class ReportModel:
         self.electrodes = electrodes
         self.kernel: Kernel = kernel
         self.charges_on: Place = charges_on
-        self.permittivity = positive("permittivity", permittivity, "F/m")
+        self.permittivity = permittivity_of(permittivity)
         self.depth = metres("depth", depth)
         self.pieces = pieces(electrodes, charges_on)
         coefficients = self.views().mean @ self.spread()
         if kernel == "plane":
-            coefficients = np.pad(coefficients, (0, 1), constant_values=1.0)
+            # As large as the rest, for a condition that does not hang on the unit of charge.
+            border = float(np.abs(coefficients).max())
+            coefficients = np.pad(coefficients, (0, 1), constant_values=border)
             coefficients[-1, -1] = 0.0
-        self._factor = lu_factor(coefficients)
+        equations = np.asfortranarray(coefficients)
+        norm = norm_of(equations)
+        self._factor = lu_factor(equations, overwrite_a=True)
+        self._condition = condition_of(self._factor[0], norm, symmetric=False)
 
     def moved(self, points: ArrayLike) -> ReportModel:
         """The same electrodes with their points (n, 2) elsewhere (m)."""
@@ -103,7 +116,10 @@ class ReportModel:
         With the report's kernel these count from far away, and a common part of them matters.
         """
         given = voltages_of("an electrode", self.electrodes.count, voltages)
-        return ReportCharges(self, given, self.solve(given[self.pieces.electrode]))
+        charge = self.solve(given[self.pieces.electrode])
+        return ReportCharges(
+            self, given, charge, known(rounded(self.electrodes.extent) * self._condition)
+        )
 
     def solve(self, potential: Array, *, adjoint: bool = False) -> Array:
         """Charges (k, ...) in C/m at potentials of their seats (V); `adjoint` transposes."""
@@ -156,11 +172,15 @@ class ReportCharges:
         (k,) of the electrodes (V).
     charge
         (c,) of the springs, or of the nodes, per depth (C/m).
+    error
+        How far the charges may be from the solution of their equations, as sums over all of the
+        sizes of both, by the condition of the matrix.
     """
 
     moments: ReportModel
     voltages: Array
     charge: Array
+    error: float
 
     def __post_init__(self) -> None:
         self.charge.setflags(write=False)

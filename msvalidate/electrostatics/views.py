@@ -17,6 +17,8 @@ from msvalidate.problem import Array
 
 Kernel = Literal["report", "plane"]
 KERNELS: tuple[Kernel, ...] = ("report", "plane")
+STEEP = 1e300
+"""Quotient beyond which its inverse hyperbolic sine is taken as the logarithm of its double."""
 ON_IT = 1e-13
 """Distance from a piece over its length below which a point lies on its line."""
 
@@ -100,6 +102,14 @@ def quotient_angle(top: Array, bottom: Array) -> Array:
 
 
 def _asinh_over(top: Array, bottom: Array) -> Array:
-    """asinh(top/bottom), 0 where the bottom is: there it only ever meets a factor of 0."""
+    """asinh(top/bottom), 0 where the bottom is: there it only ever meets a factor of 0.
+
+    Over a subnormal bottom the quotient is beyond all numbers, and its logarithm is not.
+    """
     top, bottom = np.broadcast_arrays(top, bottom)
-    return np.arcsinh(np.divide(top, bottom, out=np.zeros(top.shape), where=bottom != 0))
+    size = np.abs(top)
+    steep = (bottom > 0) & (size / STEEP > bottom)
+    quotient = np.divide(top, bottom, out=np.zeros(top.shape), where=(bottom > 0) & ~steep)
+    log = np.log(np.where(steep, 2 * size, 1.0)) - np.log(np.where(steep, bottom, 1.0))
+    total: Array = np.arcsinh(quotient) + np.sign(top) * log
+    return total

@@ -1,9 +1,25 @@
-"""Numbers as they enter: array types, the two errors, and the checks on every value given."""
+"""Numbers as they enter: array types, the two errors, and the checks on every value given.
+
+One rule holds for every array, of networks and meshes alike: it is taken by its values, never by
+its type, where these can be taken exactly, and is refused where something would be lost.
+
+- Real numbers: any NumPy type, byte order and layout, nested lists, columns of pandas (nullable
+  ones too, and tables of them), objects that are all real numbers. Float32 keeps its own digits.
+- Whole numbers, such as indices: the same, where every value is whole: 2.0 is 2, as tables have it.
+- Booleans: True and False, or numbers that are all 0 or 1.
+- Refused: masked entries and missing ones, text, dates, booleans as numbers, complex numbers (even
+  without imaginary part), quantities with a unit of their own, which nobody would look at.
+
+Single counts (`whole`) are written by hand, and a float there is a slip: a length for a number of
+cells. They are whole by type.
+"""
 
 from __future__ import annotations
 
 import reprlib
 from collections.abc import Callable, Iterable
+from contextlib import suppress
+from numbers import Real
 from types import UnionType
 from typing import Any, get_args
 
@@ -31,6 +47,8 @@ MOST_POINTS = 20_000_000
 lists that make them, would take tens of gigabytes."""
 MOST_COUNTED = 10**9
 """Largest whole number taken for cells, steps and the like, unless a function says otherwise."""
+FARTHEST = 2.0**62
+"""Size of whole numbers in arrays beyond which their type may not hold them."""
 
 LARGEST_ANGLE = 1e6
 """Angle (rad) beyond which the last digits, which are all that turns leave of it, are rounding."""
@@ -77,17 +95,11 @@ def numbers(name: str, values: Any) -> Array:
     Raises
     ------
     ProblemError
-        If a value is missing or is not a real number.
+        If a value is masked, is missing or is not a real number.
     """
-    try:
-        given = np.asarray(values)
-    except ValueError as error:
-        raise ProblemError(
-            f"{name}: expected numbers, got rows of different length, {shown(values)}"
-        ) from error
-    if given.dtype.kind not in "iuf":  # text would be converted, and then kept as text
-        raise ProblemError(f"{name}: expected numbers, got {shown(values)}")
-    return np.array(given, dtype=float)
+    given = _real(name, values)
+    with np.errstate(over="ignore"):  # of a wider type: infinite, as any such number is
+        return np.array(given, dtype=float, order="C")
 
 
 def finite(name: str, values: ArrayLike) -> Array:
@@ -96,7 +108,7 @@ def finite(name: str, values: ArrayLike) -> Array:
     Raises
     ------
     ProblemError
-        If a value is missing, is not a number or is infinite.
+        If a value is masked, is missing, is not a number or is infinite.
     """
     array = numbers(name, values)
     _refuse(name, array, ~np.isfinite(array), "every value must be finite")
@@ -106,10 +118,26 @@ def finite(name: str, values: ArrayLike) -> Array:
 
 def integers(name: str, values: ArrayLike) -> Index:
     """Return `values` as an array of whole numbers of its own; raise `ProblemError` unless so."""
-    array = finite(name, values)
-    if (array != np.round(array)).any():
-        raise ProblemError(f"{name}: {shown(values)}; give whole numbers")
-    return np.array(array, dtype=np.intp)
+    given = _real(name, values)
+    if given.dtype.kind == "f":
+        _refuse(name, given, ~np.isfinite(given), "every value must be finite")
+        if (given != np.round(given)).any():
+            raise ProblemError(f"{name}: {shown(values)}; give whole numbers")
+    with np.errstate(over="ignore"):
+        far = np.abs(given.astype(float)) > FARTHEST
+    _refuse(name, given, far, f"the most is {FARTHEST:g}")
+    return np.array(given, dtype=np.intp, order="C")
+
+
+def booleans(name: str, values: Any, shape: tuple[int, ...]) -> Mask:
+    """Return `values` as a mask of a shape; raise `ProblemError` unless all are True or False."""
+    given = _array(name, values)
+    if given.dtype.kind == "O" and all(isinstance(each, bool | np.bool_) for each in given.flat):
+        given = given.astype(bool)
+    told = given.dtype.kind in "iuf" and np.isin(given, (0, 1)).all()
+    if given.shape != shape or not (told or given.dtype.kind == "b"):
+        raise ProblemError(f"{name}: {given.dtype} {given.shape}; give booleans {shape}")
+    return np.array(given, dtype=bool, order="C")
 
 
 def coordinates(name: str, values: ArrayLike) -> Array:
@@ -212,6 +240,49 @@ def metres(name: str, value: float) -> float:
             f"{LONGEST:g}"
         )
     return length
+
+
+def _array(name: str, values: Any) -> np.ndarray:
+    """What was given as a plain array, of whatever type, if nothing is lost on the way there."""
+    if _masks(values):
+        raise ProblemError(
+            f"{name}: {shown(values)}; entries are masked, and numbers behind a mask mean nothing: "
+            "leave these out or fill them in"
+        )
+    unit = getattr(values, "units", getattr(values, "unit", None))
+    if unit is not None:
+        raise ProblemError(
+            f"{name}: {shown(values)}; its unit {shown(unit)} would be dropped: give plain numbers "
+            "in SI units"
+        )
+    try:
+        return np.asarray(values)
+    except ValueError as error:
+        raise ProblemError(
+            f"{name}: rows of different length, {shown(values)}; give rows of one length"
+        ) from error
+
+
+def _real(name: str, values: Any) -> np.ndarray:
+    """What was given as a plain array of real numbers, of whatever type."""
+    given = _array(name, values)
+    if given.dtype.kind == "O" and given.size and all(map(_is_real, given.flat)):
+        with suppress(OverflowError):  # an integer beyond all floats stays what it is: refused
+            given = given.astype(float)
+    if given.dtype.kind not in "iuf":  # text would be converted, and then kept as text
+        raise ProblemError(f"{name}: expected numbers, got {shown(values)}")
+    return given
+
+
+def _is_real(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _masks(values: Any) -> bool:
+    """Whether something is masked in an array or in lists of arrays."""
+    if isinstance(values, list | tuple):
+        return any(map(_masks, values))
+    return isinstance(values, np.ma.MaskedArray) and bool(np.ma.getmaskarray(values).any())
 
 
 def _refuse(name: str, array: Array, bad: Mask, remedy: str) -> None:

@@ -12,7 +12,7 @@ by the very quadrature that W is summed with. No normal and no jump of the field
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ from msvalidate.problem import (
     Mask,
     ProblemError,
     SolverError,
+    booleans,
     finite,
     instance,
     integers,
@@ -33,16 +34,20 @@ from msvalidate.problem import (
     shown,
 )
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
+from reference_fem.electric.pairs import Fluxes, Pair
+from reference_fem.mesh.assembly import nodal_sums, slopes
 from reference_fem.mesh.discretisation import Discretisation, discretise
-from reference_fem.mesh.gradients import gradients
 from reference_fem.stress import gradient
-from reference_fem.systems.cells import ScalarCells
 from reference_fem.systems.factor import Factor
-from reference_fem.systems.refined import Refined, refined, with_digits
-from reference_fem.systems.solver import ACCEPTED, RESIDUAL
+from reference_fem.systems.solver import RESIDUAL
 
+MOST_CORRECTIONS = 20
+"""Each takes two digits at least where there are any to take: a dozen serve."""
 ROUNDING = 1e-13
-"""Of sums over nodes, relative to their terms."""
+"""Correction over the solution that is rounding of the integrals, and ends the corrections."""
+LEAST_KNOWN = 1e-6
+"""Last correction over the solution beyond which it is refused: corrections that have stopped to
+shrink say that the factor has lost the digits that would mend it."""
 
 
 def no_nodes() -> Index:
@@ -94,15 +99,15 @@ class Dielectric:
             raise ProblemError(
                 f"permittivity: {permittivity[cell]:g} F/m in cell {cell}; it must be above zero"
             )
-        if np.shape(self.held) != (size,) or np.asarray(self.held).dtype != bool:
-            raise ProblemError(f"held: {shown(self.held)}; give ({size},) of True and False")
+        held = booleans("held", self.held, (size,))
         floating = np.unique(integers("floating", self.floating))
         if ((floating < 0) | (floating >= size)).any():
             raise ProblemError(f"floating: {shown(self.floating)}; nodes run from 0 to {size - 1}")
-        if self.held[floating].any():
+        if held[floating].any():
             raise ProblemError("floating: a node of it is held as well; leave it out of one")
         object.__setattr__(self, "permittivity", permittivity)
         object.__setattr__(self, "floating", floating)
+        object.__setattr__(self, "held", held)
         _refuse_adrift(self.body, self.held)
 
     def solve(self, values: Array, charge: Array | None = None) -> Potential:
@@ -119,40 +124,85 @@ class Dielectric:
         """
         given = np.where(self.held, self._nodal("potentials", values), 0.0)
         load = np.zeros(len(given)) if charge is None else self._nodal("charges", charge)
-        K, floating = self._relative, self.floating
-        with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what is infinite
+        with np.errstate(over="ignore", invalid="ignore"):  # what is infinite is refused below
             share = load / self._unit
-            first = self._found(given, share)
-            phi, rest, error = first.value, first.rest, first.error
-            if len(floating):
-                raised = np.zeros(len(given))
-                raised[floating] = 1.0
-                unit = self._found(raised, np.zeros(len(given)))
-                missing = (share - self._fluxes(phi, rest))[floating].sum()
-                level = missing / self._fluxes(unit.value, unit.rest)[floating].sum()
-                error = max(error, unit.error)
-                phi, rest = with_digits(phi, rest + level * unit.rest, level * unit.value)
-            residual = np.abs((K @ phi - share)[self._free]).max(initial=0.0)
-            scale = (abs(K) @ np.abs(phi) + np.abs(share))[self._free].max(initial=0.0)
-            found = Potential(
-                self, phi, self._unit * (self._fluxes(phi, rest) - share), error, rest
-            )
-            if not (residual <= RESIDUAL * scale and np.isfinite(found.energy)):
+            pair, error = self._refined(given, share)
+            left = self._fluxes.nodal(pair) - share
+            residual = np.abs(left[self._free]).max(initial=0.0)
+            error = max(error, self._unbalanced(left, share))
+            scale = (abs(self._relative) @ np.abs(pair.value) + np.abs(share))[self._free]
+            found = Potential(self, pair.value, self._unit * left, pair.rest, error)
+            most = scale.max(initial=0.0)
+            if not (residual <= RESIDUAL * most and np.isfinite(found.energy)):
                 raise SolverError(
-                    f"potential: residual {residual:.3g} V against terms of {scale:.3g} V, energy "
+                    f"potential: residual {residual:.3g} V against terms of {most:.3g} V, energy "
                     f"{found.energy:.3g} J/m; the system is badly scaled, take less graded cells "
                     "and units in which potentials and permittivities are ordinary numbers"
                 )
-            error = max(error, found.imbalance(load), found.astray)
-        if not error <= ACCEPTED:
-            low, high = self.permittivity.min(), self.permittivity.max()
+        self._refuse_lost(error)
+        return found
+
+    def _refined(self, given: Array, share: Array) -> tuple[Pair, float]:
+        """Potentials, and the last correction over them, both by the root of their energy.
+
+        Corrections by the same factor, from what the potentials leave cell by cell, go on until one
+        is rounding or they no longer shrink.
+        """
+        nothing, raised, before = np.zeros(len(given)), self._raised, np.inf
+        fixed = given[self.held]
+        # What all potentials have in common makes no charge, and would cost digits.
+        middle = 0.5 * fixed.max() + 0.5 * fixed.min()
+        pair = Pair(given, nothing).plus(np.where(self.held, -middle, 0.0))
+        for _ in range(MOST_CORRECTIONS):
+            change = self._found(share - self._fluxes.nodal(pair))
+            if raised is not None:
+                left = share - self._fluxes.nodal(pair.plus(change))
+                change = change + left[self.floating].sum() / raised[1] * raised[0]
+            pair = pair.plus(change)
+            size = self._fluxes.energy(pair)
+            moved = self._fluxes.energy(Pair(change, nothing))
+            error = float(np.sqrt(moved / size)) if moved else 0.0
+            if not ROUNDING < error < 0.5 * before:
+                break
+            before = error
+        return pair.plus(np.full(len(given), middle)), error
+
+    def _unbalanced(self, left: Array, share: Array) -> float:
+        """Charge that is left where there is none, over that on conductors and in the volume.
+
+        A factor that has lost all digits of how a part is held makes no correction to it: that does
+        not show in the corrections, and does here.
+        """
+        on_free = np.abs(left[self._free]).sum() + abs(left[self.floating].sum())
+        size = np.abs(left[self.held]).sum() + np.abs(share).sum()
+        return float(on_free / size) if size else (0.0 if on_free == 0 else np.inf)
+
+    def _refuse_lost(self, error: float) -> None:
+        if not error <= LEAST_KNOWN:
+            low, high = float(self.permittivity.min()), float(self.permittivity.max())
             raise SolverError(
-                f"potential: known to {min(error, 1.0):.1g} of the largest only, wanted "
-                f"{ACCEPTED:g}: permittivities from {low:g} to {high:g} F/m, or cells so thin, "
-                "leave no digits; hold what hardly has a field in it at a potential, or leave "
-                "it out"
+                f"potential: known to {error:.2g} of itself only, permittivities from {low:g} to "
+                f"{high:g} F/m leave rounding no more; take a conductor, its nodes held or "
+                "floating, for the largest, or cells less graded"
             )
-        return replace(found, error=error)
+
+    @cached_property
+    def _raised(self) -> tuple[Array, float] | None:
+        """Potentials (n,) of a floating conductor raised alone by 1 V, and its charge in the unit.
+
+        None if no conductor floats.
+        """
+        if not len(self.floating):
+            return None
+        nothing = np.zeros(len(self.held))
+        raised = nothing.copy()
+        raised[self.floating] = 1.0
+        raised = raised + self._found(-self._fluxes.nodal(Pair(raised, nothing)))
+        return raised, self._fluxes.energy(Pair(raised, nothing))
+
+    @cached_property
+    def _fluxes(self) -> Fluxes:
+        return Fluxes(self.body, self.permittivity / self._unit)
 
     @property
     def stiffness(self) -> csr_matrix:
@@ -178,26 +228,12 @@ class Dielectric:
     def _factor(self) -> Factor:
         return scalar_factor(self.body, self._relative, self._free)
 
-    @cached_property
-    def cells(self) -> ScalarCells:
-        """Its equations cell by cell, of permittivities relative to the largest."""
-        return ScalarCells(gradients(self.body), self.permittivity / self._unit)
-
-    def _fluxes(self, phi: Array, rest: Array) -> Array:
-        """Charges (n,) of a potential over the largest permittivity (V)."""
-        return self.cells.forces(self.cells.stress(self.cells.strain(phi, rest)))
-
-    def _correction(self, load: Array) -> Array:
-        return self._factor(load)
-
-    def _found(self, given: Array, share: Array) -> Refined:
-        phi = given.copy()
-        phi[self._free] = 0.0
-        free = np.zeros(len(phi), dtype=bool)
-        free[self._free] = True
+    def _found(self, charge: Array) -> Array:
+        """Potentials (n,) of charges (n,) at the free nodes, all others at 0 V."""
+        phi = np.zeros(len(charge))
         if len(self._free):
-            phi[self._free] = self._factor((share - self._relative @ phi)[self._free])
-        return refined(self.cells, self._correction, phi, share, free)
+            phi[self._free] = self._factor(charge[self._free])
+        return phi
 
     def _nodal(self, name: str, values: ArrayLike) -> Array:
         array = finite(name, values)
@@ -219,18 +255,20 @@ class Potential:
     charge
         (n,) charge of conductors by node, per depth (C/m): what the equations leave there, which
         is nothing at nodes of no conductor. Sum it over a conductor.
-    error
-        Largest error as the solution of these equations, not that of the mesh: of a potential
-        relative to the largest, of the energy, or of a charge relative to all of them.
     rest
-        (n,) digits (V) that the values lack: fields where they hardly vary are in these.
+        (n,) what the values lack of the potential (V), being numbers of 16 digits: it counts where
+        permittivity is 1e6 times that elsewhere, or more.
+    error
+        The last correction of the solution over the solution, both by the root of their energy,
+        ∫ε|E|², or charge left over where there is none, over all charge, if that is more. Charges
+        and energy share it. What the mesh leaves out is not in it.
     """
 
     medium: Dielectric
     values: Array
     charge: Array
-    error: float
     rest: Array
+    error: float
 
     def __post_init__(self) -> None:
         for array in (self.values, self.charge, self.rest):
@@ -239,31 +277,8 @@ class Potential:
     @property
     def energy(self) -> float:
         """½∫ε|E|² per depth (J/m)."""
-        E = self._slopes
-        unit = float(self.medium.permittivity.max())
-        return 0.5 * unit * float((E * self.medium.cells.stress(E)).sum())
-
-    @property
-    def astray(self) -> float:
-        """Charge left where no conductor is, over that of the conductors: no charge is off by more.
-
-        By Gauss's law, as a node's charge flows off to the conductors in parts.
-        """
-        held = self.medium.held.copy()
-        held[self.medium.floating] = True
-        size, left = np.abs(self.charge[held]).sum(), np.abs(self.charge[~held]).sum()
-        return float(left / size) if size else 0.0
-
-    def imbalance(self, load: Array) -> float:
-        """Difference of ΣQV from ∫ε|E|², relative; charges (n,) of conductors, and those given."""
-        work, size = (self.charge + load) * self.values, 2 * self.energy
-        lost = abs(float(work.sum()) - size) - ROUNDING * float(np.abs(work).sum())
-        return max(lost, 0.0) / size if size else 0.0
-
-    @cached_property
-    def _slopes(self) -> Array:
-        """∇φ (1, 2, q, c) in V/m."""
-        return self.medium.cells.strain(self.values, self.rest)
+        medium = self.medium
+        return 0.5 * medium._unit * medium._fluxes.energy(Pair(self.values, self.rest))
 
     def at(self, points: ArrayLike) -> Array:
         """Potential (p,) in V at points (p, 2) in m of the mesh.
@@ -279,15 +294,15 @@ class Potential:
         """Field E = -grad φ (p, 2) in V/m at points (p, 2) in m of the mesh.
 
         Where cells meet, the mean over them: on a charged face that is no field of either side, so
-        ask a little off it.
+        ask a little off it. It is known to 1e-16 of the potential over the size of a cell, which is
+        all of it where permittivity is 1e12 times that elsewhere.
 
         Raises
         ------
         ProblemError
             If a point lies outside the mesh.
         """
-        rest = self.rest[:, None]
-        return -gradient(self.medium.body, self.values[:, None], points, rest)[:, 0]
+        return -gradient(self.medium.body, self.values[:, None], points)[:, 0]
 
     @cached_property
     def forces(self) -> Array:
@@ -297,10 +312,14 @@ class Potential:
         On conductors and faces of dielectrics they are the pull on them; elsewhere they are what
         the discretisation leaves, which is little but at edges of electrodes.
         """
-        cells, E = self.medium.cells.gradients, -self._slopes[0]
-        weight = self.medium.permittivity * cells.measure
+        body = self.medium.body
+        slope, measure = slopes(body.basis)
+        nodes = body.cell_nodes.T
+        E = -self.medium._fluxes.gradients(Pair(self.values, self.rest))
+        weight = self.medium.permittivity[:, None] * measure
         stress = weight * (E[:, None] * E - 0.5 * (E**2).sum(axis=0) * np.eye(2)[:, :, None, None])
-        return -cells.gathered(stress).T
+        each = -np.einsum("abcq,kbcq->akc", stress, slope)
+        return nodal_sums(nodes, each, len(body.points))
 
 
 def solve_potential(

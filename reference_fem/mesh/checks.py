@@ -7,26 +7,21 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem import Array, Index, ProblemError, integers
 from reference_fem.mesh.elements import Element
 from reference_fem.mesh.maps import determinant, mapped
 
 
 def checked_cells(cells: ArrayLike, kind: Element, points: int) -> Index:
     """Cells (c, nodes) as whole numbers of points that are there."""
-    try:
-        t = np.array(cells)
-    except ValueError as error:
+    t = integers("cells", cells)
+    if t.ndim != 2 or t.shape[1] != kind.nodes or not len(t):
         raise ProblemError(
-            f"cells: rows of different length; {kind.name} needs {kind.nodes}"
-        ) from error
-    if t.ndim != 2 or t.shape[1] != kind.nodes or t.dtype.kind not in "iu" or not len(t):
-        raise ProblemError(
-            f"cells: {t.dtype} {t.shape}; {kind.name} needs whole numbers (c, {kind.nodes})"
+            f"cells: shape {t.shape}; {kind.name} needs whole numbers (c, {kind.nodes})"
         )
     if t.min() < 0 or t.max() >= points:
         raise ProblemError(f"cells: points {t.min()} to {t.max()}; there are 0 to {points - 1}")
-    return np.asarray(t, dtype=np.intp)
+    return t
 
 
 def refuse_repeated(t: Index, kind: Element) -> None:

@@ -167,50 +167,6 @@ def mixed_cells(body: Discretisation, mu: float, inverse: float, thickness: floa
 
 
 @dataclass(frozen=True, eq=False)
-class ScalarCells:
-    """Fluxes of w ∇φ into nodes: charges of a potential.
-
-    Parameters
-    ----------
-    gradients
-        Of the mesh.
-    weight
-        (c,) of the cells.
-    """
-
-    gradients: Gradients
-    weight: Array
-    positive = True
-
-    def strain(self, u: Array, rest: Array | None = None) -> Array:
-        """∇φ (1, d, q, c) of a potential (n,)."""
-        return self.gradients.of(u[None], None if rest is None else rest[None])
-
-    def stress(self, strain: Array) -> Array:
-        """Flux w ∇φ times the measure (1, d, q, c)."""
-        return np.asarray(strain * (self.weight * self.gradients.measure))
-
-    def forces(self, stress: Array) -> Array:
-        """Fluxes (n,)."""
-        return np.asarray(self.gradients.gathered(stress)[0])
-
-    def sized(self, stress: Array) -> tuple[Array, Array]:
-        """As `forces`, and the sizes of what the cells bring to them."""
-        fluxes, sizes = self.gradients.sized(stress)
-        return fluxes[0], sizes[0]
-
-    def noise(self, u: Array, sums: Array) -> Array:
-        """Fluxes (n,) as rounding makes them, with random signs."""
-        signs = np.random.default_rng(0)
-        size = self.weight * self.gradients.measure * self.gradients.coarsest(u[None])
-        wrong = self.forces(
-            EPS * size * signs.uniform(-1, 1, (1, len(self.gradients.inverse), *size.shape))
-        )
-        found: Array = wrong + EPS * sums * signs.uniform(-1, 1, sums.shape)
-        return found
-
-
-@dataclass(frozen=True, eq=False)
 class Entries:
     """Forces K u of a matrix as it stands, whose entries are rounded.
 

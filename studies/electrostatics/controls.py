@@ -172,7 +172,7 @@ class OfPoints(Charges):
 def of_points(electrodes: Electrodes, voltages: Any = VOLTAGES, **how: Any) -> Charges:
     """The right charges, seen as points."""
     right = MOMENTS.charges(electrodes, voltages, **how)
-    return OfPoints(right.moments, right.voltages, right.charge, right.floating)
+    return OfPoints(right.moments, right.voltages, right.charge, right.floating, right.error)
 
 
 class TakenForSymmetric(ReportModel):

@@ -17,6 +17,8 @@ from msvalidate.network import spring_network
 from msvalidate.problem import SHAPES, Box, Isotropic, Mesh, Problem, Support, Traction
 from msvalidate.volumes import Volumes
 
+UNIT = 0.37
+"""Size (m) of the squares and cubes of random networks."""
 SPRINGS = Path(__file__).parents[1] / "data" / "springs"
 
 
@@ -26,7 +28,8 @@ def _network_and_position(draw, *, stressed):
 
     Cells may resist a change of volume: the grid's boxes, or simplices between its points.
 
-    Points start 1 m apart and move by less than 0.4 m in all, so no spring comes near length zero.
+    Points start a unit apart and move by less than 0.4 of it in all, so no spring comes near length
+    zero. The unit is no metre: where it is one, wrong powers of a length do not show.
     """
     dim = draw(st.sampled_from([2, 3]))
     sides = draw(st.tuples(*[st.integers(2, 4 if dim == 2 else 3)] * dim))
@@ -34,7 +37,7 @@ def _network_and_position(draw, *, stressed):
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
 
     grid = np.stack(np.meshgrid(*map(np.arange, sides), indexing="ij"), axis=-1).reshape(-1, dim)
-    points = grid + rng.uniform(-0.3, 0.3, grid.shape)
+    points = UNIT * (grid + rng.uniform(-0.3, 0.3, grid.shape))
     if joined == "Delaunay":
         corners = [list(pair) for pair in combinations(range(dim + 1), 2)]
         springs = np.unique(np.sort(Delaunay(points).simplices[:, corners].reshape(-1, 2)), axis=0)
@@ -52,7 +55,7 @@ def _network_and_position(draw, *, stressed):
         mass=rng.uniform(0.5, 2, len(points)),
         force=rng.uniform(-1, 1, points.shape),
     )
-    return network, points + rng.uniform(-0.1, 0.1, points.shape)
+    return network, points + UNIT * rng.uniform(-0.1, 0.1, points.shape)
 
 
 def _volumes(points, sides, kind, rng):
@@ -70,7 +73,8 @@ def _volumes(points, sides, kind, rng):
         edges = points[cells[:, 1:]] - points[cells[:, :1]]
         turned = np.linalg.det(edges) < 0
         cells[turned, :2] = cells[turned, 1::-1]
-        cells = cells[np.abs(np.linalg.det(edges)) > 0.05]  # slivers have no stiffness to speak of
+        # Slivers have no stiffness to speak of.
+        cells = cells[np.abs(np.linalg.det(edges)) > 0.05 * UNIT ** points.shape[1]]
     return Volumes(points, cells, rng.uniform(0, 5, len(cells)))
 
 

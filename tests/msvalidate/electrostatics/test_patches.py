@@ -77,6 +77,18 @@ def test_rectangles_by_edges_and_by_corners_agree(point, width, depth):
     assert seen(np.array([point]), corners)[0, 0] == pytest.approx(by_corners, rel=1e-9)
 
 
+@pytest.mark.parametrize("tiny", [5e-324, -5e-324, 2.2e-309, 1e-300])
+def test_a_place_next_to_an_edges_line_is_seen_as_one_on_it(tiny):
+    # The quotient of 0.37 m over a subnormal distance is beyond all numbers; asinh of it is 744.
+    x, z = np.array([[tiny, 0.0]]), np.zeros((1, 2))
+    beside, on = corner_potential(x, np.full((1, 2), 0.37), z)[0]
+    assert beside == pytest.approx(on, abs=1e-290)
+    both = corner_potential(np.full((1, 2), 0.37), x, z)[0]
+    assert both[0] == pytest.approx(both[1], abs=1e-290)
+    strip = tiny * (1 + np.log(2 * 0.37) - np.log(abs(tiny)))  # x (1 + ln 2y/x) as x tends to 0
+    assert beside == pytest.approx(strip, rel=1e-9, abs=5e-323)
+
+
 @given(st.integers(0, 2**32 - 1))
 @examples
 def test_polygons_against_quadrature(seed):

@@ -159,7 +159,7 @@ def test_the_reports_point_sums_grow_with_depth(depth):
     electrodes = facing_strips(width, gap, round(width / length), grading="uniform")
     model = ReportModel(electrodes, depth=depth)
     even = np.where(electrodes.electrode == 0, length, -length)
-    force = report_forces(ReportCharges(model, np.array(VOLTS), even))
+    force = report_forces(ReportCharges(model, np.array(VOLTS), even, 0.0))
     top = (np.abs(electrodes.points[:, 0]) < 1) & (electrodes.points[:, 1] > 0.5)
     # Density 1 in the field 1/(2ε) of the other row; sums over points are integrals to e^(-2πh/l).
     expected = -0.5 * length * depth / (np.pi * gap)

@@ -1,0 +1,98 @@
+"""Energies, scales and bounds where no length is 1: a wrong power of one shows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from msvalidate import local_shear, volumes
+from msvalidate.homogenise import homogenised
+from msvalidate.lattice import patterns
+from msvalidate.local_shear import LocalShear
+from msvalidate.network import energy, mode_energy, spring_network, tangent
+from msvalidate.residual import force_scale
+from msvalidate.stiffness import isotropic_moduli, moduli
+from msvalidate.volumes import Volumes
+
+SIDE = 0.37
+SQUARE = SIDE * np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]]) + 2.0
+EDGES = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2]]
+examples = settings(max_examples=25, deadline=None)
+
+
+def pulled_spring():
+    """A spring of 0.37 m that was 0.3 m long, and its length's direction."""
+    return spring_network(SQUARE[:2], [[0, 1]], 5.0, rest_length=0.3)
+
+
+def test_energy_of_a_springs_small_motions():
+    network, motion = pulled_spring(), np.zeros((2, 2))
+    motion[1] = [0.02, 0.0]
+    assert mode_energy(network, SQUARE[:2], motion) == pytest.approx(5 * 0.02**2, rel=1e-13)
+    motion[1] = [0.0, 0.02]
+    across = 5 * (1 - 0.3 / SIDE) * 0.02**2  # the tension over the length, times the move
+    assert mode_energy(network, SQUARE[:2], motion) == pytest.approx(across, rel=1e-13)
+
+
+@examples
+@given(data=st.data(), seed=st.integers(0, 2**32 - 1))
+def test_energy_of_small_motions_is_that_of_the_tangent(networks, data, seed):
+    network, position = data.draw(networks(stressed=True))
+    motion = np.random.default_rng(seed).normal(size=position.shape)
+    K = tangent(network, position)
+    expected = motion.ravel() @ (K @ motion.ravel())
+    size = np.abs(motion.ravel()) @ (abs(K) @ np.abs(motion.ravel()))
+    # Sums of terms of either sign, each rounded.
+    assert mode_energy(network, position, motion) == pytest.approx(expected, abs=1e-12 * size)
+
+
+def test_energy_of_a_swollen_cells_small_motions():
+    """By second differences of its energy: pressure resists too, not growth alone."""
+    cell = Volumes(SQUARE, [[0, 1, 2, 3]], [2.0])
+    network = spring_network(SQUARE, EDGES, 0.0, volumes=cell)
+    swollen = 2.0 + 1.2 * (SQUARE - 2.0)
+    motion = np.array([[0.1, -0.3], [0.2, 0.1], [-0.2, 0.25], [0.05, 0.1]])
+    step = 1e-4
+    ends = sum(energy(network, swollen + sign * step * motion) for sign in (1, -1))
+    expected = (ends - 2 * energy(network, swollen)) / step**2
+    # Fourth differences of 1e-8, and 1e-16 of the energy over the step's square.
+    found = volumes.mode_energy(cell, swollen, motion)
+    assert found == pytest.approx(expected, abs=1e-6)
+    assert abs(expected) > 1e-3
+
+
+def test_force_scale_counts_a_swollen_cell():
+    cell = Volumes(SQUARE, [[0, 1, 2, 3]], [2.0])
+    network = spring_network(SQUARE, EDGES, 0.0, volumes=cell)
+    # The pressure κ (λ² - 1) on half of each of two sides of length λ 0.37 m.
+    expected = 2.0 * (1.1**2 - 1) * 1.1 * SIDE / math.sqrt(2)
+    assert force_scale(network, 1.1 * SQUARE) == pytest.approx(expected, rel=1e-12)
+
+
+def test_force_scale_counts_shear_springs():
+    shear = LocalShear(SQUARE, EDGES, np.full(5, 3.0), np.ones(5))
+    network = spring_network(SQUARE, EDGES, 0.0, shear=shear)
+    sheared = SQUARE + 0.1 * SQUARE[:, ::-1] * [1, 0]
+    most = np.linalg.norm(local_shear.force(shear, sheared), axis=1).max()
+    assert most > 0.01
+    assert most <= force_scale(network, sheared) < 100 * most
+
+
+def test_zeners_ratio_is_that_of_two_shears():
+    """Along the axes, and at 45° to them: energies of strains γ/2 (1, -1, 0) and (0, 0, γ)."""
+    C = homogenised(patterns.square(), (1.3, 0.2), SIDE).tensor
+    along, across = np.array([0.0, 0, 1]), np.array([0.5, -0.5, 0])
+    expected = (along @ C @ along) / (across @ C @ across)
+    assert abs(expected - 1) > 0.1
+    assert moduli(C).zener == pytest.approx(expected, rel=1e-12)
+    assert isotropic_moduli(C).zener == pytest.approx(expected, rel=1e-12)
+
+
+def test_frequency_bound_of_a_mass_on_a_spring():
+    held = [[True, True], [False, True]]
+    network = spring_network(SQUARE[:2], [[0, 1]], 5.0, mass=0.2, held=held)
+    assert network.frequency_bound == pytest.approx(math.sqrt(5.0 / 0.2), rel=1e-14)

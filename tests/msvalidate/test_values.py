@@ -1,0 +1,158 @@
+"""Arrays as users have them: taken by their values, refused where something would be lost."""
+
+from __future__ import annotations
+
+import warnings
+from fractions import Fraction
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from msvalidate.network import energy, internal_force, spring_network
+from msvalidate.problem import Mesh, ProblemError
+from msvalidate.volumes import Volumes
+from reference_fem.mesh.discretisation import discretise
+
+CORNERS = 0.37 * np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]]) + 4.3
+RING = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
+HELD = np.array([[True, True], [False, True], [False, False], [False, False]])
+
+
+class WithUnit(np.ndarray):
+    """As quantities of astropy are: NumPy takes their values and drops the unit."""
+
+    unit = "mm"
+
+
+def ring(**change):
+    return spring_network(**({"points": CORNERS, "springs": RING, "stiffness": 0.3} | change))
+
+
+def indices_to(what, cells):
+    """What becomes of numbers of points in a network, a mesh and lists of cells."""
+    if what == "network":
+        return ring(springs=cells).springs
+    if what == "mesh":
+        return Mesh(CORNERS, cells, "quad").cells
+    if what == "volumes":
+        return Volumes(CORNERS, cells, [0.2]).cells
+    return discretise(CORNERS, cells, "Q1").cells
+
+
+WAYS = {
+    "whole floats": lambda a: a.astype(float),
+    "float16": lambda a: a.astype(np.float16),
+    "big-endian": lambda a: a.astype(">i4"),
+    "unsigned": lambda a: a.astype(np.uint64),
+    "objects": lambda a: a.astype(object),
+    "fractions": lambda a: [[Fraction(int(i)) for i in row] for row in a],
+    "nullable table": lambda a: pd.DataFrame(a).astype("Int64"),
+    "mixed table": lambda a: pd.DataFrame(a).astype({0: "Int64", 1: float}),
+    "in columns": np.asfortranarray,
+    "every other": lambda a: np.repeat(a, 2, axis=0)[::2],
+    "read-only": lambda a: np.frombuffer(a.tobytes(), dtype=a.dtype).reshape(a.shape),
+    "no mask": np.ma.array,
+}
+
+
+@pytest.mark.parametrize("what", ["network", "mesh", "volumes", "finite elements"])
+@pytest.mark.parametrize("way", WAYS)
+def test_indices_are_taken_by_value(way, what):
+    plain = RING if what == "network" else np.array([[0, 1, 2, 3]])
+    taken = indices_to(what, WAYS[way](plain))
+    assert taken.dtype == np.intp
+    assert taken.tolist() == plain.tolist()
+
+
+@pytest.mark.parametrize("what", ["network", "mesh", "volumes", "finite elements"])
+@pytest.mark.parametrize("bad", [1e300, -1e300, 2.0**63, float("nan"), float("inf"), 0.5, True])
+def test_indices_that_are_none_are_refused_without_a_warning(bad, what):
+    plain = np.array(RING if what == "network" else [[0, 1, 2, 3]], dtype=float)
+    plain[0, 0] = bad
+    given = plain if bad is not True else plain.astype(bool)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(ProblemError):
+            indices_to(what, given)
+
+
+def test_large_indices_keep_their_last_digit():
+    # Through floats 2**53 + 1 is 2**53.
+    with pytest.raises(ProblemError, match="9007199254740993"):
+        ring(springs=[[0, 2**53 + 1]])
+
+
+@pytest.mark.parametrize(
+    "held",
+    [
+        HELD.astype(int),
+        HELD.astype(float),
+        HELD.astype(object),
+        pd.DataFrame(HELD, dtype="boolean"),
+    ],
+    ids=["0 and 1", "0.0 and 1.0", "objects", "nullable table"],
+)
+def test_booleans_are_taken_by_value(held):
+    taken = ring(held=held).held
+    assert taken.dtype == bool
+    assert taken.tolist() == HELD.tolist()
+
+
+@pytest.mark.parametrize("held", [2 * HELD, HELD.astype(str), HELD + 0j, HELD[:2], np.nan * HELD])
+def test_what_is_no_boolean_is_refused(held):
+    with pytest.raises(ProblemError, match=r"held: .*give booleans \(4, 2\)"):
+        ring(held=held)
+
+
+MASKED = np.ma.array([0.3, 0.4, 0.5, 0.6], mask=[0, 0, 1, 0])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"stiffness": MASKED},
+        {"stiffness": [*MASKED]},
+        {"mass": MASKED},
+        {"points": np.ma.masked_less(CORNERS, 4.5)},
+        {"points": [*np.ma.masked_less(CORNERS, 4.5)]},
+        {"springs": np.ma.masked_greater(RING, 2)},
+        {"held": np.ma.array(HELD, mask=HELD)},
+        {"force": np.ma.masked_equal(np.zeros((4, 2)), 0.0)},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_masked_entries_are_refused(change):
+    # Their fill values were stiffnesses of 1e20 N/m, or what stood behind the mask.
+    with pytest.raises(ProblemError, match=f"{next(iter(change))}: .*masked"):
+        ring(**change)
+
+
+def test_an_array_in_which_nothing_is_masked_loses_nothing():
+    given = np.ma.array(MASKED.data, mask=False)
+    assert ring(stiffness=given).stiffness.tolist() == MASKED.data.tolist()
+
+
+def test_positions_of_fewer_digits_or_with_a_mask_do_not_pass_by():
+    network = ring(rest_length=0.3)
+    position = CORNERS.astype(np.float32)  # in its own type, lengths would have 7 digits
+    exact = 0.5 * 0.3 * ((0.37 - 0.3) ** 2 * 4)
+    # Float32 keeps 4.3 m to 2.4e-7 m; a stretch of 0.07 m is then off by 7e-6 of itself, squared.
+    assert energy(network, position) == pytest.approx(exact, rel=2e-5)
+    assert internal_force(network, position).dtype == np.float64
+    direct = energy(network, position.astype(float))
+    assert energy(network, position) == direct
+    with pytest.raises(ProblemError, match=r"position: .*masked"):
+        energy(network, np.ma.masked_less(CORNERS, 4.5))
+
+
+@pytest.mark.parametrize("bad", [CORNERS + 0j, CORNERS.astype(str), CORNERS.view(WithUnit)])
+def test_what_would_lose_something_is_refused(bad):
+    with pytest.raises(ProblemError, match="points: "):
+        ring(points=bad)
+
+
+def test_columns_in_memory_are_as_good_as_rows():
+    network = ring(points=np.asfortranarray(CORNERS), stiffness=np.array([0.3, 1, 1, 1])[::-1])
+    assert network.points.flags.c_contiguous
+    assert network.stiffness.tolist() == [1, 1, 1, 0.3]

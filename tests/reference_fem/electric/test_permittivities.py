@@ -1,0 +1,78 @@
+"""Permittivities far apart: layers in closed form, a core that becomes a conductor, a refusal."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from msvalidate.problem import Box, SolverError
+from reference_fem.electric.electrostatics import Dielectric
+from reference_fem.mesh.boxes import box_discretisation
+
+SIDE = 0.37
+ROUNDING = 1e-12
+"""Of charges and energies: sums of a thousand terms, each rounded by 1e-16 of the largest."""
+
+
+def layers(ratio, element="Q1"):
+    """A layer that touches neither electrode, one sixth to one half of the height."""
+    body = box_discretisation(Box((SIDE, SIDE)), (4, 6), element)
+    middle = body.points[body.cells].mean(axis=1)[:, 1]
+    inside = (middle > SIDE / 6) & (middle < SIDE / 2)
+    y = body.points[:, 1]
+    held = np.isin(y, (0.0, y.max()))
+    return Dielectric(body, np.where(inside, 3.0 * ratio, 3.0), held), np.where(y == 0, 0.2, 1.2)
+
+
+@pytest.mark.parametrize("element", ["Q1", "Q2"])
+@pytest.mark.parametrize("ratio", [1e-30, 1e-18, 1e-12, 1e-6, 1.0, 1e6, 1e10, 1e12, 1e14])
+def test_layers_are_capacitors_in_series(ratio, element):
+    medium, values = layers(ratio, element)
+    found = medium.solve(values)
+    capacitance = 3.0 / (2 / 3 + 1 / 3 / ratio)  # of a square: width over height is 1
+    top = found.charge[values == 1.2][medium.held[values == 1.2]].sum()
+    bottom = found.charge[values == 0.2].sum()
+    assert top == pytest.approx(capacitance, rel=ROUNDING)
+    assert bottom == pytest.approx(-capacitance, rel=ROUNDING)
+    assert 2 * found.energy == pytest.approx(capacitance, rel=ROUNDING)
+    assert found.error <= ROUNDING
+
+
+@pytest.mark.parametrize("ratio", [1e18, 1e22, 1e30])
+def test_what_rounding_hides_is_refused(ratio):
+    # The layer's potential hangs on 1e-18 of its own stiffness: a factor has 1e-16 of it.
+    medium, values = layers(ratio)
+    with pytest.raises(SolverError, match=r"permittivities from 3 to 3e.*take a conductor"):
+        medium.solve(values)
+
+
+def test_a_core_of_great_permittivity_tends_to_a_conductor():
+    """Beside it a conductor that floats, which has no permittivity at all."""
+    body = box_discretisation(Box((SIDE, SIDE)), (9, 9), "Q1")
+    y = body.points[:, 1]
+    middle = body.points[body.cells].mean(axis=1) / SIDE
+    inside = (np.abs(middle - [0.5, 0.4]) < 0.2).all(axis=1)
+    held = np.isin(y, (0.0, y.max()))
+    values = np.where(y == 0, -0.3, 0.4)
+    core = np.unique(body.cells[inside])
+    ones = np.ones(len(body.cells))
+    limit = Dielectric(body, ones, held, core).solve(values).energy
+    gaps = []
+    for ratio in (1e4, 1e8, 1e12, 1e14):
+        found = Dielectric(body, np.where(inside, ratio, 1.0), held).solve(values)
+        gaps.append((1 - found.energy / limit) * ratio)
+        assert found.error <= ROUNDING
+    # What flows through the core stores energy like 1/ratio, until rounding is more.
+    assert gaps[0] == pytest.approx(gaps[1], rel=1e-3)
+    assert gaps[2] == pytest.approx(gaps[0], rel=0.02)  # 2e-12, known to 1e-14
+    assert abs(gaps[3]) / 1e14 < ROUNDING
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e12])
+def test_equal_potentials_leave_no_charge(ratio):
+    medium, _ = layers(ratio)
+    found = medium.solve(np.full(len(medium.held), 0.3))
+    assert not found.charge.any()
+    assert found.energy == 0.0
+    assert found.error == 0.0
+    np.testing.assert_array_equal(found.values, 0.3)
