@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RUN := $(BIN)/python -m msvalidate.study
 
-.PHONY: help poisson bench check report test slow lint types format clean
+.PHONY: help poisson bench check report test slow mutants lint types format clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -51,6 +51,10 @@ test: $(VENV)/develops
 # make slow      the tests that take minutes: nightly, not at each change
 slow: $(VENV)/develops
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m slow $(ARGS)
+
+# make mutants   small faults put in one at a time: which do the tests miss? nightly
+mutants: $(VENV)/develops
+	OMP_NUM_THREADS=1 $(BIN)/python tests/mutation/run.py $(ARGS)
 
 # make lint      style, make types: types, make format: rewrite to style
 lint: $(VENV)/develops
