@@ -29,7 +29,6 @@ import subprocess
 import sys
 import time
 import traceback
-from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -75,27 +74,40 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
         25,
     ),
 }
-KERNELS = defaultdict(
-    lambda: [f"{T}/test_kernels.py"],
-    {
-        "charges": [f"{T}/kernels/test_charges.py"],
-        "fluxes": [f"{T}/kernels/test_fluxes.py"],
-        "segments": [f"{T}/kernels/test_segments.py"],
-        "polygons": [f"{T}/kernels/test_fluxes.py"],
-        "general": [f"{T}/test_general.py"],
-        "rows": [f"{T}/test_general.py"],
-        "stencil": [f"{T}/test_stencil.py"],
-        "grid": [f"{T}/test_stencil.py"],
-        "lanes": [f"{T}/test_stencil.py"],
-        "turning": [f"{T}/test_stencil.py"],
-        "sweep": [f"{T}/test_stencil.py"],
-        "bending": [f"{T}/test_kernels.py"],
-        "cells": [f"{T}/test_kernels.py"],
-        "corners": [f"{T}/test_kernels.py"],
-    },
-)
-"""File of compiled code -> the tests that compile the least and reach it; those of other modules
-are found by the lines that tests run, which compiled code does not tell."""
+CELLS = [
+    [f"{T}/test_kernels.py::test_{n}" for n in (
+        "cells_push_as_in_the_plain_form", "cells_add_to_what_is_there_whatever_their_groups",
+        "a_number_that_is_none_comes_out_as_none",
+    )],
+    [f"{T}/test_kernels.py::test_{n}" for n in (
+        "force_and_energy_are_those_of_the_plain_form", "curvature_is_that_of_the_tangent",
+    )],
+]  # fmt: skip
+FORCES = f"{T}/test_general.py::test_forces_and_steps_are_those_of_the_plain_form"
+LISTS = [[f"{FORCES}[2-none-False]", f"{FORCES}[3-none-False]"], [f"{T}/test_general.py"]]
+GRIDS = [[f"{T}/test_stencil.py"]]
+KERNELS = {
+    "__init__": [*LISTS, [f"{T}/test_stencil.py", f"{T}/test_kernels.py"]],
+    "bending": [[f"{T}/test_kernels.py::test_curvature_is_that_of_the_tangent"]],
+    "cells": CELLS,
+    "charges": [[f"{T}/kernels/test_charges.py"], [f"{T}/electrostatics/test_electrodes.py"]],
+    "compiling": [[f"{T}/kernels/test_segments.py"]],
+    "corners": CELLS,
+    "fluxes": [[f"{T}/kernels/test_fluxes.py"]],
+    "general": LISTS,
+    "grid": GRIDS,
+    "lanes": GRIDS + LISTS[:1],
+    "polygons": [[f"{T}/electrostatics/test_faces.py"], [f"{T}/electrostatics/test_patches.py"]],
+    "rows": GRIDS + LISTS,
+    "segments": [[f"{T}/kernels/test_segments.py"], [f"{T}/kernels/test_charges.py"]],
+    "stencil": GRIDS,
+    "sweep": LISTS,
+    "turning": LISTS,
+}
+"""File of compiled code -> tests that reach it, those that compile the least first; of other
+modules they are found by the lines that tests run, which compiled code does not tell."""
+PLAIN = {"__init__", "general", "grid", "rows"}
+"""Files of `kernels` without compiled functions: what is compiled stays as it is."""
 QUESTIONS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "integrators": [("stability", ("limits", "order"))],
     "homogenise": [("lattices", ("solids",))],
@@ -241,9 +253,8 @@ def refuse_failing(
     if asked.questions:
         works = [lambda a=a: _question(*a) for a in QUESTIONS.get(name, [])]
     elif name == "kernels":
-        works = [
-            lambda: _tests(sorted({t for one in chosen for t in KERNELS[Path(one.file).stem]}))
-        ]
+        asks = [group for one in chosen for group in KERNELS[Path(one.file).stem]]
+        works = [lambda: _tests(sorted({t for group in asks for t in group}))]
     else:
         groups = [group for one in chosen for group in chosen_tests(one, tests, reach)]
         works = [lambda: _tests(sorted({t for group in groups for t in group}))]
@@ -268,9 +279,10 @@ def tested(
     one: Mutant, module: str, tests: list[str], tree: Path, reach: list[dict], out: Path
 ) -> tuple[str, float, str]:
     """Whether tests notice a fault: those that reach its line, then the module's others."""
-    compiled = module == "kernels"
-    groups = [KERNELS[Path(one.file).stem]] if compiled else chosen_tests(one, tests, reach)
-    spent = 0.0
+    stem = Path(one.file).stem
+    groups = KERNELS[stem] if module == "kernels" else chosen_tests(one, tests, reach)
+    compiled, spent = module == "kernels" and stem not in PLAIN, 0.0
+    shutil.rmtree(out / "cold", ignore_errors=True)
     with fault_in(one, tree):
         for group in groups:
             if not group:
@@ -346,8 +358,6 @@ class fault_in:  # noqa: N801
 def forked(work, tree: Path, out: Path, limit: int, *, cold: bool = False) -> tuple[object, float]:
     """Do some work in a process of its own, in the tree; return its exit code and its seconds."""
     cache = out / ("cold" if cold else "warm")
-    if cold:
-        shutil.rmtree(cache, ignore_errors=True)
     cache.mkdir(exist_ok=True)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     child = os.fork()
@@ -460,12 +470,13 @@ def last_failure(out: Path) -> str:
 
 def asked_of_questions(one: Mutant, module: str, tree: Path, out: Path) -> tuple[str, float, str]:
     """Whether a theory or agreement row of a quick question notices a fault."""
-    spent = 0.0
+    compiled, spent = module == "kernels" and Path(one.file).stem not in PLAIN, 0.0
+    shutil.rmtree(out / "cold", ignore_errors=True)
     with fault_in(one, tree):
         for study, questions in QUESTIONS.get(module, []):
             code, seconds = forked(
                 lambda study=study, questions=questions: _question(study, questions),
-                tree, out, LIMIT, cold=module == "kernels",
+                tree, out, LIMIT, cold=compiled,
             )  # fmt: skip
             spent += seconds
             if code == "timeout":
