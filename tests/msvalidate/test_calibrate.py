@@ -293,6 +293,10 @@ def test_a_calibration_brings_its_own_volume_energy():
     ("other", "said"),
     [
         (calibrate(1.0, 0.3, patterns.cubic18(), "solid"), "a spacing of 1 m, not 0.25 m"),
+        (
+            calibrate(1.0, 0.3, patterns.cubic18(), "solid", spacing=0.1),
+            "a spacing of 0.1 m, not 0.25 m",
+        ),
         (calibrate(1.0, 0.3, patterns.bcc(), "solid", spacing=0.25), "a BCC lattice, not cubic 18"),
         (calibrate(1.0, 0.3, patterns.square()), "a square lattice, not cubic 18"),
         (
@@ -314,12 +318,22 @@ def test_a_calibration_of_something_else_is_refused(other, said):
         lattice_network(problem, grid, other)
 
 
+def test_a_calibration_is_not_for_a_material_that_keeps_its_volume():
+    # Plane strain of nu = 1/2 is a plane ratio of 1: no finite tensor to compare with.
+    box = Box((1.0, 1.0))
+    material = Isotropic(1.0, 0.5, "plane_strain")
+    problem = Problem(box, material, (Support(box.side("left"), (0.0, 0.0)),))
+    with pytest.raises(ProblemError, match=r"calibration: for E = 1 Pa and nu = 0\.3 of another"):
+        lattice_network(problem, SHEET, calibrate(1.0, 0.3, SHEET, "plane_strain"))
+
+
 def test_a_calibration_of_another_thickness_is_refused_and_of_another_spacing_in_the_plane_not():
     box = Box((1.0, 1.0))
     held = (Support(box.side("left"), (0.0, 0.0)),)
     problem = Problem(box, Isotropic(1.0, 0.3, thickness=THICKNESS), held)
-    with pytest.raises(ProblemError, match=r"for a thickness of 1 m, not 0\.3 m"):
-        lattice_network(problem, SHEET, calibrate(1.0, 0.3, SHEET))
+    for thickness in (0.2, 1.0):
+        with pytest.raises(ProblemError, match=f"for a thickness of {thickness:g} m, not 0.3 m"):
+            lattice_network(problem, SHEET, calibrate(1.0, 0.3, SHEET, thickness=thickness))
     other = calibrate(1.0, 0.3, patterns.square(), thickness=THICKNESS, spacing=7.0)
     own = calibrate(1.0, 0.3, SHEET, thickness=THICKNESS)
     theirs, ours = (lattice_network(problem, SHEET, found) for found in (other, own))

@@ -349,3 +349,8 @@ def test_springs_of_an_irregular_body_are_not_taken_for_its_solid(lattice):
 def test_bad_input_is_refused(call, message):
     with refused(message):
         call()
+
+
+def test_a_frequency_is_of_a_pattern_and_not_of_its_name():
+    with refused("pattern"):
+        highest_frequency("square", (1.0, 1.0))

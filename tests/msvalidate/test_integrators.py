@@ -7,6 +7,7 @@ import pytest
 
 from msvalidate.integrators import (
     INTEGRATORS,
+    factors_of,
     growth,
     one_step_matrix,
     stability_limit,
@@ -183,3 +184,8 @@ def test_under_viscosity_the_mean_energy_of_a_cycle_falls(name, zeta):
     means = np.array(found).reshape(cycles, per_cycle).mean(axis=1)
     growing = name == "explicit_euler" and stability_limit(scheme, OMEGA, OMEGA, damping) < h
     assert (np.diff(means) > 0).all() if growing else (np.diff(means) < 0).all()
+
+
+def test_a_scheme_is_asked_for_and_not_its_name():
+    with pytest.raises(ProblemError, match="scheme"):
+        factors_of("leapfrog")
