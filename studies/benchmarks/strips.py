@@ -46,7 +46,7 @@ TERMS = (20, 24)
 dependent but for rounding, and what least squares make of them goes by the processor: of 30 terms
 K_tn by 3e-7 of it, of 24 by 1e-8."""
 DEPENDENT = 1e-7
-"""Rounding of that uncertainty, which is 2e-5 or more: ten times what rounding leaves of K_tn."""
+"""Rounding of that uncertainty, which is 4e-6 or more: ten times what rounding leaves of K_tn."""
 TOLERANCES = (
     Tolerance(
         "strips: uncertainty of elements, relative",
