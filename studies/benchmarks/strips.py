@@ -41,12 +41,12 @@ CELLS, ACCURACY = 4, 2e-3
 LATTICE, QUICK_LATTICE = 120, 40
 """Springs: cells per half width; the narrowest hole has 12 of them in its radius, in
 either form."""
-TERMS = (20, 30)
-"""Of the potentials; what fewer miss of more is their uncertainty."""
+TERMS = (20, 24)
+"""Of the potentials; what fewer miss of more is their uncertainty. The powers of more terms are
+dependent but for rounding, and what least squares make of them goes by the processor: of 30 terms
+K_tn by 3e-7 of it, of 24 by 1e-8."""
 DEPENDENT = 1e-7
-"""Rounding of that uncertainty. The powers of 30 terms are dependent but for rounding, and least
-squares leave out what of them falls below it, which goes by the processor. That is the size of a
-solution known to the root of rounding, 1e-8; the uncertainty itself is 4e-5 or more."""
+"""Rounding of that uncertainty, which is 4e-6 or more: ten times what rounding leaves of K_tn."""
 TOLERANCES = (
     Tolerance(
         "strips: uncertainty of elements, relative",
@@ -82,7 +82,7 @@ COLUMNS = {
     "K_elements": "K_tn by Q2 on the finest mesh (1)",
     "K_uncertainty": "how far K_elements may be off, relative, by Richardson's rule (1)",
     "K_potentials": "K_tn by Kolosov's potentials (1)",
-    "potentials_uncertainty": "what 20 terms miss of 30, relative, or the traction missed on the "
+    "potentials_uncertainty": "what 20 terms miss of 24, relative, or the traction missed on the "
     "sides over the largest stress, if that is more (1)",
     "K_springs": "K_tn by springs, quartic fit (1)",
     "heywood_off": "heywood over K_elements, less 1 (1)",
