@@ -36,7 +36,7 @@ COLUMNS = {
     "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
     "solved_by": "whose displacement: springs, or FEM",
     "permittivity": "of the slab and of what surrounds it (F/m)",
-    "deflection": "of the middle of the upper face over that of a uniform slab (1)",
+    "over_uniform": "deflection of the middle of the upper face over that of a uniform slab (1)",
     "over_scaled": "largest displacement of the upper face over the same at 1 F/m and as many "
     "times the voltage as the root of the permittivity (1)",
 }
@@ -61,7 +61,7 @@ def run(candidate: Candidate, setting: Setting | None = None) -> Evidence:
         observed={TOLERANCES[0].quantity: worst(table["over_scaled"], 1.0)},
         tolerances=TOLERANCES,
         columns=COLUMNS,
-        rounding={"deflection": 1e-7, "over_scaled": 1e-8},
+        rounding={"over_uniform": 1e-7, "over_scaled": 1e-8},
     )
 
 
@@ -73,6 +73,6 @@ def row(covered: str, solved_by: str, move: Array, scaled: Array) -> dict[str, o
         "covered": covered,
         "solved_by": solved_by,
         "permittivity": PERMITTIVITY,
-        "deflection": middle / uniform_deflection(VOLTAGE, PERMITTIVITY),
+        "over_uniform": middle / uniform_deflection(VOLTAGE, PERMITTIVITY),
         "over_scaled": float(move[largest] / scaled[largest]),
     }

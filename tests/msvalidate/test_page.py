@@ -80,8 +80,8 @@ def test_page_of_a_study_that_passed():
     text = Read(html).text
     said = (
         "pass The one tolerance of 1 study held.",
-        "theory agreement baseline time of run",
-        "lines pass 1 of 1 held not compared not compared 2026-01-01 00:00 UTC",
+        "theory agreement regression baseline time of run",
+        "lines pass 1 of 1 held not compared not compared not compared 2026-01-01 00:00 UTC",
         "What failed Nothing failed.",
         "How long? pass 1 of 1 tolerance held As long as it is.",
         "Findings A finding.",

@@ -152,7 +152,7 @@ def test_verdicts(ways, words):
 
 
 def walk(low, high, inner=0.4):
-    return [seen(low, 0.5), seen(high, 1.5, inner), seen(high, 2.0, inner)]
+    return [seen(low, 0.5), seen(high, 1.5, inner), seen(lambda x: 2 * high(x), 2.0, inner)]
 
 
 def even(x):
@@ -205,7 +205,7 @@ def test_every_statement_can_come_to_anything(statement, faces):
 
 @pytest.mark.parametrize(
     ("fault", "noticing", "disputed"),
-    [("charges as at the start", [0, 1, 3], 1), ("edges pushed inwards", [0, 1, 2, 3], 5)],
+    [("charges as at the start", [0, 1, 4], 1), ("edges pushed inwards", [0, 1, 2, 4], 4)],
 )
 def test_figure8_notices_its_faults(fault, noticing, disputed):
     """Charges that stay as they were make no effect that grows, and elements do: one statement."""
