@@ -183,7 +183,7 @@ class _System:
 
 _NO_VOLUME = (
     "mixed finite elements: the system is singular: at nu = 1/2 the pressure of a body held all "
-    "round has no value, a part that hangs by a corner can move, and a body too slender for so many "
+    "round has no value, a part that hangs by a corner can move, and a body too slender for its "
     "cells is lost in rounding; leave part of the surface free, join the parts, take nu < 1/2, or "
     "longer cells"
 )
