@@ -183,9 +183,9 @@ class _System:
 
 _NO_VOLUME = (
     "mixed finite elements: the system is singular: at nu = 1/2 the pressure of a body held all "
-    "round has no value, a part that hangs by a corner can move, and a body too slender for so "
-    "many cells is lost in rounding; leave part of the surface free, join the parts, take "
-    "nu < 1/2, or longer cells"
+    "round has no value, a part that hangs by a corner can move, and a body too slender for its "
+    "cells is lost in rounding; leave part of the surface free, join the parts, take nu < 1/2, or "
+    "longer cells"
 )
 
 
@@ -229,7 +229,7 @@ def _system(body: Discretisation, material: Material) -> _System:
     pressure = skfem.Basis(
         basis.mesh, body.element.linear, mapping=basis.mapping, quadrature=(basis.X, basis.W)
     )
-    column = np.argsort(body.node, kind="stable")
+    column = np.argsort(body.node)
     parts = []
     for axis in range(d):
         form = skfem.BilinearForm(lambda u, v, _, axis=axis: v * u.grad[axis])

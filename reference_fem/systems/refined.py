@@ -34,7 +34,7 @@ MOST_DIRECTIONS = 60
 PATIENCE = 12
 """Directions that may bring no smaller correction."""
 SQUARE = 1e5
-SAMPLE = 4.0
+SAMPLE = 1.5
 """Factor on the one sample that is taken of what rounding leaves: its largest part by chance."""
 CAUTION = 2.0
 """Times a correction that was made roughly, for what is left after it."""

@@ -93,7 +93,7 @@ def test_plane_stress_and_fibres_do_not_lock():
     assert bulk_over_shear(swelling) == pytest.approx(1e4 / 0.5, rel=0.3)
 
 
-@pytest.mark.parametrize("element", ["Q1", "P1", "Q2", "P2"])
+@pytest.mark.parametrize("element", ["Q1", "P1", "Q2"])
 def test_three_meshes_never_state_less_than_their_error(element):
     missed, answered = [], 0
     for nu in (0.0, 0.3, 0.45, 0.49, 0.4999, 0.499999):
@@ -101,7 +101,7 @@ def test_three_meshes_never_state_less_than_their_error(element):
             try:
                 values = [tip(clamped(nu), coarsest * 2**i, element) for i in range(3)]
             except SolverError:
-                assert nu >= 0.48 and element[1] == "1"
+                assert (nu >= 0.48, element[1]) == (True, "1")
                 continue
             found = richardson(*values, 4 * coarsest, 4.5)
             answered += 1

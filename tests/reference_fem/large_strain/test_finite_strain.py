@@ -348,7 +348,7 @@ def test_bad_loads_are_refused():
         deform(solid, rest, rest, tolerance=-1.0)
 
 
-# --- small strains, and what an answer says of itself ----------------------------------------------
+# --- small strains, and what an answer says of itself ---------------------------------------------
 
 PAIRS = ((0, 0), (1, 1), (0, 1))
 
