@@ -84,8 +84,8 @@ class Anisotropic:
         lowest = np.linalg.eigvalsh(ratios)[0]
         if lowest <= 1e-12:
             raise ProblemError(
-                f"stiffness tensor C: lowest eigenvalue {float(lowest) * float(largest):g} Pa; some strain costs "
-                "no energy"
+                f"stiffness tensor C: lowest eigenvalue {float(lowest) * float(largest):g} Pa; "
+                "some strain costs no energy"
             )
         object.__setattr__(self, "C", C)
         positive("density", self.density, "kg/m³")
