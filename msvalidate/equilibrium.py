@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.linear import Factor, factorised, is_factored, softest_mode
-from msvalidate.mechanism import is_loose, named
+from msvalidate.linear import factorised, is_factored
+from msvalidate.mechanism import is_loose, named, regular
+from msvalidate.linear_solution import solved
 from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
 from msvalidate.network import Network, internal_force, tangent
 from msvalidate.problem import (
@@ -48,6 +50,10 @@ class Equilibrium:
         Largest out-of-balance force (N) on a free component.
     iterations
         Linear solves that it took, or time steps.
+    error
+        Largest error of a component of the displacement over the largest component: an estimate
+        from what refinement says, above the rounding that is known. 0 where nothing moves, NaN
+        where it was not estimated.
     """
 
     displacement: Array
@@ -55,6 +61,7 @@ class Equilibrium:
     reaction: Array
     residual: float
     iterations: int
+    error: float = math.nan
 
 
 def equilibrium(
@@ -124,28 +131,14 @@ def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> 
 
 
 def _linear(network: Network) -> Equilibrium:
-    K = tangent(network, network.points)
-    load = internal_force(network, network.points) + network.force
-    move, stable = tangent_move(network, network.points, K, load, network.displacement)
-    if not stable:
-        raise SolverError(
-            "linear equilibrium: the network is unstable at its reference points (its tangent "
-            "stiffness has a negative mode); relieve its prestress or hold it better"
-        )
-    balance = load - (K @ move.ravel()).reshape(move.shape)
-    residual = _largest(balance[~network.held])
-    scale = abs(K).max() * np.abs(move).max(initial=0.0) + np.abs(load).max(initial=0.0)
-    if not residual <= 1e-9 * scale:
-        raise SolverError(
-            f"linear equilibrium: residual {residual:.3g} N against forces of {scale:.3g} N; "
-            "the stiffnesses are too far apart for one solve"
-        )
+    found = solved(network)
     return Equilibrium(
-        displacement=move,
-        position=network.points + move,
-        reaction=np.where(network.held, -balance, 0.0),
-        residual=residual,
-        iterations=1,
+        displacement=found.displacement,
+        position=network.points + found.displacement,
+        reaction=found.reaction,
+        residual=_largest(found.balance[~network.held]),
+        iterations=1 + found.steps,
+        error=found.error,
     )
 
 
@@ -219,7 +212,7 @@ def tangent_move(
     if not len(free):
         return move.reshape(load.shape), True
     rows = K[free]
-    factor = _regular(network, x, rows[:, free])
+    factor = regular(network, x, rows[:, free]).factor
     move[free] = factor.solve(load.ravel()[free] - rows @ move)
     return move.reshape(load.shape), factor.negative == 0
 
@@ -235,31 +228,12 @@ def refuse_mechanism(network: Network) -> None:
         return
     if is_factored(~network.held):
         free = np.flatnonzero(~network.held.ravel())
-        _regular(network, x, tangent(network, x)[free][:, free])
+        regular(network, x, tangent(network, x)[free][:, free])
         return
     A = restrained(network, x)
     mode = softest_motion(A, network, x)
     if mode.any() and is_loose(network, x, mode, A.diagonal()):
         raise SolverError(named(network, mode))
-
-
-def _regular(network: Network, x: Array, K: csr_array) -> Factor:
-    """Factor of the free part of the tangent at `x`, refused if some motion meets no stiffness.
-
-    The motion that the tangent resists least is judged by the springs that it stretches.
-    """
-    stiffness = np.zeros(network.points.size)
-    free = ~network.held.ravel()
-    stiffness[free] = K.diagonal()
-    try:
-        factor = factorised(K) if stiffness[free].all() else None
-    except RuntimeError:
-        factor = None
-    mode = np.zeros(network.points.size)
-    mode[free] = softest_mode(K, factor)
-    if factor is None or is_loose(network, x, mode, stiffness):
-        raise SolverError(named(network, mode))
-    return factor
 
 
 def _rounding(x: Array) -> float:
