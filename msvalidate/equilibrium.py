@@ -14,6 +14,7 @@ from msvalidate.mechanism import is_loose, named, regular
 from msvalidate.linear_solution import solved
 from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
 from msvalidate.network import Network, internal_force, tangent
+from msvalidate.polish import balance, centred, polished
 from msvalidate.problem import (
     Array,
     SolverError,
@@ -93,16 +94,22 @@ def equilibrium(
         return _linear(network) if geometry == "linear" else _nonlinear(network)
 
 
-def at_rest(network: Network, position: Array, iterations: int) -> Equilibrium:
-    """The equilibrium at `position` (n, d) in m, with the residual and reactions found there."""
-    balance = internal_force(network, position) + network.force
-    position.setflags(write=False)
+def at_rest(
+    network: Network, displacement: Array, iterations: int, *, error: float = math.nan
+) -> Equilibrium:
+    """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
+
+    Forces come from the displacement: positions have lost digits where coordinates are large.
+    """
+    left = balance(network, displacement)
+    displacement.setflags(write=False)
     return Equilibrium(
-        displacement=position - network.points,
-        position=position,
-        reaction=np.where(network.held, -balance, 0.0),
-        residual=_largest(balance[~network.held]),
+        displacement=displacement,
+        position=network.points + displacement,
+        reaction=np.where(network.held, -left, 0.0),
+        residual=_largest(left[~network.held]),
         iterations=iterations,
+        error=error,
     )
 
 
@@ -144,6 +151,7 @@ def _linear(network: Network) -> Equilibrium:
 
 def _nonlinear(network: Network) -> Equilibrium:
     """Raise load and prescribed displacement together, in halves of what would not converge."""
+    given, network = network, centred(network)
     position, reached, increment, iterations = network.points, 0.0, 1.0, 0
     while reached < 1:
         target = min(1.0, reached + increment)
@@ -159,7 +167,8 @@ def _nonlinear(network: Network) -> Equilibrium:
                 f"{reached:.4g} of the load (after {iterations} linear solves); reduce the load or "
                 "stiffen the network"
             )
-    return at_rest(network, position, iterations)
+    found = polished(given, position - network.points)
+    return at_rest(given, found.displacement, iterations + found.steps, error=found.error)
 
 
 def _newton(network: Network, position: Array, fraction: float) -> tuple[Array | None, int]:

@@ -69,7 +69,9 @@ def contraction(softness: float) -> float:
     return FACTOR_ROUNDING / max(abs(softness), np.finfo(float).tiny)
 
 
-def refined(residual: Residual, solve: Solve, start: Pair, rate: float) -> Refined:
+def refined(
+    residual: Residual, solve: Solve, start: Pair, rate: float, *, solved: bool = True
+) -> Refined:
     """Correct a solution until its digits stand still.
 
     Parameters
@@ -80,10 +82,13 @@ def refined(residual: Residual, solve: Solve, start: Pair, rate: float) -> Refin
         (n, d).
     rate
         Part of an error that a correction leaves at the most, as far as is known: `contraction`.
+    solved
+        Whether `start` is the factor's own answer: then what the first correction changes tells how
+        much of it the factor had wrong. Otherwise it takes a second to tell.
     """
     u, ahead = start, _Combined()
-    best, before, waited, steps = np.inf, _largest(start.hi), 0, 0
-    error = np.inf
+    best, waited, steps, size, scale = np.inf, 0, 0, np.inf, 1.0
+    before = _largest(start.hi) if solved else 0.0
     while steps < MOST_STEPS and waited < PATIENCE:
         step = ahead.step(solve(residual(u)))
         size = _largest(step)
@@ -100,7 +105,7 @@ def refined(residual: Residual, solve: Solve, start: Pair, rate: float) -> Refin
             return Refined(u, min(error, size / scale), steps)
         waited = 0 if size < 0.7 * best else waited + 1
         best, before = min(best, size), size
-    return Refined(u, size / scale if steps else np.inf, steps)
+    return Refined(u, size / scale, steps)
 
 
 class _Combined:
