@@ -42,16 +42,17 @@ def regular(network: Network, position: Array, K: csr_array) -> Regular:
     stiffness, mode = np.zeros(network.points.size), np.zeros(network.points.size)
     free = ~network.held.ravel()
     stiffness[free] = diagonal = K.diagonal()
+    if not diagonal.all():
+        mode[free] = softest_mode(K)
+        raise SolverError(named(network, mode))
     try:
-        factor = factorised(K) if diagonal.all() else None
-    except RuntimeError:
-        factor = None
-    mode[free] = softest_mode(K, factor, np.abs(diagonal) if factor else None)
+        factor = factorised(K)
+    except RuntimeError:  # by a mechanism, or by rounding alone
+        factor = factorised(csr_array(K + diags_array(STIFFENED * np.abs(diagonal))))
+    mode[free] = softest_mode(K, factor, np.abs(diagonal))
     soft = softness(network, position, mode, stiffness)
     if not abs(soft) > NO_STIFFNESS:
         raise SolverError(named(network, mode))
-    if factor is None:  # singular by rounding alone
-        factor = factorised(csr_array(K + diags_array(STIFFENED * np.abs(diagonal))))
     return Regular(factor, soft, mode)
 
 
