@@ -32,6 +32,7 @@ from msvalidate.refine import (
     stated,
     tried,
 )
+from msvalidate.rounding import known, nothing_acts, refuse_rounded, why
 from msvalidate.stability import negative_modes
 
 TITLE = "nonlinear equilibrium"
@@ -54,12 +55,6 @@ class Polished(NamedTuple):
     displacement: Array
     error: float
     steps: int
-
-
-class Balance(NamedTuple):
-    """Force left (n, d) in N at an equilibrium: where it is held, minus the supports' reaction."""
-
-    force: Array
 
 
 def centred(network: Network) -> Network:
@@ -107,6 +102,8 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
     u = pair(np.where(network.held, network.displacement, displacement))
     if network.held.all():
         return Polished(u.hi, 0.0, 0)
+    if nothing_acts(network, State(network)) and not u.hi.any():
+        return Polished(u.hi, 0.0, 0)
     near, before, steps = centred(network), u.hi, 0
     for _ in range(FACTORS):
         system = _Nonlinear(network, u, near, found)
@@ -118,7 +115,10 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
         if settled and moved.error <= DOUBTFUL:
             break
     error = system.stated(moved)
-    refuse_inaccurate(error, TITLE, system.why())
+    refuse_inaccurate(error, TITLE, why(network, system.found.softness))
+    part = system.of_rest_lengths(State(network))
+    refuse_rounded(part, network, TITLE)
+    error += part
     return Polished(u.hi, error, steps)
 
 
@@ -211,7 +211,7 @@ class _Nonlinear:
             return 0.0
         rate, times = contraction(self.found.softness), 1.0
         if rate > DOUBTFUL:
-            times = tried(self._linear, self._solve_linear, rate, self._known())
+            times = tried(self._linear, self._solve_linear, rate, known(self.free, self.found.mode))
         return stated(moved, self.found.softness, times)
 
     def _linear(self, motion: Pair) -> Array:
@@ -221,19 +221,12 @@ class _Nonlinear:
     def _solve_linear(self, force: Array) -> Array:
         return self.solve(force) / self.unit
 
-    def _known(self) -> Array:
-        motion = np.where(self.free, np.random.default_rng(0).normal(size=self.free.shape), 0.0)
-        mode = self.found.mode.reshape(motion.shape)
-        return np.asarray(motion / np.abs(motion).max() + mode / np.abs(mode).max())
-
-    def why(self) -> str:
-        """What is too far apart, and what to do."""
-        met = float(np.abs(self.network.force).max(initial=0.0))
-        return (
-            f"loads of {met:.2g} N on springs of up to {self.network.stiffness.max():.2g} N/m, whose "
-            f"softest motion meets {abs(self.found.softness):.1g} of that; bring stiffnesses "
-            "closer together, take a body that is less slender, or a larger load"
-        )
+    def of_rest_lengths(self, reference: State) -> float:
+        """Part of the largest displacement that rounding of rest lengths to doubles accounts for."""
+        largest, rounded = _largest(self.place), reference.of_rest_lengths(self.place)
+        if not largest or not rounded.any():
+            return 0.0
+        return _largest(self.solve(np.where(self.free, rounded, 0.0))) / largest
 
 
 def _by_cycles(network: Network, u: Pair, near: Network, cycle: Cycle | None) -> Array:
