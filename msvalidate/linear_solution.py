@@ -97,7 +97,7 @@ class _System:
         A = csr_array(K[inside][:, inside])
         self.K = K
         self.regular = regular(self.network, self.network.points, A)
-        if negative_modes(self.state, A.diagonal(), self.regular, self.free):
+        if negative_modes(self.state, self.regular, self.free):
             raise SolverError(UNSTABLE)
 
     def solve(self, force: Array) -> Array:

@@ -25,6 +25,7 @@ from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, SolverError
 from msvalidate.refine import (
     DOUBTFUL,
+    PATIENCE,
     Refined,
     contraction,
     refined,
@@ -43,7 +44,7 @@ LARGEST_TURN = 0.5
 have been found."""
 SAME_TANGENT = 1e-3
 """Such a change up to which the tangent's signs are those of where it was made."""
-FACTORS = 4
+FACTORS = 10
 """Tangents made at the most."""
 CYCLES_PART = 1e-4
 """What conjugate gradients leave of a correction."""
@@ -105,15 +106,14 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
     if nothing_acts(network, State(network)) and not u.hi.any():
         return Polished(u.hi, 0.0, 0)
     near, before, steps = centred(network), u.hi, 0
-    for _ in range(FACTORS):
+    for attempt in range(FACTORS):
         system = _Nonlinear(network, u, near, found)
-        moved = system.refined()
+        moved = system.refined(PATIENCE if attempt == FACTORS - 1 else 1)
         u, steps, found = moved.solution, steps + moved.steps, None
-        turn = _turn(network, u.hi - before)
-        _refuse_far(turn, network, moved)
-        settled = _turn(network, u.hi - system.place) <= SAME_TANGENT
-        if settled and moved.error <= DOUBTFUL:
+        _refuse_far(_turn(network, u.hi - before))
+        if moved.settled and _turn(network, u.hi - system.place) <= SAME_TANGENT:
             break
+    system.refuse_unstable()
     error = system.stated(moved)
     refuse_inaccurate(error, TITLE, why(network, system.found.softness))
     part = system.of_rest_lengths(State(network))
@@ -171,12 +171,15 @@ class _Nonlinear:
             inside = np.flatnonzero(self.free)
             K = csr_array(tangent(near, near.points + u.hi)[inside][:, inside])
             found = regular(near, near.points + u.hi, K)
-            if negative_modes(self.state, K.diagonal(), found, self.free):
-                raise SolverError(
-                    f"{TITLE}: no stable equilibrium found at the load's end; reduce the load or "
-                    "stiffen the network"
-                )
         self.found = found
+
+    def refuse_unstable(self) -> None:
+        """Raise `SolverError` if some motion from here has negative energy."""
+        if negative_modes(self.state, self.found, self.free):
+            raise SolverError(
+                f"{TITLE}: the network is unstable under its full load; reduce the load or stiffen "
+                "the network"
+            )
 
     def left(self, state: State) -> Array:
         """Force (n, d) that is left, over `state.stiffness` x `state.length`."""
@@ -199,11 +202,11 @@ class _Nonlinear:
         motion[self.free] = self.found.factor.solve(right) * self.state.stiffness * self.unit
         return motion
 
-    def refined(self) -> Refined:
+    def refined(self, patience: int = PATIENCE) -> Refined:
         """Corrections from here."""
         rate = contraction(self.found.softness)
         start = Pair(self.place, np.zeros_like(self.place))
-        return refined(self.residual, self.solve, start, rate, solved=False)
+        return refined(self.residual, self.solve, start, rate, solved=False, patience=patience)
 
     def stated(self, moved: Refined) -> float:
         """The error to state of what was refined."""
@@ -241,8 +244,8 @@ def _by_cycles(network: Network, u: Pair, near: Network, cycle: Cycle | None) ->
     return np.asarray(found.solution).reshape(network.points.shape)
 
 
-def _refuse_far(turn: float, network: Network, moved: Refined) -> None:
-    if not (turn <= LARGEST_TURN and math.isfinite(moved.error)):
+def _refuse_far(turn: float) -> None:
+    if not turn <= LARGEST_TURN:
         raise SolverError(
             f"{TITLE}: corrections turn a spring by {turn:.2g} of its length: rounding hides the "
             "equilibrium; take a larger load, or stiffnesses that are closer together"

@@ -55,11 +55,14 @@ class Refined:
         Largest error of a component over the largest component, by the last corrections.
     steps
         Corrections made.
+    settled
+        Whether nothing is left to correct; else corrections had ceased to fall.
     """
 
     solution: Pair
     error: float
     steps: int
+    settled: bool = False
 
 
 def contraction(softness: float) -> float:
@@ -72,7 +75,13 @@ def contraction(softness: float) -> float:
 
 
 def refined(
-    residual: Residual, solve: Solve, start: Pair, rate: float, *, solved: bool = True
+    residual: Residual,
+    solve: Solve,
+    start: Pair,
+    rate: float,
+    *,
+    solved: bool = True,
+    patience: int = PATIENCE,
 ) -> Refined:
     """Correct a solution until its digits stand still.
 
@@ -87,12 +96,14 @@ def refined(
     solved
         Whether `start` is the factor's own answer: then what the first correction changes tells how
         much of it the factor had wrong. Otherwise it takes a second to tell.
+    patience
+        Steps without a smaller correction after which no more is to be had of this factor.
     """
     u, ahead = start, _Combined()
     best, waited, steps, scale = np.inf, 0, 0, 1.0
     before = size = _largest(start.hi)
     rates: list[float] = []
-    while steps < MOST_STEPS and waited < PATIENCE:
+    while steps < MOST_STEPS and waited < patience:
         step = ahead.step(solve(residual(u)))
         size = _largest(step)
         if not np.isfinite(size):
@@ -100,13 +111,13 @@ def refined(
         u, steps = added(u, pair(step)), steps + 1
         scale = _largest(u.hi)
         if size <= ENOUGH * scale:
-            return Refined(u, 2 * size / scale if scale else 0.0, steps)
+            return Refined(u, 2 * size / scale if scale else 0.0, steps, settled=True)
         if solved or steps > 1:
             rates.append(size / before if before else 1.0)
         # One small ratio may be luck, or the end of an error of another kind.
         left = max([rate, *rates[-LATEST:]])
         if len(rates) >= (1 if solved else 2) and left * size <= ENOUGH * scale:
-            return Refined(u, left * size / scale, steps)
+            return Refined(u, left * size / scale, steps, settled=True)
         waited = 0 if size < 0.7 * best else waited + 1
         best, before = min(best, size), size
     return Refined(u, 2 * size / scale if scale else 0.0, steps)

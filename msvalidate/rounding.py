@@ -9,7 +9,9 @@ import numpy as np
 from msvalidate.accurate import State
 from msvalidate.network import Network
 from msvalidate.problem import Array, Mask, SolverError
-from msvalidate.refine import LARGEST_ERROR
+
+LARGEST_PART = 1e-3
+"""Of the largest displacement, that rounding of rest lengths to doubles may account for."""
 
 
 def nothing_acts(network: Network, reference: State) -> bool:
@@ -27,13 +29,13 @@ def refuse_rounded(part: float, network: Network, title: str) -> None:
 
     `part` is what it moves them by, over the largest displacement.
     """
-    if part <= LARGEST_ERROR:
+    if part <= LARGEST_PART:
         return
     rounded = np.finfo(float).eps / 2 * float((network.stiffness * network.rest_length).max())
     raise SolverError(
         f"{title}: rest lengths are rounded to doubles, which stresses springs by up to "
         f"{rounded:.1g} N and changes displacements by {part:.1g} of the largest, more than "
-        f"{LARGEST_ERROR:g}; take loads {_times(part / LARGEST_ERROR)} times as large, or "
+        f"{LARGEST_PART:g}; take loads {_times(part / LARGEST_PART)} times as large, or "
         "stiffnesses that are closer together"
     )
 
