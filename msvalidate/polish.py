@@ -25,7 +25,7 @@ from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, SolverError
 from msvalidate.refine import (
     DOUBTFUL,
-    PATIENCE,
+    ENOUGH,
     Refined,
     contraction,
     refined,
@@ -46,6 +46,8 @@ SAME_TANGENT = 1e-3
 """Such a change up to which the tangent's signs are those of where it was made."""
 FACTORS = 10
 """Tangents made at the most."""
+FEW = 2
+"""Corrections that may fail to fall before a new tangent is made."""
 CYCLES_PART = 1e-4
 """What conjugate gradients leave of a correction."""
 
@@ -105,21 +107,39 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
         return Polished(u.hi, 0.0, 0)
     if nothing_acts(network, State(network)) and not u.hi.any():
         return Polished(u.hi, 0.0, 0)
-    near, before, steps = centred(network), u.hi, 0
-    for attempt in range(FACTORS):
-        system = _Nonlinear(network, u, near, found)
-        moved = system.refined(PATIENCE if attempt == FACTORS - 1 else 1)
-        u, steps, found = moved.solution, steps + moved.steps, None
-        _refuse_far(_turn(network, u.hi - before))
-        if moved.settled and _turn(network, u.hi - system.place) <= SAME_TANGENT:
-            break
+    near, before = centred(network), u.hi
+    system = _Nonlinear(network, u, near, found)
+    moved = system.refined()
+    if not (moved.settled and _turn(network, moved.solution.hi - u.hi) <= SAME_TANGENT):
+        system, moved = _newton(network, u, near)
+    u = moved.solution
+    _refuse_far(_turn(network, u.hi - before))
     system.refuse_unstable()
     error = system.stated(moved)
     refuse_inaccurate(error, TITLE, why(network, system.found.softness))
     part = system.of_rest_lengths(State(network))
     refuse_rounded(part, network, TITLE)
     error += part
-    return Polished(u.hi, error, steps)
+    return Polished(u.hi, error, moved.steps)
+
+
+def _newton(network: Network, u: Pair, near: Network) -> tuple[_Nonlinear, Refined]:
+    """Newton's method with accurate residuals, each step refined on its own: the last system, and
+    what was reached."""
+    sizes, steps, error = [], 0, np.inf
+    for _ in range(FACTORS):
+        system = _Nonlinear(network, u, near)
+        step = system.newton_step()
+        steps += step.steps + 1
+        sizes.append(_largest(step.solution.hi))
+        if not np.isfinite(sizes[-1]) or _turn(network, step.solution.hi) > LARGEST_TURN:
+            break
+        u = added(u, step.solution)
+        scale = _largest(u.hi)
+        if sizes[-1] <= ENOUGH * scale:
+            return system, Refined(u, 2 * sizes[-1] / scale, steps, settled=True)
+        error = 2 * sizes[-1] / scale
+    return system, Refined(u, error, steps)
 
 
 def error_of(network: Network, displacement: Array, found: Regular | Cycle | None = None) -> float:
@@ -202,11 +222,23 @@ class _Nonlinear:
         motion[self.free] = self.found.factor.solve(right) * self.state.stiffness * self.unit
         return motion
 
-    def refined(self, patience: int = PATIENCE) -> Refined:
-        """Corrections from here."""
+    def newton_step(self) -> Refined:
+        """The step of Newton's method from here (n, d) in m, itself refined."""
+        force = np.where(self.free, self.left(self.state), 0.0)
+        load = pair(force)
+
+        def left(step: Pair) -> Array:
+            return np.where(self.free, self.state.residual(load, step).hi, 0.0)
+
+        start = pair(self._solve_linear(force))
+        found = refined(left, self._solve_linear, start, contraction(self.found.softness))
+        return replace(found, solution=Pair(*(x * self.unit for x in found.solution)))
+
+    def refined(self) -> Refined:
+        """Corrections from here, all by one factor."""
         rate = contraction(self.found.softness)
         start = Pair(self.place, np.zeros_like(self.place))
-        return refined(self.residual, self.solve, start, rate, solved=False, patience=patience)
+        return refined(self.residual, self.solve, start, rate, solved=False, patience=FEW)
 
     def stated(self, moved: Refined) -> float:
         """The error to state of what was refined."""
