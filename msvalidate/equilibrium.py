@@ -9,8 +9,10 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.linear import factorised, is_factored
-from msvalidate.mechanism import is_loose, named, regular
+from msvalidate.accurate import State
+from msvalidate.double_double import pair
+from msvalidate.linear import is_factored
+from msvalidate.mechanism import Regular, is_loose, named, regular
 from msvalidate.linear_solution import solved
 from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
 from msvalidate.network import Network, internal_force, tangent
@@ -22,7 +24,9 @@ from msvalidate.problem import (
     instance,
     refuse_free_motions,
 )
+from msvalidate.refine import DOUBTFUL, contraction
 from msvalidate.residual import force_roundoff, force_scale
+from msvalidate.stability import negative_modes
 
 TOLERANCE = 1e-11
 """Newton stops at this residual, relative to the forces that meet at a point (and not below their
@@ -131,10 +135,20 @@ def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> 
     if network.held.all():
         return True
     inside = np.flatnonzero(free.ravel())
+    near, displacement = centred(network), position - network.points
+    x = near.points + displacement
     try:
-        return factorised(tangent(network, position)[inside][:, inside]).negative == 0
-    except RuntimeError:
+        found = regular(near, x, csr_array(tangent(near, x)[inside][:, inside]))
+    except SolverError:  # a mechanism
         return False
+    return _is_positive(network, displacement, found)
+
+
+def _is_positive(network: Network, displacement: Array, found: Regular) -> bool:
+    """Whether a tangent is: by the signs of pivots where these are no rounding."""
+    if contraction(found.softness) <= DOUBTFUL:
+        return found.factor.negative == 0
+    return negative_modes(State(network, pair(displacement)), found, ~network.held) == 0
 
 
 def _linear(network: Network) -> Equilibrium:
@@ -221,9 +235,9 @@ def tangent_move(
     if not len(free):
         return move.reshape(load.shape), True
     rows = K[free]
-    factor = regular(network, x, rows[:, free]).factor
-    move[free] = factor.solve(load.ravel()[free] - rows @ move)
-    return move.reshape(load.shape), factor.negative == 0
+    found = regular(network, x, rows[:, free])
+    move[free] = found.factor.solve(load.ravel()[free] - rows @ move)
+    return move.reshape(load.shape), _is_positive(network, x - network.points, found)
 
 
 def refuse_mechanism(network: Network) -> None:
