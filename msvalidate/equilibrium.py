@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.linear import Factor, factorised, is_factored, softest_mode
-from msvalidate.mechanism import is_loose, named
+from msvalidate.accurate import State
+from msvalidate.double_double import pair
+from msvalidate.linear import is_factored
+from msvalidate.mechanism import Regular, is_loose, named, regular
+from msvalidate.linear_solution import solved
 from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
 from msvalidate.network import Network, internal_force, tangent
+from msvalidate.polish import balance, centred, polished
 from msvalidate.problem import (
     Array,
     SolverError,
@@ -19,7 +24,9 @@ from msvalidate.problem import (
     instance,
     refuse_free_motions,
 )
+from msvalidate.refine import DOUBTFUL, contraction
 from msvalidate.residual import force_roundoff, force_scale
+from msvalidate.stability import negative_modes
 
 TOLERANCE = 1e-11
 """Newton stops at this residual, relative to the forces that meet at a point (and not below their
@@ -48,6 +55,10 @@ class Equilibrium:
         Largest out-of-balance force (N) on a free component.
     iterations
         Linear solves that it took, or time steps.
+    error
+        Largest error of a component of the displacement over the largest component: an estimate
+        from what refinement says, above the rounding that is known. 0 where nothing moves, NaN
+        where it was not estimated.
     """
 
     displacement: Array
@@ -55,6 +66,7 @@ class Equilibrium:
     reaction: Array
     residual: float
     iterations: int
+    error: float = math.nan
 
 
 def equilibrium(
@@ -86,16 +98,22 @@ def equilibrium(
         return _linear(network) if geometry == "linear" else _nonlinear(network)
 
 
-def at_rest(network: Network, position: Array, iterations: int) -> Equilibrium:
-    """The equilibrium at `position` (n, d) in m, with the residual and reactions found there."""
-    balance = internal_force(network, position) + network.force
-    position.setflags(write=False)
+def at_rest(
+    network: Network, displacement: Array, iterations: int, *, error: float = math.nan
+) -> Equilibrium:
+    """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
+
+    Forces come from the displacement: positions have lost digits where coordinates are large.
+    """
+    left = balance(network, displacement)
+    displacement.setflags(write=False)
     return Equilibrium(
-        displacement=position - network.points,
-        position=position,
-        reaction=np.where(network.held, -balance, 0.0),
-        residual=_largest(balance[~network.held]),
+        displacement=displacement,
+        position=network.points + displacement,
+        reaction=np.where(network.held, -left, 0.0),
+        residual=_largest(left[~network.held]),
         iterations=iterations,
+        error=error,
     )
 
 
@@ -117,40 +135,37 @@ def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> 
     if network.held.all():
         return True
     inside = np.flatnonzero(free.ravel())
+    near, displacement = centred(network), position - network.points
+    x = near.points + displacement
     try:
-        return factorised(tangent(network, position)[inside][:, inside]).negative == 0
-    except RuntimeError:
+        found = regular(near, x, csr_array(tangent(near, x)[inside][:, inside]))
+    except SolverError:  # a mechanism
         return False
+    return _is_positive(network, displacement, found)
+
+
+def _is_positive(network: Network, displacement: Array, found: Regular) -> bool:
+    """Whether a tangent is: by the signs of pivots where these are no rounding."""
+    if contraction(found.softness) <= DOUBTFUL:
+        return found.factor.negative == 0
+    return negative_modes(State(network, pair(displacement)), found, ~network.held) == 0
 
 
 def _linear(network: Network) -> Equilibrium:
-    K = tangent(network, network.points)
-    load = internal_force(network, network.points) + network.force
-    move, stable = tangent_move(network, network.points, K, load, network.displacement)
-    if not stable:
-        raise SolverError(
-            "linear equilibrium: the network is unstable at its reference points (its tangent "
-            "stiffness has a negative mode); relieve its prestress or hold it better"
-        )
-    balance = load - (K @ move.ravel()).reshape(move.shape)
-    residual = _largest(balance[~network.held])
-    scale = abs(K).max() * np.abs(move).max(initial=0.0) + np.abs(load).max(initial=0.0)
-    if not residual <= 1e-9 * scale:
-        raise SolverError(
-            f"linear equilibrium: residual {residual:.3g} N against forces of {scale:.3g} N; "
-            "the stiffnesses are too far apart for one solve"
-        )
+    found = solved(network)
     return Equilibrium(
-        displacement=move,
-        position=network.points + move,
-        reaction=np.where(network.held, -balance, 0.0),
-        residual=residual,
-        iterations=1,
+        displacement=found.displacement,
+        position=network.points + found.displacement,
+        reaction=found.reaction,
+        residual=_largest(found.balance[~network.held]),
+        iterations=1 + found.steps,
+        error=found.error,
     )
 
 
 def _nonlinear(network: Network) -> Equilibrium:
     """Raise load and prescribed displacement together, in halves of what would not converge."""
+    given, network = network, centred(network)
     position, reached, increment, iterations = network.points, 0.0, 1.0, 0
     while reached < 1:
         target = min(1.0, reached + increment)
@@ -166,7 +181,8 @@ def _nonlinear(network: Network) -> Equilibrium:
                 f"{reached:.4g} of the load (after {iterations} linear solves); reduce the load or "
                 "stiffen the network"
             )
-    return at_rest(network, position, iterations)
+    found = polished(given, position - network.points)
+    return at_rest(given, found.displacement, iterations + found.steps, error=found.error)
 
 
 def _newton(network: Network, position: Array, fraction: float) -> tuple[Array | None, int]:
@@ -219,9 +235,9 @@ def tangent_move(
     if not len(free):
         return move.reshape(load.shape), True
     rows = K[free]
-    factor = _regular(network, x, rows[:, free])
-    move[free] = factor.solve(load.ravel()[free] - rows @ move)
-    return move.reshape(load.shape), factor.negative == 0
+    found = regular(network, x, rows[:, free])
+    move[free] = found.factor.solve(load.ravel()[free] - rows @ move)
+    return move.reshape(load.shape), _is_positive(network, x - network.points, found)
 
 
 def refuse_mechanism(network: Network) -> None:
@@ -235,31 +251,12 @@ def refuse_mechanism(network: Network) -> None:
         return
     if is_factored(~network.held):
         free = np.flatnonzero(~network.held.ravel())
-        _regular(network, x, tangent(network, x)[free][:, free])
+        regular(network, x, tangent(network, x)[free][:, free])
         return
     A = restrained(network, x)
     mode = softest_motion(A, network, x)
     if mode.any() and is_loose(network, x, mode, A.diagonal()):
         raise SolverError(named(network, mode))
-
-
-def _regular(network: Network, x: Array, K: csr_array) -> Factor:
-    """Factor of the free part of the tangent at `x`, refused if some motion meets no stiffness.
-
-    The motion that the tangent resists least is judged by the springs that it stretches.
-    """
-    stiffness = np.zeros(network.points.size)
-    free = ~network.held.ravel()
-    stiffness[free] = K.diagonal()
-    try:
-        factor = factorised(K) if stiffness[free].all() else None
-    except RuntimeError:
-        factor = None
-    mode = np.zeros(network.points.size)
-    mode[free] = softest_mode(K, factor)
-    if factor is None or is_loose(network, x, mode, stiffness):
-        raise SolverError(named(network, mode))
-    return factor
 
 
 def _rounding(x: Array) -> float:
