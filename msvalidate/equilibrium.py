@@ -12,8 +12,8 @@ from scipy.sparse import csr_array
 from msvalidate.accurate import State
 from msvalidate.double_double import pair
 from msvalidate.linear import is_factored
-from msvalidate.mechanism import Regular, is_loose, named, regular
 from msvalidate.linear_solution import solved
+from msvalidate.mechanism import Regular, is_loose, named, regular
 from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
 from msvalidate.network import Network, internal_force, tangent
 from msvalidate.polish import balance, centred, polished
@@ -181,8 +181,8 @@ def _nonlinear(network: Network) -> Equilibrium:
                 f"{reached:.4g} of the load (after {iterations} linear solves); reduce the load or "
                 "stiffen the network"
             )
-    found = polished(given, position - network.points)
-    return at_rest(given, found.displacement, iterations + found.steps, error=found.error)
+    end = polished(given, position - network.points)
+    return at_rest(given, end.displacement, iterations + end.steps, error=end.error)
 
 
 def _newton(network: Network, position: Array, fraction: float) -> tuple[Array | None, int]:

@@ -125,7 +125,8 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
 
 def _newton(network: Network, u: Pair, near: Network) -> tuple[_Nonlinear, Refined]:
     """Newton's method with accurate residuals, each step refined on its own: the last system, and
-    what was reached."""
+    what was reached.
+    """
     sizes, steps, error = [], 0, np.inf
     for _ in range(FACTORS):
         system = _Nonlinear(network, u, near)

@@ -80,9 +80,7 @@ def _softest(factor: Factor, weight: Array) -> tuple[Array, Array]:
         root = np.sqrt(weight)[:, None]
         _, R = np.linalg.qr(root * modes / np.abs(root * modes).max(axis=0))
         scale = np.abs(root * modes).max(axis=0)
-        modes, pushes = (
-            np.linalg.solve(R.T, (x / scale).T).T for x in (modes, pushes)
-        )
+        modes, pushes = (np.linalg.solve(R.T, (x / scale).T).T for x in (modes, pushes))
     return modes, pushes
 
 
