@@ -1,9 +1,10 @@
 """Floor 1: forces of a network in twice the digits of doubles, from its springs' own vectors.
 
-Points, stiffnesses, rest lengths and loads as they are given are taken as exact: what is summed here
-has no rounding but that of `double_double`, some 1e-32 of the terms. An assembled tangent is rounded
-by 1e-16 of its entries, which a long body, or a stiff part beside a soft one, multiplies by 1e12 and
-more. Refinement (`msvalidate.refine`) needs no more than this to be right to the last digit.
+Points, stiffnesses, rest lengths and loads as they are given are taken as exact: what is summed
+here has no rounding but that of `double_double`, some 1e-32 of the terms. An assembled tangent is
+rounded by 1e-16 of its entries, which a long body, or a stiff part beside a soft one, multiplies by
+1e12 and more. Refinement (`msvalidate.refine`) needs no more than this to be right to the last
+digit.
 
 Lengths are over `length` and forces over `stiffness` x `length`, powers of two, so that no product
 leaves the range of doubles. Arrays are (axes, entries).
@@ -79,7 +80,8 @@ class State:
         self.length = _power(float(np.abs(network.vector).max()))
         self.stiffness = _power(_stiffest(network, self.length))
         u = None if displacement is None else self.scaled_motion(displacement)
-        self.parts: list[_Part] = [_Springs(network, u, self.length, self.stiffness)]
+        self.springs = _Springs(network, u, self.length, self.stiffness)
+        self.parts: list[_Part] = [self.springs]
         if network.volumes is not None:
             kappa = self.length ** (network.dim - 2) / self.stiffness
             self.parts.append(_Cells(network.volumes, u, self.length, kappa))
@@ -105,18 +107,14 @@ class State:
         At a motion (n, d) in m from here, over `stiffness` x `length`. Springs that are stressed by
         more than rounding count as given.
         """
-        springs = self.parts[0]
-        assert isinstance(springs, _Springs)
-        pull = springs.rounded(motion.T / self.length)
+        pull = self.springs.rounded(motion.T / self.length)
         n = len(self.network.points)
-        return np.stack([at_ends(one, springs.ends, n) for one in pull], axis=1)
+        return np.stack([at_ends(one, self.springs.ends, n) for one in pull], axis=1)
 
     @property
     def unstressed(self) -> bool:
         """Whether all springs are as long as at rest, but for rounding; cells always are."""
-        springs = self.parts[0]
-        assert isinstance(springs, _Springs)
-        return not springs.given.any()
+        return not self.springs.given.any()
 
     def _summed(self, pulls: list[Pulls], load: Pair | None) -> Pair:
         n, d = self.network.points.shape

@@ -78,6 +78,8 @@ def solved(network: Network) -> Solved:
 class _System:
     """K u = load over powers of two: K over `stiffness` (N/m), u over `unit` (m)."""
 
+    regular: Regular  # of what is free, if anything is
+
     def __init__(self, network: Network) -> None:
         self.network, self.free = network, ~network.held
         self.state = State(network)
@@ -93,7 +95,6 @@ class _System:
         self.load = added(pair(outer / self.unit), inner)
         self.prescribed = network.displacement / self.unit
         self.left = np.zeros(network.points.shape)
-        self.regular: Regular | None = None
         self.moved: Array | None = None
         self.K: csr_array | None = None
 
@@ -113,7 +114,6 @@ class _System:
 
     def _solved(self, *forces: Array) -> list[Array]:
         """Motions for several forces at once, which takes little longer than for one."""
-        assert self.regular is not None
         right = np.column_stack([force[self.free] for force in forces])
         found = self.regular.factor.solve(right) * self.state.stiffness
         motions = [np.zeros(self.free.shape) for _ in forces]
@@ -139,7 +139,7 @@ class _System:
         """Solve, refine, and judge what is left."""
         u, error, steps = pair(self.prescribed), 0.0, 0
         first = self.residual(u)
-        if self.regular is not None:
+        if self.free.any():
             soft, rate = self.regular.softness, contraction(self.regular.softness)
             u = added(u, pair(self.solve(first)))
             found = refined(self.residual, self._first_correction, u, rate)
@@ -180,12 +180,10 @@ class _System:
 
     def _known(self) -> Array:
         """A motion to try a factor on: of all kinds at once, the softest among them."""
-        assert self.regular is not None
         return known(self.free, self.regular.mode)
 
     def _why(self) -> str:
         """How far apart its stiffnesses are, and what to do."""
-        assert self.regular is not None
         return why(self.network, self.regular.softness)
 
 

@@ -1,4 +1,4 @@
-"""Floor 1: how many motions of negative energy a tangent has, where signs of pivots may be rounding.
+"""Floor 1: how many motions of negative energy a tangent has, though signs of pivots are rounded.
 
 A factor's pivots count the negative modes of the matrix that was factorised, which differs from the
 exact one by some eps of what each point meets. A mode of less stiffness than that may have any sign

@@ -62,7 +62,7 @@ TOLERANCES = (
     ),
 )
 COLUMNS = {
-    "body": "plate, clamped on one side and sheared on the other; or a row of cells bent by its end",
+    "body": "plate, clamped on one side, sheared on the other; or a row of cells bent by its end",
     "points": "of the network",
     "springs": "of the network",
     "solution_cpu_seconds": "of a linear equilibrium: median of the rounds (s)",
@@ -95,8 +95,10 @@ def run(linear: Linear, setting: Setting) -> Evidence:
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=(
-            f"Refinement is {100 * part:.0f} % of the linear solution of a plate of "
-            f"{table['springs'].iloc[0]} springs.",
+            (
+                f"Refinement is {100 * part:.0f} % of the linear solution of a plate of "
+                f"{table['springs'].iloc[0]} springs."
+            ),
         ),
     )
 
