@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -12,8 +12,8 @@ from scipy.sparse import csr_array
 from msvalidate.accurate import State
 from msvalidate.double_double import pair
 from msvalidate.linear import is_factored
-from msvalidate.mechanism import Regular, is_loose, named, regular
 from msvalidate.linear_solution import solved
+from msvalidate.mechanism import Regular, is_loose, named, regular
 from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
 from msvalidate.network import Network, internal_force, tangent
 from msvalidate.polish import balance, centred, polished
@@ -169,7 +169,7 @@ def _nonlinear(network: Network) -> Equilibrium:
     position, reached, increment, iterations = network.points, 0.0, 1.0, 0
     while reached < 1:
         target = min(1.0, reached + increment)
-        found, taken = _newton(network, position, target)
+        found, taken, factor = _newton(network, position, target)
         iterations += taken
         if found is not None:
             position, reached, increment = found, target, 2 * increment
@@ -181,12 +181,14 @@ def _nonlinear(network: Network) -> Equilibrium:
                 f"{reached:.4g} of the load (after {iterations} linear solves); reduce the load or "
                 "stiffen the network"
             )
-    found = polished(given, position - network.points)
-    return at_rest(given, found.displacement, iterations + found.steps, error=found.error)
+    end = polished(given, position - network.points, factor)
+    return at_rest(given, end.displacement, iterations + end.steps, error=end.error)
 
 
-def _newton(network: Network, position: Array, fraction: float) -> tuple[Array | None, int]:
-    """Stable equilibrium at a fraction of the load, None if there is none near; solves made."""
+def _newton(
+    network: Network, position: Array, fraction: float
+) -> tuple[Array | None, int, Regular | None]:
+    """Stable equilibrium at a fraction of the load, None if there is none near; solves; factor."""
     x = position
     floor = 4 * force_roundoff(network)
     for iteration in range(ITERATIONS):
@@ -194,19 +196,19 @@ def _newton(network: Network, position: Array, fraction: float) -> tuple[Array |
         try:
             balance = internal_force(network, x) + fraction * network.force
             small = TOLERANCE * force_scale(network, x) + floor
-            move, stable = tangent_move(network, x, tangent(network, x), balance, ahead)
+            move, stable, found = tangent_moved(network, x, tangent(network, x), balance, ahead)
         except SolverError:
             if iteration == 0:  # singular where we stand: smaller steps cannot help
                 raise
-            return None, iteration
+            return None, iteration, None
         # Judged with the tangent of the same place: the one before would miss a bifurcation.
         arrived = _largest(ahead[network.held]) <= _rounding(x)
         if arrived and (np.abs(balance) <= small)[~network.held].all():
-            return (x if stable else None), iteration + 1
+            return (x if stable else None), iteration + 1, found
         if largest_turn(network, x, move) > LARGEST_TURN:
-            return None, iteration + 1
+            return None, iteration + 1, None
         x = x + move
-    return None, ITERATIONS
+    return None, ITERATIONS, None
 
 
 def largest_turn(network: Network, x: Array, move: Array) -> float:
@@ -218,12 +220,26 @@ def largest_turn(network: Network, x: Array, move: Array) -> float:
     return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
 
 
+class Moved(NamedTuple):
+    """A move (n, d) in m, whether the tangent is positive, and its factor if anything is free."""
+
+    move: Array
+    stable: bool
+    found: Regular | None
+
+
 def tangent_move(
     network: Network, x: Array, K: csr_array, load: Array, held: Array
 ) -> tuple[Array, bool]:
+    """As `tangent_moved`, without the factor."""
+    return tangent_moved(network, x, K, load, held)[:2]
+
+
+def tangent_moved(network: Network, x: Array, K: csr_array, load: Array, held: Array) -> Moved:
     """Move (n, d) in m from `x` that balances `load` (n, d) in N to first order; is K positive.
 
-    `K` is the tangent at `x`, `held` the move of the held components.
+    `K` is the tangent at `x`, `held` the move of the held components. The factor serves `polished`
+    where `x` is the equilibrium.
 
     Raises
     ------
@@ -233,11 +249,12 @@ def tangent_move(
     free = np.flatnonzero(~network.held.ravel())
     move = np.where(network.held, held, 0.0).ravel()
     if not len(free):
-        return move.reshape(load.shape), True
+        return Moved(move.reshape(load.shape), True, None)
     rows = K[free]
     found = regular(network, x, rows[:, free])
     move[free] = found.factor.solve(load.ravel()[free] - rows @ move)
-    return move.reshape(load.shape), _is_positive(network, x - network.points, found)
+    stable = _is_positive(network, x - network.points, found)
+    return Moved(move.reshape(load.shape), stable, found)
 
 
 def refuse_mechanism(network: Network) -> None:

@@ -133,16 +133,24 @@ class Run:
         network = self.network
         if not is_factored(~network.held):
             self.cycle = cycle_of(restrained(network, network.points), network, network.points)
-        lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR, cycle=self.cycle)
-        if lowest <= SLOWEST * highest:  # a mechanism, or masses far apart
-            try:
-                refuse_mechanism(network)
-            except SolverError as error:
-                raise SolverError(
-                    f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism "
-                    "and never comes to rest; add springs or supports"
-                ) from error
-        return lowest, highest
+        try:
+            found = extreme_frequencies(network, tolerance=SPECTRUM_ERROR, cycle=self.cycle)
+        except SolverError:
+            self._refuse_mechanism(0.0)
+            raise
+        if found[0] <= SLOWEST * found[1]:  # a mechanism, or masses far apart
+            self._refuse_mechanism(found[0])
+        return found
+
+    def _refuse_mechanism(self, lowest: float) -> None:
+        """Raise `SolverError` for a mechanism, whose lowest frequency (rad/s) came out as given."""
+        try:
+            refuse_mechanism(self.network)
+        except SolverError as error:
+            raise SolverError(
+                f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism "
+                "and never comes to rest; add springs or supports"
+            ) from error
 
     def _critically_damped(self) -> int:
         """Steps in which critical damping brings the slowest mode to rest: ½√κ·ln(1/tolerance)."""

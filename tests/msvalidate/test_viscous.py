@@ -92,7 +92,7 @@ def test_what_it_returns_describes_where_it_is(lattice_body):
     network = sheet(lattice_body, supports=STRETCH)
     run = algorithm1(network)
     rest = run.equilibrium
-    np.testing.assert_array_equal(rest.displacement, rest.position - network.points)
+    np.testing.assert_array_equal(rest.position, network.points + rest.displacement)
     np.testing.assert_array_equal(rest.position[network.held], network.start[network.held])
     balance = internal_force(network, rest.position) + network.force
     np.testing.assert_array_equal(rest.reaction, np.where(network.held, -balance, 0.0))
