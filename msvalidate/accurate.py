@@ -22,7 +22,6 @@ from msvalidate.double_double import (
     Pair,
     added,
     at,
-    at_ends,
     ends_of,
     gathered,
     negative,
@@ -41,8 +40,10 @@ from msvalidate.network import Network
 from msvalidate.problem import Array, Index, Mask
 from msvalidate.volumes import Volumes
 
-AT_REST = 2.0**-52
-"""Stretch up to which a spring's rest length is its distance, rounded to a double."""
+AT_REST = 2.0**-50
+"""Stretch up to which a rest length is the distance of a spring's points, rounded to a double: the
+spring is at rest there. Taken as given, that rounding would be a prestress, which bends a slender
+body more than a small load does."""
 CHUNK = 4096
 """Springs whose forces are computed at once."""
 
@@ -101,20 +102,10 @@ class State:
         w = Pair(*(np.ascontiguousarray(x.T) for x in motion))
         return self._summed([part.change(w) for part in self.parts], load)
 
-    def of_rest_lengths(self, motion: Array) -> Array:
-        """Forces (n, d) from rest lengths that are distances but for their rounding to doubles.
-
-        At a motion (n, d) in m from here, over `stiffness` x `length`. Springs that are stressed by
-        more than rounding count as given.
-        """
-        pull = self.springs.rounded(motion.T / self.length)
-        n = len(self.network.points)
-        return np.stack([at_ends(one, self.springs.ends, n) for one in pull], axis=1)
-
     @property
     def unstressed(self) -> bool:
-        """Whether all springs are as long as at rest, but for rounding; cells always are."""
-        return not self.springs.given.any()
+        """Whether all springs are as long as at rest; at the reference points cells always are."""
+        return not self.springs.stressed
 
     def _summed(self, pulls: list[Pulls], load: Pair | None) -> Pair:
         n, d = self.network.points.shape
@@ -142,49 +133,49 @@ class _Springs:
         for part in self.chunks:
             springs = self.springs[part]
             v = _between(x, springs)
+            L0 = _at_rest(root(_dot(v, v)), rest[part])
             if u is not None:
                 v = added(v, _apart(u, springs))
             square = _dot(v, v)
             L, own = root(square), pair(k[part])
-            slack = over(times(own, taken(L, pair(rest[part]))), L)
+            slack = over(times(own, taken(L, L0)), L)
             # k L0/L³ is (k - slack)/L²
             along = times(over(taken(own, slack), square), v)
             for whole, piece in ((self.v, v), (self.along, along), (self.slack, slack)):
                 _set(whole, part, piece)
-        self.given = np.abs(self.slack.hi) > AT_REST * k
+        self.stressed = bool(self.slack.hi.any())
 
     @property
     def chunks(self) -> list[slice]:
         """Springs some thousand at a time: what is made of them stays close to the processor."""
         return [slice(i, i + CHUNK) for i in range(0, len(self.springs), CHUNK)]
 
-    def rounded(self, motion: Array) -> Array:
-        """Forces (d, m) of springs that are at rest but for rounding, at a motion (d, n)."""
-        slack = np.where(self.given, 0.0, self.slack.hi)
-        i, j = self.springs.T
-        return np.asarray(slack * (self.v.hi + motion[:, j] - motion[:, i]))
-
     def pulls(self) -> Pulls:
-        if not self.given.any():  # of 1e-16 of the constants, doubles are right to 1e-32
-            return Pulls(pair(self.slack.hi * self.v.hi), self.ends)
         pull = _empty(self.v.hi.shape)
+        if not self.stressed:
+            pull.hi[:], pull.lo[:] = 0.0, 0.0
+            return Pulls(pull, self.ends)
         for part in self.chunks:
             here = (..., part)
             _set(pull, part, times(at(self.slack, here), at(self.v, here)))
         return Pulls(pull, self.ends)
 
     def change(self, motion: Pair) -> Pulls:
-        pull, stressed = _empty(self.v.hi.shape), bool(self.given.any())
+        pull = _empty(self.v.hi.shape)
         for part in self.chunks:
             here = (..., part)
             w = _apart(motion, self.springs[part])
             change = times(_dot(at(self.v, here), w), at(self.along, here))
-            if stressed:
+            if self.stressed:
                 change = added(change, times(at(self.slack, here), w))
-            else:
-                change = Pair(change.hi, change.lo + self.slack.hi[part] * w.hi)
             _set(pull, part, change)
         return Pulls(pull, self.ends)
+
+
+def _at_rest(distance: Pair, rest: Array) -> Pair:
+    """Rest lengths (m,): the distance itself where they are its rounding, else as given."""
+    same = np.abs(taken(distance, pair(rest)).hi) <= AT_REST * distance.hi
+    return Pair(np.where(same, distance.hi, rest), np.where(same, distance.lo, 0.0))
 
 
 class _Cells:

@@ -14,14 +14,7 @@ from msvalidate.mechanism import Regular, regular
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.refine import DOUBTFUL, contraction, refined, refuse_inaccurate, stated, tried
-from msvalidate.rounding import (
-    LARGEST_PART,
-    known,
-    nothing_acts,
-    refuse_rounded,
-    refuse_unstable,
-    why,
-)
+from msvalidate.rounding import known, nothing_acts, why
 from msvalidate.stability import negative_modes
 
 TITLE = "linear equilibrium"
@@ -95,7 +88,6 @@ class _System:
         self.load = added(pair(outer / self.unit), inner)
         self.prescribed = network.displacement / self.unit
         self.left = np.zeros(network.points.shape)
-        self.moved: Array | None = None
         self.K: csr_array | None = None
 
     def factorise(self) -> None:
@@ -106,26 +98,15 @@ class _System:
         self.K = K
         self.regular = regular(self.network, self.network.points, A)
         if negative_modes(self.state, self.regular, self.free):
-            refuse_unstable(self.network, self.state)
+            raise SolverError(
+                "linear equilibrium: the network is unstable at its reference points (its tangent "
+                "stiffness has a negative mode); relieve its prestress or hold it better"
+            )
 
     def solve(self, force: Array) -> Array:
         """Motion that the factor gives for a force, both (n, d)."""
-        return self._solved(force)[0]
-
-    def _solved(self, *forces: Array) -> list[Array]:
-        """Motions for several forces at once, which takes little longer than for one."""
-        right = np.column_stack([force[self.free] for force in forces])
-        found = self.regular.factor.solve(right) * self.state.stiffness
-        motions = [np.zeros(self.free.shape) for _ in forces]
-        for motion, column in zip(motions, found.T, strict=True):
-            motion[self.free] = column
-        return motions
-
-    def _first_correction(self, force: Array) -> Array:
-        """The same, and with it what rounding of rest lengths makes of the displacement."""
-        if self.moved is not None:
-            return self.solve(force)
-        motion, self.moved = self._solved(force, self._of_rest_lengths(self.place.hi))
+        motion = np.zeros(self.free.shape)
+        motion[self.free] = self.regular.factor.solve(force[self.free]) * self.state.stiffness
         return motion
 
     def residual(self, motion: Pair) -> Array:
@@ -142,13 +123,12 @@ class _System:
         if self.free.any():
             soft, rate = self.regular.softness, contraction(self.regular.softness)
             u = added(u, pair(self.solve(first)))
-            found = refined(self.residual, self._first_correction, u, rate)
+            found = refined(self.residual, self.solve, u, rate)
             u, steps, times = found.solution, found.steps, 1.0
             if rate > DOUBTFUL:
                 times = tried(self._without_load, self.solve, rate, self._known())
             error = stated(found, soft, times) if u.hi.any() else 0.0
             refuse_inaccurate(error, TITLE, self._why())
-            error += self._part_of_rounding(u.hi)
         return Solved(u.hi * self.unit, self._balance(u), error, steps, self.network.held)
 
     def _balance(self, u: Pair) -> Array:
@@ -158,21 +138,6 @@ class _System:
         if self.K is not None:
             left = left - (self.K @ step.ravel()).reshape(step.shape)
         return np.asarray(left * self.unit)
-
-    def _part_of_rounding(self, u: Array) -> float:
-        """Part of the largest displacement that rounding of rest lengths accounts for."""
-        if self.moved is None or not u.any():
-            return 0.0
-        part = _largest(self.moved) / _largest(u)
-        if part > LARGEST_PART:
-            of_load = self.solve(self._of_rest_lengths(np.zeros_like(u)))
-            refuse_rounded(part, _largest(of_load) / _largest(u), self.network, TITLE)
-        return part
-
-    def _of_rest_lengths(self, u: Array) -> Array:
-        """Load that is the rounding of rest lengths, of springs that stand at u (n, d)."""
-        rounded = self.state.of_rest_lengths(u * self.unit) * (self.state.length / self.unit)
-        return np.where(self.free, rounded, 0.0)
 
     def _without_load(self, motion: Pair) -> Array:
         zero = pair(np.zeros(self.free.shape))
@@ -185,7 +150,3 @@ class _System:
     def _why(self) -> str:
         """How far apart its stiffnesses are, and what to do."""
         return why(self.network, self.regular.softness)
-
-
-def _largest(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0))

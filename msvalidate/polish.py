@@ -32,7 +32,7 @@ from msvalidate.refine import (
     stated,
     tried,
 )
-from msvalidate.rounding import known, nothing_acts, refuse_rounded, why
+from msvalidate.rounding import known, nothing_acts, why
 from msvalidate.stability import negative_modes
 
 TITLE = "nonlinear equilibrium"
@@ -116,9 +116,6 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
     error = system.stated(moved)
     refuse_inaccurate(error, TITLE, why(network, system.found.softness))
     system.refuse_unstable()
-    part = system.of_rest_lengths(State(network))
-    refuse_rounded(part, part, network, TITLE)
-    error += part
     return Polished(u.hi, error, moved.steps)
 
 
@@ -253,13 +250,6 @@ class _Nonlinear:
 
     def _solve_linear(self, force: Array) -> Array:
         return self.solve(force) / self.unit
-
-    def of_rest_lengths(self, reference: State) -> float:
-        """Part of the largest displacement that rounding of rest lengths accounts for."""
-        largest, rounded = _largest(self.place), reference.of_rest_lengths(self.place)
-        if not largest or not rounded.any():
-            return 0.0
-        return _largest(self.solve(np.where(self.free, rounded, 0.0))) / largest
 
 
 def _by_cycles(network: Network, u: Pair, near: Network, cycle: Cycle | None) -> Array:
