@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,8 +10,10 @@ import numpy as np
 
 from msvalidate.folds import description, folded_cells
 from msvalidate.following import Followed, follow, is_stressed
-from msvalidate.network import Network, internal_force, tangent
+from msvalidate.linear_solution import solved
+from msvalidate.network import Network
 from msvalidate.path import Path, way_of
+from msvalidate.polish import balance, centred, polished
 from msvalidate.problem import (
     Array,
     ProblemError,
@@ -21,7 +24,6 @@ from msvalidate.problem import (
     refuse_free_motions,
     shown,
 )
-from msvalidate.tangents import tangent_move
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +42,10 @@ class Equilibrium:
         Largest out-of-balance force (N) on a free component.
     iterations
         Linear solves that it took, or time steps.
+    error
+        Largest error of a component of the displacement over the largest component: an estimate
+        from what refinement says, above the rounding that is known. 0 where nothing moves, NaN
+        where it was not estimated.
     folded
         Number of cells that are flat or inside out; None where there was nothing to look at: see
         `msvalidate.folds`.
@@ -54,6 +60,7 @@ class Equilibrium:
     reaction: Array
     residual: float
     iterations: int
+    error: float = math.nan
     folded: int | None = None
     passed_limit: float | None = None
 
@@ -147,17 +154,27 @@ def refuse_folded(network: Network, found: Equilibrium, title: str) -> None:
 
 
 def at_rest(
-    network: Network, position: Array, iterations: int, passed_limit: float | None = None
+    network: Network,
+    displacement: Array,
+    iterations: int,
+    *,
+    error: float = math.nan,
+    passed_limit: float | None = None,
 ) -> Equilibrium:
-    """The equilibrium at `position` (n, d) in m, with the residual and reactions found there."""
-    balance = internal_force(network, position) + network.force
-    position.setflags(write=False)
+    """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
+
+    Forces come from the displacement: positions have lost digits where coordinates are large.
+    """
+    left = balance(network, displacement)
+    displacement.setflags(write=False)
+    position = network.points + displacement
     return Equilibrium(
-        displacement=position - network.points,
+        displacement=displacement,
         position=position,
-        reaction=np.where(network.held, -balance, 0.0),
-        residual=_largest(balance[~network.held]),
+        reaction=np.where(network.held, -left, 0.0),
+        residual=_largest(left[~network.held]),
         iterations=iterations,
+        error=error,
         folded=count_folded(network, position),
         passed_limit=passed_limit,
     )
@@ -171,29 +188,16 @@ def count_folded(network: Network, position: Array) -> int | None:
 
 
 def _linear(network: Network) -> Equilibrium:
-    K = tangent(network, network.points)
-    load = internal_force(network, network.points) + network.force
-    move, stable = tangent_move(network, network.points, K, load, network.displacement)
-    if not stable:
-        raise SolverError(
-            "linear equilibrium: the network is unstable at its reference points (its tangent "
-            "stiffness has a negative mode); relieve its prestress or hold it better"
-        )
-    balance = load - (K @ move.ravel()).reshape(move.shape)
-    residual = _largest(balance[~network.held])
-    scale = abs(K).max() * np.abs(move).max(initial=0.0) + np.abs(load).max(initial=0.0)
-    if not residual <= 1e-9 * scale:
-        raise SolverError(
-            f"linear equilibrium: residual {residual:.3g} N against forces of {scale:.3g} N; "
-            "the stiffnesses are too far apart for one solve"
-        )
+    found = solved(network)
+    position = network.points + found.displacement
     return Equilibrium(
-        displacement=move,
-        position=network.points + move,
-        reaction=np.where(network.held, -balance, 0.0),
-        residual=residual,
-        iterations=1,
-        folded=count_folded(network, network.points + move),
+        displacement=found.displacement,
+        position=position,
+        reaction=found.reaction,
+        residual=_largest(found.balance[~network.held]),
+        iterations=1 + found.steps,
+        error=found.error,
+        folded=count_folded(network, position),
     )
 
 
@@ -201,6 +205,7 @@ def _nonlinear(
     network: Network, path: Path | None, start: Equilibrium | Array | None
 ) -> Equilibrium:
     """Loads and prescribed displacements raised together; rest lengths too where prestress asks."""
+    given, network = network, centred(network)
     begun = displacement_of(network, start)
     stressed = path is None and start is None and is_stressed(network)
     try:
@@ -214,7 +219,14 @@ def _nonlinear(
         found = tightened if tightened and tightened.reached == 1 else found
     if found.reached < 1:
         raise SolverError(_stuck(network, found, stressed=is_stressed(network)))
-    return at_rest(network, found.position, found.solves, found.passed_limit)
+    end = polished(given, found.position - network.points, found.factor)
+    return at_rest(
+        given,
+        end.displacement,
+        found.solves + end.steps,
+        error=end.error,
+        passed_limit=found.passed_limit,
+    )
 
 
 def _tightened(network: Network, solves: int) -> Followed | None:

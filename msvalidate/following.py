@@ -22,9 +22,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from msvalidate.mechanism import Regular
 from msvalidate.network import Network, internal_force
 from msvalidate.path import Way
 from msvalidate.problem import Array, SolverError
+from msvalidate.refine import DOUBTFUL, contraction
 from msvalidate.residual import force_roundoff, force_scale
 from msvalidate.tangents import LARGEST_TURN, Tangent, largest_turn, tangent_at
 
@@ -67,11 +69,14 @@ class Arrival:
         Linear solves made.
     smooth
         Whether the way there shows no sign of a jump.
+    factor
+        Of the tangent there.
     """
 
     station: Station | None
     solves: int
     smooth: bool = True
+    factor: Regular | None = None
 
 
 @dataclass(eq=False)
@@ -88,12 +93,15 @@ class Followed:
         Linear solves made.
     passed_limit
         t of the first limit point passed; None where none was.
+    factor
+        Of the tangent at the end, where the signs of its pivots are beyond doubt.
     """
 
     position: Array
     reached: float = 0.0
     solves: int = 0
     passed_limit: float | None = None
+    factor: Regular | None = None
     legs: list[tuple[Station, Station, bool]] = field(default_factory=list)
 
 
@@ -119,6 +127,7 @@ def follow(way: Way) -> Followed:
             found.legs.append((here, arrival.station, arrival.smooth))
             here, increment = arrival.station, 2 * increment
             found.position, found.reached = here.position, here.t
+            found.factor = _beyond_doubt(arrival.factor)
     found.passed_limit = _limit(way, found)
     return found
 
@@ -146,7 +155,7 @@ def newton(way: Way, start: Station, t: float) -> Arrival:
                 return Arrival(None, iteration + 1)
             there = Station(t, x)
             smooth = first is None or (calm and _is_smooth(way, start, there, first, K))
-            return Arrival(there, iteration + 1, smooth)
+            return Arrival(there, iteration + 1, smooth, K.found)
         move = K.move(balance, ahead)
         if largest_turn(network, x, move) > LARGEST_TURN:
             return Arrival(None, iteration + 1)
@@ -182,6 +191,13 @@ def _is_smooth(way: Way, a: Station, b: Station, first: Array, K: Tangent) -> bo
     except SolverError:  # a spring without length
         return False
     return not (spring(K.move(balance, np.zeros(change.shape))) > MISSED * size).any()
+
+
+def _beyond_doubt(factor: Regular | None) -> Regular | None:
+    """The factor, unless rounding may have turned the sign of a pivot."""
+    if factor is None or contraction(factor.softness) > DOUBTFUL:
+        return None
+    return factor
 
 
 def _limit(way: Way, found: Followed) -> float | None:

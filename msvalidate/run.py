@@ -248,7 +248,7 @@ class Run:
     def result(self, looks: list[tuple[int, float, float]], seconds: float) -> Relaxation:
         """The run as it is now."""
         return Relaxation(
-            equilibrium=at_rest(self.network, self.position, self.steps),
+            equilibrium=at_rest(self.network, self.displacement.copy(), self.steps),
             dt=self.dt,
             damping=float(self.rate.max()),
             stability_limit=self.limit,

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.linear import Factor, factorised, is_factored, softest_mode
-from msvalidate.mechanism import is_loose, named
+from msvalidate.linear import factorised, is_factored
+from msvalidate.mechanism import Regular, is_loose, named, regular
 from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, Index, SolverError, instance
@@ -28,26 +28,26 @@ class Tangent:
         (f,) numbers of the free components.
     rows
         (f, n·d) their rows of the tangent (N/m).
-    factor
-        Factor of the free rows and columns; None where nothing is free.
+    found
+        Factor of the free rows and columns, and their softest motion; None where nothing is free.
     """
 
     free: Index
     rows: csr_array
-    factor: Factor | None
+    found: Regular | None
 
     @property
     def positive(self) -> bool:
         """Whether every free motion meets stiffness."""
-        return self.factor is None or self.factor.negative == 0
+        return self.found is None or self.found.factor.negative == 0
 
     def move(self, load: Array, held: Array) -> Array:
         """Move (n, d) in m that balances a load (n, d) in N, held components moving by `held`."""
         move = np.array(held, dtype=float).ravel()
         move[self.free] = 0.0
-        if self.factor is not None:
+        if self.found is not None:
             right = load.ravel()[self.free] - self.rows @ move
-            move[self.free] = self.factor.solve(right)
+            move[self.free] = self.found.factor.solve(right)
         return move.reshape(load.shape)
 
 
@@ -61,8 +61,7 @@ def tangent_at(network: Network, x: Array, K: csr_array | None = None) -> Tangen
     """
     free = np.flatnonzero(~network.held.ravel())
     rows = (tangent(network, x) if K is None else K)[free]
-    factor = regular(network, x, rows[:, free]) if len(free) else None
-    return Tangent(free, rows, factor)
+    return Tangent(free, rows, regular(network, x, rows[:, free]) if len(free) else None)
 
 
 def tangent_move(
@@ -130,22 +129,3 @@ def refuse_mechanism(network: Network) -> None:
     mode = softest_motion(A, network, x)
     if mode.any() and is_loose(network, x, mode, A.diagonal()):
         raise SolverError(named(network, mode))
-
-
-def regular(network: Network, x: Array, K: csr_array) -> Factor:
-    """Factor of the free part of the tangent at `x`, refused if some motion meets no stiffness.
-
-    The motion that the tangent resists least is judged by the springs that it stretches.
-    """
-    stiffness = np.zeros(network.points.size)
-    free = ~network.held.ravel()
-    stiffness[free] = K.diagonal()
-    try:
-        factor = factorised(K) if stiffness[free].all() else None
-    except RuntimeError:
-        factor = None
-    mode = np.zeros(network.points.size)
-    mode[free] = softest_mode(K, factor)
-    if factor is None or is_loose(network, x, mode, stiffness):
-        raise SolverError(named(network, mode))
-    return factor

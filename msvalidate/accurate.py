@@ -1,0 +1,417 @@
+"""Floor 1: forces of a network in twice the digits of doubles, from its springs' own vectors.
+
+Points, stiffnesses, rest lengths and loads as they are given are taken as exact: what is summed here
+has no rounding but that of `double_double`, some 1e-32 of the terms. An assembled tangent is rounded
+by 1e-16 of its entries, which a long body, or a stiff part beside a soft one, multiplies by 1e12 and
+more. Refinement (`msvalidate.refine`) needs no more than this to be right to the last digit.
+
+Lengths are over `length` and forces over `stiffness` x `length`, powers of two, so that no product
+leaves the range of doubles. Arrays are (axes, entries).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from msvalidate.double_double import (
+    Pair,
+    added,
+    at,
+    gathered,
+    negative,
+    over,
+    pair,
+    root,
+    scaled,
+    summed,
+    taken,
+    times,
+    total,
+    two_sum,
+)
+from msvalidate.local_shear import LocalShear
+from msvalidate.network import Network
+from msvalidate.problem import Array, Index, Mask
+from msvalidate.volumes import Volumes
+
+
+class Pulls(NamedTuple):
+    """Forces on points: `force` (d, e) acts on points `place` (e,)."""
+
+    force: Pair
+    place: Index
+
+
+class _Part(Protocol):
+    """What pulls at points: springs, cells, or shear springs, at one displacement."""
+
+    def pulls(self) -> Pulls:
+        """Forces on points."""
+
+    def change(self, motion: Pair) -> Pulls:
+        """Change of these forces by a small motion (d, n)."""
+
+
+class State:
+    """A network at a displacement: its forces, and how they change, to some 30 digits.
+
+    Parameters
+    ----------
+    network
+        Its points, constants and rest lengths.
+    displacement
+        (n, d) in m, as a pair; None at the reference points.
+    """
+
+    def __init__(self, network: Network, displacement: Pair | None = None) -> None:
+        self.network = network
+        self.length = _power(float(np.abs(network.vector).max()))
+        self.stiffness = _power(_stiffest(network, self.length))
+        u = None if displacement is None else self.scaled_motion(displacement)
+        self.parts: list[_Part] = [_Springs(network, u, self.length, self.stiffness)]
+        if network.volumes is not None:
+            kappa = self.length ** (network.dim - 2) / self.stiffness
+            self.parts.append(_Cells(network.volumes, u, self.length, kappa))
+        if network.shear is not None:
+            self.parts.append(_Shear(network.shear, u, self.length, self.stiffness))
+
+    def scaled_motion(self, motion: Pair) -> Pair:
+        """A motion (n, d) in m as (d, n) over `length`."""
+        return Pair(*(np.ascontiguousarray(x.T) / self.length for x in motion))
+
+    def force(self) -> Pair:
+        """Force (n, d) of all springs and cells on the points, over `stiffness` x `length`."""
+        return self._summed([part.pulls() for part in self.parts], None)
+
+    def residual(self, load: Pair, motion: Pair) -> Pair:
+        """load - K motion, (n, d) and (n, d) of one unit, K over `stiffness`."""
+        w = Pair(*(np.ascontiguousarray(x.T) for x in motion))
+        return self._summed([part.change(w) for part in self.parts], load)
+
+    def _summed(self, pulls: list[Pulls], load: Pair | None) -> Pair:
+        n, d = self.network.points.shape
+        place = np.concatenate([one.place for one in pulls])
+        axes = []
+        for axis in range(d):
+            force = Pair(
+                np.concatenate([one.force.hi[axis] for one in pulls]),
+                np.concatenate([one.force.lo[axis] for one in pulls]),
+            )
+            parts = gathered(force, place, n)
+            if load is not None:
+                parts[1:1] = [load.hi[:, axis]]
+                parts.append(load.lo[:, axis])
+            axes.append(summed(parts))
+        return Pair(
+            np.stack([one.hi for one in axes], axis=1), np.stack([one.lo for one in axes], axis=1)
+        )
+
+
+class _Springs:
+    """Central springs: k (1 - L0/L) v pulls at their ends."""
+
+    def __init__(self, network: Network, u: Pair | None, length: float, stiffness: float) -> None:
+        self.springs = network.springs
+        self.place = np.concatenate([self.springs[:, 0], self.springs[:, 1]])
+        v = _between(network.points.T / length, self.springs)
+        if u is not None:
+            v = added(v, _apart(u, self.springs))
+        L = root(_dot(v, v))
+        k, rest = pair(network.stiffness / stiffness), pair(network.rest_length / length)
+        self.v = v
+        self.slack = times(k, over(taken(L, rest), L))
+        self.along = times(over(times(k, rest), times(L, times(L, L))), v)
+        self.stressed = bool(self.slack.hi.any())
+
+    def pulls(self) -> Pulls:
+        return _both(times(self.slack, self.v), self.place)
+
+    def change(self, motion: Pair) -> Pulls:
+        w = _apart(motion, self.springs)
+        pull = times(_dot(self.v, w), self.along)
+        if self.stressed:
+            pull = added(pull, times(self.slack, w))
+        return _both(pull, self.place)
+
+
+class _Cells:
+    """Cells that resist a change of volume: -κ (V/V0 - 1) ∂V/∂x pulls at their corners."""
+
+    def __init__(self, volumes: Volumes, u: Pair | None, length: float, unit: float) -> None:
+        self.volumes, self.cells = volumes, volumes.cells.T
+        x = self._local(volumes.points.T / length)
+        V0 = self._volume(x)
+        self.moved = u is not None
+        if u is not None:
+            x = added(x, self._taken(u))
+        kappa = pair(volumes.stiffness * unit)
+        self.x, self.slope = x, self._gradient(x)
+        self.hard = over(kappa, V0)
+        zero = pair(np.zeros(len(volumes.cells)))
+        self.pressure = times(self.hard, taken(self._volume(x), V0)) if self.moved else zero
+
+    def pulls(self) -> Pulls:
+        return self._spread(times(negative(self.pressure), self.slope))
+
+    def change(self, motion: Pair) -> Pulls:
+        w = self._taken(motion)
+        share = times(self.slope, w)
+        d, k = share.hi.shape[:2]
+        growth = total([at(share, (a, c)) for a in range(d) for c in range(k)])
+        pull = times(negative(times(self.hard, growth)), self.slope)
+        if self.moved:
+            pull = taken(pull, times(self.pressure, self._gradient_change(w)))
+        return self._spread(pull)
+
+    def _spread(self, force: Pair) -> Pulls:
+        d = force.hi.shape[0]
+        return Pulls(Pair(*(x.reshape(d, -1) for x in force)), self.cells.ravel())
+
+    def _local(self, x: Array) -> Pair:
+        """Points (d, n) at corners (d, k, c), from each cell's first."""
+        return two_sum(x[:, self.cells], -x[:, self.cells[:1]])
+
+    def _taken(self, u: Pair) -> Pair:
+        return taken(at(u, (slice(None), self.cells)), at(u, (slice(None), self.cells[:1])))
+
+    def _volume(self, x: Pair) -> Pair:
+        """By Euler: V is homogeneous, of degree d."""
+        share = times(x, self._gradient(x))
+        d, k = share.hi.shape[:2]
+        whole = total([at(share, (a, c)) for a in range(d) for c in range(k)])
+        return over(whole, pair(np.full(whole.hi.shape, float(d))))
+
+    def _gradient(self, x: Pair) -> Pair:
+        """∂V/∂x (d, k, c)."""
+        return self._polar(x, x)
+
+    def _gradient_change(self, w: Pair) -> Pair:
+        if self.volumes.dim == 2:
+            return self._polar(w, w)  # linear in the corners
+        return added(self._polar(w, self.x), self._polar(self.x, w))
+
+    def _polar(self, x: Pair, y: Pair) -> Pair:
+        """Sums of cross products that are ∂V/∂x where y is x: in the plane half a chord, turned."""
+        k = len(self.cells)
+        if self.volumes.dim == 2:
+            after, before = np.roll(np.arange(k), -1), np.roll(np.arange(k), 1)
+            chord = taken(at(x, (slice(None), after)), at(x, (slice(None), before)))
+            return Pair(*(np.stack([one[1], -one[0]]) / 2 for one in chord))
+        triangles, part = self.volumes.surface
+        corners: list[list[Pair]] = [[] for _ in range(k)]
+        for p, q, r in triangles:
+            for first, second, third in ((p, q, r), (q, r, p), (r, p, q)):
+                a, b = at(x, (slice(None), second)), at(y, (slice(None), third))
+                corners[first].append(_cross(a, b))
+        sums = [total(one) for one in corners]
+        gradient = Pair(
+            np.stack([one.hi for one in sums], axis=1), np.stack([one.lo for one in sums], axis=1)
+        )
+        share = over(pair(np.ones(1)), pair(np.array([round(1 / part)], dtype=float)))
+        return times(gradient, share)
+
+
+class _Shear:
+    """Springs that resist shear, by the deformation gradients at their ends: see `local_shear`."""
+
+    def __init__(self, shear: LocalShear, u: Pair | None, length: float, stiffness: float) -> None:
+        self.springs, self.count = shear.springs, len(shear.points)
+        self.place = np.concatenate([self.springs[:, 0], self.springs[:, 1]])
+        self.ends = self.springs.T
+        self.D = _between(shear.points.T / length, self.springs)
+        self.square = _dot(self.D, self.D)
+        self.k = pair(shear.stiffness / stiffness)
+        self.reach = self._reach(pair(shear.weights))
+        d = shear.dim
+        one = pair(np.repeat(np.eye(d)[:, :, None], self.count, axis=2))
+        if u is None:
+            self.F, self.M = one, pair(np.zeros(one.hi.shape))
+            return
+        H = self._gradient(u)
+        self.F = added(one, H)
+        # E without the digits that FᵀF shares with 1
+        E = _symmetric(added(H, _half(_product(_transposed(H), H))))
+        self.M = self._moments(self._shift(E))
+
+    def pulls(self) -> Pulls:
+        return self._pulled(_product(self.F, self.M))
+
+    def change(self, motion: Pair) -> Pulls:
+        H = self._gradient(motion)
+        moments = self._moments(self._shift(_symmetric(_product(_transposed(self.F), H))))
+        change = _product(self.F, moments)
+        if self.M.hi.any():
+            change = added(change, _product(H, self.M))
+        return self._pulled(change)
+
+    def _reach(self, weight: Pair) -> list[Pair]:
+        """Vectors (d, m) in the least squares of both ends: w A⁻¹D."""
+        d = self.D.hi.shape[0]
+        outer = {}
+        for a in range(d):
+            for b in range(a, d):
+                product = times(weight, times(at(self.D, a), at(self.D, b)))
+                both = Pair(*(np.concatenate([x, x]) for x in product))
+                outer[a, b] = outer[b, a] = summed(gathered(both, self.place, self.count))
+        inverse = _inverse(outer, d, np.bincount(self.place, minlength=self.count) > 0)
+        out = []
+        for end in self.ends:
+            rows = [
+                total([times(at(inverse[b, c], end), at(self.D, c)) for c in range(d)])
+                for b in range(d)
+            ]
+            out.append(times(weight, _stacked(rows)))
+        return out
+
+    def _gradient(self, u: Pair) -> Pair:
+        """∂u_a/∂X_b (d, d, n)."""
+        w = _apart(u, self.springs)
+        d = w.hi.shape[0]
+        rows = []
+        for a in range(d):
+            row = []
+            for b in range(d):
+                ends = [times(at(one, b), at(w, a)) for one in self.reach]
+                both = Pair(*(np.concatenate(x) for x in zip(*ends, strict=True)))
+                row.append(summed(gathered(both, self.place, self.count)))
+            rows.append(_stacked(row))
+        return _stacked(rows)
+
+    def _shift(self, E: Pair) -> Pair:
+        """Shear s (d, m) of the springs: what the mean strain does across them."""
+        i, j = self.ends
+        mean = _half(added(at(E, (..., i)), at(E, (..., j))))
+        d = self.D.hi.shape[0]
+        turned = _stacked([_dot(at(mean, a), self.D) for a in range(d)])
+        along = over(_dot(turned, self.D), self.square)
+        return taken(turned, times(along, self.D))
+
+    def _moments(self, shift: Pair) -> Pair:
+        """∂U/∂E (d, d, n): a quarter of k_t (s⊗D + D⊗s) of every spring at each of its ends."""
+        pull = times(self.k, shift)
+        d = pull.hi.shape[0]
+        rows = []
+        for a in range(d):
+            row = []
+            for b in range(d):
+                one = added(
+                    times(at(pull, a), at(self.D, b)), times(at(pull, b), at(self.D, a))
+                )
+                both = Pair(*(np.concatenate([x, x]) / 4 for x in one))
+                row.append(summed(gathered(both, self.place, self.count)))
+            rows.append(_stacked(row))
+        return _stacked(rows)
+
+    def _pulled(self, stress: Pair) -> Pulls:
+        """Forces of moments F M (d, d, n) through the gradients that they work on."""
+        d = stress.hi.shape[0]
+        sums = []
+        for a in range(d):
+            shares = [
+                times(at(stress, (a, b, end)), at(reach, b))
+                for end, reach in zip(self.ends, self.reach, strict=True)
+                for b in range(d)
+            ]
+            sums.append(total(shares))
+        return _both(_stacked(sums), self.place)
+
+
+def _both(pull: Pair, place: Index) -> Pulls:
+    """Forces that pull the first ends to the second, and the second back."""
+    return Pulls(Pair(*(np.concatenate([x, -x], axis=1) for x in pull)), place)
+
+
+def _between(x: Array, springs: Index) -> Pair:
+    """Vectors (d, m) between points (d, n), exactly."""
+    i, j = springs.T
+    return two_sum(x[:, j], -x[:, i])
+
+
+def _apart(u: Pair, springs: Index) -> Pair:
+    """Differences (d, m) of a motion (d, n)."""
+    i, j = springs.T
+    return taken(at(u, (slice(None), j)), at(u, (slice(None), i)))
+
+
+def _dot(a: Pair, b: Pair) -> Pair:
+    """Scalar products (m,) of vectors (d, m)."""
+    product = times(a, b)
+    return total([at(product, axis) for axis in range(product.hi.shape[0])])
+
+
+def _cross(a: Pair, b: Pair) -> Pair:
+    """Cross products (3, c)."""
+    rows = []
+    for p, q in ((1, 2), (2, 0), (0, 1)):
+        rows.append(taken(times(at(a, p), at(b, q)), times(at(a, q), at(b, p))))
+    return _stacked(rows)
+
+
+def _product(a: Pair, b: Pair) -> Pair:
+    """Products of matrices (d, d, n)."""
+    d = a.hi.shape[0]
+    rows = []
+    for i in range(d):
+        entries = [
+            total([times(at(a, (i, c)), at(b, (c, j))) for c in range(d)]) for j in range(d)
+        ]
+        rows.append(_stacked(entries))
+    return _stacked(rows)
+
+
+def _transposed(a: Pair) -> Pair:
+    return Pair(a.hi.swapaxes(0, 1), a.lo.swapaxes(0, 1))
+
+
+def _symmetric(a: Pair) -> Pair:
+    return _half(added(a, _transposed(a)))
+
+
+def _half(a: Pair) -> Pair:
+    return scaled(a, 0.5)
+
+
+def _stacked(rows: list[Pair]) -> Pair:
+    return Pair(np.stack([one.hi for one in rows]), np.stack([one.lo for one in rows]))
+
+
+def _power(size: float) -> float:
+    """The power of two next above a size; 1 for none."""
+    return 2.0 ** math.frexp(size)[1] if size > 0 else 1.0
+
+
+def _stiffest(network: Network, length: float) -> float:
+    """The largest stiffness (N/m) of springs, cells and shear springs."""
+    sizes = [network.stiffness.max(initial=0.0)]
+    if network.volumes is not None:
+        kappa = np.abs(network.volumes.stiffness).max(initial=0.0)
+        sizes.append(kappa * length ** (network.dim - 2))
+    if network.shear is not None:
+        sizes.append(np.abs(network.shear.stiffness).max(initial=0.0))
+    return float(max(sizes))
+
+
+def _inverse(A: dict[tuple[int, int], Pair], d: int, joined: Mask) -> dict[tuple[int, int], Pair]:
+    """Inverses of symmetric matrices, entry by entry; those of points that are not joined are 1."""
+    one = {
+        (a, b): Pair(
+            np.where(joined, A[a, b].hi, float(a == b)), np.where(joined, A[a, b].lo, 0.0)
+        )
+        for a in range(d)
+        for b in range(d)
+    }
+    if d == 2:
+        minor = {(0, 0): one[1, 1], (1, 1): one[0, 0], (0, 1): negative(one[0, 1])}
+    else:
+        minor = {}
+        for a in range(3):
+            for b in range(a, 3):
+                (p, q), (r, s) = ((x + 1) % 3 for x in (a, a + 1)), ((x + 1) % 3 for x in (b, b + 1))
+                minor[a, b] = taken(times(one[p, r], one[q, s]), times(one[p, s], one[q, r]))
+    for a, b in list(minor):
+        minor[b, a] = minor[a, b]
+    det = total([times(one[0, b], minor[0, b]) for b in range(d)])
+    return {at_: over(entry, det) for at_, entry in minor.items()}

@@ -1,0 +1,155 @@
+"""Floor 2: the linear equilibrium of a network: one factor, and refinement to the last digit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from msvalidate.accurate import State
+from msvalidate.double_double import Pair, added, pair
+from msvalidate.mechanism import Regular, regular
+from msvalidate.network import Network, tangent
+from msvalidate.problem import Array, SolverError
+from msvalidate.stability import negative_modes
+from msvalidate.refine import (
+    DOUBTFUL,
+    contraction,
+    refined,
+    refuse_inaccurate,
+    stated,
+    tried,
+)
+
+UNSTABLE = (
+    "linear equilibrium: the network is unstable at its reference points (its tangent "
+    "stiffness has a negative mode); relieve its prestress or hold it better"
+)
+TOO_FAR = "linear equilibrium: forces beyond all numbers; choose units that give ordinary forces"
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A linear equilibrium.
+
+    Parameters
+    ----------
+    displacement
+        (n, d) in m.
+    balance
+        (n, d) force (N) that is left over: where it is held, minus the supports' reaction.
+    error
+        Largest error of a component of the displacement over the largest component.
+    steps
+        Refinements made.
+    """
+
+    displacement: Array
+    balance: Array
+    error: float
+    steps: int
+    held: Array
+
+    @property
+    def reaction(self) -> Array:
+        """(n, d) force (N) of the supports, 0 where nothing is held."""
+        return np.where(self.held, -self.balance, 0.0)
+
+
+def solved(network: Network) -> Solved:
+    """The linear equilibrium of a network from its reference points.
+
+    Raises
+    ------
+    SolverError
+        If the network is a mechanism or unstable, or no trustworthy digits are left.
+    """
+    system = _System(network)
+    if not network.held.all():
+        system.factorise()
+    return system.solution()
+
+
+class _System:
+    """K u = load over powers of two: K over `stiffness` (N/m), u over `unit` (m)."""
+
+    def __init__(self, network: Network) -> None:
+        self.network, self.free = network, ~network.held
+        self.state = State(network)
+        k, length = self.state.stiffness, self.state.length
+        inner = self.state.force()
+        outer = network.force / k
+        sizes = [np.abs(outer).max(), np.abs(inner.hi).max() * length]
+        largest = float(max(*sizes, np.abs(network.displacement).max()))
+        if not math.isfinite(largest):
+            raise SolverError(TOO_FAR)
+        self.unit = 2.0 ** math.frexp(largest)[1] if largest else 1.0
+        inner = Pair(*(x * (length / self.unit) for x in inner))
+        self.load = added(pair(outer / self.unit), inner)
+        self.prescribed = network.displacement / self.unit
+        self.left = np.zeros(network.points.shape)
+        self.regular: Regular | None = None
+
+    def factorise(self) -> None:
+        """Tangent and factor; refuses what is unstable or a mechanism."""
+        inside = np.flatnonzero(self.free)
+        K = tangent(self.network, self.network.points)
+        A = csr_array(K[inside][:, inside])
+        self.regular = regular(self.network, self.network.points, A)
+        if negative_modes(self.state, A.diagonal(), self.regular, self.free):
+            raise SolverError(UNSTABLE)
+
+    def solve(self, force: Array) -> Array:
+        """Motion that the factor gives for a force, both (n, d)."""
+        motion = np.zeros(force.shape)
+        assert self.regular is not None
+        right = force[self.free]
+        motion[self.free] = self.regular.factor.solve(right) * self.state.stiffness
+        return motion
+
+    def residual(self, motion: Pair) -> Array:
+        """What a motion leaves of the load, where it is free."""
+        self.left = self.state.residual(self.load, motion).hi
+        return np.where(self.free, self.left, 0.0)
+
+    def solution(self) -> Solved:
+        """Solve, refine, and judge what is left."""
+        start, error, steps = pair(self.prescribed), 0.0, 0
+        if self.regular is not None:
+            soft, rate = self.regular.softness, contraction(self.regular.softness)
+            first = self.residual(start)
+            start = added(start, pair(self.solve(first)))
+            found = refined(self.residual, self.solve, start, rate)
+            start, steps = found.solution, found.steps
+            times = 1.0
+            if rate > DOUBTFUL:
+                times = tried(self._without_load, self.solve, rate, self._known())
+            error = stated(found, soft, times) if start.hi.any() else 0.0
+            refuse_inaccurate(error, "linear equilibrium", self._why())
+        self.residual(start)
+        scale = self.unit * self.state.stiffness
+        return Solved(start.hi * self.unit, self.left * scale, error, steps, self.network.held)
+
+    def _without_load(self, motion: Pair) -> Array:
+        zero = pair(np.zeros(self.free.shape))
+        return np.where(self.free, self.state.residual(zero, motion).hi, 0.0)
+
+    def _known(self) -> Array:
+        """A motion to try a factor on: of all kinds at once, the softest among them."""
+        motion = np.where(self.free, np.random.default_rng(0).normal(size=self.free.shape), 0.0)
+        assert self.regular is not None
+        mode = self.regular.mode.reshape(motion.shape)
+        return np.asarray(motion / np.abs(motion).max() + mode / np.abs(mode).max())
+
+    def _why(self) -> str:
+        """How far apart its stiffnesses are, and what to do."""
+        assert self.regular is not None
+        k = self.network.stiffness[self.network.stiffness > 0]
+        apart = float(k.max() / k.min()) if len(k) else 1.0
+        return (
+            f"stiffnesses are {apart:.1g} times apart, and the softest motion meets "
+            f"{abs(self.regular.softness):.1g} of what its points meet alone; bring stiffnesses "
+            "closer together, or take a body that is less slender or fewer cells"
+        )
