@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from msvalidate.folds import description, folded_cells
+from msvalidate.folds import count_folded, description, folded_cells
 from msvalidate.following import Followed, follow, is_stressed
 from msvalidate.linear_solution import solved
 from msvalidate.network import Network
@@ -175,16 +175,9 @@ def at_rest(
         residual=_largest(left[~network.held]),
         iterations=iterations,
         error=error,
-        folded=count_folded(network, position),
+        folded=count_folded(network.simplices, position),
         passed_limit=passed_limit,
     )
-
-
-def count_folded(network: Network, position: Array) -> int | None:
-    """Cells that are flat or inside out at `position` (n, d) in m; None where none is known."""
-    if network.simplices is None:
-        return None
-    return len(folded_cells(network.simplices, position))
 
 
 def _linear(network: Network) -> Equilibrium:
@@ -197,7 +190,7 @@ def _linear(network: Network) -> Equilibrium:
         residual=_largest(found.balance[~network.held]),
         iterations=1 + found.steps,
         error=found.error,
-        folded=count_folded(network, position),
+        folded=count_folded(network.simplices, position),
     )
 
 
@@ -211,9 +204,10 @@ def _nonlinear(
     try:
         found = follow(way_of(network, path, begun))
     except SolverError:
-        found = _tightened(network, 0) if stressed else None
-        if found is None or found.reached < 1:
+        tightened = _tightened(network, 0) if stressed else None
+        if tightened is None or tightened.reached < 1:
             raise
+        found = tightened
     if found.reached < 1 and stressed:
         tightened = _tightened(network, found.solves)
         found = tightened if tightened and tightened.reached == 1 else found

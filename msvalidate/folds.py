@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.problem import Array, Index, place_name
+from msvalidate.problem import Array, Index, Mask, place_name
 
 FLATTEST = 0.25
 """Sine of a corner (of three edges: their determinant over their lengths), the largest of a
@@ -64,7 +64,7 @@ class Simplices:
 
     corners: Index
     cell: Index
-    positive: Array
+    positive: Mask
 
     def __post_init__(self) -> None:
         for array in (self.corners, self.cell, self.positive):
@@ -101,6 +101,11 @@ def folded_cells(simplices: Simplices, position: Array) -> Index:
     """Numbers (f,) of the cells that are flat or inside out at `position` (n, d) in m."""
     over = (_determinant(position, simplices.corners) > 0) != simplices.positive
     return np.unique(simplices.cell[over]) if over.any() else simplices.cell[:0]
+
+
+def count_folded(simplices: Simplices | None, position: Array) -> int | None:
+    """Number of cells folded at `position` (n, d) in m; None where there is nothing to look at."""
+    return None if simplices is None else len(folded_cells(simplices, position))
 
 
 def description(simplices: Simplices, folded: Index, points: Array) -> str:

@@ -17,6 +17,7 @@ from tqdm import tqdm
 from msvalidate.equilibrium import Equilibrium, displacement_of, refuse_folded
 from msvalidate.network import Network
 from msvalidate.path import Path, Way, way_of
+from msvalidate.polish import error_of
 from msvalidate.problem import (
     Array,
     ProblemError,
@@ -147,9 +148,12 @@ def relax(
             "(some motion from there meets no stiffness, or less); disturb the symmetry or reduce "
             "the load"
         )
-    if at_ease and not allow_folded:
+    if not at_ease:
+        return found
+    if not allow_folded:
         refuse_folded(network, found.equilibrium, f"{method.title} after {found.steps} steps")
-    return found
+    error = error_of(network, found.equilibrium.displacement, run.cycle)
+    return replace(found, equilibrium=replace(found.equilibrium, error=error))
 
 
 def _stages(way: Way) -> list[Network]:

@@ -47,7 +47,8 @@ class Relaxation:
     Parameters
     ----------
     equilibrium
-        Where it rests; its iterations are the steps taken.
+        Where it rests; its iterations are the steps taken. Its error is infinite where the watcher
+        ended the run.
     dt, damping, stability_limit
         Largest time step (s), largest damping rate (1/s), and the largest stable step (s) at rest;
         0, 0 and infinite where a method has none, or changes it as it goes.
@@ -248,7 +249,7 @@ class Run:
     def result(self, looks: list[tuple[int, float, float]], seconds: float) -> Relaxation:
         """The run as it is now."""
         return Relaxation(
-            equilibrium=at_rest(self.network, self.displacement.copy(), self.steps),
+            equilibrium=at_rest(self.network, self.displacement.copy(), self.steps, error=math.inf),
             dt=self.dt,
             damping=float(self.rate.max()),
             stability_limit=self.limit,
