@@ -38,6 +38,12 @@ from msvalidate.problem import Array, Index, Mask
 from msvalidate.volumes import Volumes
 
 
+AT_REST = 2.0**-52
+"""Stretch up to which a spring's rest length is its distance, rounded to a double."""
+CHUNK = 4096
+"""Springs whose forces are computed at once."""
+
+
 class Pulls(NamedTuple):
     """Forces on points: `force` (d, e) acts on points `place` (e,)."""
 
@@ -91,6 +97,34 @@ class State:
         w = Pair(*(np.ascontiguousarray(x.T) for x in motion))
         return self._summed([part.change(w) for part in self.parts], load)
 
+    def of_rest_lengths(self, motion: Array) -> Array:
+        """Forces (n, d) from rest lengths that are distances but for their rounding to doubles.
+
+        At a motion (n, d) in m from here, over `stiffness` x `length`. Springs that are stressed by
+        more than rounding count as given.
+        """
+        springs = self.parts[0]
+        assert isinstance(springs, _Springs)
+        pull = springs.rounded(motion.T / self.length)
+        n = len(self.network.points)
+        return np.stack(
+            [
+                sum(
+                    np.bincount(end, sign * one, n)
+                    for end, sign in zip(self.network.springs.T, (1.0, -1.0), strict=True)
+                )
+                for one in pull
+            ],
+            axis=1,
+        )
+
+    @property
+    def unstressed(self) -> bool:
+        """Whether all springs are as long as at rest, but for rounding; cells always are."""
+        springs = self.parts[0]
+        assert isinstance(springs, _Springs)
+        return not springs.given.any()
+
     def _summed(self, pulls: list[Pulls], load: Pair | None) -> Pair:
         n, d = self.network.points.shape
         place = np.concatenate([one.place for one in pulls])
@@ -116,24 +150,52 @@ class _Springs:
     def __init__(self, network: Network, u: Pair | None, length: float, stiffness: float) -> None:
         self.springs = network.springs
         self.place = np.concatenate([self.springs[:, 0], self.springs[:, 1]])
-        v = _between(network.points.T / length, self.springs)
-        if u is not None:
-            v = added(v, _apart(u, self.springs))
-        L = root(_dot(v, v))
-        k, rest = pair(network.stiffness / stiffness), pair(network.rest_length / length)
-        self.v = v
-        self.slack = times(k, over(taken(L, rest), L))
-        self.along = times(over(times(k, rest), times(L, times(L, L))), v)
+        m, d = network.vector.shape
+        self.v, self.along, self.slack = _empty((d, m)), _empty((d, m)), _empty((m,))
+        k, rest = network.stiffness / stiffness, network.rest_length / length
+        x = np.ascontiguousarray(network.points.T) / length
+        for part in self.chunks:
+            springs = self.springs[part]
+            v = _between(x, springs)
+            if u is not None:
+                v = added(v, _apart(u, springs))
+            square = _dot(v, v)
+            L, own = root(square), pair(k[part])
+            slack = over(times(own, taken(L, pair(rest[part]))), L)
+            # k L0/L³ is (k - slack)/L²
+            along = times(over(taken(own, slack), square), v)
+            for whole, piece in ((self.v, v), (self.along, along), (self.slack, slack)):
+                _set(whole, part, piece)
         self.stressed = bool(self.slack.hi.any())
+        self.given = np.abs(self.slack.hi) > AT_REST * k
+
+    @property
+    def chunks(self) -> list[slice]:
+        """Springs some thousand at a time: what is made of them stays close to the processor."""
+        return [slice(i, i + CHUNK) for i in range(0, len(self.springs), CHUNK)]
+
+    def rounded(self, motion: Array) -> Array:
+        """Forces (d, m) of springs that are at rest but for rounding, at a motion (d, n)."""
+        slack = np.where(self.given, 0.0, self.slack.hi)
+        i, j = self.springs.T
+        return np.asarray(slack * (self.v.hi + motion[:, j] - motion[:, i]))
 
     def pulls(self) -> Pulls:
-        return _both(times(self.slack, self.v), self.place)
+        pull = _empty(self.v.hi.shape)
+        for part in self.chunks:
+            here = (..., part)
+            _set(pull, part, times(at(self.slack, here), at(self.v, here)))
+        return _both(pull, self.place)
 
     def change(self, motion: Pair) -> Pulls:
-        w = _apart(motion, self.springs)
-        pull = times(_dot(self.v, w), self.along)
-        if self.stressed:
-            pull = added(pull, times(self.slack, w))
+        pull = _empty(self.v.hi.shape)
+        for part in self.chunks:
+            here = (..., part)
+            w = _apart(motion, self.springs[part])
+            change = times(_dot(at(self.v, here), w), at(self.along, here))
+            if self.stressed:
+                change = added(change, times(at(self.slack, here), w))
+            _set(pull, part, change)
         return _both(pull, self.place)
 
 
@@ -317,6 +379,15 @@ class _Shear:
             ]
             sums.append(total(shares))
         return _both(_stacked(sums), self.place)
+
+
+def _empty(shape: tuple[int, ...]) -> Pair:
+    return Pair(np.empty(shape), np.empty(shape))
+
+
+def _set(whole: Pair, part: slice, piece: Pair) -> None:
+    """Put a piece where it belongs."""
+    whole.hi[..., part], whole.lo[..., part] = piece
 
 
 def _both(pull: Pair, place: Index) -> Pulls:

@@ -9,19 +9,13 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate.accurate import State
-from msvalidate.double_double import Pair, added, pair
+from msvalidate.double_double import Pair, added, negative, pair
 from msvalidate.mechanism import Regular, regular
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, SolverError
+from msvalidate.refine import DOUBTFUL, contraction, refined, refuse_inaccurate, stated, tried
+from msvalidate.rounding import known, nothing_acts, refuse_rounded, why
 from msvalidate.stability import negative_modes
-from msvalidate.refine import (
-    DOUBTFUL,
-    contraction,
-    refined,
-    refuse_inaccurate,
-    stated,
-    tried,
-)
 
 UNSTABLE = (
     "linear equilibrium: the network is unstable at its reference points (its tangent "
@@ -69,6 +63,9 @@ def solved(network: Network) -> Solved:
     system = _System(network)
     if not network.held.all():
         system.factorise()
+    if nothing_acts(network, system.state):
+        zero = np.zeros(network.points.shape)
+        return Solved(zero, network.force + zero, 0.0, 0, network.held)
     return system.solution()
 
 
@@ -91,14 +88,16 @@ class _System:
         self.prescribed = network.displacement / self.unit
         self.left = np.zeros(network.points.shape)
         self.regular: Regular | None = None
+        self.K: csr_array | None = None
 
     def factorise(self) -> None:
         """Tangent and factor; refuses what is unstable or a mechanism."""
         inside = np.flatnonzero(self.free)
         K = tangent(self.network, self.network.points)
         A = csr_array(K[inside][:, inside])
+        self.K = K
         self.regular = regular(self.network, self.network.points, A)
-        if negative_modes(self.state, A.diagonal(), self.regular, self.free):
+        if negative_modes(self.state, self.regular, self.free):
             raise SolverError(UNSTABLE)
 
     def solve(self, force: Array) -> Array:
@@ -111,26 +110,44 @@ class _System:
 
     def residual(self, motion: Pair) -> Array:
         """What a motion leaves of the load, where it is free."""
-        self.left = self.state.residual(self.load, motion).hi
+        self.place = motion
+        moves = motion.hi.any()
+        self.left = self.state.residual(self.load, motion).hi if moves else self.load.hi
         return np.where(self.free, self.left, 0.0)
 
     def solution(self) -> Solved:
         """Solve, refine, and judge what is left."""
-        start, error, steps = pair(self.prescribed), 0.0, 0
+        u, error, steps = pair(self.prescribed), 0.0, 0
+        first = self.residual(u)
         if self.regular is not None:
             soft, rate = self.regular.softness, contraction(self.regular.softness)
-            first = self.residual(start)
-            start = added(start, pair(self.solve(first)))
-            found = refined(self.residual, self.solve, start, rate)
-            start, steps = found.solution, found.steps
-            times = 1.0
+            u = added(u, pair(self.solve(first)))
+            found = refined(self.residual, self.solve, u, rate)
+            u, steps, times = found.solution, found.steps, 1.0
             if rate > DOUBTFUL:
                 times = tried(self._without_load, self.solve, rate, self._known())
-            error = stated(found, soft, times) if start.hi.any() else 0.0
+            error = stated(found, soft, times) if u.hi.any() else 0.0
             refuse_inaccurate(error, "linear equilibrium", self._why())
-        self.residual(start)
-        scale = self.unit * self.state.stiffness
-        return Solved(start.hi * self.unit, self.left * scale, error, steps, self.network.held)
+            error += self._of_rest_lengths(u.hi)
+        return Solved(u.hi * self.unit, self._balance(u), error, steps, self.network.held)
+
+    def _balance(self, u: Pair) -> Array:
+        """Force (n, d) in N that is left: the last residual, less what the last correction took."""
+        step = added(u, negative(self.place)).hi
+        left = self.left * self.state.stiffness
+        if self.K is not None:
+            left = left - (self.K @ step.ravel()).reshape(step.shape)
+        return np.asarray(left * self.unit)
+
+    def _of_rest_lengths(self, u: Array) -> float:
+        """Part of the largest displacement that rounding of rest lengths to doubles accounts for."""
+        largest = _largest(u)
+        rounded = self.state.of_rest_lengths(u * self.unit) * (self.state.length / self.unit)
+        if not largest or not rounded.any():
+            return 0.0
+        part = _largest(self.solve(np.where(self.free, rounded, 0.0))) / largest
+        refuse_rounded(part, self.network, "linear equilibrium")
+        return part
 
     def _without_load(self, motion: Pair) -> Array:
         zero = pair(np.zeros(self.free.shape))
@@ -138,18 +155,14 @@ class _System:
 
     def _known(self) -> Array:
         """A motion to try a factor on: of all kinds at once, the softest among them."""
-        motion = np.where(self.free, np.random.default_rng(0).normal(size=self.free.shape), 0.0)
         assert self.regular is not None
-        mode = self.regular.mode.reshape(motion.shape)
-        return np.asarray(motion / np.abs(motion).max() + mode / np.abs(mode).max())
+        return known(self.free, self.regular.mode)
 
     def _why(self) -> str:
         """How far apart its stiffnesses are, and what to do."""
         assert self.regular is not None
-        k = self.network.stiffness[self.network.stiffness > 0]
-        apart = float(k.max() / k.min()) if len(k) else 1.0
-        return (
-            f"stiffnesses are {apart:.1g} times apart, and the softest motion meets "
-            f"{abs(self.regular.softness):.1g} of what its points meet alone; bring stiffnesses "
-            "closer together, or take a body that is less slender or fewer cells"
-        )
+        return why(self.network, self.regular.softness)
+
+
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0))

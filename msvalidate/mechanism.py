@@ -22,9 +22,18 @@ STIFFENED = 2.0**-48
 
 
 class Regular(NamedTuple):
-    """A factor of a tangent's free part, and the softest motion (n·d,): its `softness`."""
+    """A factor of a tangent's free part.
+
+    Parameters
+    ----------
+    factor, diagonal
+        Of the free part, and its diagonal (f,) in N/m.
+    softness, mode
+        Of the motion (n·d,) that the tangent resists least.
+    """
 
     factor: Factor
+    diagonal: Array
     softness: float
     mode: Array
 
@@ -53,7 +62,7 @@ def regular(network: Network, position: Array, K: csr_array) -> Regular:
     soft = softness(network, position, mode, stiffness)
     if not abs(soft) > NO_STIFFNESS:
         raise SolverError(named(network, mode))
-    return Regular(factor, soft, mode)
+    return Regular(factor, diagonal, soft, mode)
 
 
 def is_loose(network: Network, position: Array, motion: Array, stiffness: Array) -> bool:

@@ -25,6 +25,7 @@ from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, SolverError
 from msvalidate.refine import (
     DOUBTFUL,
+    ENOUGH,
     Refined,
     contraction,
     refined,
@@ -32,6 +33,7 @@ from msvalidate.refine import (
     stated,
     tried,
 )
+from msvalidate.rounding import known, nothing_acts, refuse_rounded, why
 from msvalidate.stability import negative_modes
 
 TITLE = "nonlinear equilibrium"
@@ -42,8 +44,10 @@ LARGEST_TURN = 0.5
 have been found."""
 SAME_TANGENT = 1e-3
 """Such a change up to which the tangent's signs are those of where it was made."""
-FACTORS = 4
+FACTORS = 10
 """Tangents made at the most."""
+FEW = 2
+"""Corrections that may fail to fall before a new tangent is made."""
 CYCLES_PART = 1e-4
 """What conjugate gradients leave of a correction."""
 
@@ -54,12 +58,6 @@ class Polished(NamedTuple):
     displacement: Array
     error: float
     steps: int
-
-
-class Balance(NamedTuple):
-    """Force left (n, d) in N at an equilibrium: where it is held, minus the supports' reaction."""
-
-    force: Array
 
 
 def centred(network: Network) -> Network:
@@ -107,19 +105,41 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
     u = pair(np.where(network.held, network.displacement, displacement))
     if network.held.all():
         return Polished(u.hi, 0.0, 0)
-    near, before, steps = centred(network), u.hi, 0
-    for _ in range(FACTORS):
-        system = _Nonlinear(network, u, near, found)
-        moved = system.refined()
-        u, steps, found = moved.solution, steps + moved.steps, None
-        turn = _turn(network, u.hi - before)
-        _refuse_far(turn, network, moved)
-        settled = _turn(network, u.hi - system.place) <= SAME_TANGENT
-        if settled and moved.error <= DOUBTFUL:
-            break
+    if nothing_acts(network, State(network)) and not u.hi.any():
+        return Polished(u.hi, 0.0, 0)
+    near, before = centred(network), u.hi
+    system = _Nonlinear(network, u, near, found)
+    moved = system.refined()
+    if not (moved.settled and _turn(network, moved.solution.hi - u.hi) <= SAME_TANGENT):
+        system, moved = _newton(network, u, near)
+    u = moved.solution
+    _refuse_far(_turn(network, u.hi - before))
+    system.refuse_unstable()
     error = system.stated(moved)
-    refuse_inaccurate(error, TITLE, system.why())
-    return Polished(u.hi, error, steps)
+    refuse_inaccurate(error, TITLE, why(network, system.found.softness))
+    part = system.of_rest_lengths(State(network))
+    refuse_rounded(part, network, TITLE)
+    error += part
+    return Polished(u.hi, error, moved.steps)
+
+
+def _newton(network: Network, u: Pair, near: Network) -> tuple[_Nonlinear, Refined]:
+    """Newton's method with accurate residuals, each step refined on its own: the last system, and
+    what was reached."""
+    sizes, steps, error = [], 0, np.inf
+    for _ in range(FACTORS):
+        system = _Nonlinear(network, u, near)
+        step = system.newton_step()
+        steps += step.steps + 1
+        sizes.append(_largest(step.solution.hi))
+        if not np.isfinite(sizes[-1]) or _turn(network, step.solution.hi) > LARGEST_TURN:
+            break
+        u = added(u, step.solution)
+        scale = _largest(u.hi)
+        if sizes[-1] <= ENOUGH * scale:
+            return system, Refined(u, 2 * sizes[-1] / scale, steps, settled=True)
+        error = 2 * sizes[-1] / scale
+    return system, Refined(u, error, steps)
 
 
 def error_of(network: Network, displacement: Array, found: Regular | Cycle | None = None) -> float:
@@ -171,12 +191,15 @@ class _Nonlinear:
             inside = np.flatnonzero(self.free)
             K = csr_array(tangent(near, near.points + u.hi)[inside][:, inside])
             found = regular(near, near.points + u.hi, K)
-            if negative_modes(self.state, K.diagonal(), found, self.free):
-                raise SolverError(
-                    f"{TITLE}: no stable equilibrium found at the load's end; reduce the load or "
-                    "stiffen the network"
-                )
         self.found = found
+
+    def refuse_unstable(self) -> None:
+        """Raise `SolverError` if some motion from here has negative energy."""
+        if negative_modes(self.state, self.found, self.free):
+            raise SolverError(
+                f"{TITLE}: the network is unstable under its full load; reduce the load or stiffen "
+                "the network"
+            )
 
     def left(self, state: State) -> Array:
         """Force (n, d) that is left, over `state.stiffness` x `state.length`."""
@@ -199,11 +222,23 @@ class _Nonlinear:
         motion[self.free] = self.found.factor.solve(right) * self.state.stiffness * self.unit
         return motion
 
+    def newton_step(self) -> Refined:
+        """The step of Newton's method from here (n, d) in m, itself refined."""
+        force = np.where(self.free, self.left(self.state), 0.0)
+        load = pair(force)
+
+        def left(step: Pair) -> Array:
+            return np.where(self.free, self.state.residual(load, step).hi, 0.0)
+
+        start = pair(self._solve_linear(force))
+        found = refined(left, self._solve_linear, start, contraction(self.found.softness))
+        return replace(found, solution=Pair(*(x * self.unit for x in found.solution)))
+
     def refined(self) -> Refined:
-        """Corrections from here."""
+        """Corrections from here, all by one factor."""
         rate = contraction(self.found.softness)
         start = Pair(self.place, np.zeros_like(self.place))
-        return refined(self.residual, self.solve, start, rate, solved=False)
+        return refined(self.residual, self.solve, start, rate, solved=False, patience=FEW)
 
     def stated(self, moved: Refined) -> float:
         """The error to state of what was refined."""
@@ -211,7 +246,7 @@ class _Nonlinear:
             return 0.0
         rate, times = contraction(self.found.softness), 1.0
         if rate > DOUBTFUL:
-            times = tried(self._linear, self._solve_linear, rate, self._known())
+            times = tried(self._linear, self._solve_linear, rate, known(self.free, self.found.mode))
         return stated(moved, self.found.softness, times)
 
     def _linear(self, motion: Pair) -> Array:
@@ -221,19 +256,12 @@ class _Nonlinear:
     def _solve_linear(self, force: Array) -> Array:
         return self.solve(force) / self.unit
 
-    def _known(self) -> Array:
-        motion = np.where(self.free, np.random.default_rng(0).normal(size=self.free.shape), 0.0)
-        mode = self.found.mode.reshape(motion.shape)
-        return np.asarray(motion / np.abs(motion).max() + mode / np.abs(mode).max())
-
-    def why(self) -> str:
-        """What is too far apart, and what to do."""
-        met = float(np.abs(self.network.force).max(initial=0.0))
-        return (
-            f"loads of {met:.2g} N on springs of up to {self.network.stiffness.max():.2g} N/m, whose "
-            f"softest motion meets {abs(self.found.softness):.1g} of that; bring stiffnesses "
-            "closer together, take a body that is less slender, or a larger load"
-        )
+    def of_rest_lengths(self, reference: State) -> float:
+        """Part of the largest displacement that rounding of rest lengths to doubles accounts for."""
+        largest, rounded = _largest(self.place), reference.of_rest_lengths(self.place)
+        if not largest or not rounded.any():
+            return 0.0
+        return _largest(self.solve(np.where(self.free, rounded, 0.0))) / largest
 
 
 def _by_cycles(network: Network, u: Pair, near: Network, cycle: Cycle | None) -> Array:
@@ -248,8 +276,8 @@ def _by_cycles(network: Network, u: Pair, near: Network, cycle: Cycle | None) ->
     return np.asarray(found.solution).reshape(network.points.shape)
 
 
-def _refuse_far(turn: float, network: Network, moved: Refined) -> None:
-    if not (turn <= LARGEST_TURN and math.isfinite(moved.error)):
+def _refuse_far(turn: float) -> None:
+    if not turn <= LARGEST_TURN:
         raise SolverError(
             f"{TITLE}: corrections turn a spring by {turn:.2g} of its length: rounding hides the "
             "equilibrium; take a larger load, or stiffnesses that are closer together"

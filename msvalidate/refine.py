@@ -32,6 +32,8 @@ DOUBTFUL = 1e-3
 MEMORY = 10
 """Corrections that are combined: motions along which a factor may be wrong."""
 MOST_STEPS = 60
+LATEST = 3
+"""Ratios of corrections, the largest of which is taken for what the next one leaves."""
 PATIENCE = 8
 """Steps without a smaller correction after which no more is to be had."""
 
@@ -53,11 +55,14 @@ class Refined:
         Largest error of a component over the largest component, by the last corrections.
     steps
         Corrections made.
+    settled
+        Whether nothing is left to correct; else corrections had ceased to fall.
     """
 
     solution: Pair
     error: float
     steps: int
+    settled: bool = False
 
 
 def contraction(softness: float) -> float:
@@ -70,7 +75,13 @@ def contraction(softness: float) -> float:
 
 
 def refined(
-    residual: Residual, solve: Solve, start: Pair, rate: float, *, solved: bool = True
+    residual: Residual,
+    solve: Solve,
+    start: Pair,
+    rate: float,
+    *,
+    solved: bool = True,
+    patience: int = PATIENCE,
 ) -> Refined:
     """Correct a solution until its digits stand still.
 
@@ -85,27 +96,31 @@ def refined(
     solved
         Whether `start` is the factor's own answer: then what the first correction changes tells how
         much of it the factor had wrong. Otherwise it takes a second to tell.
+    patience
+        Steps without a smaller correction after which no more is to be had of this factor.
     """
     u, ahead = start, _Combined()
-    best, waited, steps, size, scale = np.inf, 0, 0, np.inf, 1.0
-    before = _largest(start.hi) if solved else 0.0
-    while steps < MOST_STEPS and waited < PATIENCE:
+    best, waited, steps, scale = np.inf, 0, 0, 1.0
+    before = size = _largest(start.hi)
+    rates: list[float] = []
+    while steps < MOST_STEPS and waited < patience:
         step = ahead.step(solve(residual(u)))
         size = _largest(step)
         if not np.isfinite(size):
             return Refined(u, np.inf, steps)
-        if size == 0.0:
-            return Refined(u, 0.0, steps)
-        u = added(u, pair(step))
-        steps += 1
+        u, steps = added(u, pair(step)), steps + 1
         scale = _largest(u.hi)
-        left = max(rate, size / before if before else 1.0)
-        error = min(1.0, left) * size / scale
-        if error <= ENOUGH or size <= ENOUGH * scale:
-            return Refined(u, min(error, size / scale), steps)
+        if size <= ENOUGH * scale:
+            return Refined(u, 2 * size / scale if scale else 0.0, steps, settled=True)
+        if solved or steps > 1:
+            rates.append(size / before if before else 1.0)
+        # One small ratio may be luck, or the end of an error of another kind.
+        left = max([rate, *rates[-LATEST:]])
+        if len(rates) >= (1 if solved else 2) and left * size <= ENOUGH * scale:
+            return Refined(u, left * size / scale, steps, settled=True)
         waited = 0 if size < 0.7 * best else waited + 1
         best, before = min(best, size), size
-    return Refined(u, size / scale, steps)
+    return Refined(u, 2 * size / scale if scale else 0.0, steps)
 
 
 class _Combined:

@@ -25,15 +25,13 @@ CLEAR = 10.0
 """Times rounding, that the stiffest of these modes must meet for all others to have their signs."""
 
 
-def negative_modes(state: State, diagonal: Array, found: Regular, free: Mask) -> int:
+def negative_modes(state: State, found: Regular, free: Mask) -> int:
     """Number of motions of negative energy.
 
     Parameters
     ----------
     state
         The network where `found` is the factor of its tangent.
-    diagonal
-        Of the free part of the tangent (N/m).
     found
         Factor and softest motion.
     free
@@ -46,7 +44,7 @@ def negative_modes(state: State, diagonal: Array, found: Regular, free: Mask) ->
     """
     if contraction(found.softness) <= DOUBTFUL:
         return found.factor.negative
-    weight = np.abs(diagonal)
+    weight = np.abs(found.diagonal)
     modes, pushes = _softest(found.factor, weight)
     own = modes.T @ pushes
     metric = modes.T @ (weight[:, None] * modes)
@@ -89,7 +87,7 @@ def _softest(factor: Factor, weight: Array) -> tuple[Array, Array]:
 
 
 def _push(state: State, mode: Array, free: Mask) -> Array:
-    """Force (f,) that meets a motion (f,) of what is free, over `state.stiffness`... in N/m."""
+    """Force (f,) that meets a motion (f,) of what is free, in N per m."""
     motion = np.zeros(free.shape)
     motion[free] = mode
     zero = pair(np.zeros(free.shape))
