@@ -17,7 +17,6 @@ little of the load, does not return to a.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -38,11 +37,13 @@ ITERATIONS = 25
 SMALLEST_INCREMENT = 2.0**-12
 RESOLVED = 2.0**-10
 """Part of a path to which a limit point is placed."""
-BENT, MISSED = 0.15, 0.03
+BENT, MISSED = 0.15, 0.05
 """Differences from the trapezoidal rule and from the cubic's middle, over the change of the same
-spring on the way, above which a way is looked at more closely. An arch that has snapped through is
-beyond one or the other by far at any load: 92 and 4 % just past its limit, 6 and 8 % at the load
-where its two rates happen to fit."""
+spring on the way, above which a way is looked at more closely. A shallow arch that has snapped
+through is beyond one or the other at any load: by 92 and 4 % just past its limit, by 0 and 8 % at
+31.8 times it, where its two rates happen to fit. A cantilever is so from a sixth of its length."""
+SEARCHING = 12
+"""Newton steps that a solve in search of a limit point may take: it starts close by."""
 SMALL = 0.02
 """Change of a spring, over the largest of all, below which it says nothing of the way."""
 SAME = 0.1
@@ -102,7 +103,7 @@ class Followed:
     solves: int = 0
     passed_limit: float | None = None
     factor: Regular | None = None
-    legs: list[tuple[Station, Station, bool]] = field(default_factory=list)
+    legs: list[tuple[Station, Station, bool | None]] = field(default_factory=list)
 
 
 def follow(way: Way) -> Followed:
@@ -132,13 +133,13 @@ def follow(way: Way) -> Followed:
     return found
 
 
-def newton(way: Way, start: Station, t: float) -> Arrival:
+def newton(way: Way, start: Station, t: float, steps: int = ITERATIONS) -> Arrival:
     """The stable equilibrium at `t` that Newton's method finds from a station, if it finds one."""
     network, x = way.network_at(t), start.position
     force, target = way.force(t), network.points + way.moved(t)
     rounding = 4 * force_roundoff(network)
     first, calm = None, True
-    for iteration in range(ITERATIONS):
+    for iteration in range(steps):
         ahead = np.where(network.held, target - x, 0.0)
         try:
             balance = internal_force(network, x) + force
@@ -162,7 +163,7 @@ def newton(way: Way, start: Station, t: float) -> Arrival:
         calm = calm and K.positive
         first = move if first is None else first
         x = x + move
-    return Arrival(None, ITERATIONS)
+    return Arrival(None, steps)
 
 
 def _is_smooth(way: Way, a: Station, b: Station, first: Array, K: Tangent) -> bool:
@@ -205,39 +206,40 @@ def _limit(way: Way, found: Followed) -> float | None:
     legs = found.legs[::-1]
     while legs:
         a, b, smooth = legs.pop()
+        if smooth is None:
+            onward = newton(way, a, b.t, SEARCHING)
+            found.solves += onward.solves
+            same = onward.station is not None and _is_near(onward.station, b, a)
+            smooth = same and onward.smooth
         if smooth:
             continue
         if b.t - a.t <= RESOLVED:
             if _is_gap(way, a, b, found):
                 return b.t
             continue
-        for t in _halves(a.t, b.t):
-            arrival = newton(way, a, t)
-            found.solves += arrival.solves
-            if arrival.station is not None:
-                break
-        else:  # nothing near a, so that b was leapt to
+        arrival = _within(way, a, b.t, found)
+        if arrival.station is None:  # b was leapt to
             return a.t
-        m = arrival.station
-        onward = newton(way, m, b.t)
-        found.solves += onward.solves
-        same = onward.station is not None and _is_near(onward.station, b, m)
-        legs.append((m, b, same and onward.smooth))
-        legs.append((a, m, arrival.smooth))
+        legs.append((arrival.station, b, None))
+        legs.append((a, arrival.station, arrival.smooth))
     return None
 
 
-def _halves(low: float, high: float) -> Iterator[float]:
-    """Places between two, each halfway to the lower one from the one before."""
-    while high - low > RESOLVED / 2:
-        high = (low + high) / 2
-        yield high
+def _within(way: Way, a: Station, end: float, found: Followed) -> Arrival:
+    """An equilibrium halfway from a to an end, or nearer to a where none is found there."""
+    t = end
+    while True:
+        t = (a.t + t) / 2
+        arrival = newton(way, a, t, SEARCHING)
+        found.solves += arrival.solves
+        if arrival.station is not None or t - a.t <= RESOLVED / 2:
+            return arrival
 
 
 def _is_gap(way: Way, a: Station, b: Station, found: Followed) -> bool:
     """Whether b, led back to the load of a, is not a."""
     try:
-        back = newton(way, b, a.t)
+        back = newton(way, b, a.t, SEARCHING)
     except SolverError:
         return True
     found.solves += back.solves
