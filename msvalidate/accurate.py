@@ -17,9 +17,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from msvalidate.double_double import (
+    Ends,
     Pair,
     added,
     at,
+    ends_of,
     gathered,
     negative,
     over,
@@ -45,10 +47,10 @@ CHUNK = 4096
 
 
 class Pulls(NamedTuple):
-    """Forces on points: `force` (d, e) acts on points `place` (e,)."""
+    """Forces (d, e) on points, and which: on `ends.first`, and the opposite on `ends.second`."""
 
     force: Pair
-    place: Index
+    ends: Ends
 
 
 class _Part(Protocol):
@@ -106,17 +108,8 @@ class State:
         springs = self.parts[0]
         assert isinstance(springs, _Springs)
         pull = springs.rounded(motion.T / self.length)
-        n = len(self.network.points)
-        return np.stack(
-            [
-                sum(
-                    np.bincount(end, sign * one, n)
-                    for end, sign in zip(self.network.springs.T, (1.0, -1.0), strict=True)
-                )
-                for one in pull
-            ],
-            axis=1,
-        )
+        n, (i, j) = len(self.network.points), springs.ends[:2]
+        return np.stack([np.bincount(i, one, n) - np.bincount(j, one, n) for one in pull], axis=1)
 
     @property
     def unstressed(self) -> bool:
@@ -127,17 +120,13 @@ class State:
 
     def _summed(self, pulls: list[Pulls], load: Pair | None) -> Pair:
         n, d = self.network.points.shape
-        place = np.concatenate([one.place for one in pulls])
         axes = []
         for axis in range(d):
-            force = Pair(
-                np.concatenate([one.force.hi[axis] for one in pulls]),
-                np.concatenate([one.force.lo[axis] for one in pulls]),
-            )
-            parts = gathered(force, place, n)
+            parts = [
+                part for one in pulls for part in gathered(at(one.force, axis), one.ends, n)
+            ]
             if load is not None:
-                parts[1:1] = [load.hi[:, axis]]
-                parts.append(load.lo[:, axis])
+                parts = [load.hi[:, axis], *parts, load.lo[:, axis]]
             axes.append(summed(parts))
         return Pair(
             np.stack([one.hi for one in axes], axis=1), np.stack([one.lo for one in axes], axis=1)
@@ -149,7 +138,7 @@ class _Springs:
 
     def __init__(self, network: Network, u: Pair | None, length: float, stiffness: float) -> None:
         self.springs = network.springs
-        self.place = np.concatenate([self.springs[:, 0], self.springs[:, 1]])
+        self.ends = ends_of(*np.ascontiguousarray(network.springs.T))
         m, d = network.vector.shape
         self.v, self.along, self.slack = _empty((d, m)), _empty((d, m)), _empty((m,))
         k, rest = network.stiffness / stiffness, network.rest_length / length
@@ -166,7 +155,6 @@ class _Springs:
             along = times(over(taken(own, slack), square), v)
             for whole, piece in ((self.v, v), (self.along, along), (self.slack, slack)):
                 _set(whole, part, piece)
-        self.stressed = bool(self.slack.hi.any())
         self.given = np.abs(self.slack.hi) > AT_REST * k
 
     @property
@@ -181,29 +169,34 @@ class _Springs:
         return np.asarray(slack * (self.v.hi + motion[:, j] - motion[:, i]))
 
     def pulls(self) -> Pulls:
+        if not self.given.any():  # of 1e-16 of the constants, doubles are right to 1e-32
+            return Pulls(pair(self.slack.hi * self.v.hi), self.ends)
         pull = _empty(self.v.hi.shape)
         for part in self.chunks:
             here = (..., part)
             _set(pull, part, times(at(self.slack, here), at(self.v, here)))
-        return _both(pull, self.place)
+        return Pulls(pull, self.ends)
 
     def change(self, motion: Pair) -> Pulls:
-        pull = _empty(self.v.hi.shape)
+        pull, stressed = _empty(self.v.hi.shape), bool(self.given.any())
         for part in self.chunks:
             here = (..., part)
             w = _apart(motion, self.springs[part])
             change = times(_dot(at(self.v, here), w), at(self.along, here))
-            if self.stressed:
+            if stressed:
                 change = added(change, times(at(self.slack, here), w))
+            else:
+                change = Pair(change.hi, change.lo + self.slack.hi[part] * w.hi)
             _set(pull, part, change)
-        return _both(pull, self.place)
+        return Pulls(pull, self.ends)
 
 
 class _Cells:
     """Cells that resist a change of volume: -κ (V/V0 - 1) ∂V/∂x pulls at their corners."""
 
     def __init__(self, volumes: Volumes, u: Pair | None, length: float, unit: float) -> None:
-        self.volumes, self.cells = volumes, volumes.cells.T
+        self.volumes, self.cells = volumes, np.ascontiguousarray(volumes.cells.T)
+        self.ends = ends_of(self.cells.ravel())
         x = self._local(volumes.points.T / length)
         V0 = self._volume(x)
         self.moved = u is not None
@@ -230,7 +223,7 @@ class _Cells:
 
     def _spread(self, force: Pair) -> Pulls:
         d = force.hi.shape[0]
-        return Pulls(Pair(*(x.reshape(d, -1) for x in force)), self.cells.ravel())
+        return Pulls(Pair(*(x.reshape(d, -1) for x in force)), self.ends)
 
     def _local(self, x: Array) -> Pair:
         """Points (d, n) at corners (d, k, c), from each cell's first."""
@@ -281,8 +274,9 @@ class _Shear:
 
     def __init__(self, shear: LocalShear, u: Pair | None, length: float, stiffness: float) -> None:
         self.springs, self.count = shear.springs, len(shear.points)
-        self.place = np.concatenate([self.springs[:, 0], self.springs[:, 1]])
-        self.ends = self.springs.T
+        self.ends = np.ascontiguousarray(shear.springs.T)
+        self.opposite = ends_of(*self.ends)
+        self.both = ends_of(self.ends.ravel())
         self.D = _between(shear.points.T / length, self.springs)
         self.square = _dot(self.D, self.D)
         self.k = pair(shear.stiffness / stiffness)
@@ -317,8 +311,8 @@ class _Shear:
             for b in range(a, d):
                 product = times(weight, times(at(self.D, a), at(self.D, b)))
                 both = Pair(*(np.concatenate([x, x]) for x in product))
-                outer[a, b] = outer[b, a] = summed(gathered(both, self.place, self.count))
-        inverse = _inverse(outer, d, np.bincount(self.place, minlength=self.count) > 0)
+                outer[a, b] = outer[b, a] = summed(gathered(both, self.both, self.count))
+        inverse = _inverse(outer, d, np.bincount(self.both.first, minlength=self.count) > 0)
         out = []
         for end in self.ends:
             rows = [
@@ -338,7 +332,7 @@ class _Shear:
             for b in range(d):
                 ends = [times(at(one, b), at(w, a)) for one in self.reach]
                 both = Pair(*(np.concatenate(x) for x in zip(*ends, strict=True)))
-                row.append(summed(gathered(both, self.place, self.count)))
+                row.append(summed(gathered(both, self.both, self.count)))
             rows.append(_stacked(row))
         return _stacked(rows)
 
@@ -363,7 +357,7 @@ class _Shear:
                     times(at(pull, a), at(self.D, b)), times(at(pull, b), at(self.D, a))
                 )
                 both = Pair(*(np.concatenate([x, x]) / 4 for x in one))
-                row.append(summed(gathered(both, self.place, self.count)))
+                row.append(summed(gathered(both, self.both, self.count)))
             rows.append(_stacked(row))
         return _stacked(rows)
 
@@ -378,7 +372,7 @@ class _Shear:
                 for b in range(d)
             ]
             sums.append(total(shares))
-        return _both(_stacked(sums), self.place)
+        return Pulls(_stacked(sums), self.opposite)
 
 
 def _empty(shape: tuple[int, ...]) -> Pair:
@@ -390,11 +384,6 @@ def _set(whole: Pair, part: slice, piece: Pair) -> None:
     whole.hi[..., part], whole.lo[..., part] = piece
 
 
-def _both(pull: Pair, place: Index) -> Pulls:
-    """Forces that pull the first ends to the second, and the second back."""
-    return Pulls(Pair(*(np.concatenate([x, -x], axis=1) for x in pull)), place)
-
-
 def _between(x: Array, springs: Index) -> Pair:
     """Vectors (d, m) between points (d, n), exactly."""
     i, j = springs.T
@@ -404,7 +393,8 @@ def _between(x: Array, springs: Index) -> Pair:
 def _apart(u: Pair, springs: Index) -> Pair:
     """Differences (d, m) of a motion (d, n)."""
     i, j = springs.T
-    return taken(at(u, (slice(None), j)), at(u, (slice(None), i)))
+    first, second = (Pair(*(x.take(end, axis=1) for x in u)) for end in (i, j))
+    return taken(second, first)
 
 
 def _dot(a: Pair, b: Pair) -> Pair:

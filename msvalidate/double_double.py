@@ -8,6 +8,7 @@ while these are far from the ends of the range of doubles: scale by powers of tw
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +32,26 @@ class Pair(NamedTuple):
 
     hi: Array
     lo: Array
+
+
+class Ends(NamedTuple):
+    """Where entries belong: they count at `first` (m,), and their opposites at `second` (m,).
+
+    `most` is how many may meet at one place.
+    """
+
+    first: Index
+    second: Index | None
+    most: int
+
+
+def ends_of(first: Index, second: Index | None = None) -> Ends:
+    """Ends with their count."""
+    met = np.bincount(first, minlength=1)
+    if second is not None:
+        more = np.bincount(second, minlength=len(met))
+        met = more + np.pad(met, (0, len(more) - len(met)))
+    return Ends(first, second, int(met.max()))
 
 
 def pair(hi: Array) -> Pair:
@@ -112,26 +133,31 @@ def total(parts: list[Pair]) -> Pair:
     return out
 
 
-def gathered(x: Pair, place: Index, count: int) -> list[Array]:
-    """Sums of entries (m,) by where they belong (m,), for `count` places: parts that add up to it.
+def gathered(x: Pair, ends: Ends, count: int) -> list[Array]:
+    """Sums of entries (m,) by where they belong, for `count` places: parts that add up to it.
 
     The leading parts are multiples of one unit and sum without rounding (Rump, Ogita and Oishi
     2008, doi:10.1137/050645671); what two of them leave of the largest entry is below 1e-27, and
     rounded by another 1e-16.
     """
     rest = x.hi
-    largest = float(np.abs(rest).max(initial=0.0))
+    largest = float(max(rest.max(initial=0.0), -rest.min(initial=0.0)))
     if not 0 < largest < np.inf:
-        return [np.bincount(place, rest, count)]
-    most = int(np.bincount(place, minlength=1).max())
-    unit = 2.0 ** (np.ceil(np.log2(largest)) + np.ceil(np.log2(most)) + 1)
+        return [_at_ends(rest, ends, count)]
+    bits = math.ceil(math.log2(max(ends.most, 1))) + 1
+    unit = 2.0 ** (math.ceil(math.log2(largest)) + bits)
     parts = []
     for _ in range(2):
         leading = (unit + rest) - unit
         rest = rest - leading
-        parts.append(np.bincount(place, leading, count))
-        unit *= 2.0 ** (np.ceil(np.log2(most)) + 2 - _DIGITS)
-    return [*parts, np.bincount(place, rest + x.lo, count)]
+        parts.append(_at_ends(leading, ends, count))
+        unit *= 2.0 ** (bits + 1 - _DIGITS)
+    return [*parts, _at_ends(rest + x.lo, ends, count)]
+
+
+def _at_ends(values: Array, ends: Ends, count: int) -> Array:
+    total = np.bincount(ends.first, values, count)
+    return total if ends.second is None else total - np.bincount(ends.second, values, count)
 
 
 def summed(parts: list[Array]) -> Pair:

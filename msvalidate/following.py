@@ -25,9 +25,15 @@ from msvalidate.mechanism import Regular
 from msvalidate.network import Network, internal_force
 from msvalidate.path import Way
 from msvalidate.problem import Array, SolverError
-from msvalidate.refine import DOUBTFUL, contraction
 from msvalidate.residual import force_roundoff, force_scale
-from msvalidate.tangents import LARGEST_TURN, Tangent, largest_turn, tangent_at
+from msvalidate.tangents import (
+    LARGEST_TURN,
+    Tangent,
+    beyond_doubt,
+    is_positive_at,
+    largest_turn,
+    tangent_at,
+)
 
 TOLERANCE = 1e-11
 """Newton stops at this residual, relative to the forces that meet at a point (and not below their
@@ -128,7 +134,8 @@ def follow(way: Way) -> Followed:
             found.legs.append((here, arrival.station, arrival.smooth))
             here, increment = arrival.station, 2 * increment
             found.position, found.reached = here.position, here.t
-            found.factor = _beyond_doubt(arrival.factor)
+            end = arrival.factor
+            found.factor = end if end is not None and beyond_doubt(end) else None
     found.passed_limit = _limit(way, found)
     return found
 
@@ -152,7 +159,7 @@ def newton(way: Way, start: Station, t: float, steps: int = ITERATIONS) -> Arriv
         # Judged with the tangent of the same place: the one before would miss a bifurcation.
         arrived = _largest(ahead) <= _rounding(x)
         if arrived and (np.abs(balance) <= small)[~network.held].all():
-            if not K.positive:
+            if not _is_stable(network, x, K):
                 return Arrival(None, iteration + 1)
             there = Station(t, x)
             smooth = first is None or (calm and _is_smooth(way, start, there, first, K))
@@ -160,10 +167,18 @@ def newton(way: Way, start: Station, t: float, steps: int = ITERATIONS) -> Arriv
         move = K.move(balance, ahead)
         if largest_turn(network, x, move) > LARGEST_TURN:
             return Arrival(None, iteration + 1)
-        calm = calm and K.positive
+        calm = calm and K.calm
         first = move if first is None else first
         x = x + move
     return Arrival(None, steps)
+
+
+def _is_stable(network: Network, x: Array, K: Tangent) -> bool:
+    """Whether every free motion meets stiffness, as far as can be told."""
+    try:
+        return K.found is None or is_positive_at(network, x - network.points, K.found)
+    except SolverError:
+        return False
 
 
 def _is_smooth(way: Way, a: Station, b: Station, first: Array, K: Tangent) -> bool:
@@ -182,7 +197,7 @@ def _is_smooth(way: Way, a: Station, b: Station, first: Array, K: Tangent) -> bo
         load = load - internal_force(way.network_at(a.t), b.position)
     last = K.move(load, np.where(network.held, change, 0.0))
     size = spring(change)
-    size = np.maximum(size, SMALL * size.max(initial=0.0))
+    size = np.maximum(size, SMALL * size.max(initial=0.0) + _rounding(b.position) / MISSED)
     if (spring(change - (first + last) / 2) > BENT * size).any():
         return False
     middle = (a.position + b.position) / 2 + (first - last) / 8
@@ -192,13 +207,6 @@ def _is_smooth(way: Way, a: Station, b: Station, first: Array, K: Tangent) -> bo
     except SolverError:  # a spring without length
         return False
     return not (spring(K.move(balance, np.zeros(change.shape))) > MISSED * size).any()
-
-
-def _beyond_doubt(factor: Regular | None) -> Regular | None:
-    """The factor, unless rounding may have turned the sign of a pivot."""
-    if factor is None or contraction(factor.softness) > DOUBTFUL:
-        return None
-    return factor
 
 
 def _limit(way: Way, found: Followed) -> float | None:

@@ -14,13 +14,9 @@ from msvalidate.mechanism import Regular, regular
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, SolverError
 from msvalidate.refine import DOUBTFUL, contraction, refined, refuse_inaccurate, stated, tried
-from msvalidate.rounding import known, nothing_acts, refuse_rounded, why
+from msvalidate.rounding import LARGEST_PART, known, nothing_acts, refuse_rounded, refuse_unstable, why
 from msvalidate.stability import negative_modes
 
-UNSTABLE = (
-    "linear equilibrium: the network is unstable at its reference points (its tangent "
-    "stiffness has a negative mode); relieve its prestress or hold it better"
-)
 TOO_FAR = "linear equilibrium: forces beyond all numbers; choose units that give ordinary forces"
 
 
@@ -98,7 +94,7 @@ class _System:
         self.K = K
         self.regular = regular(self.network, self.network.points, A)
         if negative_modes(self.state, self.regular, self.free):
-            raise SolverError(UNSTABLE)
+            refuse_unstable(self.network, self.state)
 
     def solve(self, force: Array) -> Array:
         """Motion that the factor gives for a force, both (n, d)."""
@@ -141,13 +137,18 @@ class _System:
 
     def _of_rest_lengths(self, u: Array) -> float:
         """Part of the largest displacement that rounding of rest lengths to doubles accounts for."""
-        largest = _largest(u)
-        rounded = self.state.of_rest_lengths(u * self.unit) * (self.state.length / self.unit)
-        if not largest or not rounded.any():
-            return 0.0
-        part = _largest(self.solve(np.where(self.free, rounded, 0.0))) / largest
-        refuse_rounded(part, self.network, "linear equilibrium")
+        part = self._moved_by_rounding(u) / max(_largest(u), np.finfo(float).tiny)
+        if part > LARGEST_PART:
+            of_load = self._moved_by_rounding(np.zeros_like(u)) / _largest(u)
+            refuse_rounded(part, of_load, self.network, "linear equilibrium")
         return part
+
+    def _moved_by_rounding(self, u: Array) -> float:
+        """Largest motion by the rounding of rest lengths, of springs that stand at u (n, d)."""
+        rounded = self.state.of_rest_lengths(u * self.unit) * (self.state.length / self.unit)
+        if not rounded.any():
+            return 0.0
+        return _largest(self.solve(np.where(self.free, rounded, 0.0)))
 
     def _without_load(self, motion: Pair) -> Array:
         zero = pair(np.zeros(self.free.shape))

@@ -114,11 +114,11 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
         system, moved = _newton(network, u, near)
     u = moved.solution
     _refuse_far(_turn(network, u.hi - before))
-    system.refuse_unstable()
     error = system.stated(moved)
     refuse_inaccurate(error, TITLE, why(network, system.found.softness))
+    system.refuse_unstable()
     part = system.of_rest_lengths(State(network))
-    refuse_rounded(part, network, TITLE)
+    refuse_rounded(part, part, network, TITLE)
     error += part
     return Polished(u.hi, error, moved.steps)
 

@@ -24,20 +24,42 @@ def nothing_acts(network: Network, reference: State) -> bool:
     return bool(not loaded and reference.unstressed)
 
 
-def refuse_rounded(part: float, network: Network, title: str) -> None:
-    """Raise `SolverError` where rounding of rest lengths moves points by too much.
+def refuse_rounded(part: float, of_load: float, network: Network, title: str) -> None:
+    """Raise `SolverError` where rounding of rest lengths changes displacements by too much.
 
-    `part` is what it moves them by, over the largest displacement.
+    `part` is by how much, over the largest displacement; `of_load` what of it would fall if the
+    load rose.
     """
     if part <= LARGEST_PART:
         return
-    rounded = np.finfo(float).eps / 2 * float((network.stiffness * network.rest_length).max())
-    raise SolverError(
-        f"{title}: rest lengths are rounded to doubles, which stresses springs by up to "
-        f"{rounded:.1g} N and changes displacements by {part:.1g} of the largest, more than "
-        f"{LARGEST_PART:g}; take loads {_times(part / LARGEST_PART)} times as large, or "
-        "stiffnesses that are closer together"
+    grown = _times(of_load / LARGEST_PART)
+    remedy = (
+        f"take loads {grown} times as large, or stiffnesses that are closer together"
+        if of_load > part / 2
+        else "take stiffnesses that are closer together"
     )
+    raise SolverError(
+        f"{title}: {_rounded(network)}, which changes displacements by {part:.1g} of the largest, "
+        f"more than {LARGEST_PART:g}; {remedy}"
+    )
+
+
+def refuse_unstable(network: Network, reference: State) -> None:
+    """Raise `SolverError` for a network that is unstable at its reference points, and say why."""
+    if reference.unstressed and network.volumes is None and network.shear is None:
+        raise SolverError(
+            f"linear equilibrium: {_rounded(network)}, under which the network is unstable at its "
+            "reference points; take stiffnesses that are closer together"
+        )
+    raise SolverError(
+        "linear equilibrium: the network is unstable at its reference points (its tangent "
+        "stiffness has a negative mode); relieve its prestress or hold it better"
+    )
+
+
+def _rounded(network: Network) -> str:
+    stress = np.finfo(float).eps / 2 * float((network.stiffness * network.rest_length).max())
+    return f"rest lengths are rounded to doubles, which stresses springs by up to {stress:.1g} N"
 
 
 def why(network: Network, softness: float) -> str:

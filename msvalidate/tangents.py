@@ -7,11 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from msvalidate.linear import factorised, is_factored
+from msvalidate.accurate import State
+from msvalidate.double_double import pair
+from msvalidate.linear import is_factored
 from msvalidate.mechanism import Regular, is_loose, named, regular
 from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
 from msvalidate.network import Network, tangent
+from msvalidate.polish import centred
 from msvalidate.problem import Array, Index, SolverError, instance
+from msvalidate.refine import DOUBTFUL, contraction
+from msvalidate.stability import negative_modes
 
 LARGEST_TURN = 0.5
 """Change of a spring in one Newton step, relative to its length, beyond which a step is too long:
@@ -37,9 +42,11 @@ class Tangent:
     found: Regular | None
 
     @property
-    def positive(self) -> bool:
-        """Whether every free motion meets stiffness."""
-        return self.found is None or self.found.factor.negative == 0
+    def calm(self) -> bool:
+        """Whether no pivot is negative, or their signs may be rounding."""
+        if self.found is None or self.found.factor.negative == 0:
+            return True
+        return not beyond_doubt(self.found)
 
     def move(self, load: Array, held: Array) -> Array:
         """Move (n, d) in m that balances a load (n, d) in N, held components moving by `held`."""
@@ -77,7 +84,8 @@ def tangent_move(
         If some motion meets no stiffness.
     """
     found = tangent_at(network, x, K)
-    return found.move(load, held), found.positive
+    positive = found.found is None or is_positive_at(network, x - network.points, found.found)
+    return found.move(load, held), positive
 
 
 def largest_turn(network: Network, x: Array, move: Array) -> float:
@@ -107,10 +115,25 @@ def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> 
     if network.held.all():
         return True
     inside = np.flatnonzero(free.ravel())
+    near, displacement = centred(network), position - network.points
+    x = near.points + displacement
     try:
-        return factorised(tangent(network, position)[inside][:, inside]).negative == 0
-    except RuntimeError:
+        found = regular(near, x, csr_array(tangent(near, x)[inside][:, inside]))
+    except SolverError:  # a mechanism
         return False
+    return is_positive_at(network, displacement, found)
+
+
+def is_positive_at(network: Network, displacement: Array, found: Regular) -> bool:
+    """Whether a tangent is: by the signs of pivots where these are no rounding."""
+    if beyond_doubt(found):
+        return found.factor.negative == 0
+    return negative_modes(State(network, pair(displacement)), found, ~network.held) == 0
+
+
+def beyond_doubt(found: Regular) -> bool:
+    """Whether the signs of a factor's pivots are those of the exact tangent."""
+    return contraction(found.softness) <= DOUBTFUL
 
 
 def refuse_mechanism(network: Network) -> None:
