@@ -1,9 +1,10 @@
 """Floor 1: forces of a network in twice the digits of doubles, from its springs' own vectors.
 
-Points, stiffnesses, rest lengths and loads as they are given are taken as exact: what is summed here
-has no rounding but that of `double_double`, some 1e-32 of the terms. An assembled tangent is rounded
-by 1e-16 of its entries, which a long body, or a stiff part beside a soft one, multiplies by 1e12 and
-more. Refinement (`msvalidate.refine`) needs no more than this to be right to the last digit.
+Points, stiffnesses, rest lengths and loads as they are given are taken as exact: what is summed
+here has no rounding but that of `double_double`, some 1e-32 of the terms. An assembled tangent is
+rounded by 1e-16 of its entries, which a long body, or a stiff part beside a soft one, multiplies by
+1e12 and more. Refinement (`msvalidate.refine`) needs no more than this to be right to the last
+digit.
 
 Lengths are over `length` and forces over `stiffness` x `length`, powers of two, so that no product
 leaves the range of doubles. Arrays are (axes, entries).
@@ -21,6 +22,7 @@ from msvalidate.double_double import (
     Pair,
     added,
     at,
+    at_ends,
     ends_of,
     gathered,
     negative,
@@ -38,7 +40,6 @@ from msvalidate.local_shear import LocalShear
 from msvalidate.network import Network
 from msvalidate.problem import Array, Index, Mask
 from msvalidate.volumes import Volumes
-
 
 AT_REST = 2.0**-52
 """Stretch up to which a spring's rest length is its distance, rounded to a double."""
@@ -79,7 +80,8 @@ class State:
         self.length = _power(float(np.abs(network.vector).max()))
         self.stiffness = _power(_stiffest(network, self.length))
         u = None if displacement is None else self.scaled_motion(displacement)
-        self.parts: list[_Part] = [_Springs(network, u, self.length, self.stiffness)]
+        self.springs = _Springs(network, u, self.length, self.stiffness)
+        self.parts: list[_Part] = [self.springs]
         if network.volumes is not None:
             kappa = self.length ** (network.dim - 2) / self.stiffness
             self.parts.append(_Cells(network.volumes, u, self.length, kappa))
@@ -95,7 +97,7 @@ class State:
         return self._summed([part.pulls() for part in self.parts], None)
 
     def residual(self, load: Pair, motion: Pair) -> Pair:
-        """load - K motion, (n, d) and (n, d) of one unit, K over `stiffness`."""
+        """Load - K motion, (n, d) and (n, d) of one unit, K over `stiffness`."""
         w = Pair(*(np.ascontiguousarray(x.T) for x in motion))
         return self._summed([part.change(w) for part in self.parts], load)
 
@@ -105,26 +107,20 @@ class State:
         At a motion (n, d) in m from here, over `stiffness` x `length`. Springs that are stressed by
         more than rounding count as given.
         """
-        springs = self.parts[0]
-        assert isinstance(springs, _Springs)
-        pull = springs.rounded(motion.T / self.length)
-        n, (i, j) = len(self.network.points), springs.ends[:2]
-        return np.stack([np.bincount(i, one, n) - np.bincount(j, one, n) for one in pull], axis=1)
+        pull = self.springs.rounded(motion.T / self.length)
+        n = len(self.network.points)
+        return np.stack([at_ends(one, self.springs.ends, n) for one in pull], axis=1)
 
     @property
     def unstressed(self) -> bool:
         """Whether all springs are as long as at rest, but for rounding; cells always are."""
-        springs = self.parts[0]
-        assert isinstance(springs, _Springs)
-        return not springs.given.any()
+        return not self.springs.given.any()
 
     def _summed(self, pulls: list[Pulls], load: Pair | None) -> Pair:
         n, d = self.network.points.shape
         axes = []
         for axis in range(d):
-            parts = [
-                part for one in pulls for part in gathered(at(one.force, axis), one.ends, n)
-            ]
+            parts = [part for one in pulls for part in gathered(at(one.force, axis), one.ends, n)]
             if load is not None:
                 parts = [load.hi[:, axis], *parts, load.lo[:, axis]]
             axes.append(summed(parts))
@@ -353,9 +349,7 @@ class _Shear:
         for a in range(d):
             row = []
             for b in range(d):
-                one = added(
-                    times(at(pull, a), at(self.D, b)), times(at(pull, b), at(self.D, a))
-                )
+                one = added(times(at(pull, a), at(self.D, b)), times(at(pull, b), at(self.D, a)))
                 both = Pair(*(np.concatenate([x, x]) / 4 for x in one))
                 row.append(summed(gathered(both, self.both, self.count)))
             rows.append(_stacked(row))
@@ -416,9 +410,7 @@ def _product(a: Pair, b: Pair) -> Pair:
     d = a.hi.shape[0]
     rows = []
     for i in range(d):
-        entries = [
-            total([times(at(a, (i, c)), at(b, (c, j))) for c in range(d)]) for j in range(d)
-        ]
+        entries = [total([times(at(a, (i, c)), at(b, (c, j))) for c in range(d)]) for j in range(d)]
         rows.append(_stacked(entries))
     return _stacked(rows)
 
@@ -458,9 +450,7 @@ def _stiffest(network: Network, length: float) -> float:
 def _inverse(A: dict[tuple[int, int], Pair], d: int, joined: Mask) -> dict[tuple[int, int], Pair]:
     """Inverses of symmetric matrices, entry by entry; those of points that are not joined are 1."""
     one = {
-        (a, b): Pair(
-            np.where(joined, A[a, b].hi, float(a == b)), np.where(joined, A[a, b].lo, 0.0)
-        )
+        (a, b): Pair(np.where(joined, A[a, b].hi, float(a == b)), np.where(joined, A[a, b].lo, 0.0))
         for a in range(d)
         for b in range(d)
     }
@@ -470,7 +460,10 @@ def _inverse(A: dict[tuple[int, int], Pair], d: int, joined: Mask) -> dict[tuple
         minor = {}
         for a in range(3):
             for b in range(a, 3):
-                (p, q), (r, s) = ((x + 1) % 3 for x in (a, a + 1)), ((x + 1) % 3 for x in (b, b + 1))
+                (p, q), (r, s) = (
+                    ((x + 1) % 3 for x in (a, a + 1)),
+                    ((x + 1) % 3 for x in (b, b + 1)),
+                )
                 minor[a, b] = taken(times(one[p, r], one[q, s]), times(one[p, s], one[q, r]))
     for a, b in list(minor):
         minor[b, a] = minor[a, b]

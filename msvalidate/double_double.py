@@ -70,12 +70,12 @@ def negative(x: Pair) -> Pair:
 
 
 def scaled(x: Pair, power: float) -> Pair:
-    """x times a power of two, exactly."""
+    """X times a power of two, exactly."""
     return Pair(x.hi * power, x.lo * power)
 
 
 def two_sum(a: Array, b: Array) -> Pair:
-    """a + b, exactly (Knuth)."""
+    """A + b, exactly (Knuth)."""
     s = a + b
     c = s - a
     return Pair(s, (a - (s - c)) + (b - c))
@@ -90,13 +90,13 @@ def two_product(a: Array, b: Array) -> Pair:
 
 
 def added(x: Pair, y: Pair) -> Pair:
-    """x + y; rounded beside the larger of the two."""
+    """X + y; rounded beside the larger of the two."""
     s, e = two_sum(x.hi, y.hi)
     return _normal(s, e + (x.lo + y.lo))
 
 
 def taken(x: Pair, y: Pair) -> Pair:
-    """x - y; rounded beside the larger of the two."""
+    """X - y; rounded beside the larger of the two."""
     return added(x, negative(y))
 
 
@@ -107,7 +107,7 @@ def times(x: Pair, y: Pair) -> Pair:
 
 
 def over(x: Pair, y: Pair) -> Pair:
-    """x / y."""
+    """X / y."""
     q = x.hi / y.hi
     rest = taken(x, times(y, pair(q)))
     r = rest.hi / y.hi
@@ -143,21 +143,22 @@ def gathered(x: Pair, ends: Ends, count: int) -> list[Array]:
     rest = x.hi
     largest = float(max(rest.max(initial=0.0), -rest.min(initial=0.0)))
     if not 0 < largest < np.inf:
-        return [_at_ends(rest, ends, count)]
+        return [at_ends(rest, ends, count)]
     bits = math.ceil(math.log2(max(ends.most, 1))) + 1
     unit = 2.0 ** (math.ceil(math.log2(largest)) + bits)
     parts = []
     for _ in range(2):
         leading = (unit + rest) - unit
         rest = rest - leading
-        parts.append(_at_ends(leading, ends, count))
+        parts.append(at_ends(leading, ends, count))
         unit *= 2.0 ** (bits + 1 - _DIGITS)
-    return [*parts, _at_ends(rest + x.lo, ends, count)]
+    return [*parts, at_ends(rest + x.lo, ends, count)]
 
 
-def _at_ends(values: Array, ends: Ends, count: int) -> Array:
-    total = np.bincount(ends.first, values, count)
-    return total if ends.second is None else total - np.bincount(ends.second, values, count)
+def at_ends(values: Array, ends: Ends, count: int) -> Array:
+    """Sums of entries (m,) by where they belong, for `count` places, in doubles."""
+    out = np.asarray(np.bincount(ends.first, values, count), dtype=float)
+    return out if ends.second is None else out - np.bincount(ends.second, values, count)
 
 
 def summed(parts: list[Array]) -> Pair:
@@ -176,6 +177,6 @@ def _halves(a: Array) -> tuple[Array, Array]:
 
 
 def _normal(s: Array, e: Array) -> Pair:
-    """s + e where e is the smaller."""
+    """S + e where e is the smaller."""
     hi = s + e
     return Pair(hi, e - (hi - s))

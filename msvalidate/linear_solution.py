@@ -12,11 +12,19 @@ from msvalidate.accurate import State
 from msvalidate.double_double import Pair, added, negative, pair
 from msvalidate.mechanism import Regular, regular
 from msvalidate.network import Network, tangent
-from msvalidate.problem import Array, SolverError
+from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.refine import DOUBTFUL, contraction, refined, refuse_inaccurate, stated, tried
-from msvalidate.rounding import LARGEST_PART, known, nothing_acts, refuse_rounded, refuse_unstable, why
+from msvalidate.rounding import (
+    LARGEST_PART,
+    known,
+    nothing_acts,
+    refuse_rounded,
+    refuse_unstable,
+    why,
+)
 from msvalidate.stability import negative_modes
 
+TITLE = "linear equilibrium"
 TOO_FAR = "linear equilibrium: forces beyond all numbers; choose units that give ordinary forces"
 
 
@@ -33,14 +41,16 @@ class Solved:
     error
         Largest error of a component of the displacement over the largest component.
     steps
-        Refinements made.
+        Corrections made.
+    held
+        (n, d) components whose displacement is prescribed.
     """
 
     displacement: Array
     balance: Array
     error: float
     steps: int
-    held: Array
+    held: Mask
 
     @property
     def reaction(self) -> Array:
@@ -68,6 +78,8 @@ def solved(network: Network) -> Solved:
 class _System:
     """K u = load over powers of two: K over `stiffness` (N/m), u over `unit` (m)."""
 
+    regular: Regular  # of what is free, if anything is
+
     def __init__(self, network: Network) -> None:
         self.network, self.free = network, ~network.held
         self.state = State(network)
@@ -83,7 +95,7 @@ class _System:
         self.load = added(pair(outer / self.unit), inner)
         self.prescribed = network.displacement / self.unit
         self.left = np.zeros(network.points.shape)
-        self.regular: Regular | None = None
+        self.moved: Array | None = None
         self.K: csr_array | None = None
 
     def factorise(self) -> None:
@@ -98,10 +110,22 @@ class _System:
 
     def solve(self, force: Array) -> Array:
         """Motion that the factor gives for a force, both (n, d)."""
-        motion = np.zeros(force.shape)
-        assert self.regular is not None
-        right = force[self.free]
-        motion[self.free] = self.regular.factor.solve(right) * self.state.stiffness
+        return self._solved(force)[0]
+
+    def _solved(self, *forces: Array) -> list[Array]:
+        """Motions for several forces at once, which takes little longer than for one."""
+        right = np.column_stack([force[self.free] for force in forces])
+        found = self.regular.factor.solve(right) * self.state.stiffness
+        motions = [np.zeros(self.free.shape) for _ in forces]
+        for motion, column in zip(motions, found.T, strict=True):
+            motion[self.free] = column
+        return motions
+
+    def _first_correction(self, force: Array) -> Array:
+        """The same, and with it what rounding of rest lengths makes of the displacement."""
+        if self.moved is not None:
+            return self.solve(force)
+        motion, self.moved = self._solved(force, self._of_rest_lengths(self.place.hi))
         return motion
 
     def residual(self, motion: Pair) -> Array:
@@ -115,16 +139,16 @@ class _System:
         """Solve, refine, and judge what is left."""
         u, error, steps = pair(self.prescribed), 0.0, 0
         first = self.residual(u)
-        if self.regular is not None:
+        if self.free.any():
             soft, rate = self.regular.softness, contraction(self.regular.softness)
             u = added(u, pair(self.solve(first)))
-            found = refined(self.residual, self.solve, u, rate)
+            found = refined(self.residual, self._first_correction, u, rate)
             u, steps, times = found.solution, found.steps, 1.0
             if rate > DOUBTFUL:
                 times = tried(self._without_load, self.solve, rate, self._known())
             error = stated(found, soft, times) if u.hi.any() else 0.0
-            refuse_inaccurate(error, "linear equilibrium", self._why())
-            error += self._of_rest_lengths(u.hi)
+            refuse_inaccurate(error, TITLE, self._why())
+            error += self._part_of_rounding(u.hi)
         return Solved(u.hi * self.unit, self._balance(u), error, steps, self.network.held)
 
     def _balance(self, u: Pair) -> Array:
@@ -135,20 +159,20 @@ class _System:
             left = left - (self.K @ step.ravel()).reshape(step.shape)
         return np.asarray(left * self.unit)
 
-    def _of_rest_lengths(self, u: Array) -> float:
-        """Part of the largest displacement that rounding of rest lengths to doubles accounts for."""
-        part = self._moved_by_rounding(u) / max(_largest(u), np.finfo(float).tiny)
+    def _part_of_rounding(self, u: Array) -> float:
+        """Part of the largest displacement that rounding of rest lengths accounts for."""
+        if self.moved is None or not u.any():
+            return 0.0
+        part = _largest(self.moved) / _largest(u)
         if part > LARGEST_PART:
-            of_load = self._moved_by_rounding(np.zeros_like(u)) / _largest(u)
-            refuse_rounded(part, of_load, self.network, "linear equilibrium")
+            of_load = self.solve(self._of_rest_lengths(np.zeros_like(u)))
+            refuse_rounded(part, _largest(of_load) / _largest(u), self.network, TITLE)
         return part
 
-    def _moved_by_rounding(self, u: Array) -> float:
-        """Largest motion by the rounding of rest lengths, of springs that stand at u (n, d)."""
+    def _of_rest_lengths(self, u: Array) -> Array:
+        """Load that is the rounding of rest lengths, of springs that stand at u (n, d)."""
         rounded = self.state.of_rest_lengths(u * self.unit) * (self.state.length / self.unit)
-        if not rounded.any():
-            return 0.0
-        return _largest(self.solve(np.where(self.free, rounded, 0.0)))
+        return np.where(self.free, rounded, 0.0)
 
     def _without_load(self, motion: Pair) -> Array:
         zero = pair(np.zeros(self.free.shape))
@@ -156,12 +180,10 @@ class _System:
 
     def _known(self) -> Array:
         """A motion to try a factor on: of all kinds at once, the softest among them."""
-        assert self.regular is not None
         return known(self.free, self.regular.mode)
 
     def _why(self) -> str:
         """How far apart its stiffnesses are, and what to do."""
-        assert self.regular is not None
         return why(self.network, self.regular.softness)
 
 

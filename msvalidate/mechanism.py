@@ -18,7 +18,7 @@ still has 1e-18."""
 
 
 STIFFENED = 2.0**-48
-"""Part of its diagonal added to a matrix that rounding has made singular, so that it has a factor."""
+"""Part of its diagonal added to a matrix that rounding has made singular: it has a factor then."""
 
 
 class Regular(NamedTuple):

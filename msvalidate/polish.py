@@ -1,5 +1,4 @@
-"""Floor 2: the end of a nonlinear solution: Newton's corrections with accurate residuals, and what
-they say of the error.
+"""Floor 2: the end of a nonlinear solution: Newton's corrections with accurate residuals.
 
 The state is the displacement, as a pair of doubles: positions far from the origin, or of a long
 body, have no digits left for small strains. Elongations come from the springs' own vectors
@@ -38,10 +37,10 @@ from msvalidate.stability import negative_modes
 
 TITLE = "nonlinear equilibrium"
 FAR = 4.0
-"""Largest coordinate, in sizes of the body, at which positions still have the digits of a tangent."""
+"""Largest coordinate, in sizes of the body, at which positions have the digits of a tangent."""
 LARGEST_TURN = 0.5
-"""Change of a spring in all corrections, relative to its length, beyond which another equilibrium may
-have been found."""
+"""Change of a spring in all corrections, relative to its length, beyond which another equilibrium
+may have been found."""
 SAME_TANGENT = 1e-3
 """Such a change up to which the tangent's signs are those of where it was made."""
 FACTORS = 10
@@ -124,8 +123,7 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
 
 
 def _newton(network: Network, u: Pair, near: Network) -> tuple[_Nonlinear, Refined]:
-    """Newton's method with accurate residuals, each step refined on its own: the last system, and
-    what was reached."""
+    """Newton's method, each step refined on its own: the last system, and what was reached."""
     sizes, steps, error = [], 0, np.inf
     for _ in range(FACTORS):
         system = _Nonlinear(network, u, near)
@@ -211,7 +209,7 @@ class _Nonlinear:
         return self.left(self.state) * (self.state.stiffness * self.state.length)
 
     def residual(self, u: Pair) -> Array:
-        """Force left where a displacement (n, d) in m is free."""
+        """Force left where it is free, at a displacement (n, d) in m."""
         state = self.state if u.hi is self.place else State(self.network, u)
         return np.where(self.free, self.left(state), 0.0)
 
@@ -257,7 +255,7 @@ class _Nonlinear:
         return self.solve(force) / self.unit
 
     def of_rest_lengths(self, reference: State) -> float:
-        """Part of the largest displacement that rounding of rest lengths to doubles accounts for."""
+        """Part of the largest displacement that rounding of rest lengths accounts for."""
         largest, rounded = _largest(self.place), reference.of_rest_lengths(self.place)
         if not largest or not rounded.any():
             return 0.0

@@ -24,7 +24,7 @@ EPS = float(np.finfo(float).eps)
 HALF_A_UNIT = 0.5 * EPS
 """Rounding of an answer to doubles, over its largest displacement."""
 ENOUGH = EPS / 16
-"""Error, over the largest displacement, at which refinement stops: nothing of it is left in doubles."""
+"""Error, over the largest displacement, at which refinement stops: doubles have nothing of it."""
 FACTOR_ROUNDING = 8 * EPS
 """Of what a point meets, that a factor may be wrong by: assembly and elimination, a few units."""
 DOUBTFUL = 1e-3
@@ -154,8 +154,8 @@ class _Combined:
 def tried(residual: Residual, solve: Solve, rate: float, known: Array) -> float:
     """Times that the error of a known motion (n, d) exceeds what refinement says of it.
 
-    `residual` is that of no load, linear. The factor of a matrix that rounding has spoilt may be far too stiff along a
-    motion: then corrections are small and errors are not, and this tells.
+    `residual` is that of no load, linear. The factor of a matrix that rounding has spoilt may be
+    far too stiff along a motion: then corrections are small and errors are not, and this tells.
     """
     load = residual(pair(-known))
 

@@ -1,4 +1,4 @@
-"""Floor 1: how many motions of negative energy a tangent has, where signs of pivots may be rounding.
+"""Floor 1: how many motions of negative energy a tangent has, though signs of pivots are rounded.
 
 A factor's pivots count the negative modes of the matrix that was factorised, which differs from the
 exact one by some eps of what each point meets. A mode of less stiffness than that may have any sign
@@ -80,9 +80,7 @@ def _softest(factor: Factor, weight: Array) -> tuple[Array, Array]:
         root = np.sqrt(weight)[:, None]
         _, R = np.linalg.qr(root * modes / np.abs(root * modes).max(axis=0))
         scale = np.abs(root * modes).max(axis=0)
-        modes, pushes = (
-            np.linalg.solve(R.T, (x / scale).T).T for x in (modes, pushes)
-        )
+        modes, pushes = (np.linalg.solve(R.T, (x / scale).T).T for x in (modes, pushes))
     return modes, pushes
 
 

@@ -28,7 +28,7 @@ from msvalidate.network import Network, internal_force, tangent
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
 from msvalidate.sweep import Setting
 from studies.cost import bodies
-from studies.cost.timing import QUICK_ROUNDS, ROUNDS, in_turn
+from studies.cost.timing import QUICK_ROUNDS, ROUNDS, Act, in_turn
 
 Linear = Callable[[Network], Equilibrium]
 
@@ -62,7 +62,7 @@ TOLERANCES = (
     ),
 )
 COLUMNS = {
-    "body": "plate, clamped on one side and sheared on the other; or a row of cells bent by its end",
+    "body": "plate, clamped on one side, sheared on the other; or a row of cells bent by its end",
     "points": "of the network",
     "springs": "of the network",
     "solution_cpu_seconds": "of a linear equilibrium: median of the rounds (s)",
@@ -95,15 +95,17 @@ def run(linear: Linear, setting: Setting) -> Evidence:
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=(
-            f"Refinement is {100 * part:.0f} % of the linear solution of a plate of "
-            f"{table['springs'].iloc[0]} springs.",
+            (
+                f"Refinement is {100 * part:.0f} % of the linear solution of a plate of "
+                f"{table['springs'].iloc[0]} springs."
+            ),
         ),
     )
 
 
 def told(linear: Linear, network: Network, found: Equilibrium, rounds: int) -> dict[str, Any]:
     """What the table says of a network."""
-    acts = {"all": partial(linear, network), "one": partial(one_solve, network)}
+    acts: dict[str, Act] = {"all": partial(linear, network), "one": partial(one_solve, network)}
     laps = in_turn(acts, rounds)
     whole, alone = (float(np.median([one.cpu for one in laps[name]])) for name in acts)
     return {
@@ -153,7 +155,7 @@ def unrefined(network: Network) -> Equilibrium:
     """A linear equilibrium that is not refined, for the negative control."""
     move = one_solve(network)
     x = network.points
-    return Equilibrium(move, x + move, np.zeros_like(move), 0.0, 2)
+    return Equilibrium(move, x + move, np.zeros_like(move), 0.0, 2, error=0.0)
 
 
 def solved(network: Network) -> Equilibrium:

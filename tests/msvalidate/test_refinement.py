@@ -56,8 +56,9 @@ def spring_terms(network, u):
 def cell_terms(network, u, F, K):
     """Add plane cells that resist a change of area, by the shoelace formula."""
     X = decimals(network.points)
-    for cell, kappa in zip(network.volumes.cells.tolist(), network.volumes.stiffness, strict=True):
-        corners, kappa = len(cell), Decimal(float(kappa))
+    constants = decimals(network.volumes.stiffness)
+    for cell, kappa in zip(network.volumes.cells.tolist(), constants, strict=True):
+        corners = len(cell)
         dofs = [2 * p + a for p in cell for a in range(2)]
         x = [X[dof] + u[dof] for dof in dofs]
         area = [
@@ -93,7 +94,9 @@ def newton_step(network, u):
     step = [moved[c] - u[c] if held[c] else Decimal(0) for c in range(len(u))]
     free = np.flatnonzero(~held).tolist()
     rows = [{q: K[p, q] for q in free if (p, q) in K} for p in free]
-    right = [F[p] - sum(K[p, q] * step[q] for q in np.flatnonzero(held) if (p, q) in K) for p in free]
+    right = [
+        F[p] - sum(K[p, q] * step[q] for q in np.flatnonzero(held) if (p, q) in K) for p in free
+    ]
     for p, value in zip(free, eliminated(rows, right, free), strict=True):
         step[p] = value
     return [a + b for a, b in zip(u, step, strict=True)]
@@ -177,7 +180,12 @@ BODIES = {
     "far": {"far": 1e7, "load": 1e-9},
     "far, 1e-9": {"far": 1e7, "load": 1e-9, "decades": 4.0},
     "prestressed": {"prestress": 0.02},
-    "slender, prestressed, far": {"size": (37.0, 0.37), "prestress": 1e-4, "far": 1e3, "load": 1e-9},
+    "slender, prestressed, far": {
+        "size": (37.0, 0.37),
+        "prestress": 1e-4,
+        "far": 1e3,
+        "load": 1e-9,
+    },
 }
 
 
@@ -212,7 +220,7 @@ def test_cells_that_resist_a_change_of_area_count_as_exactly(geometry):
 
 
 def test_reactions_balance_the_load_to_the_last_digits(lattice_body):
-    # The tip of a cantilever 4,000 cells long: force P, moment P L, at the two points that are held.
+    # The tip of a cantilever 4,000 cells long: force P and moment P L at its root.
     length, load = 4000.0, 1e-11
     network = lattice_body((length, 1.0), (4000, 1), loads=(tip(length, -load),))
     reaction = equilibrium(network).reaction
@@ -277,11 +285,14 @@ def half_stiff(times):
 @pytest.mark.parametrize("geometry", GEOMETRIES)
 def test_a_stiff_half_is_answered_rightly_or_refused(times, geometry):
     network = half_stiff(times)
+    found, said = None, ""
     try:
         found = equilibrium(network, geometry)
     except SolverError as refusal:
+        said = str(refusal)
+    if found is None:
         assert times > 1e9
-        assert "stiffnesses" in str(refusal) or "stiffen" in str(refusal)  # noqa: PT017
+        assert "stiffnesses" in said or "stiffen" in said
         return
     error = true_error(network, geometry, found.displacement)
     assert error <= found.error
@@ -313,7 +324,7 @@ def test_a_small_load_far_from_the_origin_moves_a_body(geometry):
     # Cells of 1 m at UTM coordinates; 0.01 N moved it by 0 where 1e-7 m is right.
     near = braced((8, 2), (8.0, 2.0), np.random.default_rng(2), shaken=0.0, load=0.01)
     near = replace(near, stiffness=1e6 * near.stiffness)
-    far = replace(near, points=near.points + [4.3e5, 5.2e6])
+    far = replace(near, points=near.points + np.array([4.3e5, 5.2e6]))
     found, expected = (equilibrium(network, geometry) for network in (far, near))
     np.testing.assert_array_equal(found.displacement, expected.displacement)
     assert np.abs(found.displacement).max() > 1e-8
@@ -322,7 +333,9 @@ def test_a_small_load_far_from_the_origin_moves_a_body(geometry):
 
 def test_what_rounding_of_rest_lengths_outweighs_is_refused_with_a_remedy():
     network = braced((4, 2), (1.48, 0.37), np.random.default_rng(4), load=1e-17)
-    with pytest.raises(SolverError, match=r"rest lengths are rounded.*take loads (\S+) times as large"):
+    with pytest.raises(
+        SolverError, match=r"rest lengths are rounded.*take loads (\S+) times as large"
+    ):
         equilibrium(network)
     assert equilibrium(replace(network, force=1e5 * network.force)).error < 1e-3
 
@@ -373,7 +386,9 @@ def in_space(kind, rng):
     }
     rest = np.linalg.norm(points[springs[:, 1]] - points[springs[:, 0]], axis=1)
     rest *= rng.uniform(0.9, 1.1, len(springs))
-    return spring_network(points, springs, rng.uniform(0.1, 9, len(springs)), rest_length=rest, **parts[kind])
+    return spring_network(
+        points, springs, rng.uniform(0.1, 9, len(springs)), rest_length=rest, **parts[kind]
+    )
 
 
 @pytest.mark.parametrize("kind", ["springs", "cells", "shear"])

@@ -145,9 +145,12 @@ def test_a_free_part_is_named_beside_one_that_is_held():
     held = np.zeros((6, 2), dtype=bool)
     held[:2] = True
     network = spring_network(
-        np.concatenate([points, points + 2.0]), np.concatenate([springs, springs + 3]), 2.0, held=held
+        np.concatenate([points, points + 2.0]),
+        np.concatenate([springs, springs + 3]),
+        2.0,
+        held=held,
     )
-    with pytest.raises(ProblemError, match="the part of point 3 is free to move .* in 3 ways"):
+    with pytest.raises(ProblemError, match=r"the part of point 3 is free to move .* in 3 ways"):
         natural_frequencies(network, 1)
     lowest, highest = natural_frequencies(network, 8, rigid=True)
     np.testing.assert_array_equal(lowest[:3], 0.0)
