@@ -138,16 +138,25 @@ class Run:
         network = self.network
         if not is_factored(~network.held):
             self.cycle = cycle_of(restrained(network, network.points), network, network.points)
-        lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR, cycle=self.cycle)
+        try:
+            lowest, highest = extreme_frequencies(
+                network, tolerance=SPECTRUM_ERROR, cycle=self.cycle
+            )
+        except SolverError:
+            self._refuse_mechanism(0.0)
+            raise
         if lowest <= SLOWEST * highest:  # a mechanism, or masses far apart
-            try:
-                refuse_mechanism(network)
-            except SolverError as error:
-                raise SolverError(
-                    f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism "
-                    "and never comes to rest; add springs or supports"
-                ) from error
+            self._refuse_mechanism(lowest)
         return lowest, highest
+
+    def _refuse_mechanism(self, lowest: float) -> None:
+        try:
+            refuse_mechanism(self.network)
+        except SolverError as error:
+            raise SolverError(
+                f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism "
+                "and never comes to rest; add springs or supports"
+            ) from error
 
     def _critically_damped(self) -> int:
         """Steps in which critical damping brings the slowest mode to rest: ½√κ·ln(1/tolerance)."""
