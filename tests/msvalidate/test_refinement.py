@@ -15,13 +15,14 @@ import pytest
 
 from msvalidate.accurate import State
 from msvalidate.double_double import Pair, added, pair
-from msvalidate.equilibrium import equilibrium, is_stable
+from msvalidate.equilibrium import equilibrium
 from msvalidate.local_shear import LocalShear
 from msvalidate.network import internal_force, spring_network
 from msvalidate.polish import error_of, polished
 from msvalidate.problem import Region, SolverError, Traction
 from msvalidate.refine import LARGEST_ERROR
 from msvalidate.spectrum import natural_frequencies
+from msvalidate.tangents import is_stable
 from msvalidate.volumes import Volumes
 
 GEOMETRIES = ["linear", "nonlinear"]
