@@ -91,6 +91,7 @@ def lattice_network(
         force=force,
         volumes=_volumes(lattice, kappa),
         shear=_shear(lattice, k_t[lattice.kind] * lattice.factor * weight),
+        cells=lattice.cells,
     )
 
 

@@ -118,6 +118,7 @@ def cut_network(
         displacement=displacement,
         force=force,
         volumes=_volumes(lattice, kappa),
+        cells=lattice.cells,
     )
 
 

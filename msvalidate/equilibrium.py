@@ -2,34 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.sparse import csr_array
 
-from msvalidate.linear import Factor, factorised, is_factored, softest_mode
-from msvalidate.mechanism import is_loose, named
-from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
-from msvalidate.network import Network, internal_force, tangent
+from msvalidate.folds import count_folded, description, folded_cells
+from msvalidate.following import Followed, follow, is_stressed
+from msvalidate.linear_solution import solved
+from msvalidate.network import Network
+from msvalidate.path import Path, way_of
+from msvalidate.polish import balance, centred, polished
 from msvalidate.problem import (
     Array,
+    ProblemError,
     SolverError,
     chosen,
+    coordinates,
     instance,
     refuse_free_motions,
+    shown,
 )
-from msvalidate.residual import force_roundoff, force_scale
-
-TOLERANCE = 1e-11
-"""Newton stops at this residual, relative to the forces that meet at a point (and not below their
-rounding). Convergence is quadratic, so what is reached is usually rounding."""
-ITERATIONS = 25
-"""Newton steps a load increment may take: far more than quadratic convergence needs."""
-SMALLEST_INCREMENT = 2.0**-12
-LARGEST_TURN = 0.5
-"""Change of a spring in one Newton step, relative to its length, beyond which the load increment is
-halved: longer steps land on folded and inside-out equilibria."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +42,17 @@ class Equilibrium:
         Largest out-of-balance force (N) on a free component.
     iterations
         Linear solves that it took, or time steps.
+    error
+        Largest error of a component of the displacement over the largest component: an estimate
+        from what refinement says, above the rounding that is known. 0 where nothing moves, NaN
+        where it was not estimated.
+    folded
+        Number of cells that are flat or inside out; None where there was nothing to look at: see
+        `msvalidate.folds`.
+    passed_limit
+        Part of the load at which the first limit point was passed, where the stable branch that
+        begins at the start ends and the network snaps through to another. None where none was,
+        and where no path of loads was followed: of linear answers and relaxations.
     """
 
     displacement: Array
@@ -55,10 +60,18 @@ class Equilibrium:
     reaction: Array
     residual: float
     iterations: int
+    error: float = math.nan
+    folded: int | None = None
+    passed_limit: float | None = None
 
 
 def equilibrium(
-    network: Network, geometry: Literal["linear", "nonlinear"] = "linear"
+    network: Network,
+    geometry: Literal["linear", "nonlinear"] = "linear",
+    *,
+    path: Path | None = None,
+    start: Equilibrium | Array | None = None,
+    allow_folded: bool = False,
 ) -> Equilibrium:
     """Static equilibrium of a network.
 
@@ -71,199 +84,170 @@ def equilibrium(
         displacement. "nonlinear": Newton's method, in load increments where one step is too many.
         Either way the tangent must be positive: the network is stable where it is linearised.
         It is factorised at any size; `relax` by "newton_multigrid" takes less of large networks.
+    path
+        Of nonlinear equilibria: how loads and prescribed displacements come to their full size.
+        Fractions that rise to 1, at each of which an equilibrium is found; or a function of t that
+        returns force and displacement (n, d) at t from 0 to 1, such as ends that turn, which in
+        proportion would move along chords. By default the whole at once, in proportion where that
+        is too much; networks that prestress leaves out of balance may come from springs without
+        tension, their rest lengths raised together with the loads.
+    start
+        Of nonlinear equilibria: where to begin, an equilibrium or a displacement (n, d) in m.
+        What is out of balance there is taken away along the path.
+    allow_folded
+        Whether cells may be flat or inside out. A linear answer is so under any load that is large
+        enough, for it goes on in proportion: its cells are counted, and it is never refused for
+        them.
 
     Raises
     ------
     ProblemError
-        If supports leave a rigid motion free; the message names it.
+        If supports leave a rigid motion free, the message names it, or path or start do not fit.
     SolverError
-        If the network is a mechanism or unstable, or no equilibrium is found at full load.
+        If the network is a mechanism or unstable, or no equilibrium is found at full load, or
+        cells are folded in a nonlinear one.
     """
     instance("network", network, Network)
     refuse_free_motions("network", network.points, network.held)
     chosen("geometry", geometry, ("linear", "nonlinear"))
+    instance("allow_folded", allow_folded, bool)
+    if geometry == "linear" and not (path is None and start is None):
+        raise ProblemError(
+            "path, start: a linear equilibrium has neither; take geometry 'nonlinear'"
+        )
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
-        return _linear(network) if geometry == "linear" else _nonlinear(network)
+        found = _linear(network) if geometry == "linear" else _nonlinear(network, path, start)
+    if geometry == "nonlinear" and not allow_folded:
+        refuse_folded(network, found, "nonlinear equilibrium")
+    return found
 
 
-def at_rest(network: Network, position: Array, iterations: int) -> Equilibrium:
-    """The equilibrium at `position` (n, d) in m, with the residual and reactions found there."""
-    balance = internal_force(network, position) + network.force
-    position.setflags(write=False)
-    return Equilibrium(
-        displacement=position - network.points,
-        position=position,
-        reaction=np.where(network.held, -balance, 0.0),
-        residual=_largest(balance[~network.held]),
-        iterations=iterations,
-    )
-
-
-def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> bool:
-    """Whether every free motion from `position` (n, d) in m meets stiffness: no negative mode.
-
-    Up to `linear.LARGEST_FACTORED` components the signs of pivots decide. Beyond, a random load
-    does: a yes is then very likely, as `multigrid.is_positive` says. `cycle` is a multigrid cycle
-    of the same network close by, where there is one.
-    """
-    instance("network", network, Network)
-    free = ~network.held
-    if not is_factored(free):
-        A = restrained(network, position)
-        if cycle is not None and is_positive(A, network, position, cycle):
-            return True
-        own = cycle_of(A, network, position)  # a no needs its own cycle
-        return is_positive(A, network, position, own)
-    if network.held.all():
-        return True
-    inside = np.flatnonzero(free.ravel())
-    try:
-        return factorised(tangent(network, position)[inside][:, inside]).negative == 0
-    except RuntimeError:
-        return False
-
-
-def _linear(network: Network) -> Equilibrium:
-    K = tangent(network, network.points)
-    load = internal_force(network, network.points) + network.force
-    move, stable = tangent_move(network, network.points, K, load, network.displacement)
-    if not stable:
-        raise SolverError(
-            "linear equilibrium: the network is unstable at its reference points (its tangent "
-            "stiffness has a negative mode); relieve its prestress or hold it better"
-        )
-    balance = load - (K @ move.ravel()).reshape(move.shape)
-    residual = _largest(balance[~network.held])
-    scale = abs(K).max() * np.abs(move).max(initial=0.0) + np.abs(load).max(initial=0.0)
-    if not residual <= 1e-9 * scale:
-        raise SolverError(
-            f"linear equilibrium: residual {residual:.3g} N against forces of {scale:.3g} N; "
-            "the stiffnesses are too far apart for one solve"
-        )
-    return Equilibrium(
-        displacement=move,
-        position=network.points + move,
-        reaction=np.where(network.held, -balance, 0.0),
-        residual=residual,
-        iterations=1,
-    )
-
-
-def _nonlinear(network: Network) -> Equilibrium:
-    """Raise load and prescribed displacement together, in halves of what would not converge."""
-    position, reached, increment, iterations = network.points, 0.0, 1.0, 0
-    while reached < 1:
-        target = min(1.0, reached + increment)
-        found, taken = _newton(network, position, target)
-        iterations += taken
-        if found is not None:
-            position, reached, increment = found, target, 2 * increment
-            continue
-        increment /= 2
-        if increment < SMALLEST_INCREMENT:
-            raise SolverError(
-                "nonlinear equilibrium: no stable equilibrium found beyond "
-                f"{reached:.4g} of the load (after {iterations} linear solves); reduce the load or "
-                "stiffen the network"
-            )
-    return at_rest(network, position, iterations)
-
-
-def _newton(network: Network, position: Array, fraction: float) -> tuple[Array | None, int]:
-    """Stable equilibrium at a fraction of the load, None if there is none near; solves made."""
-    x = position
-    floor = 4 * force_roundoff(network)
-    for iteration in range(ITERATIONS):
-        ahead = network.points + fraction * network.displacement - x
-        try:
-            balance = internal_force(network, x) + fraction * network.force
-            small = TOLERANCE * force_scale(network, x) + floor
-            move, stable = tangent_move(network, x, tangent(network, x), balance, ahead)
-        except SolverError:
-            if iteration == 0:  # singular where we stand: smaller steps cannot help
-                raise
-            return None, iteration
-        # Judged with the tangent of the same place: the one before would miss a bifurcation.
-        arrived = _largest(ahead[network.held]) <= _rounding(x)
-        if arrived and (np.abs(balance) <= small)[~network.held].all():
-            return (x if stable else None), iteration + 1
-        if largest_turn(network, x, move) > LARGEST_TURN:
-            return None, iteration + 1
-        x = x + move
-    return None, ITERATIONS
-
-
-def largest_turn(network: Network, x: Array, move: Array) -> float:
-    """Largest change of a spring's vector in a move, relative to its length; infinite for NaN."""
-    i, j = network.springs.T
-    length = np.linalg.norm(x[j] - x[i], axis=1)
-    with np.errstate(over="ignore", invalid="ignore"):
-        change = np.linalg.norm(move[j] - move[i], axis=1) / length
-    return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
-
-
-def tangent_move(
-    network: Network, x: Array, K: csr_array, load: Array, held: Array
-) -> tuple[Array, bool]:
-    """Move (n, d) in m from `x` that balances `load` (n, d) in N to first order; is K positive.
-
-    `K` is the tangent at `x`, `held` the move of the held components.
+def displacement_of(network: Network, start: Equilibrium | Array | None) -> Array | None:
+    """Displacement (n, d) in m of a start, checked.
 
     Raises
     ------
-    SolverError
-        If some motion meets no stiffness.
+    ProblemError
+        If it is of another network, or no displacement.
     """
-    free = np.flatnonzero(~network.held.ravel())
-    move = np.where(network.held, held, 0.0).ravel()
-    if not len(free):
-        return move.reshape(load.shape), True
-    rows = K[free]
-    factor = _regular(network, x, rows[:, free])
-    move[free] = factor.solve(load.ravel()[free] - rows @ move)
-    return move.reshape(load.shape), factor.negative == 0
+    if start is None:
+        return None
+    given = start.displacement if isinstance(start, Equilibrium) else start
+    moved = coordinates("start", given)
+    if moved.shape != network.points.shape:
+        raise ProblemError(
+            f"start: shape {shown(moved.shape)}; give an equilibrium of this network, or its "
+            f"displacement {network.points.shape}"
+        )
+    return moved
 
 
-def refuse_mechanism(network: Network) -> None:
-    """Raise `SolverError` if some motion from the reference points meets no stiffness.
+def refuse_folded(network: Network, found: Equilibrium, title: str) -> None:
+    """Raise `SolverError` if cells are folded, with their number and place."""
+    simplices = network.simplices
+    if found.folded and simplices is not None:
+        folded = folded_cells(simplices, found.position)
+        raise SolverError(
+            f"{title}: {description(simplices, folded, network.points)}; raise what is "
+            "applied along a path, reduce it, or take allow_folded=True"
+        )
 
-    Networks too large for a factor are asked by multigrid, which may overlook one; a motion that
-    it does name meets none.
+
+def at_rest(
+    network: Network,
+    displacement: Array,
+    iterations: int,
+    *,
+    error: float = math.nan,
+    passed_limit: float | None = None,
+) -> Equilibrium:
+    """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
+
+    Forces come from the displacement: positions have lost digits where coordinates are large.
     """
-    x = network.points
-    if network.held.all():
-        return
-    if is_factored(~network.held):
-        free = np.flatnonzero(~network.held.ravel())
-        _regular(network, x, tangent(network, x)[free][:, free])
-        return
-    A = restrained(network, x)
-    mode = softest_motion(A, network, x)
-    if mode.any() and is_loose(network, x, mode, A.diagonal()):
-        raise SolverError(named(network, mode))
+    left = balance(network, displacement)
+    displacement.setflags(write=False)
+    position = network.points + displacement
+    return Equilibrium(
+        displacement=displacement,
+        position=position,
+        reaction=np.where(network.held, -left, 0.0),
+        residual=_largest(left[~network.held]),
+        iterations=iterations,
+        error=error,
+        folded=count_folded(network.simplices, position),
+        passed_limit=passed_limit,
+    )
 
 
-def _regular(network: Network, x: Array, K: csr_array) -> Factor:
-    """Factor of the free part of the tangent at `x`, refused if some motion meets no stiffness.
+def _linear(network: Network) -> Equilibrium:
+    found = solved(network)
+    position = network.points + found.displacement
+    return Equilibrium(
+        displacement=found.displacement,
+        position=position,
+        reaction=found.reaction,
+        residual=_largest(found.balance[~network.held]),
+        iterations=1 + found.steps,
+        error=found.error,
+        folded=count_folded(network.simplices, position),
+    )
 
-    The motion that the tangent resists least is judged by the springs that it stretches.
-    """
-    stiffness = np.zeros(network.points.size)
-    free = ~network.held.ravel()
-    stiffness[free] = K.diagonal()
+
+def _nonlinear(
+    network: Network, path: Path | None, start: Equilibrium | Array | None
+) -> Equilibrium:
+    """Loads and prescribed displacements raised together; rest lengths too where prestress asks."""
+    given, network = network, centred(network)
+    begun = displacement_of(network, start)
+    stressed = path is None and start is None and is_stressed(network)
     try:
-        factor = factorised(K) if stiffness[free].all() else None
-    except RuntimeError:
-        factor = None
-    mode = np.zeros(network.points.size)
-    mode[free] = softest_mode(K, factor)
-    if factor is None or is_loose(network, x, mode, stiffness):
-        raise SolverError(named(network, mode))
-    return factor
+        found = follow(way_of(network, path, begun))
+    except SolverError:
+        tightened = _tightened(network, 0) if stressed else None
+        if tightened is None or tightened.reached < 1:
+            raise
+        found = tightened
+    if found.reached < 1 and stressed:
+        tightened = _tightened(network, found.solves)
+        found = tightened if tightened and tightened.reached == 1 else found
+    if found.reached < 1:
+        raise SolverError(_stuck(network, found, stressed=is_stressed(network)))
+    end = polished(given, found.position - network.points, found.factor)
+    return at_rest(
+        given,
+        end.displacement,
+        found.solves + end.steps,
+        error=end.error,
+        passed_limit=found.passed_limit,
+    )
 
 
-def _rounding(x: Array) -> float:
-    return float(4 * np.finfo(float).eps * np.abs(x).max())
+def _tightened(network: Network, solves: int) -> Followed | None:
+    """The end of a way from springs without tension; None where those would be a mechanism."""
+    try:
+        found = follow(way_of(network, tightened=True))
+    except SolverError:
+        return None
+    found.solves += solves
+    return found
+
+
+def _stuck(network: Network, found: Followed, *, stressed: bool) -> str:
+    """What to say of a way that leads no further."""
+    said = (
+        f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
+        f"load (after {found.solves} linear solves); "
+    )
+    if not stressed:
+        return f"{said}reduce the load or stiffen the network"
+    if not (network.force.any() or network.displacement.any()):
+        return (
+            f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
+            f"prestress (after {found.solves} linear solves); bring rest lengths closer to the "
+            "springs' lengths, or take the start from a relaxation"
+        )
+    return f"{said}reduce load or prestress, or take the start from a relaxation"
 
 
 def _largest(values: Array) -> float:

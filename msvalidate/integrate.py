@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate import kernels
+from msvalidate.folds import count_folded
 from msvalidate.integrators import EULER_CROMER, Integrator, Moving, factors_of, stability_limit
 from msvalidate.network import Network, internal_force
 from msvalidate.problem import (
@@ -47,10 +48,20 @@ class StabilityWarning(UserWarning):
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Position (n, d) in m and velocity (n, d) in m/s."""
+    """Where a motion is.
+
+    Parameters
+    ----------
+    position, velocity
+        (n, d) in m and m/s.
+    folded
+        Of the end of a motion: number of cells that are flat or inside out. None where there was
+        nothing to look at (`msvalidate.folds`), and of states on the way.
+    """
 
     position: Array
     velocity: Array
+    folded: int | None = None
 
 
 def motion(
@@ -112,7 +123,7 @@ def motion(
             reached = _finite_motion(State(now.x, now.v), x, reach, (dt, integrator.name))
             if watch is not None:
                 watch(step, reached)
-    return State(now.x, now.v)
+    return State(now.x, now.v, count_folded(network.simplices, now.x))
 
 
 def staggered(network: Network, state: State, dt: float, damping: ArrayLike = 0.0) -> State:
@@ -215,7 +226,8 @@ def euler_cromer(
         reach = _reach(network, Moving(start, v, pushed), dt * steps)
         moving.advance(u, v, *factors_of(EULER_CROMER)(dt, rate), dt, steps)
         end = State(network.points + u, v)
-        return _finite_motion(end, start, reach, (dt, EULER_CROMER.name))
+        _finite_motion(end, start, reach, (dt, EULER_CROMER.name))
+    return replace(end, folded=count_folded(network.simplices, end.position))
 
 
 def _checked(network: Network, state: State, dt: float, steps: int, damping: ArrayLike) -> Array:

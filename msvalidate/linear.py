@@ -74,10 +74,13 @@ def is_factored(free: Mask) -> bool:
     return bool(np.count_nonzero(free) <= LARGEST_FACTORED[free.shape[1]])
 
 
-def softest_mode(matrix: csr_array, factor: Factor | None = None) -> Array:
+def softest_mode(
+    matrix: csr_array, factor: Factor | None = None, weight: Array | None = None
+) -> Array:
     """Unit vector (n,) along which the matrix resists least: inverse iteration from a fixed start.
 
     Without a factor (the matrix is exactly singular) that of a slightly stiffened matrix serves.
+    `weight` (n,) measures motions, as the diagonal does where parts differ in stiffness.
     """
     mode = np.random.default_rng(0).normal(size=matrix.shape[0])
     if factor is None:
@@ -85,8 +88,9 @@ def softest_mode(matrix: csr_array, factor: Factor | None = None) -> Array:
         if norm < NO_NUMBER:  # nothing resists any motion: one is as good as another
             return np.asarray(mode / np.linalg.norm(mode))
         factor = factorised(csr_array(matrix + 1e-12 * norm * eye_array(matrix.shape[0])))
+    unit = 1.0 if weight is None else weight / np.abs(weight).max()
     for _ in range(SWEEPS):
-        mode = factor.solve(mode)
+        mode = factor.solve(unit * mode)
         mode /= np.abs(mode).max()  # first by the largest: squares may overflow
         mode /= np.linalg.norm(mode)
     return np.asarray(mode)

@@ -21,6 +21,7 @@ from scipy.sparse import bsr_array, csr_array
 from msvalidate import local_shear
 from msvalidate import volumes as cells
 from msvalidate.blocks import Blocks, blocks_of
+from msvalidate.folds import Simplices, is_shape_of_cells, simplices_of
 from msvalidate.layout import Layout, laid_out
 from msvalidate.local_shear import LocalShear
 from msvalidate.problem import (
@@ -68,6 +69,9 @@ class Network:
         Cells of the same points that resist a change of volume, if there are any.
     shear
         Springs between the same points that resist shear, if there are any.
+    cells
+        (c, corners) points of the cells that a deformed network is looked at for folds by, in VTK
+        order; by default those of `volumes`, or the triangles that springs make in the plane.
 
     Raises
     ------
@@ -85,6 +89,7 @@ class Network:
     force: Array
     volumes: Volumes | None = None
     shear: LocalShear | None = None
+    cells: Index | None = None
 
     def __post_init__(self) -> None:
         points = coordinates("points", self.points)
@@ -124,6 +129,8 @@ class Network:
                 instance(name, part, kind)
                 if not np.array_equal(part.points, self.points):
                     raise ProblemError(f"{name}: of other points than the network's; give its own")
+        if self.cells is not None:
+            object.__setattr__(self, "cells", _cells(self.cells, n, d))
         for array in (self.springs, self.held):
             array.setflags(write=False)
 
@@ -155,6 +162,14 @@ class Network:
     def blocks(self) -> Blocks:
         """Where each spring's blocks stand in a tangent."""
         return blocks_of(self.springs, len(self.points))
+
+    @cached_property
+    def simplices(self) -> Simplices | None:
+        """What shows that it is folded; None where there is nothing to look at."""
+        cells = self.cells
+        if cells is None and self.volumes is not None:
+            cells = self.volumes.cells
+        return simplices_of(self.points, self.springs, cells)
 
     @cached_property
     def frequency_bound(self) -> float:
@@ -197,12 +212,13 @@ def spring_network(
     force: ArrayLike | None = None,
     volumes: Volumes | None = None,
     shear: LocalShear | None = None,
+    cells: ArrayLike | None = None,
 ) -> Network:
     """Network from any list of points and springs.
 
     Parameters
     ----------
-    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, shear
+    points, springs, stiffness, rest_length, mass, held, displacement, force, volumes, shear, cells
         As in `Network`. One number serves for all springs or points. Rest lengths default to the
         distances in `points`, an unstressed network; the rest defaults to none.
 
@@ -232,6 +248,7 @@ def spring_network(
         force=finite("force", zero if force is None else force),
         volumes=volumes,
         shear=shear,
+        cells=None if cells is None else integers("cells", cells),
     )
 
 
@@ -351,6 +368,20 @@ def _pairs(springs: ArrayLike, n: int) -> Index:
     if len(own):
         raise ProblemError(f"springs: {pairs[own[0]]} at index {own[0]} joins a point to itself")
     return pairs
+
+
+def _cells(given: ArrayLike, n: int, d: int) -> Index:
+    cells = integers("cells", given)
+    if cells.ndim != 2 or not is_shape_of_cells(d, cells.shape[1]):
+        raise ProblemError(
+            f"cells: {cells.shape} of points ({n}, {d}); give triangles or quadrilaterals in the "
+            "plane, tetrahedra or hexahedra in space"
+        )
+    bad = np.flatnonzero((cells < 0).any(axis=1) | (cells >= n).any(axis=1))
+    if len(bad):
+        raise ProblemError(f"cells: {cells[bad[0]]} at index {bad[0]}; there are {n} points")
+    cells.setflags(write=False)
+    return cells
 
 
 def _filled(name: str, value: ArrayLike, count: int) -> Array:

@@ -12,12 +12,12 @@ from functools import partial
 
 import numpy as np
 
-from msvalidate.equilibrium import LARGEST_TURN, largest_turn, refuse_mechanism, tangent_move
 from msvalidate.multigrid import Cycle, conjugate_gradients, cycle_of, restrain
 from msvalidate.network import tangent, tangent_blocks
 from msvalidate.problem import Array, SolverError
 from msvalidate.relax import Method
 from msvalidate.run import Run
+from msvalidate.tangents import LARGEST_TURN, largest_turn, refuse_mechanism, tangent_move
 
 NEWTON_STEPS = 50
 """Linear solves after which Newton's method is given up."""
@@ -39,7 +39,7 @@ def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
     """Newton's method at full load, shortened where a step would stretch or turn a spring far."""
     run.most_steps = lambda: NEWTON_STEPS
     network, move = run.network, mover(run)
-    run.displacement[:] = 0.0  # what is held goes along with the first steps
+    run.displacement[:] = run.begun  # what is held goes along with the first steps
     run.moved()
     while True:
         yield

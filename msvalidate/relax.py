@@ -9,14 +9,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from tqdm import tqdm
 
-from msvalidate.equilibrium import is_stable
+from msvalidate.equilibrium import Equilibrium, displacement_of, refuse_folded
 from msvalidate.network import Network
+from msvalidate.path import Path, Way, way_of
+from msvalidate.polish import error_of
 from msvalidate.problem import (
+    Array,
     ProblemError,
     SolverError,
     finite,
@@ -26,8 +29,12 @@ from msvalidate.problem import (
     shown,
     whole,
 )
-from msvalidate.run import LOOK_EVERY, Relaxation, Run
+from msvalidate.run import LOOK_EVERY, Relaxation, Run, together
+from msvalidate.tangents import is_stable
 
+STOPOVER = 1e-4
+"""Tolerance of rest at stops of a path: what is left there is a ten-thousandth of what a stop adds,
+and the next begins with it."""
 LOOSEST = 0.01
 """Largest tolerance: above it a start under full load would soon count as rest."""
 
@@ -68,11 +75,15 @@ def relax(
     watch: Watch | None = None,
     look_every: int | None = None,
     frequencies: tuple[float, float] | None = None,
+    path: Path | None = None,
+    start: Equilibrium | Array | None = None,
+    allow_folded: bool = False,
 ) -> Relaxation:
     """Bring a network to rest by any method.
 
-    It starts at rest, with the prescribed displacements imposed at once; Newton's method imposes
-    them with its first steps.
+    It starts at rest, with the prescribed displacements imposed at once: on what is held alone
+    where it moves little beside the springs there, else on all points, in between by the mean of
+    neighbours (`imposing`). Newton's method imposes them with its first steps.
 
     Parameters
     ----------
@@ -94,30 +105,65 @@ def relax(
     frequencies
         Lowest and highest natural frequency (rad/s), where they are known; else they are solved for
         if the method asks for them.
+    path
+        As in `equilibrium`: at each stop it comes to rest, more loosely before the last. Steps,
+        looks and seconds are of all of them together; `max_steps` is for each.
+    start
+        An equilibrium or a displacement (n, d) in m from which it begins.
+    allow_folded
+        Whether cells may be flat or inside out at rest.
 
     Raises
     ------
     ProblemError
-        If an argument is out of range or a rigid motion is free.
+        If an argument is out of range, a rigid motion is free, or path or start do not fit.
     SolverError
-        If the run diverges, is not at rest within `max_steps`, or rests where it is unstable.
+        If the run diverges, is not at rest within `max_steps`, rests where it is unstable, or with
+        cells that are folded.
     """
     instance("network", network, Network)
     instance("method", method, Method)
     _refuse_ends(tolerance, max_steps, look_every, watch)
+    instance("allow_folded", allow_folded, bool)
     refuse_free_motions("network", network.points, network.held)
-    run = Run(network, method.title, tolerance, _known(frequencies))
-    if network.held.all():
-        return run.result([], 0.0)
-    with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
-        found, at_ease = _walked(run, method, (max_steps, look_every), watch)
+    begun = displacement_of(network, start)
+    stages = [network] if path is None else _stages(way_of(network, path, begun))
+    known, done = _known(frequencies), []
+    for stage in stages:
+        loose = tolerance if stage is network else max(tolerance, STOPOVER)
+        run = Run(stage, method.title, loose, known, begun)
+        if network.held.all():
+            found, at_ease = run.result([], 0.0), False
+        else:
+            with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
+                found, at_ease = _walked(run, method, (max_steps, look_every), watch)
+        done.append(found)
+        begun = found.equilibrium.displacement
+        if not at_ease:  # ended by its watcher
+            break
+    found = together(done)
     if at_ease and not is_stable(network, found.equilibrium.position, run.cycle):
         raise SolverError(
             f"{method.title} came to rest after {found.steps} steps where the network is unstable "
             "(some motion from there meets no stiffness, or less); disturb the symmetry or reduce "
             "the load"
         )
-    return found
+    if not at_ease:
+        return found
+    if not allow_folded:
+        refuse_folded(network, found.equilibrium, f"{method.title} after {found.steps} steps")
+    error = error_of(network, found.equilibrium.displacement, run.cycle)
+    return replace(found, equilibrium=replace(found.equilibrium, error=error))
+
+
+def _stages(way: Way) -> list[Network]:
+    """The networks with what is applied at each stop of a way."""
+    held = way.network.held
+    early = [
+        replace(way.network, force=way.force(t), displacement=np.where(held, way.moved(t), 0.0))
+        for t in way.stops[:-1]
+    ]
+    return [*early, way.network]
 
 
 def _refuse_ends(

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from msvalidate import kernels
-from msvalidate.equilibrium import Equilibrium, at_rest, refuse_mechanism
+from msvalidate.equilibrium import Equilibrium, at_rest
+from msvalidate.imposing import imposed
 from msvalidate.integrate import SPECTRUM_ERROR
 from msvalidate.linear import is_factored
 from msvalidate.multigrid import Cycle, cycle_of, restrained
@@ -18,6 +19,7 @@ from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
 from msvalidate.residual import force_roundoff, force_scale
 from msvalidate.spectrum import extreme_frequencies
+from msvalidate.tangents import refuse_mechanism
 from msvalidate.volumes import stiffness_met
 
 SAFETY = 0.9
@@ -45,7 +47,8 @@ class Relaxation:
     Parameters
     ----------
     equilibrium
-        Where it rests; its iterations are the steps taken.
+        Where it rests; its iterations are the steps taken. Its error is infinite where the watcher
+        ended the run.
     dt, damping, stability_limit
         Largest time step (s), largest damping rate (1/s), and the largest stable step (s) at rest;
         0, 0 and infinite where a method has none, or changes it as it goes.
@@ -82,7 +85,7 @@ class Run:
     that messages name; `inertia` (n, d), if its masses are not the network's; and
     `most_steps`, after how many it has failed, if frequencies do not say so; and `look_every`, if
     it knows how long its way is. It may leave `cycle`, a multigrid cycle of a tangent, for the
-    judge of stability.
+    judge of stability. `begun` (n, d) is the displacement before what is held was moved.
     """
 
     def __init__(
@@ -91,10 +94,12 @@ class Run:
         title: str,
         tolerance: float,
         frequencies: tuple[float, float] | None = None,
+        start: Array | None = None,
     ) -> None:
         self.network, self.title, self.tolerance = network, title, tolerance
         self._given = frequencies
-        self.displacement = np.array(network.displacement)
+        self.begun = np.zeros(network.points.shape) if start is None else start
+        self.displacement = imposed(network, self.begun)
         self.velocity = np.zeros_like(self.displacement)
         self.inertia = np.repeat(network.mass[:, None], network.dim, axis=1)
         self.dt, self.rate, self.limit = 0.0, np.zeros(1), math.inf
@@ -133,16 +138,25 @@ class Run:
         network = self.network
         if not is_factored(~network.held):
             self.cycle = cycle_of(restrained(network, network.points), network, network.points)
-        lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR, cycle=self.cycle)
+        try:
+            lowest, highest = extreme_frequencies(
+                network, tolerance=SPECTRUM_ERROR, cycle=self.cycle
+            )
+        except SolverError:
+            self._refuse_mechanism(0.0)
+            raise
         if lowest <= SLOWEST * highest:  # a mechanism, or masses far apart
-            try:
-                refuse_mechanism(network)
-            except SolverError as error:
-                raise SolverError(
-                    f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism "
-                    "and never comes to rest; add springs or supports"
-                ) from error
+            self._refuse_mechanism(lowest)
         return lowest, highest
+
+    def _refuse_mechanism(self, lowest: float) -> None:
+        try:
+            refuse_mechanism(self.network)
+        except SolverError as error:
+            raise SolverError(
+                f"{self.title}: lowest frequency {lowest:g} rad/s: the network is a mechanism "
+                "and never comes to rest; add springs or supports"
+            ) from error
 
     def _critically_damped(self) -> int:
         """Steps in which critical damping brings the slowest mode to rest: ½√κ·ln(1/tolerance)."""
@@ -244,7 +258,7 @@ class Run:
     def result(self, looks: list[tuple[int, float, float]], seconds: float) -> Relaxation:
         """The run as it is now."""
         return Relaxation(
-            equilibrium=at_rest(self.network, self.position, self.steps),
+            equilibrium=at_rest(self.network, self.displacement.copy(), self.steps, error=math.inf),
             dt=self.dt,
             damping=float(self.rate.max()),
             stability_limit=self.limit,
@@ -302,6 +316,26 @@ class Run:
         bar.n = max(bar.n, min(way, 1.0))
         bar.set_postfix(step=looks[-1][0], residual=f"{looks[-1][1]:.2g} N", refresh=False)
         bar.update(0)
+
+
+def together(runs: list[Relaxation]) -> Relaxation:
+    """Runs one after the other as one: where the last rests, and the work of all."""
+    last = runs[-1]
+    if len(runs) == 1:
+        return last
+    before = np.cumsum([0, *(run.steps for run in runs)])
+    looks = []
+    for run, steps in zip(runs, before, strict=False):
+        shifted = np.array(run.history)
+        shifted[:, 0] += steps
+        looks.append(shifted)
+    return replace(
+        last,
+        equilibrium=replace(last.equilibrium, iterations=int(before[-1])),
+        history=np.concatenate(looks),
+        evaluations=sum(run.evaluations for run in runs),
+        seconds=sum(run.seconds for run in runs),
+    )
 
 
 def largest(values: Array) -> float:

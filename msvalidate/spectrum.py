@@ -8,9 +8,13 @@ import warnings
 import numpy as np
 from scipy.linalg import eigvalsh
 from scipy.sparse import csr_array, diags_array, eye_array
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 
+from msvalidate.accurate import State
+from msvalidate.double_double import pair
 from msvalidate.linear import NO_NUMBER, factorised, is_factored
+from msvalidate.mechanism import regular
 from msvalidate.multigrid import Cycle, cycle_of, restrained
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
@@ -20,6 +24,7 @@ from msvalidate.problem import (
     coordinates,
     instance,
     number,
+    rigid_motions,
     shown,
 )
 
@@ -29,6 +34,14 @@ LARGEST_DENSE = 10_000
 """Degrees of freedom of the largest dense matrix made, close to a gigabyte."""
 FEW = 10
 """Lowest frequencies that large networks are asked for without a factor."""
+SAME = 1e-9
+"""Of the largest singular value of a part's motions, below which two of them are one."""
+RIGID = 1e-9
+"""Square of a rigid motion's frequency over the highest, that is rounding."""
+UNSURE = 1e-11
+"""Lowest square over the highest at which the digits of an eigenvalue run out: five are left."""
+SWEEPS = 8
+"""Inverse iterations on a few modes more than are asked for."""
 FIRST_STEPS, MOST_STEPS = 5, 200
 """Of the iteration for large networks: to tell a square from its neighbours, and in all."""
 
@@ -40,6 +53,7 @@ def natural_frequencies(
     *,
     tolerance: float = 0.0,
     cycle: Cycle | None = None,
+    rigid: bool = False,
 ) -> tuple[Array, float]:
     """The lowest `count` and the highest natural frequency (rad/s), undamped, supports held.
 
@@ -48,7 +62,8 @@ def natural_frequencies(
     Parameters
     ----------
     network
-        At least one free component; every mode must have stiffness.
+        At least one free component; every mode must have stiffness, but for rigid motions that are
+        asked for.
     count
         Number of lowest frequencies, at most the number of free components.
     position
@@ -58,15 +73,19 @@ def natural_frequencies(
         highest frequencies of a lattice lie close together, and their last digits cost the most.
     cycle
         Of multigrid, for this network close by, where there is one.
+    rigid
+        Whether parts may be free: each of their rigid motions counts as a frequency of exactly 0.
 
     Raises
     ------
     ProblemError
-        If an argument is out of range, or nothing can move.
+        If an argument is out of range, nothing can move, or a part is free and `rigid` is not set.
     SolverError
-        If a mode has negative stiffness (the position is unstable) or the iteration fails.
+        If a mode has negative stiffness (the position is unstable) or none, the iteration fails, or
+        rigid motions of a part change its energy: it is not at rest.
     """
     instance("network", network, Network)
+    instance("rigid", rigid, bool)
     place = network.points if position is None else coordinates("position", position)
     matrix = _dynamical_matrix(network, place)
     size = matrix.shape[0]
@@ -79,12 +98,13 @@ def natural_frequencies(
         raise ProblemError(
             f"count: {shown(count)} frequencies; this network has {size} free components"
         )
+    zero = _rigid_motions(network, place, allowed=rigid)
     if size <= max(DENSE, 4 * count):
         squares = _all(matrix, count)
         lowest, highest = squares[:count], squares[-1]
     else:
         highest = _largest(matrix, tolerance)
-        if count > FEW or is_factored(~network.held):
+        if count > FEW or zero or is_factored(~network.held):
             lowest = _smallest(matrix, count, highest, tolerance)
         else:
             lowest = _smallest_by_cycles(network, place, cycle, matrix, count, highest, tolerance)
@@ -92,7 +112,104 @@ def natural_frequencies(
         raise SolverError(
             f"natural frequencies: omega² = {lowest[0]:g} 1/s²; the network is unstable there"
         )
+    lowest = _told_from_rounding(network, place, lowest, highest, zero)
     return np.sqrt(np.maximum(lowest, 0.0)), float(np.sqrt(highest))
+
+
+def _rigid_motions(network: Network, position: Array, *, allowed: bool) -> int:
+    """Number of rigid motions that supports leave to parts that hang together on their own."""
+    n = len(network.points)
+    parts, part = connected_components(_joined(network), directed=False)
+    count = 0
+    for label in range(parts):
+        own = np.flatnonzero(part == label)
+        held = network.held[own]
+        if parts > 1 and held.all():
+            continue
+        motions = rigid_motions(_in_sizes(position[own]))
+        left = _rank(motions.reshape(-1, motions.shape[2])) - _rank(motions[held])
+        if left and not allowed:
+            whole = "the network" if len(own) == n else f"the part of point {own[0]}"
+            raise ProblemError(
+                f"natural frequencies: {whole} is free to move as a rigid body in {left} ways; "
+                "hold one more component against each, or set rigid=True"
+            )
+        count += left
+    return count
+
+
+def _joined(network: Network) -> csr_array:
+    """Which points springs, cells and shear springs join."""
+    pairs = [network.springs]
+    if network.volumes is not None:
+        cells = network.volumes.cells
+        pairs += [cells[:, [0, other]] for other in range(1, cells.shape[1])]
+    if network.shear is not None:
+        pairs.append(network.shear.springs)
+    i, j = np.concatenate(pairs).T
+    n = len(network.points)
+    return csr_array((np.ones(len(i)), (i, j)), shape=(n, n))
+
+
+def _in_sizes(position: Array) -> Array:
+    """Places from their middle, over their size."""
+    apart = position - position.mean(axis=0)
+    return np.asarray(apart / (np.abs(apart).max(initial=0.0) or 1.0))
+
+
+def _rank(motions: Array) -> int:
+    sizes = np.linalg.svd(motions, compute_uv=False) if motions.size else np.zeros(1)
+    return int((sizes > SAME * max(float(sizes[0]), 1.0)).sum())
+
+
+def _told_from_rounding(
+    network: Network, position: Array, squares: Array, highest: float, zero: int
+) -> Array:
+    """Lowest squares, exact zeros for `zero` rigid motions, and none that is rounding.
+
+    Eigenvalues are rounded by an eps of the highest. The energies of modes are not: they are summed
+    spring by spring, and a mode's error counts by its square.
+    """
+    squares = squares.copy()
+    if (np.abs(squares[:zero]) > RIGID * highest).any():
+        raise SolverError(
+            f"natural frequencies: omega² = {np.abs(squares[:zero]).max():g} 1/s² of a rigid "
+            "motion; the network is not at rest there"
+        )
+    squares[:zero] = 0.0
+    soft = int((squares[zero:] < UNSURE * highest).sum())
+    if not soft:
+        return squares
+    if zero:
+        raise SolverError(
+            f"natural frequencies: omega² = {squares[zero]:.3g} 1/s² beside {highest:.3g} 1/s² is "
+            "rounding: a mechanism, or masses and stiffnesses too far apart; hold the network"
+        )
+    squares[:soft] = _by_energy(network, position, soft)
+    return squares
+
+
+def _by_energy(network: Network, position: Array, count: int) -> Array:
+    """The lowest squares from the energies of their modes, by inverse iteration on a few more."""
+    inside = np.flatnonzero(~network.held.ravel())
+    K = csr_array(tangent(network, position)[inside][:, inside])
+    factor = regular(network, position, K).factor
+    mass = np.repeat(network.mass, network.dim)[inside]
+    few = min(count + 4, len(inside))
+    modes = np.random.default_rng(0).normal(size=(len(inside), few))
+    for _ in range(SWEEPS):
+        modes = np.column_stack([factor.solve(mass * mode) for mode in modes.T])
+        modes = np.linalg.qr(np.sqrt(mass)[:, None] * modes)[0] / np.sqrt(mass)[:, None]
+    state = State(network, pair(position - network.points))
+    pushes = []
+    for mode in modes.T:
+        motion = np.zeros(network.held.shape)
+        motion.ravel()[inside] = mode
+        zero = pair(np.zeros_like(motion))
+        push = -state.residual(zero, pair(motion)).hi * state.stiffness
+        pushes.append(push.ravel()[inside])
+    energies = modes.T @ np.column_stack(pushes)
+    return np.asarray(eigvalsh((energies + energies.T) / 2)[:count])
 
 
 def extreme_frequencies(

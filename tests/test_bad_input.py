@@ -20,7 +20,7 @@ from msvalidate.body import lattice_network
 from msvalidate.calibrate import calibrated, default_constants
 from msvalidate.candidate import springs
 from msvalidate.compare import observed_order, worst
-from msvalidate.equilibrium import equilibrium, is_stable
+from msvalidate.equilibrium import equilibrium
 from msvalidate.homogenise import network_tensor
 from msvalidate.integrate import StabilityWarning, State, damping_rate, euler_cromer
 from msvalidate.integrators import EULER_CROMER, INTEGRATORS, stability_limit
@@ -65,6 +65,7 @@ from msvalidate.stiffness import (
     square_tensor,
 )
 from msvalidate.sweep import Setting
+from msvalidate.tangents import is_stable
 from msvalidate.viscous import algorithm1
 from reference_fem import body as fem_body
 from reference_fem import elasticity

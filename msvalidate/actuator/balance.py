@@ -10,11 +10,11 @@ from scipy.sparse import coo_array, csr_array
 
 from msvalidate.actuator.device import Actuator
 from msvalidate.actuator.models import Electric
-from msvalidate.equilibrium import LARGEST_TURN, largest_turn
 from msvalidate.linear import Factor, factorised
 from msvalidate.network import internal_force, tangent
 from msvalidate.problem import Array
 from msvalidate.residual import force_roundoff, force_scale
+from msvalidate.tangents import LARGEST_TURN, largest_turn
 
 ITERATIONS = 25
 """Newton steps to one voltage: several times what quadratic convergence needs."""

@@ -17,7 +17,7 @@ from msvalidate.actuator.balance import Found, balanced, out_of_balance
 from msvalidate.actuator.device import Actuator
 from msvalidate.actuator.models import electrified
 from msvalidate.actuator.ways import WAYS, Frozen, Way
-from msvalidate.equilibrium import SMALLEST_INCREMENT
+from msvalidate.following import SMALLEST_INCREMENT
 from msvalidate.problem import (
     Array,
     ProblemError,

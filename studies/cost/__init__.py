@@ -8,6 +8,7 @@ the same process and in turn. One question a file:
 - `limits`: what holds each path, instructions or memory, and up to what size it is real time;
 - `fem`: seconds to assemble and to solve, beside SciPy and NGSolve;
 - `relaxation`: steps and seconds to rest, and their growth;
+- `refinement`: corrections of a linear solution, and their part of its time;
 - `large`: large networks by Newton's method with multigrid, and bytes a point;
 - `targets`: what was aimed at, and what this machine reached;
 - `machine`: processor, caches, versions.
@@ -38,6 +39,7 @@ from studies.cost import (
     large,
     limits,
     machine,
+    refinement,
     relaxation,
     spoilt,
     targets,
@@ -58,11 +60,14 @@ class Candidate:
         Name -> way to rest.
     elements
         Name -> way to solve a finite element body; "auto" is the one that is timed.
+    linear
+        The linear equilibrium of a network.
     """
 
     motion: Moving = kernels.Motion
     relaxations: Mapping[str, Method] = field(default_factory=lambda: dict(RELAXATIONS))
     elements: Mapping[str, Solve] = field(default_factory=lambda: dict(fem_ways.WAYS))
+    linear: refinement.Linear = refinement.solved
 
 
 OURS = Candidate()
@@ -91,6 +96,10 @@ FAULTS = {
         "candidate": replace(OURS, elements=fem_ways.WAYS | {"auto": spoilt.rounded}),
         "questions": ("fem",),
     },
+    "a linear solution that is not refined": {
+        "candidate": replace(OURS, linear=refinement.unrefined),
+        "questions": ("refinement",),
+    },
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""
@@ -109,6 +118,7 @@ def run(
         "kernel": cache(partial(kernel.run, candidate.motion, setting)),
         "fem": cache(partial(fem.run, candidate.elements, setting)),
         "relaxation": cache(partial(relaxation.run, candidate.relaxations, setting)),
+        "refinement": cache(partial(refinement.run, candidate.linear, setting)),
         "large": cache(
             partial(large.run, candidate.relaxations[large.METHOD], candidate.elements, setting)
         ),

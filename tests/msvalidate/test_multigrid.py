@@ -9,13 +9,14 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from msvalidate import linear
-from msvalidate.equilibrium import equilibrium, is_stable, refuse_mechanism
+from msvalidate.equilibrium import equilibrium
 from msvalidate.linear import factorised
 from msvalidate.multigrid import MOST_CYCLES, conjugate_gradients, cycle_of, is_positive, restrained
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import Box, Region, SolverError, Support, Traction
 from msvalidate.relax import relax
 from msvalidate.relaxations import RELAXATIONS
+from msvalidate.tangents import is_stable, refuse_mechanism
 
 SHEET = Box((2.0, 1.0))
 PUSH = Traction(SHEET.side("top"), (0.004, -0.01))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from msvalidate import kernels
-from msvalidate.equilibrium import equilibrium, is_stable
+from msvalidate.equilibrium import equilibrium
 from msvalidate.integrators import INTEGRATORS, LEAPFROG
 from msvalidate.network import internal_force, spring_network, tangent
 from msvalidate.problem import Box, PointForce, ProblemError, Region, SolverError, Support, Traction
@@ -17,6 +17,7 @@ from msvalidate.relax import Method, relax
 from msvalidate.relaxations import RELAXATIONS
 from msvalidate.residual import force_scale
 from msvalidate.spectrum import extreme_frequencies
+from msvalidate.tangents import is_stable
 from msvalidate.viscous import viscous
 
 SHEET = Box((2.0, 1.0))

@@ -130,9 +130,34 @@ def test_equal_modes_are_all_found(lattice_body):
 def test_a_free_body_has_its_rigid_motions_at_zero(lattice_body):
     network = lattice_body((2.0, 1.0), (8, 4))
     free = replace(network, held=np.zeros(network.points.shape, dtype=bool))
-    lowest, highest = natural_frequencies(free, 4)
-    assert lowest[2] < 1e-6 * highest  # the root of rounding, 1e-8 and some
+    with pytest.raises(ProblemError, match="free to move as a rigid body in 3 ways; hold one"):
+        natural_frequencies(free, 4)
+    lowest, highest = natural_frequencies(free, 4, rigid=True)
+    np.testing.assert_array_equal(lowest[:3], 0.0)
     assert lowest[3] > 1e-2 * highest
+
+
+def test_a_free_part_is_named_beside_one_that_is_held():
+    # A triangle of sides 0.37 m held at two points, and a free one: equal masses at its corners.
+    side = 0.37
+    points = side * np.array([[0, 0], [1, 0], [0.5, np.sqrt(0.75)]])
+    springs = np.array([[0, 1], [1, 2], [2, 0]])
+    held = np.zeros((6, 2), dtype=bool)
+    held[:2] = True
+    network = spring_network(
+        np.concatenate([points, points + 2.0]),
+        np.concatenate([springs, springs + 3]),
+        2.0,
+        held=held,
+    )
+    with pytest.raises(ProblemError, match=r"the part of point 3 is free to move .* in 3 ways"):
+        natural_frequencies(network, 1)
+    lowest, highest = natural_frequencies(network, 8, rigid=True)
+    np.testing.assert_array_equal(lowest[:3], 0.0)
+    # The free triangle's own modes: 3k/2m twice and, breathing, 3k/m; the held one's point sees
+    # springs at 60 degrees: k/2 and 3k/2 over m.
+    np.testing.assert_allclose(lowest[3:] ** 2, [1.0, 3.0, 3.0, 3.0, 6.0], rtol=1e-12)
+    assert highest**2 == pytest.approx(6.0, rel=1e-12)
 
 
 def test_an_unstable_position_is_refused():

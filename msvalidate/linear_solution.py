@@ -1,0 +1,152 @@
+"""Floor 2: the linear equilibrium of a network: one factor, and refinement to the last digit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from msvalidate.accurate import State
+from msvalidate.double_double import Pair, added, negative, pair
+from msvalidate.mechanism import Regular, regular
+from msvalidate.network import Network, tangent
+from msvalidate.problem import Array, Mask, SolverError
+from msvalidate.refine import DOUBTFUL, contraction, refined, refuse_inaccurate, stated, tried
+from msvalidate.rounding import known, nothing_acts, why
+from msvalidate.stability import negative_modes
+
+TITLE = "linear equilibrium"
+TOO_FAR = "linear equilibrium: forces beyond all numbers; choose units that give ordinary forces"
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A linear equilibrium.
+
+    Parameters
+    ----------
+    displacement
+        (n, d) in m.
+    balance
+        (n, d) force (N) that is left over: where it is held, minus the supports' reaction.
+    error
+        Largest error of a component of the displacement over the largest component.
+    steps
+        Corrections made.
+    held
+        (n, d) components whose displacement is prescribed.
+    """
+
+    displacement: Array
+    balance: Array
+    error: float
+    steps: int
+    held: Mask
+
+    @property
+    def reaction(self) -> Array:
+        """(n, d) force (N) of the supports, 0 where nothing is held."""
+        return np.where(self.held, -self.balance, 0.0)
+
+
+def solved(network: Network) -> Solved:
+    """The linear equilibrium of a network from its reference points.
+
+    Raises
+    ------
+    SolverError
+        If the network is a mechanism or unstable, or no trustworthy digits are left.
+    """
+    system = _System(network)
+    if not network.held.all():
+        system.factorise()
+    if nothing_acts(network, system.state):
+        zero = np.zeros(network.points.shape)
+        return Solved(zero, network.force + zero, 0.0, 0, network.held)
+    return system.solution()
+
+
+class _System:
+    """K u = load over powers of two: K over `stiffness` (N/m), u over `unit` (m)."""
+
+    regular: Regular  # of what is free, if anything is
+
+    def __init__(self, network: Network) -> None:
+        self.network, self.free = network, ~network.held
+        self.state = State(network)
+        k, length = self.state.stiffness, self.state.length
+        inner = self.state.force()
+        outer = network.force / k
+        sizes = [np.abs(outer).max(), np.abs(inner.hi).max() * length]
+        largest = float(max(*sizes, np.abs(network.displacement).max()))
+        if not math.isfinite(largest):
+            raise SolverError(TOO_FAR)
+        self.unit = 2.0 ** math.frexp(largest)[1] if largest else 1.0
+        inner = Pair(*(x * (length / self.unit) for x in inner))
+        self.load = added(pair(outer / self.unit), inner)
+        self.prescribed = network.displacement / self.unit
+        self.left = np.zeros(network.points.shape)
+        self.K: csr_array | None = None
+
+    def factorise(self) -> None:
+        """Tangent and factor; refuses what is unstable or a mechanism."""
+        inside = np.flatnonzero(self.free)
+        K = tangent(self.network, self.network.points)
+        A = csr_array(K[inside][:, inside])
+        self.K = K
+        self.regular = regular(self.network, self.network.points, A)
+        if negative_modes(self.state, self.regular, self.free):
+            raise SolverError(
+                "linear equilibrium: the network is unstable at its reference points (its tangent "
+                "stiffness has a negative mode); relieve its prestress or hold it better"
+            )
+
+    def solve(self, force: Array) -> Array:
+        """Motion that the factor gives for a force, both (n, d)."""
+        motion = np.zeros(self.free.shape)
+        motion[self.free] = self.regular.factor.solve(force[self.free]) * self.state.stiffness
+        return motion
+
+    def residual(self, motion: Pair) -> Array:
+        """What a motion leaves of the load, where it is free."""
+        self.place = motion
+        moves = motion.hi.any()
+        self.left = self.state.residual(self.load, motion).hi if moves else self.load.hi
+        return np.where(self.free, self.left, 0.0)
+
+    def solution(self) -> Solved:
+        """Solve, refine, and judge what is left."""
+        u, error, steps = pair(self.prescribed), 0.0, 0
+        first = self.residual(u)
+        if self.free.any():
+            soft, rate = self.regular.softness, contraction(self.regular.softness)
+            u = added(u, pair(self.solve(first)))
+            found = refined(self.residual, self.solve, u, rate)
+            u, steps, times = found.solution, found.steps, 1.0
+            if rate > DOUBTFUL:
+                times = tried(self._without_load, self.solve, rate, self._known())
+            error = stated(found, soft, times) if u.hi.any() else 0.0
+            refuse_inaccurate(error, TITLE, self._why())
+        return Solved(u.hi * self.unit, self._balance(u), error, steps, self.network.held)
+
+    def _balance(self, u: Pair) -> Array:
+        """Force (n, d) in N that is left: the last residual, less what the last correction took."""
+        step = added(u, negative(self.place)).hi
+        left = self.left * self.state.stiffness
+        if self.K is not None:
+            left = left - (self.K @ step.ravel()).reshape(step.shape)
+        return np.asarray(left * self.unit)
+
+    def _without_load(self, motion: Pair) -> Array:
+        zero = pair(np.zeros(self.free.shape))
+        return np.where(self.free, self.state.residual(zero, motion).hi, 0.0)
+
+    def _known(self) -> Array:
+        """A motion to try a factor on: of all kinds at once, the softest among them."""
+        return known(self.free, self.regular.mode)
+
+    def _why(self) -> str:
+        """How far apart its stiffnesses are, and what to do."""
+        return why(self.network, self.regular.softness)

@@ -1,0 +1,283 @@
+"""Floor 2: the end of a nonlinear solution: Newton's corrections with accurate residuals.
+
+The state is the displacement, as a pair of doubles: positions far from the origin, or of a long
+body, have no digits left for small strains. Elongations come from the springs' own vectors
+(`accurate`). The tangent needs no more than its usual digits, so one factor serves several
+corrections; each leaves a small part of the error before it, which is how the error is known.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from msvalidate.accurate import State
+from msvalidate.double_double import Pair, added, pair
+from msvalidate.linear import is_factored
+from msvalidate.mechanism import Regular, regular
+from msvalidate.multigrid import Cycle, conjugate_gradients, cycle_of, restrained
+from msvalidate.network import Network, tangent
+from msvalidate.problem import Array, SolverError
+from msvalidate.refine import (
+    DOUBTFUL,
+    ENOUGH,
+    Refined,
+    contraction,
+    refined,
+    refuse_inaccurate,
+    stated,
+    tried,
+)
+from msvalidate.rounding import known, nothing_acts, why
+from msvalidate.stability import negative_modes
+
+TITLE = "nonlinear equilibrium"
+FAR = 4.0
+"""Largest coordinate, in sizes of the body, at which positions have the digits of a tangent."""
+LARGEST_TURN = 0.5
+"""Change of a spring in all corrections, relative to its length, beyond which another equilibrium
+may have been found."""
+SAME_TANGENT = 1e-3
+"""Such a change up to which the tangent's signs are those of where it was made."""
+FACTORS = 10
+"""Tangents made at the most."""
+FEW = 2
+"""Corrections that may fail to fall before a new tangent is made."""
+CYCLES_PART = 1e-4
+"""What conjugate gradients leave of a correction."""
+
+
+class Polished(NamedTuple):
+    """An equilibrium: displacement (n, d) in m, its error over the largest, and solves made."""
+
+    displacement: Array
+    error: float
+    steps: int
+
+
+def centred(network: Network) -> Network:
+    """The network with its points counted from one of them, where they are far from the origin.
+
+    Differences of points are kept, to the rounding of the body's own size. Displacements and forces
+    stay the same.
+    """
+    points = network.points
+    size = float(np.ptp(points, axis=0).max())
+    if np.abs(points).max() <= FAR * size:
+        return network
+    moved = points - points[len(points) // 2]
+    volumes, shear = network.volumes, network.shear
+    return replace(
+        network,
+        points=moved,
+        volumes=None if volumes is None else replace(volumes, points=moved),
+        shear=None if shear is None else replace(shear, points=moved),
+    )
+
+
+def balance(network: Network, displacement: Array) -> Array:
+    """Force (n, d) in N that springs, cells and loads leave at a displacement (n, d) in m."""
+    return _Nonlinear(network, pair(displacement)).balance()
+
+
+def polished(network: Network, displacement: Array, found: Regular | None = None) -> Polished:
+    """The equilibrium close to a displacement, to the last digit, and its error.
+
+    Parameters
+    ----------
+    network
+        With all of its load and prescribed displacement.
+    displacement
+        (n, d) in m, close to the equilibrium.
+    found
+        Factor of the tangent there, where it is at hand.
+
+    Raises
+    ------
+    SolverError
+        If the network is a mechanism or unstable there, or no trustworthy digits are left.
+    """
+    u = pair(np.where(network.held, network.displacement, displacement))
+    if network.held.all():
+        return Polished(u.hi, 0.0, 0)
+    if nothing_acts(network, State(network)) and not u.hi.any():
+        return Polished(u.hi, 0.0, 0)
+    near, before = centred(network), u.hi
+    system = _Nonlinear(network, u, near, found)
+    moved = system.refined()
+    if not (moved.settled and _turn(network, moved.solution.hi - u.hi) <= SAME_TANGENT):
+        system, moved = _newton(network, u, near)
+    u = moved.solution
+    _refuse_far(_turn(network, u.hi - before))
+    error = system.stated(moved)
+    refuse_inaccurate(error, TITLE, why(network, system.found.softness))
+    system.refuse_unstable()
+    return Polished(u.hi, error, moved.steps)
+
+
+def _newton(network: Network, u: Pair, near: Network) -> tuple[_Nonlinear, Refined]:
+    """Newton's method, each step refined on its own: the last system, and what was reached."""
+    sizes, steps, error = [], 0, np.inf
+    for _ in range(FACTORS):
+        system = _Nonlinear(network, u, near)
+        step = system.newton_step()
+        steps += step.steps + 1
+        sizes.append(_largest(step.solution.hi))
+        if not np.isfinite(sizes[-1]) or _turn(network, step.solution.hi) > LARGEST_TURN:
+            break
+        u = added(u, step.solution)
+        scale = _largest(u.hi)
+        if sizes[-1] <= ENOUGH * scale:
+            return system, Refined(u, 2 * sizes[-1] / scale, steps, settled=True)
+        error = 2 * sizes[-1] / scale
+    return system, Refined(u, error, steps)
+
+
+def error_of(network: Network, displacement: Array, found: Regular | Cycle | None = None) -> float:
+    """Error of a displacement (n, d) in m close to an equilibrium, over the largest displacement.
+
+    By corrections that are not applied; infinite where they do not lead to an equilibrium.
+    `found` is a factor of the tangent there, or a multigrid cycle close by, where there is one.
+    Without a factor conjugate gradients make one correction.
+    """
+    largest = _largest(displacement)
+    if network.held.all() or not largest:
+        return 0.0 if network.held.all() else _error_of_nothing(network)
+    start = pair(displacement)
+    near = centred(network)
+    if isinstance(found, Cycle) or (found is None and not is_factored(~network.held)):
+        step = _by_cycles(network, start, near, found)
+        return 2 * _largest(step) / largest
+    try:
+        system = _Nonlinear(network, start, near, found if isinstance(found, Regular) else None)
+        moved = system.refined()
+    except SolverError:
+        return math.inf
+    apart = _largest(added(moved.solution, pair(-displacement)).hi)
+    return (apart * 1.01) / largest + system.stated(moved) * _largest(moved.solution.hi) / largest
+
+
+def _error_of_nothing(network: Network) -> float:
+    """Of a displacement of nothing: 0 if nothing acts."""
+    left = np.where(network.held, 0.0, balance(network, np.zeros(network.points.shape)))
+    return math.inf if left.any() else 0.0
+
+
+class _Nonlinear:
+    """Forces at a displacement over powers of two, and the factor of a tangent close by."""
+
+    def __init__(
+        self,
+        network: Network,
+        u: Pair,
+        near: Network | None = None,
+        found: Regular | None = None,
+    ) -> None:
+        self.network, self.free, self.place = network, ~network.held, u.hi
+        self.state = State(network, u)
+        self.unit = self.state.length
+        if near is None:
+            return
+        if found is None:
+            inside = np.flatnonzero(self.free)
+            K = csr_array(tangent(near, near.points + u.hi)[inside][:, inside])
+            found = regular(near, near.points + u.hi, K)
+        self.found = found
+
+    def refuse_unstable(self) -> None:
+        """Raise `SolverError` if some motion from here has negative energy."""
+        if negative_modes(self.state, self.found, self.free):
+            raise SolverError(
+                f"{TITLE}: the network is unstable under its full load; reduce the load or stiffen "
+                "the network"
+            )
+
+    def left(self, state: State) -> Array:
+        """Force (n, d) that is left, over `state.stiffness` x `state.length`."""
+        load = pair(self.network.force / state.stiffness / state.length)
+        return added(state.force(), load).hi
+
+    def balance(self) -> Array:
+        """Force (n, d) in N that is left where this is."""
+        return self.left(self.state) * (self.state.stiffness * self.state.length)
+
+    def residual(self, u: Pair) -> Array:
+        """Force left where it is free, at a displacement (n, d) in m."""
+        state = self.state if u.hi is self.place else State(self.network, u)
+        return np.where(self.free, self.left(state), 0.0)
+
+    def solve(self, force: Array) -> Array:
+        """Displacement (n, d) in m that the factor gives for a force, scaled as `left`."""
+        motion = np.zeros(force.shape)
+        right = force[self.free]
+        motion[self.free] = self.found.factor.solve(right) * self.state.stiffness * self.unit
+        return motion
+
+    def newton_step(self) -> Refined:
+        """The step of Newton's method from here (n, d) in m, itself refined."""
+        force = np.where(self.free, self.left(self.state), 0.0)
+        load = pair(force)
+
+        def left(step: Pair) -> Array:
+            return np.where(self.free, self.state.residual(load, step).hi, 0.0)
+
+        start = pair(self._solve_linear(force))
+        found = refined(left, self._solve_linear, start, contraction(self.found.softness))
+        return replace(found, solution=Pair(*(x * self.unit for x in found.solution)))
+
+    def refined(self) -> Refined:
+        """Corrections from here, all by one factor."""
+        rate = contraction(self.found.softness)
+        start = Pair(self.place, np.zeros_like(self.place))
+        return refined(self.residual, self.solve, start, rate, solved=False, patience=FEW)
+
+    def stated(self, moved: Refined) -> float:
+        """The error to state of what was refined."""
+        if not moved.solution.hi.any():
+            return 0.0
+        rate, times = contraction(self.found.softness), 1.0
+        if rate > DOUBTFUL:
+            times = tried(self._linear, self._solve_linear, rate, known(self.free, self.found.mode))
+        return stated(moved, self.found.softness, times)
+
+    def _linear(self, motion: Pair) -> Array:
+        zero = pair(np.zeros(self.free.shape))
+        return np.where(self.free, self.state.residual(zero, motion).hi, 0.0)
+
+    def _solve_linear(self, force: Array) -> Array:
+        return self.solve(force) / self.unit
+
+
+def _by_cycles(network: Network, u: Pair, near: Network, cycle: Cycle | None) -> Array:
+    """One correction by conjugate gradients with a multigrid cycle."""
+    x = near.points + u.hi
+    A = restrained(near, x)
+    cycle = cycle or cycle_of(A, near, x)
+    force = np.where(network.held, 0.0, balance(network, u.hi)).ravel()
+    if not force.any():
+        return np.zeros(network.points.shape)
+    found = conjugate_gradients(A, force, cycle, CYCLES_PART)
+    return np.asarray(found.solution).reshape(network.points.shape)
+
+
+def _refuse_far(turn: float) -> None:
+    if not turn <= LARGEST_TURN:
+        raise SolverError(
+            f"{TITLE}: corrections turn a spring by {turn:.2g} of its length: rounding hides the "
+            "equilibrium; take a larger load, or stiffnesses that are closer together"
+        )
+
+
+def _turn(network: Network, move: Array) -> float:
+    i, j = network.springs.T
+    length = np.linalg.norm(network.vector, axis=1)
+    change = np.linalg.norm(move[j] - move[i], axis=1) / length
+    return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
+
+
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0))

@@ -1,0 +1,154 @@
+"""Floor 2: solves with a network's tangent stiffness, its stability, and what is singular in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from msvalidate.accurate import State
+from msvalidate.double_double import pair
+from msvalidate.linear import is_factored
+from msvalidate.mechanism import Regular, is_loose, named, regular
+from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
+from msvalidate.network import Network, tangent
+from msvalidate.polish import centred
+from msvalidate.problem import Array, Index, SolverError, instance
+from msvalidate.refine import DOUBTFUL, contraction
+from msvalidate.stability import negative_modes
+
+LARGEST_TURN = 0.5
+"""Change of a spring in one Newton step, relative to its length, beyond which a step is too long:
+longer ones land on folded and inside-out equilibria."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """A tangent stiffness, factorised for the free components.
+
+    Parameters
+    ----------
+    free
+        (f,) numbers of the free components.
+    rows
+        (f, n·d) their rows of the tangent (N/m).
+    found
+        Factor of the free rows and columns, and their softest motion; None where nothing is free.
+    """
+
+    free: Index
+    rows: csr_array
+    found: Regular | None
+
+    @property
+    def calm(self) -> bool:
+        """Whether no pivot is negative, or their signs may be rounding."""
+        if self.found is None or self.found.factor.negative == 0:
+            return True
+        return not beyond_doubt(self.found)
+
+    def move(self, load: Array, held: Array) -> Array:
+        """Move (n, d) in m that balances a load (n, d) in N, held components moving by `held`."""
+        move = np.array(held, dtype=float).ravel()
+        move[self.free] = 0.0
+        if self.found is not None:
+            right = load.ravel()[self.free] - self.rows @ move
+            move[self.free] = self.found.factor.solve(right)
+        return move.reshape(load.shape)
+
+
+def tangent_at(network: Network, x: Array, K: csr_array | None = None) -> Tangent:
+    """The tangent at `x` (n, d) in m, factorised; `K` is the matrix, where it is known.
+
+    Raises
+    ------
+    SolverError
+        If some motion meets no stiffness.
+    """
+    free = np.flatnonzero(~network.held.ravel())
+    rows = (tangent(network, x) if K is None else K)[free]
+    return Tangent(free, rows, regular(network, x, rows[:, free]) if len(free) else None)
+
+
+def tangent_move(
+    network: Network, x: Array, K: csr_array, load: Array, held: Array
+) -> tuple[Array, bool]:
+    """Move (n, d) in m from `x` that balances `load` (n, d) in N to first order; is K positive.
+
+    `K` is the tangent at `x`, `held` the move of the held components.
+
+    Raises
+    ------
+    SolverError
+        If some motion meets no stiffness.
+    """
+    found = tangent_at(network, x, K)
+    positive = found.found is None or is_positive_at(network, x - network.points, found.found)
+    return found.move(load, held), positive
+
+
+def largest_turn(network: Network, x: Array, move: Array) -> float:
+    """Largest change of a spring's vector in a move, relative to its length; infinite for NaN."""
+    i, j = network.springs.T
+    length = np.linalg.norm(x[j] - x[i], axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        change = np.linalg.norm(move[j] - move[i], axis=1) / length
+    return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
+
+
+def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> bool:
+    """Whether every free motion from `position` (n, d) in m meets stiffness: no negative mode.
+
+    Up to `linear.LARGEST_FACTORED` components the signs of pivots decide. Beyond, a random load
+    does: a yes is then very likely, as `multigrid.is_positive` says. `cycle` is a multigrid cycle
+    of the same network close by, where there is one.
+    """
+    instance("network", network, Network)
+    free = ~network.held
+    if not is_factored(free):
+        A = restrained(network, position)
+        if cycle is not None and is_positive(A, network, position, cycle):
+            return True
+        own = cycle_of(A, network, position)  # a no needs its own cycle
+        return is_positive(A, network, position, own)
+    if network.held.all():
+        return True
+    inside = np.flatnonzero(free.ravel())
+    near, displacement = centred(network), position - network.points
+    x = near.points + displacement
+    try:
+        found = regular(near, x, csr_array(tangent(near, x)[inside][:, inside]))
+    except SolverError:  # a mechanism
+        return False
+    return is_positive_at(network, displacement, found)
+
+
+def is_positive_at(network: Network, displacement: Array, found: Regular) -> bool:
+    """Whether a tangent is: by the signs of pivots where these are no rounding."""
+    if beyond_doubt(found):
+        return found.factor.negative == 0
+    return negative_modes(State(network, pair(displacement)), found, ~network.held) == 0
+
+
+def beyond_doubt(found: Regular) -> bool:
+    """Whether the signs of a factor's pivots are those of the exact tangent."""
+    return contraction(found.softness) <= DOUBTFUL
+
+
+def refuse_mechanism(network: Network) -> None:
+    """Raise `SolverError` if some motion from the reference points meets no stiffness.
+
+    Networks too large for a factor are asked by multigrid, which may overlook one; a motion that
+    it does name meets none.
+    """
+    x = network.points
+    if network.held.all():
+        return
+    if is_factored(~network.held):
+        tangent_at(network, x)
+        return
+    A = restrained(network, x)
+    mode = softest_motion(A, network, x)
+    if mode.any() and is_loose(network, x, mode, A.diagonal()):
+        raise SolverError(named(network, mode))

@@ -1,0 +1,122 @@
+"""Prescribed displacements are imposed on a relaxation without folding the body."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from msvalidate.imposing import imposed
+from msvalidate.network import spring_network
+from msvalidate.problem import Box, SolverError, Support
+from msvalidate.relax import relax
+from msvalidate.relaxations import RELAXATIONS
+
+SIDE = 0.37
+"""m"""
+CONSTANTS = (2.0, 1.0)
+"""k1, k2 in N/m, by which the unit square stores 0.013444 J at 10 % and 12 x 12 cells."""
+
+
+def squeezed(lattice_body, cells, part):
+    """Square of square-8 lattice between clamped sides, one pushed in by a part of the width."""
+    box = Box((SIDE, SIDE))
+    sides = (Support(box.side("left"), (0, 0)), Support(box.side("right"), (-part * SIDE, 0)))
+    return lattice_body((SIDE, SIDE), cells, supports=sides, constants=CONSTANTS)
+
+
+def plain_energy(network, position):
+    vector = position[network.springs[:, 1]] - position[network.springs[:, 0]]
+    length = np.sqrt((vector**2).sum(axis=1))
+    return 0.5 * network.stiffness @ (length - network.rest_length) ** 2
+
+
+def least_energy(network, part):
+    """Energy (J) of the rest near uniform compression, by L-BFGS on the springs' energy alone."""
+    free = ~network.held
+    uniform = network.points * [1 - part, 1.0]
+    i, j = network.springs.T
+
+    def value(x):
+        position = uniform.copy()
+        position[free] = x
+        vector = position[j] - position[i]
+        length = np.sqrt((vector**2).sum(axis=1))
+        tension = network.stiffness * (length - network.rest_length)
+        slope = np.zeros(position.shape)
+        pull = (tension / length)[:, None] * vector
+        np.add.at(slope, j, pull)
+        np.add.at(slope, i, -pull)
+        return 0.5 * tension @ (length - network.rest_length), slope[free]
+
+    options = {"maxiter": 5000, "ftol": 1e-15, "gtol": 1e-9}
+    return minimize(value, uniform[free], jac=True, method="L-BFGS-B", options=options).fun
+
+
+def inside_out(position, cells):
+    """Cells with a corner whose sides turn the wrong way, numbered along x and then y."""
+    grid = position.reshape(cells + 1, cells + 1, 2)
+    ring = [grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]]
+    turns = []
+    for k in range(4):
+        ahead, back = ring[(k + 1) % 4] - ring[k], ring[k - 1] - ring[k]
+        turns.append(ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0])
+    return int((np.array(turns) <= 0).any(axis=0).sum())
+
+
+@pytest.mark.parametrize("method", RELAXATIONS.values(), ids=RELAXATIONS.keys())
+def test_a_squeezed_body_is_not_turned_inside_out(method, lattice_body):
+    """At 10 % of 12 cells the side moves past its neighbours, to half the energy if all at once."""
+    network = squeezed(lattice_body, 12, 0.1)
+    rest = relax(network, method).equilibrium
+    found = plain_energy(network, rest.position)
+    assert found == pytest.approx(0.013444 * SIDE**2, rel=1e-4)
+    assert found == pytest.approx(least_energy(network, 0.1), rel=1e-8)
+    assert inside_out(rest.position, 12) == 0
+    assert rest.folded == 0
+
+
+@pytest.mark.parametrize(("cells", "part"), [(6, 0.15), (24, 0.05), (24, 0.15)])
+def test_finer_cells_and_further_pushes_find_the_same_body(lattice_body, cells, part):
+    network = squeezed(lattice_body, cells, part)
+    expected = least_energy(network, part)
+    for name in ("conjugate_gradients", "kinetic_damping"):
+        rest = relax(network, RELAXATIONS[name]).equilibrium
+        assert plain_energy(network, rest.position) == pytest.approx(expected, rel=1e-7)
+
+
+def test_a_folded_rest_is_refused_with_its_cells(lattice_body):
+    """From the side moved alone the first row folds, and rests so."""
+    network = squeezed(lattice_body, 12, 0.1)
+    options = {"method": RELAXATIONS["conjugate_gradients"], "start": network.displacement}
+    with pytest.raises(SolverError, match=r"12 cells are inside out, of 144: at \(0\.35458") as no:
+        relax(network, **options)
+    assert "\n" not in str(no.value)
+    assert "allow_folded=True" in str(no.value)
+    rest = relax(network, **options, allow_folded=True).equilibrium
+    assert rest.folded == inside_out(rest.position, 12) == 12
+    assert plain_energy(network, rest.position) == pytest.approx(0.006257 * SIDE**2, rel=1e-3)
+
+
+def test_small_displacements_move_what_is_held_alone(lattice_body):
+    network = squeezed(lattice_body, 12, 0.02)  # 0.24 of a cell
+    np.testing.assert_array_equal(imposed(network, np.zeros((169, 2))), network.displacement)
+
+
+def test_points_between_go_along_by_the_mean_of_neighbours():
+    """A chain of unequal springs, its end moved twice as far as it is long; a point beside it."""
+    k = np.array([1.0, 4.0, 0.5])
+    held = np.zeros((5, 2), dtype=bool)
+    held[[0, 3, 4]] = True
+    moved = np.zeros((5, 2))
+    moved[3] = [-0.6, 0.0]
+    chain = spring_network(
+        [[0, 0], [0.1, 0], [0.2, 0], [0.3, 0], [1, 1]],
+        [[0, 1], [1, 2], [2, 3]],
+        k,
+        held=held,
+        displacement=moved,
+    )
+    part = np.cumsum(1 / k) / (1 / k).sum()
+    expected = -0.6 * np.array([0, *part, 0])
+    np.testing.assert_allclose(imposed(chain, np.zeros((5, 2)))[:, 0], expected, atol=1e-12)
