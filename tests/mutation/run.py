@@ -227,7 +227,8 @@ def run(name: str, tree: Path, reach: list[dict], asked: argparse.Namespace) -> 
     results = asked.out / "results.jsonl"
     known = latest(results)
     if asked.again or asked.questions:
-        kept = {k for k, r in known.items() if r["module"] == name and r["how"] == "survived"}
+        left = {k for k, r in known.items() if r["module"] == name and r["how"] == "survived"}
+        kept = left - equivalent()
         chosen = [one for one in found if place(one) in kept]
     else:
         chosen = [
@@ -510,13 +511,18 @@ def latest(results: Path) -> dict[str, dict]:
     return {row["place"]: row for row in map(json.loads, lines)}
 
 
+def equivalent() -> set[str]:
+    """Return the faults that were judged to change no answer."""
+    judged = HERE / "equivalent.csv"
+    if not judged.exists():
+        return set()
+    with judged.open(encoding="utf-8", newline="") as file:
+        return {row["fault"] for row in csv.DictReader(file)}
+
+
 def table(results: Path, names: list[str]) -> str:
     """Return killed, late, surviving and equivalent faults by module, with Wilson's interval."""
-    judged = HERE / "equivalent.csv"
-    same = set()
-    if judged.exists():
-        with judged.open(encoding="utf-8", newline="") as file:
-            same = {row["fault"] for row in csv.DictReader(file)}
+    same = equivalent()
     groups: dict[str, list[dict]] = {name: [] for name in names}
     for row in latest(results).values():
         if row["module"] in groups:
