@@ -72,15 +72,16 @@ def test_a_way_that_leads_to_the_end_is_not_gone_twice(monkeypatch):
 
 
 def test_reactions_balance_loads_where_stiff_meets_soft():
-    # A chain of eleven points: its reaction is its load, though the stiffest spring holds it.
-    n = 11
-    held = np.zeros((n, 2), dtype=bool)
-    held[:, 1] = held[0] = True
-    force = np.zeros((n, 2))
-    force[-1, 0] = 0.3
-    line = 0.37 * np.column_stack([np.arange(n), np.zeros(n)])
-    pairs = np.column_stack([np.arange(n - 1), np.arange(1, n)])
-    chain = spring_network(line, pairs, np.geomspace(1e9, 1, n - 1), held=held, force=force)
-    found = equilibrium(chain)
-    assert found.reaction[0, 0] == pytest.approx(-0.3, rel=1e-12)
-    assert found.displacement[-1, 0] == pytest.approx(0.3 * (1 / chain.stiffness).sum(), rel=1e-12)
+    """A beam of 100 cells, its outer half softer by 1e8: what the last correction takes counts."""
+    n = 100
+    places = np.stack(np.meshgrid(np.arange(n + 1.0), [0.0, 1.0], indexing="ij"), axis=-1)
+    low = 2 * np.arange(n)
+    ways = ((0, 2), (1, 3), (0, 3), (1, 2), (2, 3))
+    pairs = np.concatenate([np.column_stack([low + a, low + b]) for a, b in ways])
+    stiffness = np.where(np.arange(len(pairs)) % n > n / 2, 1e-5, 1e3)
+    held, force = np.zeros((2 * n + 2, 2), dtype=bool), np.zeros((2 * n + 2, 2))
+    held[:2], force[-2:, 1] = True, -0.3
+    beam = spring_network(0.37 * places.reshape(-1, 2), pairs, stiffness, held=held, force=force)
+    reaction = equilibrium(beam).reaction
+    # An eps of the largest reaction, 60 N, is 1e-14 N.
+    np.testing.assert_allclose(reaction.sum(axis=0), [0.0, 0.6], rtol=0, atol=1e-12)
