@@ -258,6 +258,21 @@ def test_arrays_of_any_order_in_memory_are_moved_in_place(path, threads):
     np.testing.assert_allclose(out, internal_force(network, network.points + u), atol=1e-13 * scale)
 
 
+@pytest.mark.parametrize(("path", "threads"), EVERY_WAY)
+def test_numbers_of_half_the_length_are_taken_for_what_they_are(path, threads):
+    network = grid(2, jitter=0.0)
+    motion = kernels.Motion(network, path=path, threads=threads)
+    u, v, keep, push = (np.array(part, dtype=np.float32) for part in start(network))
+    found, expected = ([np.array(part, dtype=float) for part in (u, v)] for _ in range(2))
+    motion.advance(*found, keep, push, 0.02, 5)
+    motion.advance(*expected, keep.astype(float), push.astype(float), 0.02, 5)
+    np.testing.assert_array_equal(found, expected)
+    forces = np.zeros((2, *u.shape))
+    motion.force_and_energy(u, forces[0])
+    motion.force_and_energy(u.astype(float), forces[1])
+    np.testing.assert_array_equal(*forces)
+
+
 # Refused --------------------------------------------------------------------------------------
 
 

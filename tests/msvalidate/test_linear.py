@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from msvalidate.linear import factorised, softest_mode
+from msvalidate.linear import LARGEST_FACTORED, factorised, is_factored, softest_mode
 
 
 @pytest.mark.parametrize("negative", [0, 1, 3])
@@ -24,3 +24,18 @@ def test_softest_mode_of_a_singular_matrix_is_its_null_vector():
     chain = csr_array(np.diag([1.0, 2, 2, 1]) - np.eye(4, k=1) - np.eye(4, k=-1))
     mode = softest_mode(chain)
     assert np.abs(np.abs(mode) - 0.5).max() < 1e-10, "a rigid shift, equal everywhere"
+
+
+def test_what_nothing_resists_has_a_softest_mode_all_the_same():
+    mode = softest_mode(csr_array((4, 4)))
+    assert np.linalg.norm(mode) == pytest.approx(1.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_factor_is_for_few_components_that_are_free(dim):
+    most = LARGEST_FACTORED[dim]
+    free = np.zeros((most, dim), dtype=bool)
+    free.ravel()[:most] = True
+    assert is_factored(free)
+    free.ravel()[most] = True
+    assert not is_factored(free)

@@ -57,3 +57,10 @@ def test_field_on_a_segment_is_the_mean_of_its_sides():
     on_it, above, below = integrals.fields(at, np.array([0j]), np.array([b]))[:, 0]
     assert on_it == pytest.approx((above + below) / 2, abs=1e-8)
     assert abs(above - below) == pytest.approx(2 * np.pi / abs(b), rel=1e-8)
+
+
+def test_a_field_at_the_end_of_one_segment_is_none_there_alone():
+    points = np.array([5 + 1j, -2j, 1 + 0.2j])
+    start, along = np.array([0, 1 + 0.2j]), np.array([0.37, 0.5j])
+    ends = np.isnan(integrals.fields(points, start, along))
+    np.testing.assert_array_equal(ends, [[False, False], [False, False], [False, True]])

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial.legendre import leggauss
 
-from msvalidate.kernels.fluxes import crossed, dragged
+from msvalidate.kernels.fluxes import crossed, dragged, twisted
 
 examples = settings(max_examples=25, deadline=None)
 NODES, WEIGHTS = leggauss(40)
@@ -76,3 +76,30 @@ def test_derivatives_in_nodes(seed):
             moved = step * way * (np.arange(len(points)) == node)
             expected = (work(points + moved) - work(points - moved)) / (2 * step)
             assert measured == pytest.approx(expected, abs=1e-7 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("size", [1.0, 0.37])
+def test_second_derivatives_in_nodes(size):
+    """Of the fluxes segment by segment, and of `dragged`, by differences; neighbours touch."""
+    points, ends = loop(5)
+    points = size * points
+    n = len(points)
+    weight, charge = np.random.default_rng(5).normal(size=(2, n))
+    through, sent, second = twisted(*edges(points, ends), ends, weight, charge, n)
+    step = 1e-6 * size
+    for node in range(n):
+        for way in (1, 1j):
+            moved = step * way * (np.arange(n) == node)
+            ahead, behind = (edges(at, ends) for at in (points + moved, points - moved))
+            change = (crossed(*ahead).imag - crossed(*behind).imag) / (2 * step)
+            # A derivative in x is the real part, in y minus the imaginary part.
+            for found, expected in (
+                (through[:, node], change @ charge),
+                (sent[:, node], weight @ change),
+            ):
+                measured = (way * found).real
+                np.testing.assert_allclose(measured, expected, atol=1e-7 * np.abs(found).max())
+            slopes = [dragged(*at, ends, weight, charge, n) for at in (ahead, behind)]
+            expected = (slopes[0] - slopes[1]) / (2 * step)
+            scale = np.abs(second).max()
+            np.testing.assert_allclose(way * second[:, node], expected, atol=1e-7 * scale)
