@@ -76,8 +76,8 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
     "kernels": (["msvalidate/kernels/*.py"], [], 25),
     "reference_fem": (["reference_fem/**/*.py"], [F], 25),
     "equilibrium": (
-        ["msvalidate/equilibrium.py", "msvalidate/linear.py"],
-        [f"{T}/test_{n}.py" for n in ("equilibrium", "linear", "unstable", "stable_range")],
+        ["msvalidate/equilibrium.py", "msvalidate/linear*.py"],
+        [f"{T}/test_{n}.py" for n in ("equilibrium*", "linear", "unstable", "path", "refinement")],
         25,
     ),
 }
