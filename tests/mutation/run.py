@@ -19,22 +19,16 @@ from __future__ import annotations
 
 import argparse
 import csv
-import importlib
 import json
-import os
-import resource
 import shutil
-import signal
 import subprocess
 import sys
-import time
-import traceback
 from pathlib import Path
-from typing import Any
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 from operators import Mutant, mutants, sample  # noqa: E402
+from processes import forked, prepare, tested_by, traced  # noqa: E402
 
 ROOT = HERE.parents[1]
 T, F = "tests/msvalidate", "tests/reference_fem"
@@ -76,8 +70,8 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
     "kernels": (["msvalidate/kernels/*.py"], [], 25),
     "reference_fem": (["reference_fem/**/*.py"], [F], 25),
     "equilibrium": (
-        ["msvalidate/equilibrium.py", "msvalidate/linear.py"],
-        [f"{T}/test_{n}.py" for n in ("equilibrium", "linear", "unstable", "stable_range")],
+        ["msvalidate/equilibrium.py", "msvalidate/linear*.py"],
+        [f"{T}/test_{n}.py" for n in ("equilibrium*", "linear", "unstable", "path", "refinement")],
         25,
     ),
 }
@@ -130,10 +124,6 @@ QUESTIONS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
 """Module -> quick questions whose theory or agreement rows should notice."""
 LIMIT = 60
 """Seconds of processor time, after which a fault counts as noticed: the tests take far less."""
-OPTIONS = [
-    "-q", "-p", "no:cacheprovider", "--hypothesis-seed=0",
-    "-W", "ignore::pytest.PytestAssertRewriteWarning",  # imported before, for all faults at once
-]  # fmt: skip
 REACHING, OTHERS = 5.0, 2.0
 """Seconds of tests that reach the line, and of the module's others."""
 
@@ -161,36 +151,6 @@ def main() -> None:
     print(table(asked.out / "results.jsonl", names))  # noqa: T201
 
 
-def prepare() -> None:
-    """Import others' packages once: a fault's process is a fork of this one."""
-    resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
-    for name in (
-        "hypothesis", "hypothesis.strategies", "hypothesis.extra.numpy", "jinja2", "matplotlib",
-        "matplotlib.pyplot", "meshio", "numba", "numpy", "pandas", "pyamg", "pytest",
-        "_pytest.assertion.rewrite", "scipy.integrate", "scipy.interpolate", "scipy.optimize",
-        "scipy.sparse.linalg", "scipy.spatial", "scipy.special", "scipy.stats", "shapely",
-        "skfem", "skfem.helpers", "tqdm",
-    ):  # fmt: skip
-        importlib.import_module(name)
-    from hypothesis import Phase, settings  # noqa: PLC0415
-
-    # A failing example is enough: few are tried, none is made smaller, stored, or looked at twice.
-    made = settings.__init__
-
-    def few(self: settings, parent: settings | None = None, **given: Any) -> None:
-        made(self, parent, **given | {"max_examples": min(given.get("max_examples", 10), 10)})
-
-    settings.__init__ = few
-    settings.register_profile(
-        "mutants",
-        phases=[Phase.explicit, Phase.generate],
-        database=None,
-        deadline=None,
-        report_multiple_bugs=False,
-    )
-    settings.load_profile("mutants")
-
-
 def copied(tree: Path) -> Path:
     """Copy what git knows, and what is new, to a folder of its own."""
     shutil.rmtree(tree, ignore_errors=True)
@@ -207,17 +167,23 @@ def copied(tree: Path) -> Path:
 def reached(tree: Path, store: Path) -> list[dict]:
     """Return what each test reaches, and its seconds; found by a run without faults."""
     if not store.exists():
-        tests = sorted({t for _, tests, _ in MODULES.values() for t in tests})
-        code, _ = forked(lambda: _traced(tests, store, tree), tree, store.parent, 7200)
+        tests = ["tests/test_bad_input.py", *{t for _, tests, _ in MODULES.values() for t in tests}]
+        code, _ = forked(lambda: traced(files_of(tests), store, tree), tree, store.parent, 7200)
         if code != 0:
             store.unlink(missing_ok=True)
             sys.exit(f"the tests fail without a fault; see {store.parent / 'output.txt'}")
     return [json.loads(line) for line in store.read_text().splitlines()]
 
 
+def files_of(tests: list[str]) -> list[str]:
+    """Return the files and folders of tests that there are."""
+    return sorted({str(path.relative_to(ROOT)) for test in tests for path in ROOT.glob(test)})
+
+
 def run(name: str, tree: Path, reach: list[dict], asked: argparse.Namespace) -> None:
     """Ask of each fault of a module's sample whether it is noticed; append what is found."""
     patterns, tests, count = MODULES[name]
+    tests = files_of(tests)
     found = [
         one
         for pattern in patterns
@@ -263,10 +229,10 @@ def refuse_failing(
         works = [lambda a=a: _question(*a) for a in QUESTIONS.get(name, [])]
     elif name == "kernels":
         asks = [group for one in chosen for group in KERNELS[Path(one.file).stem]]
-        works = [lambda: _tests(sorted({t for group in asks for t in group}))]
+        works = [lambda: tested_by(sorted({t for group in asks for t in group}))]
     else:
         groups = [group for one in chosen for group in chosen_tests(one, tests, reach)]
-        works = [lambda: _tests(sorted({t for group in groups for t in group}))]
+        works = [lambda: tested_by(sorted({t for group in groups for t in group}))]
     for work in works:
         code, seconds = forked(work, tree, asked.out, 600)
         if code:
@@ -297,7 +263,7 @@ def tested(
             if not group:
                 continue
             code, seconds = forked(
-                lambda group=group: _tests(group), tree, out, LIMIT, cold=compiled
+                lambda group=group: tested_by(group), tree, out, LIMIT, cold=compiled
             )
             spent += seconds
             if code == "timeout":
@@ -362,111 +328,6 @@ class fault_in:  # noqa: N801
 
     def __exit__(self, *_: object) -> None:
         self._write(self.source)
-
-
-def forked(work, tree: Path, out: Path, limit: int, *, cold: bool = False) -> tuple[object, float]:
-    """Do some work in a process of its own, in the tree; return its exit code and its seconds."""
-    cache = out / ("cold" if cold else "warm")
-    cache.mkdir(exist_ok=True)
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    child = os.fork()
-    if not child:
-        code = 70
-        try:
-            _enter(tree, out, cache, limit)
-            code = int(work())
-        except BaseException:  # noqa: BLE001  nothing may run on as a second parent
-            traceback.print_exc()
-        finally:
-            sys.stdout.flush()
-            sys.stderr.flush()
-            os._exit(code)
-    ends = time.monotonic() + 15 * limit
-    while True:
-        done, status = os.waitpid(child, os.WNOHANG)
-        if done:
-            break
-        if time.monotonic() > ends:
-            os.killpg(child, signal.SIGKILL)
-            os.waitpid(child, 0)
-            return "timeout", float(limit)
-        time.sleep(0.05)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    if os.WIFSIGNALED(status):
-        late = os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGKILL)
-        return "timeout" if late else "crash", seconds
-    return os.WEXITSTATUS(status), seconds
-
-
-def _enter(tree: Path, out: Path, cache: Path, limit: int) -> None:
-    import numba  # noqa: PLC0415
-
-    os.setpgid(0, 0)
-    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
-    os.chdir(tree)
-    os.environ |= {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache)}
-    numba.config.CACHE_DIR = str(cache)
-    sys.path[:] = [str(tree)] + [p for p in sys.path if Path(p or ".").resolve() != ROOT]
-    text = os.open(out / "output.txt", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-    for stream in (1, 2):
-        os.dup2(text, stream)
-
-
-def _tests(tests: list[str]) -> int:
-    import pytest  # noqa: PLC0415
-
-    return pytest.main([*OPTIONS, "-x", "--tb=line", *tests])
-
-
-def _traced(tests: list[str], store: Path, tree: Path) -> int:
-    import pytest  # noqa: PLC0415
-
-    options = [*OPTIONS, "--tb=short", "-m", "not slow"]
-    return pytest.main([*options, *tests], plugins=[Trace(store, tree)])
-
-
-class Trace:
-    """A plugin of pytest that writes down which lines of the packages each test runs."""
-
-    def __init__(self, store: Path, tree: Path) -> None:
-        import pytest  # noqa: PLC0415
-
-        self.store, self.tree = store, f"{tree}/"
-        self.files: dict[str, bool] = {}
-        self.lines: dict[str, set[int]] = {}
-        hook = pytest.hookimpl(wrapper=True)
-        self.pytest_runtest_protocol = hook(self._protocol)
-
-    def _protocol(self, item):
-        self.lines, start = {}, time.process_time()
-        sys.settrace(self._called)
-        try:
-            return (yield)
-        finally:
-            sys.settrace(None)
-            line = {
-                "test": item.nodeid,
-                "seconds": round(time.process_time() - start, 3),
-                "lines": {k.removeprefix(self.tree): sorted(v) for k, v in self.lines.items()},
-            }
-            with self.store.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(line) + "\n")
-
-    def _called(self, frame, _event, _arg):
-        name = frame.f_code.co_filename
-        if name not in self.files:
-            ours = (f"{self.tree}msvalidate/", f"{self.tree}reference_fem/")
-            self.files[name] = name.startswith(ours)
-        if not self.files[name]:
-            return None
-        self.lines.setdefault(name, set()).add(frame.f_lineno)
-        return self._stepped
-
-    def _stepped(self, frame, event, _arg):
-        if event == "line":
-            self.lines[frame.f_code.co_filename].add(frame.f_lineno)
-        return self._stepped
 
 
 def last_failure(out: Path) -> str:
