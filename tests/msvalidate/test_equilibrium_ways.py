@@ -8,8 +8,6 @@ from msvalidate.equilibrium import equilibrium
 from msvalidate.network import spring_network
 from msvalidate.problem import SolverError
 
-pytest.importorskip("msvalidate.following", reason="paths are not there yet")
-
 STIFFNESS, TIGHT = 5.0, 0.8
 
 
