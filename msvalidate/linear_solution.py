@@ -98,6 +98,9 @@ class _System:
         self.K = K
         self.regular = regular(self.network, self.network.points, A)
         if negative_modes(self.state, self.regular, self.free):
+            if self.state.unstressed and not (self.network.volumes or self.network.shear):
+                # Springs at rest resist every motion or none: the sign is rounding.
+                refuse_inaccurate(math.inf, TITLE, self._why())
             raise SolverError(
                 "linear equilibrium: the network is unstable at its reference points (its tangent "
                 "stiffness has a negative mode); relieve its prestress or hold it better"

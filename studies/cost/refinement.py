@@ -64,7 +64,7 @@ TOLERANCES = (
 COLUMNS = {
     "body": "plate, clamped on one side, sheared on the other; or a row of cells bent by its end",
     "points": "of the network",
-    "springs": "of the network",
+    "springs": "springs of the network",
     "solution_cpu_seconds": "of a linear equilibrium: median of the rounds (s)",
     "one_solve_cpu_seconds": "of tangent, factor, softest motion and one solve (s)",
     "refinement_part_here": "of the solution's time that is neither of these (1)",

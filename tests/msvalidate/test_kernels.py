@@ -128,7 +128,7 @@ def test_the_compiled_code_is_kept_for_the_next_process(tmp_path):
     for _ in range(2):
         environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
         subprocess.run([sys.executable, "-c", script], env=environment, check=True, cwd=ROOT)
-        kept.append(sorted(p.name for p in tmp_path.rglob("*.nbc")))
+        kept.append(sorted(p.name for p in tmp_path.rglob("*.kernel")))
     assert kept[0] == kept[1]
     assert kept[0]
 

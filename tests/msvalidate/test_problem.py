@@ -50,7 +50,7 @@ def refused(message):
         (lambda: finite("mass", [1.0, NAN]), "mass: nan at index 1; every value must be finite"),
         (lambda: finite("force", [[0, 1], [np.inf, 0]]), "force: inf at index (1, 0)"),
         (lambda: finite("mass", "heavy"), "mass: expected numbers, got 'heavy'"),
-        (lambda: finite("points", [[0, 1], [1]]), "points: expected numbers"),
+        (lambda: finite("points", [[0, 1], [1]]), "points: rows of different length"),
         (lambda: positive("dt", [1.0], "s"), "dt: [1.0] s; it must be above zero"),
         # domain
         (lambda: Box((1.0,)), "give a tuple of 2 or 3 lengths"),

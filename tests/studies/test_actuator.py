@@ -76,7 +76,7 @@ def test_growth_under_a_force_on_a_corner_by_elements():
         tip = np.flatnonzero((mesh.points == (1.0, 1.0)).all(axis=1))[0]
         force[tip, 0] = 1.0
         held_at = np.repeat((mesh.points[:, 1] == 0)[:, None], 2, axis=1)
-        stiffness = reference_fem.body.stiffness(mesh, material)
+        stiffness = reference_fem.elasticity.stiffness(mesh, material)
         moved, _ = solver(mesh, stiffness, held_at).solve(np.zeros(force.shape), force)
         seen.append(moved[tip])
     grown = np.diff(seen, axis=0)[-1]

@@ -451,7 +451,7 @@ def test_faults_name_their_questions(fault):
 
 
 def test_unknown_questions_are_refused():
-    with pytest.raises(ProblemError, match="choose from solids, uniform, clamped, cost, choice"):
+    with pytest.raises(ProblemError, match="choose from solids, orthotropic, uniform"):
         lattices.run(setting=QUICK, questions=("solid",))
 
 

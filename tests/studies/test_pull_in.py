@@ -104,7 +104,7 @@ def test_same_numbers_whatever_the_workers():
 
 
 def test_unknown_questions_are_refused():
-    with pytest.raises(ProblemError, match="choose from sweep, instability"):
+    with pytest.raises(ProblemError, match="choose from sweep, permittivity, instability"):
         pull_in.run(setting=QUICK, questions=("pull-in",))
 
 

@@ -188,8 +188,10 @@ def test_places_where_nothing_can_be_written_are_passed_over(tmp_path, monkeypat
         assert not cache._writable(tmp_path / place / "folder"), place
     assert cache._writable(tmp_path / "not" / "yet")
     monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path / "file"))
-    readable = {tmp_path, cache.HERE / "__pycache__", cache.HERE}
-    monkeypatch.setattr(cache.os, "access", lambda path, _: path not in readable)
+    ours = (tmp_path, cache.HERE)
+    monkeypatch.setattr(
+        cache.os, "access", lambda path, _: not any(path.is_relative_to(own) for own in ours)
+    )
     found = cache.folder.__wrapped__()
     assert found is not None
     assert cache.HERE not in found.parents, "the user's own cache"

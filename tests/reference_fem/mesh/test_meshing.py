@@ -404,7 +404,7 @@ hold have the very area and perimeter of the outline."""
         ((BAR, 0.2), {"towards": (0.0, 0.0)}, "towards: shape (2,); give (p, 2)"),
         ((BAR, 0.2), {"towards": (0.0, 0.0, 0.2)}, "towards: shape (3,); give (p, 2)"),
         ((BAR, 0.2), {"towards": np.zeros((2, 3))}, "towards: shape (2, 3); give (p, 2)"),
-        ((BAR, 0.2), {"towards": [(0.0, 0.0), (1.0,)]}, "towards: expected numbers, got rows of"),
+        ((BAR, 0.2), {"towards": [(0.0, 0.0), (1.0,)]}, "towards: rows of different length"),
         ((BAR, 0.2), {"towards": "corner"}, "towards: expected numbers, got 'corner'"),
         ((BAR, 0.2), {"depth": 5}, "mesh depth: 5 and no places to refine towards; give towards"),
         (
