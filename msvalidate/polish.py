@@ -231,8 +231,8 @@ class _Nonlinear:
     def solve(self, force: Array) -> Array:
         """Displacement (n, d) in m that the factor gives for a force, scaled as `left`."""
         motion = np.zeros(force.shape)
-        right = force[self.free]
-        size = _largest(right) or 1.0  # over the tangent a small force may leave the range of doubles
+        right = force[self.free]  # over the tangent a small one may leave the range of doubles
+        size = _largest(right) or 1.0
         solved = self.found.factor.solve(right / size) * self.state.stiffness
         motion[self.free] = solved * (size * self.unit)
         return motion
