@@ -232,7 +232,7 @@ class _Nonlinear:
         """Displacement (n, d) in m that the factor gives for a force, scaled as `left`."""
         motion = np.zeros(force.shape)
         right = force[self.free]  # over the tangent a small one may leave the range of doubles
-        size = _largest(right) or 1.0
+        size = 2.0 ** (math.frexp(_largest(right))[1] - 1)
         solved = self.found.factor.solve(right / size) * self.state.stiffness
         motion[self.free] = solved * (size * self.unit)
         return motion
