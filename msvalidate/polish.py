@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate.accurate import State
-from msvalidate.double_double import Pair, added, pair
+from msvalidate.double_double import ROUNDING, Pair, added, pair
 from msvalidate.linear import is_factored
 from msvalidate.mechanism import Regular, regular
 from msvalidate.multigrid import Cycle, conjugate_gradients, cycle_of, restrained
@@ -25,6 +25,7 @@ from msvalidate.problem import Array, SolverError
 from msvalidate.refine import (
     DOUBTFUL,
     ENOUGH,
+    LARGEST_ERROR,
     Refined,
     contraction,
     refined,
@@ -47,6 +48,11 @@ FACTORS = 10
 """Tangents made at the most."""
 FEW = 2
 """Corrections that may fail to fall before a new tangent is made."""
+DIGITS = 64 * ROUNDING / LARGEST_ERROR
+"""Displacement over the body's size below which rounding of positions, in twice the digits of
+doubles, is more than may be left, if the softest motion meets as much as any; some room with it."""
+SMALLEST_STRAIN = 1e-16
+"""Displacement over the body's size below which no double shows what is not linear."""
 CYCLES_PART = 1e-4
 """What conjugate gradients leave of a correction."""
 
@@ -114,9 +120,21 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
     u = moved.solution
     _refuse_far(_turn(network, u.hi - before))
     error = system.stated(moved)
-    refuse_inaccurate(error, TITLE, why(network, system.found.softness))
+    refuse_inaccurate(error, TITLE, _why(network, _largest(u.hi), system.found.softness))
     system.refuse_unstable()
     return Polished(u.hi, error, moved.steps)
+
+
+def _why(network: Network, moved: float, softness: float) -> str:
+    """Why digits are missing where the largest displacement is `moved` (m), and what to do."""
+    part = moved / float(np.ptp(network.points, axis=0).max())
+    least = DIGITS / max(abs(softness), np.finfo(float).tiny)
+    if not 0 < part < least <= SMALLEST_STRAIN:
+        return why(network, softness)
+    return (
+        f"it moves the body by {part:.1g} of its size, which positions have no digits for; take "
+        f"geometry 'linear', or {least / part:.1g} times the load"
+    )
 
 
 def _newton(network: Network, u: Pair, near: Network) -> tuple[_Nonlinear, Refined]:
@@ -130,7 +148,7 @@ def _newton(network: Network, u: Pair, near: Network) -> tuple[_Nonlinear, Refin
         if not np.isfinite(sizes[-1]) or _turn(network, step.solution.hi) > LARGEST_TURN:
             break
         u = added(u, step.solution)
-        scale = _largest(u.hi)
+        scale = _largest(u.hi) or 1.0
         if sizes[-1] <= ENOUGH * scale:
             return system, Refined(u, 2 * sizes[-1] / scale, steps, settled=True)
         error = 2 * sizes[-1] / scale
@@ -213,8 +231,10 @@ class _Nonlinear:
     def solve(self, force: Array) -> Array:
         """Displacement (n, d) in m that the factor gives for a force, scaled as `left`."""
         motion = np.zeros(force.shape)
-        right = force[self.free]
-        motion[self.free] = self.found.factor.solve(right) * self.state.stiffness * self.unit
+        right = force[self.free]  # over the tangent a small one may leave the range of doubles
+        size = 2.0 ** (math.frexp(_largest(right))[1] - 1)
+        solved = self.found.factor.solve(right / size) * self.state.stiffness
+        motion[self.free] = solved * (size * self.unit)
         return motion
 
     def newton_step(self) -> Refined:
@@ -238,7 +258,7 @@ class _Nonlinear:
     def stated(self, moved: Refined) -> float:
         """The error to state of what was refined."""
         if not moved.solution.hi.any():
-            return 0.0
+            return np.inf if self.residual(moved.solution).any() else 0.0
         rate, times = contraction(self.found.softness), 1.0
         if rate > DOUBTFUL:
             times = tried(self._linear, self._solve_linear, rate, known(self.free, self.found.mode))

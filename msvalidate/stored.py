@@ -22,7 +22,7 @@ import msgspec
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.evidence import Evidence, held
+from msvalidate.evidence import Evidence, Layer, held
 from msvalidate.figures import plain_logarithms, styled
 from msvalidate.problem import ProblemError
 
@@ -74,7 +74,7 @@ class Written(msgspec.Struct, frozen=True):
 class Row(msgspec.Struct, frozen=True):
     """A row of `verdict.csv`; what is no finite number is NaN."""
 
-    layer: str
+    layer: Layer
     quantity: str
     unit: str
     observed: float

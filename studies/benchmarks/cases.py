@@ -28,6 +28,8 @@ PLAUSIBLE = (0.5, 6.0)
 DOUBTFUL = 0.25
 """Part of a difference that the limit's own uncertainty may be: it moves an order by 0.3."""
 FINDING_DIGITS = 3
+LONG = 36
+"""Letters that fit above a panel; longer titles take two lines."""
 VOLUME = " + volume energy"
 """In the names of methods that have one."""
 COLUMNS = {
@@ -192,8 +194,10 @@ def convergence(name: str, xlabel: str, tables: Tables) -> Figure:
         draw(axis, rows_here, methods)
         volume = rows_here["method"].str.contains(VOLUME, regex=False).any()
         above = f"{quantity}, nu = {nu:.3g}"
+        if len(above) > LONG:
+            above = above.replace(", nu =", "\nnu =")
         axis.set_title(f"{above}\nsprings with a volume energy" if volume else above, fontsize=9)
-    for axis in axes[-columns:]:
+    for axis in axes[len(panels) - columns : len(panels)]:  # the lowest of every column
         axis.set_xlabel(xlabel)
     for axis in axes[::columns]:
         axis.set_ylabel("difference to the limit (%)")

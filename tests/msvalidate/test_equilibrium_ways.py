@@ -83,3 +83,18 @@ def test_reactions_balance_loads_where_stiff_meets_soft():
     reaction = equilibrium(beam).reaction
     # An eps of the largest reaction, 60 N, is 1e-14 N.
     np.testing.assert_allclose(reaction.sum(axis=0), [0.0, 0.6], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("stiffness", [1e30, 1e200, 1e300])
+def test_a_displacement_that_positions_have_no_digits_for_is_refused_and_never_zero(stiffness):
+    # a square of 0.37 m with both diagonals moves by 0.00625/k and -0.00875/k under 0.01 N
+    points = 0.37 * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+    springs = [[0, 1], [0, 2], [1, 3], [2, 3], [0, 3], [1, 2]]
+    force = np.zeros((4, 2))
+    force[3, 1] = -0.01
+    held = [[True, True], [False, True], [False, False], [False, False]]
+    network = spring_network(points, springs, np.full(6, stiffness), held=held, force=force)
+    move = equilibrium(network).displacement[3] * stiffness
+    assert move == pytest.approx([0.00625, -0.00875], rel=1e-14)
+    with pytest.raises(SolverError, match=r"no digits for; take geometry 'linear', or .* the load"):
+        equilibrium(network, "nonlinear")

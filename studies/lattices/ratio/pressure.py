@@ -179,7 +179,7 @@ def pressed(candidate: Candidate, todo: tuple[float, int]) -> dict[str, object]:
     length = middle[:, 0].max() + middle[0, 0]
     near = middle[:, 0] > (1 - FREE) * length
     grid = tuple(len(np.unique(np.round(middle[near, axis], 9))) for axis in (0, 1))
-    order = np.lexsort((middle[near, 1], middle[near, 0]))
+    order = np.lexsort(np.round(middle[near], 9).T[::-1])
     a, b = (field[near][order].reshape(grid) for field in (own, mixed))
     return {
         "nu_pressed": nu,
