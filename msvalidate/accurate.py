@@ -22,22 +22,29 @@ from msvalidate.double_double import (
     Pair,
     added,
     at,
+    cross,
+    dot,
     ends_of,
     gathered,
+    half,
+    inverse,
     negative,
     over,
     pair,
+    product,
     root,
-    scaled,
+    stacked,
     summed,
+    symmetric,
     taken,
     times,
     total,
+    transposed,
     two_sum,
 )
 from msvalidate.local_shear import LocalShear
 from msvalidate.network import Network
-from msvalidate.problem import Array, Index, Mask
+from msvalidate.problem import Array, Index
 from msvalidate.volumes import Volumes
 
 AT_REST = 2.0**-50
@@ -133,10 +140,10 @@ class _Springs:
         for part in self.chunks:
             springs = self.springs[part]
             v = _between(x, springs)
-            L0 = _at_rest(root(_dot(v, v)), rest[part])
+            L0 = _at_rest(root(dot(v, v)), rest[part])
             if u is not None:
                 v = added(v, _apart(u, springs))
-            square = _dot(v, v)
+            square = dot(v, v)
             L, own = root(square), pair(k[part])
             slack = over(times(own, taken(L, L0)), L)
             # k L0/L³ is (k - slack)/L²
@@ -165,7 +172,7 @@ class _Springs:
         for part in self.chunks:
             here = (..., part)
             w = _apart(motion, self.springs[part])
-            change = times(_dot(at(self.v, here), w), at(self.along, here))
+            change = times(dot(at(self.v, here), w), at(self.along, here))
             if self.stressed:
                 change = added(change, times(at(self.slack, here), w))
             _set(pull, part, change)
@@ -247,7 +254,7 @@ class _Cells:
         for p, q, r in triangles:
             for first, second, third in ((p, q, r), (q, r, p), (r, p, q)):
                 a, b = at(x, (slice(None), second)), at(y, (slice(None), third))
-                corners[first].append(_cross(a, b))
+                corners[first].append(cross(a, b))
         sums = [total(one) for one in corners]
         gradient = Pair(
             np.stack([one.hi for one in sums], axis=1), np.stack([one.lo for one in sums], axis=1)
@@ -265,7 +272,7 @@ class _Shear:
         self.opposite = ends_of(*self.ends)
         self.both = ends_of(self.ends.ravel())
         self.D = _between(shear.points.T / length, self.springs)
-        self.square = _dot(self.D, self.D)
+        self.square = dot(self.D, self.D)
         self.k = pair(shear.stiffness / stiffness)
         self.reach = self._reach(pair(shear.weights))
         d = shear.dim
@@ -276,18 +283,18 @@ class _Shear:
         H = self._gradient(u)
         self.F = added(one, H)
         # E without the digits that FᵀF shares with 1
-        E = _symmetric(added(H, _half(_product(_transposed(H), H))))
+        E = symmetric(added(H, half(product(transposed(H), H))))
         self.M = self._moments(self._shift(E))
 
     def pulls(self) -> Pulls:
-        return self._pulled(_product(self.F, self.M))
+        return self._pulled(product(self.F, self.M))
 
     def change(self, motion: Pair) -> Pulls:
         H = self._gradient(motion)
-        moments = self._moments(self._shift(_symmetric(_product(_transposed(self.F), H))))
-        change = _product(self.F, moments)
+        moments = self._moments(self._shift(symmetric(product(transposed(self.F), H))))
+        change = product(self.F, moments)
         if self.M.hi.any():
-            change = added(change, _product(H, self.M))
+            change = added(change, product(H, self.M))
         return self._pulled(change)
 
     def _reach(self, weight: Pair) -> list[Pair]:
@@ -299,14 +306,14 @@ class _Shear:
                 product = times(weight, times(at(self.D, a), at(self.D, b)))
                 both = Pair(*(np.concatenate([x, x]) for x in product))
                 outer[a, b] = outer[b, a] = summed(gathered(both, self.both, self.count))
-        inverse = _inverse(outer, d, np.bincount(self.both.first, minlength=self.count) > 0)
+        weights = inverse(outer, d, np.bincount(self.both.first, minlength=self.count) > 0)
         out = []
         for end in self.ends:
             rows = [
-                total([times(at(inverse[b, c], end), at(self.D, c)) for c in range(d)])
+                total([times(at(weights[b, c], end), at(self.D, c)) for c in range(d)])
                 for b in range(d)
             ]
-            out.append(times(weight, _stacked(rows)))
+            out.append(times(weight, stacked(rows)))
         return out
 
     def _gradient(self, u: Pair) -> Pair:
@@ -320,16 +327,16 @@ class _Shear:
                 ends = [times(at(one, b), at(w, a)) for one in self.reach]
                 both = Pair(*(np.concatenate(x) for x in zip(*ends, strict=True)))
                 row.append(summed(gathered(both, self.both, self.count)))
-            rows.append(_stacked(row))
-        return _stacked(rows)
+            rows.append(stacked(row))
+        return stacked(rows)
 
     def _shift(self, E: Pair) -> Pair:
         """Shear s (d, m) of the springs: what the mean strain does across them."""
         i, j = self.ends
-        mean = _half(added(at(E, (..., i)), at(E, (..., j))))
+        mean = half(added(at(E, (..., i)), at(E, (..., j))))
         d = self.D.hi.shape[0]
-        turned = _stacked([_dot(at(mean, a), self.D) for a in range(d)])
-        along = over(_dot(turned, self.D), self.square)
+        turned = stacked([dot(at(mean, a), self.D) for a in range(d)])
+        along = over(dot(turned, self.D), self.square)
         return taken(turned, times(along, self.D))
 
     def _moments(self, shift: Pair) -> Pair:
@@ -343,8 +350,8 @@ class _Shear:
                 one = added(times(at(pull, a), at(self.D, b)), times(at(pull, b), at(self.D, a)))
                 both = Pair(*(np.concatenate([x, x]) / 4 for x in one))
                 row.append(summed(gathered(both, self.both, self.count)))
-            rows.append(_stacked(row))
-        return _stacked(rows)
+            rows.append(stacked(row))
+        return stacked(rows)
 
     def _pulled(self, stress: Pair) -> Pulls:
         """Forces of moments F M (d, d, n) through the gradients that they work on."""
@@ -357,7 +364,7 @@ class _Shear:
                 for b in range(d)
             ]
             sums.append(total(shares))
-        return Pulls(_stacked(sums), self.opposite)
+        return Pulls(stacked(sums), self.opposite)
 
 
 def _empty(shape: tuple[int, ...]) -> Pair:
@@ -382,46 +389,6 @@ def _apart(u: Pair, springs: Index) -> Pair:
     return taken(second, first)
 
 
-def _dot(a: Pair, b: Pair) -> Pair:
-    """Scalar products (m,) of vectors (d, m)."""
-    product = times(a, b)
-    return total([at(product, axis) for axis in range(product.hi.shape[0])])
-
-
-def _cross(a: Pair, b: Pair) -> Pair:
-    """Cross products (3, c)."""
-    rows = []
-    for p, q in ((1, 2), (2, 0), (0, 1)):
-        rows.append(taken(times(at(a, p), at(b, q)), times(at(a, q), at(b, p))))
-    return _stacked(rows)
-
-
-def _product(a: Pair, b: Pair) -> Pair:
-    """Products of matrices (d, d, n)."""
-    d = a.hi.shape[0]
-    rows = []
-    for i in range(d):
-        entries = [total([times(at(a, (i, c)), at(b, (c, j))) for c in range(d)]) for j in range(d)]
-        rows.append(_stacked(entries))
-    return _stacked(rows)
-
-
-def _transposed(a: Pair) -> Pair:
-    return Pair(a.hi.swapaxes(0, 1), a.lo.swapaxes(0, 1))
-
-
-def _symmetric(a: Pair) -> Pair:
-    return _half(added(a, _transposed(a)))
-
-
-def _half(a: Pair) -> Pair:
-    return scaled(a, 0.5)
-
-
-def _stacked(rows: list[Pair]) -> Pair:
-    return Pair(np.stack([one.hi for one in rows]), np.stack([one.lo for one in rows]))
-
-
 def _power(size: float) -> float:
     """The power of two next above a size; 1 for none."""
     return 2.0 ** math.frexp(size)[1] if size > 0 else 1.0
@@ -436,27 +403,3 @@ def _stiffest(network: Network, length: float) -> float:
     if network.shear is not None:
         sizes.append(np.abs(network.shear.stiffness).max(initial=0.0))
     return float(max(sizes))
-
-
-def _inverse(A: dict[tuple[int, int], Pair], d: int, joined: Mask) -> dict[tuple[int, int], Pair]:
-    """Inverses of symmetric matrices, entry by entry; those of points that are not joined are 1."""
-    one = {
-        (a, b): Pair(np.where(joined, A[a, b].hi, float(a == b)), np.where(joined, A[a, b].lo, 0.0))
-        for a in range(d)
-        for b in range(d)
-    }
-    if d == 2:
-        minor = {(0, 0): one[1, 1], (1, 1): one[0, 0], (0, 1): negative(one[0, 1])}
-    else:
-        minor = {}
-        for a in range(3):
-            for b in range(a, 3):
-                (p, q), (r, s) = (
-                    ((x + 1) % 3 for x in (a, a + 1)),
-                    ((x + 1) % 3 for x in (b, b + 1)),
-                )
-                minor[a, b] = taken(times(one[p, r], one[q, s]), times(one[p, s], one[q, r]))
-    for a, b in list(minor):
-        minor[b, a] = minor[a, b]
-    det = total([times(one[0, b], minor[0, b]) for b in range(d)])
-    return {at_: over(entry, det) for at_, entry in minor.items()}

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from msvalidate.problem import Array, Index
+from msvalidate.problem import Array, Index, Mask
 
 ROUNDING = 2.0**-104
 """Relative rounding of one operation on pairs, from above."""
@@ -180,3 +180,71 @@ def _normal(s: Array, e: Array) -> Pair:
     """S + e where e is the smaller."""
     hi = s + e
     return Pair(hi, e - (hi - s))
+
+
+def dot(a: Pair, b: Pair) -> Pair:
+    """Scalar products (m,) of vectors (d, m)."""
+    product = times(a, b)
+    return total([at(product, axis) for axis in range(product.hi.shape[0])])
+
+
+def cross(a: Pair, b: Pair) -> Pair:
+    """Cross products (3, c)."""
+    rows = []
+    for p, q in ((1, 2), (2, 0), (0, 1)):
+        rows.append(taken(times(at(a, p), at(b, q)), times(at(a, q), at(b, p))))
+    return stacked(rows)
+
+
+def product(a: Pair, b: Pair) -> Pair:
+    """Products of matrices (d, d, n)."""
+    d = a.hi.shape[0]
+    rows = []
+    for i in range(d):
+        entries = [total([times(at(a, (i, c)), at(b, (c, j))) for c in range(d)]) for j in range(d)]
+        rows.append(stacked(entries))
+    return stacked(rows)
+
+
+def transposed(a: Pair) -> Pair:
+    """Transposes of matrices (d, d, n)."""
+    return Pair(a.hi.swapaxes(0, 1), a.lo.swapaxes(0, 1))
+
+
+def symmetric(a: Pair) -> Pair:
+    """Symmetric parts of matrices (d, d, n)."""
+    return half(added(a, transposed(a)))
+
+
+def half(a: Pair) -> Pair:
+    """Half of it, exactly."""
+    return scaled(a, 0.5)
+
+
+def stacked(rows: list[Pair]) -> Pair:
+    """Rows under each other."""
+    return Pair(np.stack([one.hi for one in rows]), np.stack([one.lo for one in rows]))
+
+
+def inverse(A: dict[tuple[int, int], Pair], d: int, joined: Mask) -> dict[tuple[int, int], Pair]:
+    """Inverses of symmetric matrices, entry by entry; those of points that are not joined are 1."""
+    one = {
+        (a, b): Pair(np.where(joined, A[a, b].hi, float(a == b)), np.where(joined, A[a, b].lo, 0.0))
+        for a in range(d)
+        for b in range(d)
+    }
+    if d == 2:
+        minor = {(0, 0): one[1, 1], (1, 1): one[0, 0], (0, 1): negative(one[0, 1])}
+    else:
+        minor = {}
+        for a in range(3):
+            for b in range(a, 3):
+                (p, q), (r, s) = (
+                    ((x + 1) % 3 for x in (a, a + 1)),
+                    ((x + 1) % 3 for x in (b, b + 1)),
+                )
+                minor[a, b] = taken(times(one[p, r], one[q, s]), times(one[p, s], one[q, r]))
+    for a, b in list(minor):
+        minor[b, a] = minor[a, b]
+    det = total([times(one[0, b], minor[0, b]) for b in range(d)])
+    return {at_: over(entry, det) for at_, entry in minor.items()}
