@@ -85,3 +85,19 @@ def test_reactions_balance_loads_where_stiff_meets_soft():
     reaction = equilibrium(beam).reaction
     # An eps of the largest reaction, 60 N, is 1e-14 N.
     np.testing.assert_allclose(reaction.sum(axis=0), [0.0, 0.6], rtol=0, atol=1e-12)
+
+
+def test_what_stiffnesses_far_apart_hide_is_no_matter_of_the_load():
+    # A beam of 400 cells, its outer half stiffer by 1e16: soft cells carry a lever of stiff ones.
+    n = 400
+    places = np.stack(np.meshgrid(np.arange(n + 1.0), [0.0, 1.0], indexing="ij"), axis=-1)
+    low = 2 * np.arange(n)
+    ways = ((0, 2), (1, 3), (0, 3), (1, 2), (2, 3))
+    pairs = np.concatenate([np.column_stack([low + a, low + b]) for a, b in ways])
+    stiffness = np.where(pairs.min(axis=1) > n, 1e19, 1e3)
+    held, force = np.zeros((2 * n + 2, 2), dtype=bool), np.zeros((2 * n + 2, 2))
+    held[:2], force[-2:, 1] = True, -1e-9
+    beam = spring_network(0.37 * places.reshape(-1, 2), pairs, stiffness, held=held, force=force)
+    with pytest.raises(SolverError, match="closer together") as refused:
+        equilibrium(beam, "nonlinear")
+    assert "load or stiffen" not in str(refused.value)

@@ -137,5 +137,5 @@ def test_a_small_voltage_moves_a_body_in_tension():
     one, two, four = (at_voltage(body, volts).displacement for volts in (2e-6, 4e-6, 8e-6))
     size = np.abs(four - two).max()
     assert size > 0
-    # A displacement of 0.1 m is rounded by 1e-17 m, what is compared is 4e-11 m; of it 1e-8 is left.
+    # A displacement of 0.1 m is rounded by 1e-17 m; what is compared is 4e-11 m, less 1e-8 of it.
     np.testing.assert_allclose(4 * (two - one) / size, (four - two) / size, rtol=0, atol=1e-5)
