@@ -229,7 +229,7 @@ def _system(body: Discretisation, material: Material) -> _System:
     pressure = skfem.Basis(
         basis.mesh, body.element.linear, mapping=basis.mapping, quadrature=(basis.X, basis.W)
     )
-    column = np.argsort(body.node)
+    column = np.argsort(body.node, kind="stable")
     parts = []
     for axis in range(d):
         form = skfem.BilinearForm(lambda u, v, _, axis=axis: v * u.grad[axis])
