@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from msvalidate.folds import count_folded, description, folded_cells
 from msvalidate.following import Followed, follow, is_stressed
 from msvalidate.linear_solution import solved
-from msvalidate.network import Network
+from msvalidate.mechanism import regular
+from msvalidate.network import Network, tangent
 from msvalidate.path import Path, way_of
 from msvalidate.polish import balance, centred, polished
 from msvalidate.problem import (
@@ -24,6 +26,8 @@ from msvalidate.problem import (
     refuse_free_motions,
     shown,
 )
+from msvalidate.rounding import why
+from msvalidate.tangents import beyond_doubt
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,6 +243,9 @@ def _stuck(network: Network, found: Followed, *, stressed: bool) -> str:
         f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
         f"load (after {found.solves} linear solves); "
     )
+    hidden = _hidden(network)
+    if hidden:
+        return f"{said}what lies beyond may be hidden by rounding: {hidden}"
     if not stressed:
         return f"{said}reduce the load or stiffen the network"
     if not (network.force.any() or network.displacement.any()):
@@ -248,6 +255,22 @@ def _stuck(network: Network, found: Followed, *, stressed: bool) -> str:
             "springs' lengths, or take the start from a relaxation"
         )
     return f"{said}reduce load or prestress, or take the start from a relaxation"
+
+
+def _hidden(network: Network) -> str:
+    """Why the signs of pivots may be rounding at the reference points; empty where they are not."""
+    inside = np.flatnonzero(~network.held)
+    if not len(inside):
+        return ""
+    try:
+        found = regular(
+            network,
+            network.points,
+            csr_array(tangent(network, network.points)[inside][:, inside]),
+        )
+    except SolverError:  # such as a rope, which stands by its tension alone
+        return ""
+    return "" if beyond_doubt(found) else why(network, found.softness)
 
 
 def _largest(values: Array) -> float:

@@ -62,7 +62,8 @@ def negative_modes(state: State, found: Regular, free: Mask) -> int:
     if np.abs(energies).min() <= NO_STIFFNESS:
         raise SolverError(
             "equilibrium: whether the network is stable cannot be told: a motion meets "
-            f"{np.abs(energies).min():.1g} of what its points meet alone; add springs or supports"
+            f"{np.abs(energies).min():.1g} of what its points meet alone; "
+            "bring stiffnesses closer together, or add springs or supports"
         )
     outside = found.factor.negative - int((factored < 0).sum())
     return max(outside, 0) + int((energies < 0).sum())

@@ -29,6 +29,9 @@ CRAWLING_ORDER = 0.1
 """Order assumed where changes hardly shrink: what is left is then 14 times the last change."""
 ROUNDING = 1e-11
 """Changes below this, relative to the values, are rounding: no order can be read off them."""
+COARSE = 4
+"""Cells a side of the coarsest mesh, below which part of an error of order 1 may hide in one of
+order 2: the order seen is then between them, and falls on finer meshes."""
 LOWEST_ORDER = 0.5
 HIGHEST_ORDER = 4.5
 """Largest order that three meshes of quadratic elements may show, with room for scatter."""
@@ -147,7 +150,9 @@ def richardson(
     """Estimate from three meshes, each twice as fine as the last.
 
     Where the order is plausible: Richardson's error with that order, at most `TRUSTED_ORDER`, times
-    `SAFETY`, and no less than a third of the change before the last. Where it is not: `CAUTION`
+    `SAFETY`, and no less than a third of the change before the last. An order between 1 and 2 on a
+    coarsest mesh below `COARSE` cells is taken for a sum a·h + b·h² of both, which leaves more: the
+    last change times (5 - r)/3, where r is the one before over it. Where it is not: `CAUTION`
     times the last change or the one before, if that is larger; where changes hardly shrink, what a
     crawling order would leave.
     """
@@ -156,7 +161,10 @@ def richardson(
     exact = np.maximum(first, last) <= ROUNDING * scale
     with np.errstate(divide="ignore", invalid="ignore"):
         order = np.log2(first / last)
-        remaining = SAFETY * last / (2 ** np.minimum(order, TRUSTED_ORDER) - 1)
+        left = 1 / (2 ** np.minimum(order, TRUSTED_ORDER) - 1)
+        if cells < 4 * COARSE:
+            left = np.where((order > 1) & (order < 2), (5 - first / last) / 3, left)
+        remaining = SAFETY * last * left
     monotone = (medium - coarse) * (fine - medium) > 0
     plausible = ~exact & monotone & (order >= LOWEST_ORDER) & (order <= highest_order)
     slow = monotone & (order < LOWEST_ORDER)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.actuator.balance import Found, balanced, out_of_balance
+from msvalidate.actuator.balance import Found, balanced, left_over
 from msvalidate.actuator.device import Actuator
 from msvalidate.actuator.models import electrified
 from msvalidate.actuator.ways import WAYS, Frozen, Way
@@ -180,7 +180,7 @@ def _at_rest(actuator: Actuator) -> Held:
     network = actuator.network
     tension = network.rest_length - np.linalg.norm(network.vector, axis=1)
     uncharged = Frozen(None, actuator.loaded, np.zeros((len(actuator.loaded), 2)))
-    x, reached, step, solves = network.points, 0.0, 1.0, 0
+    u, reached, step, solves = np.zeros(network.points.shape), 0.0, 1.0, 0
     while reached < 1:
         target = min(1.0, reached + step)
         partly = replace(
@@ -189,11 +189,11 @@ def _at_rest(actuator: Actuator) -> Held:
             displacement=target * network.displacement,
             force=target * network.force,
         )
-        place = np.where(network.held, partly.start, x)
+        place = np.where(network.held, partly.displacement, u)
         part = replace(actuator, network=partly)
         found = balanced(part, place, lambda _: uncharged, TOLERANCE)
         if found is not None:
-            x, reached, step, solves = found.position, target, 2 * step, solves + found.solves
+            u, reached, step, solves = found.displacement, target, 2 * step, solves + found.solves
             continue
         step /= 2
         if step < SMALLEST_INCREMENT:
@@ -201,7 +201,8 @@ def _at_rest(actuator: Actuator) -> Held:
                 "actuator: no stable equilibrium at 0 V; lower its loads or prestress, or hold it "
                 "better"
             )
-    return held_at(actuator, 0.0, Found(x, electrified(actuator, x, 0.0), solves))
+    electric = electrified(actuator, network.points + u, 0.0)
+    return held_at(actuator, 0.0, Found(u, electric, solves))
 
 
 def _near(actuator: Actuator, held: Held, voltage: float, method: Way, tolerance: float) -> Held:
@@ -219,10 +220,10 @@ def _reached(
 ) -> Held | None:
     """Stable equilibrium at a voltage near that of `held`, None if none is found."""
     network = actuator.network
-    x = np.where(network.held, network.start, network.points + held.displacement)
+    u = np.where(network.held, network.displacement, held.displacement)
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # refused by the residual
-            found = WAYS[method](actuator, x, voltage, tolerance)
+            found = WAYS[method](actuator, u, voltage, tolerance)
     except (ProblemError, SolverError):  # electrodes touch, or springs have no length
         return None
     return None if found is None else held_at(actuator, voltage, found)
@@ -230,9 +231,8 @@ def _reached(
 
 def held_at(actuator: Actuator, voltage: float, found: Found) -> Held:
     """What is held at a voltage where a search came to rest."""
-    x, electric, solves = found
-    balance = out_of_balance(actuator, x, electric)[~actuator.network.held]
-    displacement = x - actuator.network.points
+    displacement, electric, solves = found
+    balance = left_over(actuator, displacement, electric)[~actuator.network.held]
     displacement.setflags(write=False)
     residual = float(np.abs(balance).max(initial=0.0))
     return Held(actuator, voltage, displacement, electric.charges, solves, residual)

@@ -198,7 +198,7 @@ class _Run:
     def resting(self, look: tuple[int, float, float, float], tolerance: float) -> bool:
         if look[2] > tolerance**2 * self.stored or self.electric is None:
             return False
-        return is_small(self.actuator, self.position, self.electric, tolerance)
+        return is_small(self.actuator, self.displacement, self.electric, tolerance)
 
     def unfinished(self, look: tuple[int, float, float, float], steps: int) -> str:
         """Message for a run that is not at rest after so many steps."""
@@ -215,4 +215,4 @@ class _Run:
                 f"{self.name} came to rest after {steps} steps where it is unstable; disturb the "
                 "symmetry or lower the voltage"
             )
-        return held_at(self.actuator, self.voltage, Found(self.position, self.electric, steps))
+        return held_at(self.actuator, self.voltage, Found(self.displacement, self.electric, steps))

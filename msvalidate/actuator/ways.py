@@ -21,16 +21,16 @@ LEAST, MOST = 0.1, 50.0
 """Part of a round's move that is made."""
 
 
-def newton(actuator: Actuator, x: Array, voltage: float, tolerance: float) -> Found | None:
-    """Stable equilibrium near x (n, 2) in m: charges follow within each step."""
+def newton(actuator: Actuator, u: Array, voltage: float, tolerance: float) -> Found | None:
+    """Stable equilibrium near a displacement (n, 2) in m: charges follow within each step."""
 
     def charged(place: Array) -> Electric:
         return electrified(actuator, place, voltage)
 
-    return balanced(actuator, x, charged, tolerance)
+    return balanced(actuator, u, charged, tolerance)
 
 
-def staggered(actuator: Actuator, x: Array, voltage: float, tolerance: float) -> Found | None:
+def staggered(actuator: Actuator, u: Array, voltage: float, tolerance: float) -> Found | None:
     """The same in turns: the network rests under the forces it has, then is charged anew.
 
     A round leaves the part λ(K_mech⁻¹·K_elec) of an error, which is 1 at pull-in; Aitken's factor
@@ -38,21 +38,22 @@ def staggered(actuator: Actuator, x: Array, voltage: float, tolerance: float) ->
     """
     solves, part, before = 0, 1.0, None
     for _ in range(ROUNDS):
+        x = actuator.network.points + u
         electric = electrified(actuator, x, voltage)
-        if is_small(actuator, x, electric, tolerance):
+        if is_small(actuator, u, electric, tolerance):
             stable = factor_at(actuator, x, electric) is not None
-            return Found(x, electric, solves) if stable else None
+            return Found(u, electric, solves) if stable else None
         frozen = Frozen(electric.charges, electric.loaded, electric.forces())
         # Below the tolerance of the whole: what is left in a round ends up in the next.
-        rest = balanced(actuator, x, lambda _, kept=frozen: kept, 0.1 * tolerance)  # type: ignore[misc]
+        rest = balanced(actuator, u, lambda _, kept=frozen: kept, 0.1 * tolerance)  # type: ignore[misc]
         if rest is None:
             return None
-        move, solves = rest.position - x, solves + rest.solves
+        move, solves = rest.displacement - u, solves + rest.solves
         if before is not None:
             change = move - before
             part *= -float(np.vdot(before, change) / np.vdot(change, change))
             part = float(np.clip(part, LEAST, MOST))
-        x, before = x + part * move, move
+        u, before = u + part * move, move
     return None
 
 
@@ -60,7 +61,7 @@ WAYS: dict[Way, Callable[[Actuator, Array, float, float], Found | None]] = {
     "newton": newton,
     "staggered": staggered,
 }
-"""Name -> what looks for a stable equilibrium near positions (n, 2) in m at a voltage (V)."""
+"""Name -> what looks for a stable equilibrium near a displacement (n, 2) in m at a voltage (V)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,6 +34,10 @@ a node: quadratic convergence usually leaves rounding, 1e-15."""
 SETTLED = 1e-7
 """Correction that the tangent makes of the residual left, relative to the displacement, up to which
 Newton's method may stop. In slender bodies the residual alone hardly knows of bending."""
+NEAR = 1e-3
+"""Strain of a last step up to which the tangent where it began tells of the end: a tangent changes
+by a few times the strain. A longer step may land on an equilibrium, such as a uniform strain, at
+once."""
 ITERATIONS = 20
 """Newton steps that a part of the load may take: far more than quadratic convergence needs."""
 FEW = 5
@@ -50,7 +54,7 @@ far or turned back (Crisfield 1991, Non-linear Finite Element Analysis, section 
 class Deformed:
     """A body at rest at large strain, in a stable equilibrium under its loads.
 
-    Stable: the tangent of the last step, whose length is rounding or next to it, was positive.
+    Stable: the tangent was positive here, or where a last step of `NEAR` or less began.
 
     Parameters
     ----------
@@ -223,7 +227,7 @@ def _newton(
         u_next = _searched(solid, u, step, load, balance, bool(ahead.any()))
         if u_next is None:
             return None, steps, "a step would turn a cell inside out or not descend", np.inf
-        u = np.where(solid.held, wanted, u_next)  # to the last bit
+        before, u = u, np.where(solid.held, wanted, u_next)  # to the last bit
         inner, sizes = solid.internal_force(u)
         left, scale = _left(solid, load - inner, sizes + np.abs(load))
         if left <= max(tolerance * scale, solid.rounding(u)):
@@ -235,6 +239,8 @@ def _newton(
             cell = solid.turned(u)
             if cell is not None:
                 return None, steps, f"cell {cell} is turned inside out at a node", np.inf
+            if _strained(solid, u - before) > NEAR and not _is_stable(solid, u):
+                return None, steps, "the tangent has a motion without stiffness", np.inf
             return u, steps, "", error
     if np.isfinite(error):
         raise SolverError(
@@ -250,6 +256,20 @@ def _error(solid: Solid, u: Array, balance: Array, inverse: Apply | None) -> flo
     if inverse is None or not largest:
         return 0.0
     return 2 * float(np.abs(inverse(balance.T.ravel()[solid.free])).max()) / largest
+
+
+def _strained(solid: Solid, step: Array) -> float:
+    """Largest change (1) of a cell's extent in a step (n, d) in m, each over the cell's least."""
+    cells, points = solid.body.cells, solid.body.points
+    extent = np.ptp(points[cells], axis=1).min(axis=1)
+    return float((np.ptp(step[cells], axis=1).max(axis=1) / extent).max(initial=0.0))
+
+
+def _is_stable(solid: Solid, u: Array) -> bool:
+    """Whether the tangent at u (n, d) in m is positive."""
+    nothing = np.zeros(u.shape)
+    step, negative, _ = _step(solid, u, nothing, nothing)
+    return step is not None and not negative
 
 
 def _refuse_at_rest(u: Array) -> None:

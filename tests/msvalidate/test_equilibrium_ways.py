@@ -98,3 +98,19 @@ def test_a_displacement_that_positions_have_no_digits_for_is_refused_and_never_z
     assert move == pytest.approx([0.00625, -0.00875], rel=1e-14)
     with pytest.raises(SolverError, match=r"no digits for; take geometry 'linear', or .* the load"):
         equilibrium(network, "nonlinear")
+
+
+def test_what_stiffnesses_far_apart_hide_is_no_matter_of_the_load():
+    # A beam of 400 cells, its outer half stiffer by 1e16: soft cells carry a lever of stiff ones.
+    n = 400
+    places = np.stack(np.meshgrid(np.arange(n + 1.0), [0.0, 1.0], indexing="ij"), axis=-1)
+    low = 2 * np.arange(n)
+    ways = ((0, 2), (1, 3), (0, 3), (1, 2), (2, 3))
+    pairs = np.concatenate([np.column_stack([low + a, low + b]) for a, b in ways])
+    stiffness = np.where(pairs.min(axis=1) > n, 1e19, 1e3)
+    held, force = np.zeros((2 * n + 2, 2), dtype=bool), np.zeros((2 * n + 2, 2))
+    held[:2], force[-2:, 1] = True, -1e-9
+    beam = spring_network(0.37 * places.reshape(-1, 2), pairs, stiffness, held=held, force=force)
+    with pytest.raises(SolverError, match="closer together") as refused:
+        equilibrium(beam, "nonlinear")
+    assert "load or stiffen" not in str(refused.value)

@@ -94,6 +94,35 @@ def test_order_too_good_to_be_true_is_not_believed(order):
     assert estimate.uncertainty > 10 * np.abs(estimate.value - 1)
 
 
+def test_orders_of_one_and_two_together_are_covered_on_coarse_meshes():
+    # 1/n + 1/n² on 2, 4 and 8 cells shows an order of 1.3; what is left at 8 is 1/8 + 1/64. By one
+    # order alone it would be 0.104, with the safety 0.130.
+    estimate = three(lambda n: 1 / n + 1 / n**2, 2)
+    assert 1 < estimate.order[0] < 2
+    assert estimate.uncertainty == pytest.approx([SAFETY * (1 / 8 + 1 / 64)], rel=1e-12)
+
+
+@pytest.mark.parametrize("nu", [0.49, 0.4999])
+def test_a_nearly_incompressible_body_on_coarse_meshes_is_covered(nu):
+    box = Box((0.37, 0.37))
+    problem = Problem(
+        box,
+        Isotropic(1e6, nu, "plane_strain", thickness=0.2),
+        (Support(box.side("left"), (0.0, 0.0)),),
+        (Traction(box.side("right"), (0.3, 1.0)),),
+    )
+
+    def tip(cells, element="P2", mixed=False):
+        mesh = reference_fem.box_discretisation(box, cells, element)
+        return reference_fem.solve_problem(problem, mesh, mixed=mixed).at([box.size])[0]
+
+    # Mixed elements do not lock: the limit of 6, 12 and 24 cells as of a geometric series.
+    coarse, medium, fine = (tip(n, "Q2", mixed=True) for n in (6, 12, 24))
+    limit = fine + (fine - medium) ** 2 / (2 * medium - coarse - fine)
+    found = three(tip, 2)
+    assert (np.abs(found.value - limit) <= found.uncertainty).all()
+
+
 def test_highest_order_is_the_callers():
     values = [np.array([1 + n**-3.0]) for n in (4, 8, 16)]
     assert richardson(*values, 16, 3.1).status == ("asymptotic",)

@@ -391,3 +391,17 @@ def test_a_body_too_slender_for_its_cells_is_no_matter_of_the_load():
     law = neo_hookean(Isotropic(1e6, 0.3, "plane_strain"))
     with pytest.raises(SolverError, match="fewer and longer cells"):
         deform(Solid(body, law, held), 0 * force, force)
+
+
+def test_a_uniform_strain_that_is_met_at_once_is_looked_at_where_it_is():
+    # nu = 0, St. Venant-Kirchhoff: dP/ds = E (3 s² - 1)/2 is below 0 from a stretch of 0.577 down.
+    # The first step from rest lands on the uniform state, whose tangent no later step would see.
+    body = box_discretisation(Box((0.37, 0.37)), 2, "Q2")
+    x = body.points[:, 0]
+    ends = np.repeat(((x == 0) | (x == x.max()))[:, None], 2, axis=1)
+    law = st_venant_kirchhoff(Isotropic(1e6, 0.0, "plane_strain", thickness=0.2))
+    solid = Solid(body, law, ends)
+    along = np.where(ends, body.points * [1.0, 0.0], 0.0)
+    assert deform(solid, -0.2 * along, nothing(solid)).error < 1e-12
+    with pytest.raises(SolverError, match="no stable equilibrium"):
+        deform(solid, -0.6 * along, nothing(solid))
