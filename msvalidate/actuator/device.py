@@ -25,6 +25,10 @@ from msvalidate.problem import (
 )
 
 Model = Literal["plane", "parallel_plates", "as_report", "in_air"]
+LARGEST_RATIO = 1e6
+"""Permittivity ratio in air up to which equilibria are sought: forces are differences of terms so
+many times as large, which rounding by some 1e-15 leaves known to 1e-9, and a residual is asked to
+be below 1e-8 of the loads. Beyond, an equilibrium that is not found says nothing of pull-in."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +52,8 @@ class Actuator:
     depth
         Of the body out of the plane (m): forces and energies are per depth times this.
     permittivity_ratio
-        Permittivity over that of what surrounds the body; "in_air" alone asks for it,
-        other models leave it aside.
+        Permittivity over that of what surrounds the body, up to `LARGEST_RATIO`; "in_air" alone
+        asks for it, other models leave it aside.
 
     Raises
     ------
@@ -73,6 +77,12 @@ class Actuator:
         positive("depth", self.depth, "m")
         positive("permittivity ratio", self.permittivity_ratio)
         chosen("model", self.model, get_args(Model))
+        if self.model == "in_air" and self.permittivity_ratio > LARGEST_RATIO:
+            raise ProblemError(
+                f"permittivity ratio: {self.permittivity_ratio:g}; above {LARGEST_RATIO:g} forces "
+                "in air have too few digits: at such ratios the field outside counts for nothing, "
+                f"take {LARGEST_RATIO:g}"
+            )
         refuse_free_motions("network", self.network.points, self.network.held)
         given = self.electrodes
         if not isinstance(given, tuple | list) or len(given) != 2:

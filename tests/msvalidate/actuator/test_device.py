@@ -61,6 +61,10 @@ def test_stretched_film_between_sliding_sides_rests_as_it_is(stretch):
         ({"permittivity": np.nan}, "permittivity: nan"),
         ({"model": "wires"}, "model: 'wires'; choose"),
         ({"prestretch": 0.0}, "prestretch"),
+        (
+            {"model": "in_air", "permittivity_ratio": 1e18},
+            r"permittivity ratio: 1e\+18; above 1e\+06",
+        ),
         ({"depth": -1.0}, "depth"),
         ({"cells": 0}, "cells"),
     ],
