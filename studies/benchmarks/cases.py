@@ -189,7 +189,7 @@ def convergence(name: str, xlabel: str, tables: Tables) -> Figure:
     width = 4.4 if columns == 1 else 3.3
     figure, axes = figures.new(columns, lines, size=(width, 3.0), sharey=True)
     for axis in axes[len(panels) :]:
-        axis.set_visible(False)
+        axis.remove()
     for axis, ((quantity, nu), rows_here) in zip(axes, panels, strict=False):
         draw(axis, rows_here, methods)
         volume = rows_here["method"].str.contains(VOLUME, regex=False).any()
