@@ -13,7 +13,15 @@ from msvalidate.double_double import Pair, added, negative, pair
 from msvalidate.mechanism import Regular, regular
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, Mask, SolverError
-from msvalidate.refine import DOUBTFUL, contraction, refined, refuse_inaccurate, stated, tried
+from msvalidate.refine import (
+    DOUBTFUL,
+    contraction,
+    refined,
+    refuse_inaccurate,
+    refuse_vanishing,
+    stated,
+    tried,
+)
 from msvalidate.rounding import known, nothing_acts, why
 from msvalidate.stability import negative_modes
 
@@ -83,8 +91,10 @@ class _System:
         largest = float(max(*sizes, np.abs(network.displacement).max()))
         if not math.isfinite(largest):
             raise SolverError(TOO_FAR)
+        refuse_vanishing(largest, TITLE)
         self.unit = 2.0 ** math.frexp(largest)[1] if largest else 1.0
         inner = Pair(*(x * (length / self.unit) for x in inner))
+        self.pulled = 0.0 if self.state.unstressed else self.state.pulled * length / self.unit
         self.load = added(pair(outer / self.unit), inner)
         self.prescribed = network.displacement / self.unit
         self.left = np.zeros(network.points.shape)
@@ -130,7 +140,9 @@ class _System:
             u, steps, times = found.solution, found.steps, 1.0
             if rate > DOUBTFUL:
                 times = tried(self._without_load, self.solve, rate, self._known())
-            error = stated(found, soft, times) if u.hi.any() else 0.0
+            moved = float(np.abs(u.hi).max())
+            refuse_vanishing(moved * self.unit, TITLE)
+            error = stated(found, soft, times, self.pulled / moved) if moved else 0.0
             refuse_inaccurate(error, TITLE, self._why())
         return Solved(u.hi * self.unit, self._balance(u), error, steps, self.network.held)
 

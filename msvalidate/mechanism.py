@@ -56,6 +56,8 @@ def regular(network: Network, position: Array, K: csr_array) -> Regular:
         raise SolverError(named(network, mode))
     try:
         factor = factorised(K)
+    except SolverError:  # no memory
+        raise
     except RuntimeError:  # by a mechanism, or by rounding alone
         factor = factorised(csr_array(K + diags_array(STIFFENED * np.abs(diagonal))))
     mode[free] = softest_mode(K, factor, np.abs(diagonal))

@@ -117,6 +117,9 @@ class Network:
         )
         _refuse("rest_length", self.rest_length, self.rest_length <= 0, "m; it must be above 0")
         _refuse("mass", self.mass, self.mass <= 0, "kg; it must be above 0")
+        _refuse_tiny("stiffness", self.stiffness, "N/m")
+        _refuse_tiny("force", self.force, "N")
+        _refuse_tiny("displacement", moved, "m")
         object.__setattr__(self, "springs", springs)
         distance = np.linalg.norm(self.vector, axis=1)
         # Below 1/LONGEST a distance is rounded away when it is squared.
@@ -387,6 +390,16 @@ def _cells(given: ArrayLike, n: int, d: int) -> Index:
 def _filled(name: str, value: ArrayLike, count: int) -> Array:
     array = finite(name, value)
     return array if array.ndim else np.full(count, float(array))
+
+
+def _refuse_tiny(name: str, values: Array, unit: str) -> None:
+    """Raise `ProblemError` if the largest value is not 0 but below all doubles of full length."""
+    largest, least = float(np.abs(values).max(initial=0.0)), np.finfo(float).tiny
+    if 0 < largest < least:
+        raise ProblemError(
+            f"{name}: {largest:g} {unit} at most, where doubles run out of digits; choose units "
+            f"that give {least:.3g} or more, or take none"
+        )
 
 
 def _refuse(name: str, values: Array, bad: Mask, remedy: str) -> None:

@@ -30,6 +30,7 @@ from msvalidate.refine import (
     contraction,
     refined,
     refuse_inaccurate,
+    refuse_vanishing,
     stated,
     tried,
 )
@@ -119,6 +120,7 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
         system, moved = _newton(network, u, near)
     u = moved.solution
     _refuse_far(_turn(network, u.hi - before))
+    refuse_vanishing(_largest(u.hi), TITLE)
     error = system.stated(moved)
     refuse_inaccurate(error, TITLE, _why(network, _largest(u.hi), system.found.softness))
     system.refuse_unstable()
@@ -262,7 +264,8 @@ class _Nonlinear:
         rate, times = contraction(self.found.softness), 1.0
         if rate > DOUBTFUL:
             times = tried(self._linear, self._solve_linear, rate, known(self.free, self.found.mode))
-        return stated(moved, self.found.softness, times)
+        pulled = self.state.pulled * self.unit / _largest(moved.solution.hi)
+        return stated(moved, self.found.softness, times, pulled)
 
     def _linear(self, motion: Pair) -> Array:
         zero = pair(np.zeros(self.free.shape))

@@ -167,13 +167,14 @@ def tried(residual: Residual, solve: Solve, rate: float, known: Array) -> float:
     return max(1.0, error / max(found.error, ENOUGH))
 
 
-def stated(found: Refined, softness: float, times: float = 1.0) -> float:
+def stated(found: Refined, softness: float, times: float = 1.0, pulled: float = 0.0) -> float:
     """The error to state: corrections, rounding of residuals, and rounding to doubles.
 
     Residuals are summed from numbers that are right to some 1e-31, and a motion of little stiffness
-    takes up what is wrong of that.
+    takes up what is wrong of that. `pulled` is the largest of these numbers over the stiffness and
+    the largest displacement: prestress may be far more than the load.
     """
-    rounded = 8 * ROUNDING / max(abs(softness), np.finfo(float).tiny)
+    rounded = 8 * ROUNDING * max(1.0, pulled) / max(abs(softness), np.finfo(float).tiny)
     return float(times * found.error + rounded + HALF_A_UNIT * (1 + EPS))
 
 
@@ -184,6 +185,15 @@ def refuse_inaccurate(error: float, title: str, why: str) -> None:
         raise SolverError(
             f"{title}: the error left is {digits} of the largest displacement, more than "
             f"{LARGEST_ERROR:g}: {why}"
+        )
+
+
+def refuse_vanishing(moved: float, title: str) -> None:
+    """Raise `SolverError` where a largest displacement (m) is at the lower end of all doubles."""
+    if 0 < moved < np.finfo(float).tiny:
+        raise SolverError(
+            f"{title}: moves by {moved:.3g} m, where doubles run out of digits; choose units that "
+            "give ordinary displacements, or raise the load"
         )
 
 

@@ -118,8 +118,8 @@ def relax(
     ProblemError
         If an argument is out of range, a rigid motion is free, or path or start do not fit.
     SolverError
-        If the run diverges, is not at rest within `max_steps`, rests where it is unstable, or with
-        cells that are folded.
+        If the run diverges, is not at rest within `max_steps`, rests where it is unstable, with
+        cells that are folded, or where it is off by all of its displacement.
     """
     instance("network", network, Network)
     instance("method", method, Method)
@@ -153,7 +153,23 @@ def relax(
     if not allow_folded:
         refuse_folded(network, found.equilibrium, f"{method.title} after {found.steps} steps")
     error = error_of(network, found.equilibrium.displacement, run.cycle)
+    _refuse_lost(network, found, error, method.title)
     return replace(found, equilibrium=replace(found.equilibrium, error=error))
+
+
+def _refuse_lost(network: Network, found: Relaxation, error: float, title: str) -> None:
+    """Raise `SolverError` where corrections are as large as what the load has moved.
+
+    What stands by its prestress alone moves by the rounding of that, if at all.
+    """
+    acts = network.force[~network.held].any() or network.displacement.any()
+    if acts and not error < 1:
+        raise SolverError(
+            f"{title} came to rest after {found.steps} steps, {found.equilibrium.residual:.3g} N "
+            f"short of balance, where it is off by {error:.2g} times its displacement: the load "
+            "is no larger than what rounding hides, or the body too slender; tighten tolerance, "
+            "raise the load, or take `equilibrium`"
+        )
 
 
 def _stages(way: Way) -> list[Network]:

@@ -183,7 +183,8 @@ def _told_from_rounding(
     if zero:
         raise SolverError(
             f"natural frequencies: omega² = {squares[zero]:.3g} 1/s² beside {highest:.3g} 1/s² is "
-            "rounding: a mechanism, or masses and stiffnesses too far apart; hold the network"
+            "rounding: a slender body, stiffnesses or masses far apart, or a mechanism; hold the "
+            "body, or take fewer cells along it"
         )
     squares[:soft] = _by_energy(network, position, soft)
     return squares
@@ -340,7 +341,8 @@ def _smallest_of_many(
     if not left <= 2 * allowed:  # its last digits are rounding
         raise SolverError(
             f"lowest natural frequencies: residual {left:.3g} 1/s² of squares, where {allowed:.3g} "
-            "is asked; ask for fewer of them, or of a network with fewer points"
+            "is asked: the lowest are close to rounding of the highest; ask for fewer of them, or "
+            "take fewer cells along a slender body"
         )
     return np.sort(squares)
 

@@ -272,6 +272,7 @@ FLOORS = {
     "msvalidate": 0,  # the version only
     "msvalidate.problem": 0,
     "msvalidate.accurate": 1,
+    "msvalidate.accurate_cells": 1,
     "msvalidate.blocks": 1,
     "msvalidate.body": 1,
     "msvalidate.calibrate": 1,

@@ -350,9 +350,15 @@ BAD = [
     ("no stiffness", lambda: equilibrium(net(0.0)), SolverError, "a mechanism: nothing resists"),
     (
         "stiffness below all numbers",
-        lambda: equilibrium(net(5e-324), "nonlinear"),
-        SolverError,
-        "add springs or supports",
+        lambda: net(5e-324),
+        ProblemError,
+        "stiffness: 4.94066e-324 N/m at most, where doubles run out of digits; choose units",
+    ),
+    (
+        "load below all numbers",
+        lambda: net(force=np.full((3, 2), 5e-324)),
+        ProblemError,
+        "force: 4.94066e-324 N at most, where doubles run out of digits; choose units",
     ),
     ("stiffness of NaN", lambda: net(NAN), ProblemError, "stiffness: nan; every value must be fin"),
     (

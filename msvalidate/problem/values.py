@@ -261,6 +261,11 @@ def _array(name: str, values: Any) -> np.ndarray:
         raise ProblemError(
             f"{name}: rows of different length, {shown(values)}; give rows of one length"
         ) from error
+    except (RuntimeError, TypeError) as error:  # of another library's tensors, on a GPU say
+        raise ProblemError(
+            f"{name}: {type(values).__name__} that is no array ({' '.join(str(error).split())}); "
+            "give a NumPy array"
+        ) from error
 
 
 def _real(name: str, values: Any) -> np.ndarray:

@@ -408,3 +408,24 @@ def test_forces_have_twice_the_digits_of_doubles(kind):
     zero = pair(np.zeros_like(u))
     slope = here.residual(zero, pair(way)).hi * here.stiffness
     np.testing.assert_allclose(change, slope, atol=1e-11 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("load", [1e-20, 1e-60, 1e-250])
+@pytest.mark.parametrize("kind", ["springs", "cells", "shear"])
+def test_a_strain_of_nothing_to_speak_of_is_the_linear_one(kind, load):
+    # Lengths have 32 digits, and elongations at these strains none of them: diagonals did not pull.
+    network = in_space(kind, np.random.default_rng(9))
+    held = np.zeros(network.points.shape, dtype=bool)
+    held[:9] = True
+    force = np.where(held, 0.0, load * np.random.default_rng(1).uniform(-1, 1, held.shape))
+    parts = {"volumes": replace(network.volumes, stiffness=np.ones(8))} if kind == "cells" else {}
+    if kind == "shear":
+        parts = {"shear": replace(network.shear, stiffness=np.abs(network.shear.stiffness))}
+    distance = np.linalg.norm(network.vector, axis=1)
+    network = replace(network, rest_length=distance, held=held, force=force, **parts)
+    found, linear = equilibrium(network, "nonlinear"), equilibrium(network)
+    scale = np.abs(linear.displacement).max()
+    # To second order they differ by strains, some 10 times the load here.
+    apart = np.abs(found.displacement - linear.displacement).max() / scale
+    assert apart <= found.error + linear.error + 100 * load
+    assert found.error < 1e-14

@@ -64,6 +64,24 @@ def test_a_body_without_a_load_or_held_everywhere_rests_at_once(method, lattice_
 
 
 @every_method
+@pytest.mark.parametrize("times", [1e-12, 1e-18, 1e-40])
+def test_a_load_that_rounding_hides_is_refused_or_answered_within_its_error(
+    method, lattice_body, times
+):
+    # Positions of some 1 m have no digits for it, and rest is seen at once, where nothing moves.
+    network = sheet(lattice_body, PUSH)
+    small = replace(network, force=times * network.force)
+    expected = equilibrium(small).displacement
+    try:
+        rest = relax(small, method).equilibrium
+    except SolverError as error:
+        assert "off by" in str(error)  # noqa: PT017
+        return
+    apart = np.abs(rest.displacement - expected).max() / np.abs(rest.displacement).max()
+    assert apart <= rest.error < 1
+
+
+@every_method
 def test_too_few_steps_are_not_rest(method, lattice_body):
     with pytest.raises(SolverError, match=f"{method.title} is not at rest after 1 steps: .*residu"):
         relax(sheet(lattice_body, PUSH), method, max_steps=1)

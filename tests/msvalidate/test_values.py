@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from fractions import Fraction
 
@@ -156,3 +157,21 @@ def test_columns_in_memory_are_as_good_as_rows():
     network = ring(points=np.asfortranarray(CORNERS), stiffness=np.array([0.3, 1, 1, 1])[::-1])
     assert network.points.flags.c_contiguous
     assert network.stiffness.tolist() == [1, 1, 1, 0.3]
+
+
+class Elsewhere:
+    """As tensors are that have gradients or live on a GPU: they refuse to become arrays."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def __array__(self, dtype=None, copy=None):
+        raise self.error
+
+
+@pytest.mark.parametrize("error", [RuntimeError("call detach()"), TypeError("copy to host")])
+def test_what_refuses_to_become_an_array_is_told_with_its_own_remedy(error):
+    with pytest.raises(
+        ProblemError, match=rf"force: Elsewhere that is no array \({re.escape(str(error))}\)"
+    ):
+        ring(force=Elsewhere(error))
