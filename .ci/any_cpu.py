@@ -76,7 +76,7 @@ def taken(wanted: dict[str, str]) -> dict[str, str]:
     return {name: value for name, value in wanted.items() if name != "OPENBLAS_CORETYPE"}
 
 
-def check(processor: str, studies: list[str]) -> int | None:
+def check(processor: str, studies: list[str], *, full: bool = False) -> int | None:
     """Exit code of `check` under an emulation; None if this machine has nothing to emulate it."""
     known = np.show_config("dicts")["SIMD Extensions"]
     wanted = taken(asked(processor, known.get("found", []), known.get("baseline", [])))
@@ -87,7 +87,7 @@ def check(processor: str, studies: list[str]) -> int | None:
     _say(" ".join(f'{name}="{value}"' for name, value in wanted.items()))
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "msvalidate.study", "check", *studies]
-        command += ["--quiet", "--no-plots", "--out", folder]
+        command += ["--quiet", "--no-plots", "--out", folder, *(["--full"] if full else [])]
         started = time.perf_counter()
         code = subprocess.run(command, env=os.environ | wanted, check=False).returncode
     held = "held" if code == 0 else f"FAILED, exit code {code}"
@@ -100,11 +100,12 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="any-cpu", description=__doc__.partition("\n")[0])
     parser.add_argument("studies", nargs="*", metavar="STUDY", help="by default all")
     parser.add_argument("--as", dest="processors", action="append", choices=[*PROCESSORS])
+    parser.add_argument("--full", action="store_true", help="the full form, as of `check`")
     args = parser.parse_args(arguments)
     if platform.machine().lower() not in {"x86_64", "amd64"}:
         _say(f"nothing checked: this is {platform.machine()}, what is emulated are x86-64")
         return NOTHING
-    codes = [check(name, args.studies) for name in args.processors or PROCESSORS]
+    codes = [check(name, args.studies, full=args.full) for name in args.processors or PROCESSORS]
     return max((code for code in codes if code is not None), default=NOTHING)
 
 
