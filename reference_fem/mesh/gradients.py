@@ -57,26 +57,9 @@ class Gradients:
                 _summed(zip(local, self.inverse[:, i], strict=True), found[a, i])
         return found
 
-    def coarsest(self, values: Array) -> Array:
-        """Gradients (q, c) that values (m, n) would have if all changes went the shortest way.
-
-        Relative to it their gradients are rounded: in thin cells what changes along the cell
-        cancels across it.
-        """
-        apart = np.zeros(self.nodes.shape[1])
-        for value in values:
-            each = value[self.nodes]
-            np.maximum(apart, np.abs(each - each[0]).max(axis=0), out=apart)
-        return np.asarray(apart * np.abs(self.inverse).sum(axis=0).max(axis=0))
-
     def gathered(self, flux: Array) -> Array:
         """Σ F_ai ∂_i φ (m, n) by node, of fluxes F (m, d, q, c) that hold the measure already."""
         return self._by_node(self._each(flux))
-
-    def sized(self, flux: Array) -> tuple[Array, Array]:
-        """As `gathered`, and the sizes (m, n) of what the cells bring to it."""
-        each = self._each(flux)
-        return self._by_node(each), self._by_node(np.abs(each))
 
     def _each(self, flux: Array) -> Array:
         """What each cell brings to its nodes (m, k, c): in all nothing, to the last bit but one."""

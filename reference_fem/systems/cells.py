@@ -10,6 +10,7 @@ from scipy.sparse import csr_matrix
 from msvalidate.problem import Array, Index
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients
+from reference_fem.systems.refined import rewritten
 
 EPS = float(np.finfo(float).eps)
 
@@ -44,21 +45,9 @@ class ElasticCells:
         """Nodal forces (d, n) in N of stresses (s, q, c) that hold the measure."""
         return self.gradients.gathered(self._full(stress))
 
-    def sized(self, stress: Array) -> tuple[Array, Array]:
-        """As `forces`, and the sizes (d, n) in N of what the cells bring to them."""
-        return self.gradients.sized(self._full(stress))
-
-    def noise(self, u: Array, sums: Array) -> Array:
-        """Forces (d, n) in N as rounding makes them, with random signs.
-
-        Gradients are rounded relative to what cancels in strains, such as the turning of a cell.
-        Sums at nodes, and loads, are rounded relative to their terms.
-        """
-        signs = np.random.default_rng(0)
-        size = np.abs(self._voigt).sum(axis=1)[:, None, None] * self.gradients.measure
-        size = size * self.gradients.coarsest(u)
-        wrong = EPS * size * signs.uniform(-1, 1, size.shape)
-        return np.asarray(self.forces(wrong) + EPS * sums * signs.uniform(-1, 1, sums.shape))
+    def noise(self, u: Array, rest: Array, force: Array, number: int) -> Array:
+        """Forces (d, n) in N as rounding makes them: sample of a number."""
+        return rewritten(self, u, rest, force, number)
 
     @property
     def _pairs(self) -> list[tuple[int, int]]:
@@ -123,28 +112,12 @@ class MixedCells:
 
     def forces(self, stress: tuple[Array, Array]) -> Array:
         """Nodal forces (N), then volumes (m³)."""
-        return self.sized(stress)[0]
+        volumes = self._by_corner(self.functions @ stress[1])
+        return np.concatenate([self.shear.forces(stress[0]).ravel(), volumes])
 
-    def sized(self, stress: tuple[Array, Array]) -> tuple[Array, Array]:
-        """As `forces`, and the sizes of what the cells bring to them."""
-        forces, sizes = self.shear.sized(stress[0])
-        each = self.functions @ stress[1]
-        sums = (self._by_corner(each), self._by_corner(self.functions @ np.abs(stress[1])))
-        return (
-            np.concatenate([forces.ravel(), sums[0]]),
-            np.concatenate([sizes.ravel(), sums[1]]),
-        )
-
-    def noise(self, u: Array, sums: Array) -> Array:
-        """Forces (N) and volumes (m³) as rounding makes them, with random signs."""
-        d, moved = len(self.shear.tensor), self._displacement(u)
-        force = self.shear.noise(moved, sums[: moved.size].reshape(moved.shape))
-        strain = np.abs(self.shear.strain(moved)[:d]).sum(axis=0)
-        pressure = self.functions.T @ np.abs(u[-self.count :])[self.corners]
-        weight = self.thickness * self.shear.gradients.measure
-        size = self._by_corner(self.functions @ (weight * (strain + self.inverse * pressure)))
-        signs = np.random.default_rng(1).uniform(-1, 1, self.count)
-        return np.concatenate([force.ravel(), EPS * size * signs])
+    def noise(self, u: Array, rest: Array, force: Array, number: int) -> Array:
+        """Forces (N) and volumes (m³) as rounding makes them: sample of a number."""
+        return rewritten(self, u, rest, force, number)
 
     def _displacement(self, u: Array) -> Array:
         return u[: -self.count].reshape(len(self.shear.tensor), -1)
@@ -191,11 +164,8 @@ class Entries:
         """The same."""
         return stress
 
-    def sized(self, stress: Array) -> tuple[Array, Array]:
-        """The same, twice: what adds up to them is known where the displacements are."""
-        return stress, np.abs(stress)
-
-    def noise(self, u: Array, sums: Array) -> Array:
+    def noise(self, u: Array, rest: Array, force: Array, number: int) -> Array:  # noqa: ARG002
         """Forces (d, n) in N as the rounding of entries makes them, with random signs."""
-        size = (abs(self.K) @ np.abs(u).ravel()).reshape(u.shape) + sums
-        return np.asarray(EPS * size * np.random.default_rng(0).uniform(-1, 1, u.shape))
+        size = (abs(self.K) @ np.abs(u).ravel()).reshape(u.shape)
+        signs = np.random.default_rng(number).uniform(-1, 1, u.shape)
+        return np.asarray(EPS * size * signs)

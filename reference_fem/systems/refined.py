@@ -33,9 +33,21 @@ MOST = 30
 MOST_DIRECTIONS = 60
 PATIENCE = 12
 """Directions that may bring no smaller correction."""
+SLOWEST = 4.0
+"""Times the last correction, that may be left: where most of an error is taken out at once, a part
+of it may still fall by no more than a fifth."""
+AGAIN = 3
+"""Times that all directions are gone along once more: they are conjugate but for rounding, which a
+first step of the size of the answer leaves a part of, where the inverse is blind to it."""
 SQUARE = 1e5
-SAMPLE = 1.5
-"""Factor on the one sample that is taken of what rounding leaves: its largest part by chance."""
+SAMPLES, MANY = 3, 20_000
+"""Samples of what rounding leaves in residuals, and unknowns from which on there is one: in so many
+the largest part is none of chance."""
+SAMPLE = 16.0
+"""Factor on the largest sample: one in 25 normal variables is that much smaller than its like, and
+the rounding of constants, as large as any, is in no sample."""
+REWRITTEN = 2.0**-24
+"""Part of an unknown by which its two numbers are changed against each other for a sample."""
 CAUTION = 2.0
 """Times a correction that was made roughly, for what is left after it."""
 LEAST = 128 * float(np.finfo(float).eps)
@@ -65,14 +77,8 @@ class System(Protocol):
     def forces(self, stress: Any) -> Array:
         """Forces that the unknowns feel."""
 
-    def sized(self, stress: Any) -> tuple[Array, Array]:
-        """As `forces`, and the sizes of what adds up to them."""
-
-    def noise(self, u: Array, sums: Array) -> Array:
-        """Forces as rounding makes them in residuals, by random signs.
-
-        `sums` are sizes of what is added up at nodes.
-        """
+    def noise(self, u: Array, rest: Array, force: Array, number: int) -> Array:
+        """Forces as rounding makes them in `force`, which is that of u: sample of a number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,16 +132,14 @@ def refined(
     work = _Work(system, inverse, load, free, judged, start.copy(), np.zeros(start.shape))
     if not free.any() or not np.isfinite(start).all():
         return Refined(start, work.rest, 0.0, 0)
-    force, sums = system.sized(work.stress())
-    both = [(load - force)[free]]
-    if sample:
-        both.append(system.noise(work.value, sums + np.abs(load))[free])
-    first = inverse(np.stack(both, axis=1))
-    size = work.corrected(first[:, 0])
+    force = work.force()
+    residual, noises = (load - force)[free], work.noises(force) if sample else []
+    first = inverse(np.stack([residual, *noises], axis=1)).T
+    size = work.corrected(first[0])
     if size <= QUICK:
         left = CAUTION * size
         if sample:
-            left = SQUARE * size**2 + SAMPLE * work.relative(first[:, 1])
+            left = SQUARE * size**2 + SAMPLE * max(map(work.relative, first[1:]))
         return work.ended(left, 1)
     return _slowly(work, size, sample)
 
@@ -151,17 +155,17 @@ def _slowly(work: _Work, size: float, sample: bool) -> Refined:
                 break
             if work.system.positive:
                 more, size = _least_energy(work)
-                return work.ended(size + work.sampled(sample), count + more)
+                return work.ended(SLOWEST * size + work.sampled(sample), count + more)
             if size > last:
                 break
         last = size
         size = work.corrected(work.inverse(work.residual(work.stress())[:, None])[:, 0])
         count += 1
-    return work.ended(size + work.sampled(sample), count)
+    return work.ended(SLOWEST * size + work.sampled(sample), count)
 
 
 def _least_energy(work: _Work) -> tuple[int, float]:
-    """Directions taken, and the largest of the last two corrections by them."""
+    """Steps along directions, and the largest correction of the last ones."""
     sizes: list[float] = []
     while len(sizes) < MOST_DIRECTIONS:
         stress = work.stress()
@@ -174,7 +178,14 @@ def _least_energy(work: _Work) -> tuple[int, float]:
             break
         if len(sizes) > 2 and max(sizes[-3:]) <= SETTLED and sizes[-1] > SLOW * sizes[-2]:
             break
-    return len(sizes), max(sizes[-2:], default=np.inf)
+    last, steps = np.inf, len(sizes)
+    for _ in range(AGAIN if work.directions else 0):
+        size = max(work.along(way, work.stress()) for way in work.directions)
+        steps += len(work.directions)
+        if size <= NEAR or size > SLOW * last:
+            return steps, size
+        last = size
+    return steps, last
 
 
 @dataclass(eq=False)
@@ -194,6 +205,10 @@ class _Work:
 
     def stress(self) -> Any:
         return self.system.stress(self.system.strain(self.value, self.rest))
+
+    def force(self) -> Array:
+        """Forces that the unknowns feel now."""
+        return self.system.forces(self.stress())
 
     def residual(self, stress: Any) -> Array:
         """Forces left on the free unknowns (f,)."""
@@ -243,12 +258,19 @@ class _Work:
         self.add(share * way)
         return self.relative(share * way[self.free])
 
+    def noises(self, force: Array) -> list[Array]:
+        """Samples (f,) of what rounding leaves in residuals; `force` is that of the unknowns."""
+        count = SAMPLES if np.count_nonzero(self.free) <= MANY else 1
+        each = (self.system.noise(self.value, self.rest, force, k) for k in range(count))
+        return [noise[self.free] for noise in each]
+
     def sampled(self, sample: bool) -> float:
         """What rounding leaves in residuals, as a part of the answer."""
-        if not sample:
-            return 0.0
-        sums = self.system.sized(self.stress())[1] + np.abs(self.load)
-        force = self.spread(self.system.noise(self.value, sums)[self.free])
+        return SAMPLE * max(map(self.answered, self.noises(self.force()))) if sample else 0.0
+
+    def answered(self, noise: Array) -> float:
+        """What forces (f,) make of unknowns, relative to the answer, by directions and inverse."""
+        force = self.spread(noise)
         found = np.zeros(force.shape)
         for way, pull in self.directions:
             share = _dot(way, force)
@@ -259,13 +281,23 @@ class _Work:
             strain = self.system.strain(rest)
             for way, pull in self.directions:
                 rest = rest - _dot(strain, pull) * way
-        return SAMPLE * self.relative((found + rest)[self.free])
+        return self.relative((found + rest)[self.free])
 
     def ended(self, left: float, corrections: int) -> Refined:
         error = left + LEAST if np.isfinite(left) else np.inf
         if not np.abs(self.value[self.counted]).max():
             error = 0.0 if left == 0 else np.inf
         return Refined(self.value, self.rest, float(error), corrections)
+
+
+def rewritten(system: System, value: Array, rest: Array, force: Array, number: int) -> Array:
+    """What another way to write the same unknowns, as two numbers each, changes in their forces.
+
+    It is rounding and nothing else: a sample of it, a number's its own.
+    """
+    change = REWRITTEN * np.random.default_rng(number).uniform(-1, 1, value.shape) * value
+    other, less = with_digits(value, np.zeros_like(rest), change)
+    return system.forces(system.stress(system.strain(other, rest - change + less))) - force
 
 
 def with_digits(value: Array, rest: Array, change: Array) -> tuple[Array, Array]:
