@@ -57,6 +57,9 @@ class Equilibrium:
         Part of the load at which the first limit point was passed, where the stable branch that
         begins at the start ends and the network snaps through to another. None where none was,
         and where no path of loads was followed: of linear answers and relaxations.
+    remainder
+        (n, d) what the displacement lacks in digits (m): strains have them where a body moves far
+        and is hardly strained. None where it is not known.
     """
 
     displacement: Array
@@ -67,6 +70,7 @@ class Equilibrium:
     error: float = math.nan
     folded: int | None = None
     passed_limit: float | None = None
+    remainder: Array | None = None
 
 
 def equilibrium(
@@ -164,13 +168,16 @@ def at_rest(
     *,
     error: float = math.nan,
     passed_limit: float | None = None,
+    remainder: Array | None = None,
 ) -> Equilibrium:
     """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
 
     Forces come from the displacement: positions have lost digits where coordinates are large.
     """
-    left = balance(network, displacement)
-    displacement.setflags(write=False)
+    left = balance(network, displacement, remainder)
+    for array in (displacement, remainder):
+        if array is not None:
+            array.setflags(write=False)
     position = network.points + displacement
     return Equilibrium(
         displacement=displacement,
@@ -181,6 +188,7 @@ def at_rest(
         error=error,
         folded=count_folded(network.simplices, position),
         passed_limit=passed_limit,
+        remainder=remainder,
     )
 
 
@@ -195,6 +203,7 @@ def _linear(network: Network) -> Equilibrium:
         iterations=1 + found.steps,
         error=found.error,
         folded=count_folded(network.simplices, position),
+        remainder=found.remainder,
     )
 
 
@@ -224,6 +233,7 @@ def _nonlinear(
         found.solves + end.steps,
         error=end.error,
         passed_limit=found.passed_limit,
+        remainder=end.remainder,
     )
 
 

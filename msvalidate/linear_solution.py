@@ -35,8 +35,8 @@ class Solved:
 
     Parameters
     ----------
-    displacement
-        (n, d) in m.
+    displacement, remainder
+        (n, d) in m, and what it lacks in digits.
     balance
         (n, d) force (N) that is left over: where it is held, minus the supports' reaction.
     error
@@ -48,6 +48,7 @@ class Solved:
     """
 
     displacement: Array
+    remainder: Array
     balance: Array
     error: float
     steps: int
@@ -72,7 +73,7 @@ def solved(network: Network) -> Solved:
         system.factorise()
     if nothing_acts(network, system.state):
         zero = np.zeros(network.points.shape)
-        return Solved(zero, network.force + zero, 0.0, 0, network.held)
+        return Solved(zero, zero, network.force + zero, 0.0, 0, network.held)
     return system.solution()
 
 
@@ -144,7 +145,8 @@ class _System:
             refuse_vanishing(moved * self.unit, TITLE)
             error = stated(found, soft, times, self.pulled / moved) if moved else 0.0
             refuse_inaccurate(error, TITLE, self._why())
-        return Solved(u.hi * self.unit, self._balance(u), error, steps, self.network.held)
+        whole, lacks = u.hi * self.unit, u.lo * self.unit
+        return Solved(whole, lacks, self._balance(u), error, steps, self.network.held)
 
     def _balance(self, u: Pair) -> Array:
         """Force (n, d) in N that is left: the last residual, less what the last correction took."""

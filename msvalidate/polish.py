@@ -59,9 +59,13 @@ CYCLES_PART = 1e-4
 
 
 class Polished(NamedTuple):
-    """An equilibrium: displacement (n, d) in m, its error over the largest, and solves made."""
+    """An equilibrium: displacement (n, d) in m and the digits that it lacks, its error, and solves.
+
+    The error is of the displacement, over the largest.
+    """
 
     displacement: Array
+    remainder: Array
     error: float
     steps: int
 
@@ -86,9 +90,13 @@ def centred(network: Network) -> Network:
     )
 
 
-def balance(network: Network, displacement: Array) -> Array:
-    """Force (n, d) in N that springs, cells and loads leave at a displacement (n, d) in m."""
-    return _Nonlinear(network, pair(displacement)).balance()
+def balance(network: Network, displacement: Array, remainder: Array | None = None) -> Array:
+    """Force (n, d) in N that springs, cells and loads leave at a displacement (n, d) in m.
+
+    `remainder` (n, d) are the digits that it lacks.
+    """
+    lacks = np.zeros_like(displacement) if remainder is None else remainder
+    return _Nonlinear(network, Pair(displacement, lacks)).balance()
 
 
 def polished(network: Network, displacement: Array, found: Regular | None = None) -> Polished:
@@ -110,9 +118,9 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
     """
     u = pair(np.where(network.held, network.displacement, displacement))
     if network.held.all():
-        return Polished(u.hi, 0.0, 0)
+        return Polished(u.hi, u.lo, 0.0, 0)
     if nothing_acts(network, State(network)) and not u.hi.any():
-        return Polished(u.hi, 0.0, 0)
+        return Polished(u.hi, u.lo, 0.0, 0)
     near, before = centred(network), u.hi
     system = _Nonlinear(network, u, near, found)
     moved = system.refined()
@@ -124,7 +132,7 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
     error = system.stated(moved)
     refuse_inaccurate(error, TITLE, _why(network, _largest(u.hi), system.found.softness))
     system.refuse_unstable()
-    return Polished(u.hi, error, moved.steps)
+    return Polished(u.hi, u.lo, error, moved.steps)
 
 
 def _why(network: Network, moved: float, softness: float) -> str:

@@ -29,12 +29,16 @@ from msvalidate.problem import (
     shown,
     whole,
 )
-from msvalidate.run import LOOK_EVERY, Relaxation, Run, together
+from msvalidate.run import LOOK_EVERY, Relaxation, Run, largest, together
 from msvalidate.tangents import is_stable
 
 STOPOVER = 1e-4
 """Tolerance of rest at stops of a path: what is left there is a ten-thousandth of what a stop adds,
 and the next begins with it."""
+FEW_UNITS = 16.0
+"""Units of rounding of positions, of which a displacement is no motion."""
+BALANCED = 1e-6
+"""Part of a load that prestress may leave out of balance."""
 LOOSEST = 0.01
 """Largest tolerance: above it a start under full load would soon count as rest."""
 
@@ -158,18 +162,23 @@ def relax(
 
 
 def _refuse_lost(network: Network, found: Relaxation, error: float, title: str) -> None:
-    """Raise `SolverError` where corrections are as large as what the load has moved.
+    """Raise `SolverError` where an error is as large as what moved, or a load moved nothing.
 
-    What stands by its prestress alone moves by the rounding of that, if at all.
+    What its prestress balances where it lies need not move, so that nothing is said by an error
+    relative to that.
     """
-    acts = network.force[~network.held].any() or network.displacement.any()
-    if acts and not error < 1:
-        raise SolverError(
-            f"{title} came to rest after {found.steps} steps, {found.equilibrium.residual:.3g} N "
-            f"short of balance, where it is off by {error:.2g} times its displacement: the load "
-            "is no larger than what rounding hides, or the body too slender; tighten tolerance, "
-            "raise the load, or take `equilibrium`"
-        )
+    rest = found.equilibrium
+    load = largest(network.force[~network.held])
+    moved = largest(rest.displacement)
+    seen = moved > FEW_UNITS * np.finfo(float).eps * largest(network.points)
+    if error < 1 or not (seen or rest.residual > BALANCED * load):
+        return
+    raise SolverError(
+        f"{title} came to rest after {found.steps} steps, {rest.residual:.3g} N short of balance, "
+        f"where it is off by {error:.2g} times its displacement: the load is no larger than what "
+        "rounding hides, or the body too slender; tighten tolerance, raise the load, or take "
+        "`equilibrium`"
+    )
 
 
 def _stages(way: Way) -> list[Network]:

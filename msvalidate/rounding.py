@@ -8,6 +8,9 @@ from msvalidate.accurate import State
 from msvalidate.network import Network
 from msvalidate.problem import Array, Mask
 
+ALIKE = 100.0
+"""Times that stiffnesses may be apart without a word of it."""
+
 
 def nothing_acts(network: Network, reference: State) -> bool:
     """Whether no load, no prescribed displacement and no prestress acts on what is free.
@@ -22,10 +25,14 @@ def why(network: Network, softness: float) -> str:
     """How far apart stiffnesses are and what the softest motion meets, and what to do."""
     k = network.stiffness[network.stiffness > 0]
     apart = float(k.max() / k.min()) if len(k) else 1.0
+    met = (
+        f"the softest motion meets {abs(softness):.1g} of what its points meet one by one; "
+        "take fewer cells along a slender body, or a load that prestress does not hide"
+    )
+    if apart < ALIKE:
+        return met
     return (
-        f"stiffnesses are {apart:.1g} times apart, and the softest motion meets "
-        f"{abs(softness):.1g} of what its points meet one by one; bring stiffnesses closer "
-        "together, or take fewer cells along a slender body"
+        f"stiffnesses are {apart:.1g} times apart, and {met}, or bring stiffnesses closer together"
     )
 
 

@@ -57,7 +57,9 @@ def natural_frequencies(
 ) -> tuple[Array, float]:
     """The lowest `count` and the highest natural frequency (rad/s), undamped, supports held.
 
-    K φ = ω² M φ on the free components, with the full tangent (geometric stiffness included).
+    K φ = ω² M φ on the free components, with the full tangent (geometric stiffness included). An ω²
+    is rounded by some 1e-16 of the highest; where that is more than 1e-5 of it, its mode's energy,
+    spring by spring, gives it.
 
     Parameters
     ----------

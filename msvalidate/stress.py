@@ -24,6 +24,8 @@ from typing import Literal
 import numpy as np
 from scipy.spatial import cKDTree
 
+from msvalidate.accurate import State
+from msvalidate.double_double import Pair
 from msvalidate.equilibrium import Equilibrium
 from msvalidate.lattice import CutLattice, Lattice
 from msvalidate.lattice.corners import corner_volumes
@@ -67,17 +69,17 @@ def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "li
             f"stress: displacements {found.position.shape}, points {network.points.shape}; give "
             "the network's own equilibrium"
         )
-    i, j = network.springs.T
+    # Elongations come from displacements: positions have few digits of small ones, or none.
+    lacks = np.zeros_like(found.displacement) if found.remainder is None else found.remainder
     if geometry == "nonlinear":
-        vector = found.position[j] - found.position[i]
-        stretch = np.linalg.norm(vector, axis=1)
-        longer = stretch - network.rest_length
+        state = State(network, Pair(found.displacement, lacks))
+        pull, vector = state.springs.slack.hi * state.stiffness, state.springs.v.hi.T * state.length
     else:
-        vector = network.vector
-        stretch = np.linalg.norm(vector, axis=1)
-        change = ((found.displacement[j] - found.displacement[i]) * vector).sum(axis=1) / stretch
-        longer = stretch - network.rest_length + change
-    pull = network.stiffness * longer / stretch
+        state, (i, j) = State(network), network.springs.T
+        vector, move = network.vector, found.displacement
+        apart = (move[j] - move[i]) + (lacks[j] - lacks[i])
+        strain = (apart * vector).sum(axis=1) / (vector**2).sum(axis=1)
+        pull = state.springs.slack.hi * state.stiffness + network.stiffness * strain
     return np.asarray(pull[:, None, None] * vector[:, :, None] * vector[:, None, :])
 
 
@@ -325,8 +327,9 @@ def _corner_volume(lattice: Lattice) -> Array:
 
 def _grown(lattice: Lattice, found: Equilibrium) -> Array:
     """Volume (c,) of each cell at rest relative to that before."""
+    near = lattice.points - lattice.points[0]
     now, before = (
-        corner_volumes(x, lattice.cells).sum(axis=1) for x in (found.position, lattice.points)
+        corner_volumes(x, lattice.cells).sum(axis=1) for x in (near + found.displacement, near)
     )
     return np.asarray(now / before)
 

@@ -294,15 +294,15 @@ class Potential:
         """Field E = -grad φ (p, 2) in V/m at points (p, 2) in m of the mesh.
 
         Where cells meet, the mean over them: on a charged face that is no field of either side, so
-        ask a little off it. It is known to 1e-16 of the potential over the size of a cell, which is
-        all of it where permittivity is 1e12 times that elsewhere.
+        ask a little off it.
 
         Raises
         ------
         ProblemError
             If a point lies outside the mesh.
         """
-        return -gradient(self.medium.body, self.values[:, None], points)[:, 0]
+        values, rest = self.values[:, None], self.rest[:, None]
+        return -gradient(self.medium.body, values, points, rest)[:, 0]
 
     @cached_property
     def forces(self) -> Array:

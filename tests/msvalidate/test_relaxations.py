@@ -82,6 +82,14 @@ def test_a_load_that_rounding_hides_is_refused_or_answered_within_its_error(
 
 
 @every_method
+def test_a_body_whose_prestress_holds_its_load_stays_where_it_is(method, lattice_body):
+    network = sheet(lattice_body, PUSH)
+    found = equilibrium(network, "nonlinear")
+    again = replace(network, points=found.position)
+    assert np.abs(relax(again, method).equilibrium.displacement).max() <= 1e-9
+
+
+@every_method
 def test_too_few_steps_are_not_rest(method, lattice_body):
     with pytest.raises(SolverError, match=f"{method.title} is not at rest after 1 steps: .*residu"):
         relax(sheet(lattice_body, PUSH), method, max_steps=1)

@@ -12,7 +12,7 @@ from msvalidate.cut import cut_network
 from msvalidate.equilibrium import Equilibrium, equilibrium
 from msvalidate.lattice import cut_lattice, fill, mesh_lattice, patterns, trapezium, triangular
 from msvalidate.lattice.corners import corner_volumes
-from msvalidate.network import internal_force
+from msvalidate.network import internal_force, spring_network
 from msvalidate.problem import (
     BodyForce,
     Box,
@@ -168,6 +168,28 @@ def test_the_virial_of_a_spring_is_its_pull_times_its_vector():
     # Σ f d⊗d/|d| = -Σ F⊗x of the forces F that springs exert on points.
     other = -internal_force(network, found.position).T @ found.position
     np.testing.assert_allclose(virial, other, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("geometry", ["linear", "nonlinear"])
+@pytest.mark.parametrize(
+    ("far", "load", "moved"),
+    [(0, 1e-14, 0), (0, 1e-40, 0), (5.2e6, 1e-9, 0), (1e3, 1e-20, 0), (0, 1e-14, 1.7)],
+)
+def test_a_small_load_is_the_pull_of_its_spring_and_its_reaction(geometry, far, load, moved):
+    # Positions have few digits of such elongations or none: the pull was 7 % off at UTM coordinates.
+    held = [[True, True], [False, True]]
+    network = spring_network(
+        [[far, far], [far + 0.37, far]],
+        [[0, 1]],
+        0.2,
+        held=held,
+        force=[[0, 0], [load, 0]],
+        displacement=np.where(held, moved, 0.0),
+    )
+    found = equilibrium(network, geometry)
+    pull = spring_virial(network, found, geometry)[0, 0, 0] / 0.37
+    assert pull == pytest.approx(load, rel=1e-7)
+    assert found.reaction[0, 0] == pytest.approx(-load, rel=1e-7)
 
 
 @pytest.mark.parametrize("name", ["square", "cubic 18"])

@@ -89,6 +89,7 @@ LISTS = [[f"{FORCES}[2-none-False]", f"{FORCES}[3-none-False]"], [f"{T}/test_gen
 GRIDS = [[f"{T}/test_stencil.py"]]
 KERNELS = {
     "__init__": [*LISTS, [f"{T}/test_stencil.py", f"{T}/test_kernels.py"]],
+    "cache": [[f"{T}/kernels/test_cache.py"]],
     "bending": [[f"{T}/test_kernels.py::test_curvature_is_that_of_the_tangent"]],
     "cells": CELLS,
     "charges": [[f"{T}/kernels/test_charges.py"], [f"{T}/electrostatics/test_electrodes.py"]],
@@ -107,7 +108,7 @@ KERNELS = {
 }
 """File of compiled code -> tests that reach it, those that compile the least first; of other
 modules they are found by the lines that tests run, which compiled code does not tell."""
-PLAIN = {"__init__", "general", "grid", "rows"}
+PLAIN = {"__init__", "cache", "general", "grid", "rows"}
 """Files of `kernels` without compiled functions: what is compiled stays as it is."""
 QUESTIONS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "integrators": [("stability", ("limits", "order"))],

@@ -36,6 +36,9 @@ def test_layers_are_capacitors_in_series(ratio, element):
     assert bottom == pytest.approx(-capacitance, rel=ROUNDING)
     assert 2 * found.energy == pytest.approx(capacitance, rel=ROUNDING)
     assert found.error <= ROUNDING
+    # The field in the layer and above it: the potential alone has no digits of the smaller one.
+    field = found.field([[SIDE / 2, SIDE / 4], [SIDE / 2, 0.9 * SIDE]])[:, 1]
+    assert field == pytest.approx(-capacitance / 3 / SIDE * np.array([1 / ratio, 1]), rel=1e-10)
 
 
 @pytest.mark.parametrize("ratio", [1e18, 1e22, 1e30])
