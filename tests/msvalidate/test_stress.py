@@ -176,7 +176,7 @@ def test_the_virial_of_a_spring_is_its_pull_times_its_vector():
     [(0, 1e-14, 0), (0, 1e-40, 0), (5.2e6, 1e-9, 0), (1e3, 1e-20, 0), (0, 1e-14, 1.7)],
 )
 def test_a_small_load_is_the_pull_of_its_spring_and_its_reaction(geometry, far, load, moved):
-    # Positions have few digits of such elongations or none: the pull was 7 % off at UTM coordinates.
+    # Positions have few digits of such elongations or none: far away the pull was 7 % off.
     held = [[True, True], [False, True]]
     network = spring_network(
         [[far, far], [far + 0.37, far]],
