@@ -231,6 +231,28 @@ def test_reactions_balance_the_load_to_the_last_digits(lattice_body):
     assert reaction[0, 0] - reaction[1, 0] == pytest.approx(load * length, rel=1e-12)
 
 
+def test_an_ordinary_body_takes_one_correction():
+    # A residual of the wrong sign would be made good by what combines corrections, at their cost.
+    network = braced((6, 2), (1.48, 0.37), np.random.default_rng(3))
+    assert equilibrium(network).iterations == 2
+
+
+def test_a_load_far_below_prestress_is_known_no_better_than_that_lets_it():
+    # Two springs in line, pulled tight: their pulls cancel, rounded by 1e-32 of themselves.
+    network = spring_network(
+        [[0.0, 0.0], [0.37, 0.0], [0.74, 0.0]],
+        [[0, 1], [1, 2]],
+        3.0,
+        rest_length=0.3,
+        held=[[True, True], [False, False], [True, True]],
+        force=[[0, 0], [0, 1e-20], [0, 0]],
+    )
+    found = equilibrium(network)
+    pull = 3.0 * 0.07
+    assert found.displacement[1, 1] == pytest.approx(1e-20 / (2 * pull / 0.37), rel=1e-9)
+    assert 1e-13 < found.error < LARGEST_ERROR
+
+
 # Long bodies ------------------------------------------------------------------------------------
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from itertools import permutations, product
 
 import numpy as np
 import pytest
@@ -22,6 +23,8 @@ from msvalidate.lattice import (
 )
 from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError
 from msvalidate.stiffness import (
+    cubic_part,
+    directional_modulus,
     directional_ratio,
     in_plane,
     moduli,
@@ -294,3 +297,44 @@ def test_pulling_at_an_angle_is_turning_the_body_back(angle):
 def test_an_angle_that_is_no_number_is_refused():
     with pytest.raises(ProblemError, match="angle: nan"):
         rotated(CROOKED, float("nan"))
+
+
+def random_tensor(d):
+    A = np.random.default_rng(d).normal(size=(d * (d + 1) // 2,) * 2)
+    return A @ A.T + len(A) * np.eye(len(A))
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_cubic_part_is_the_mean_over_turns_of_the_axes_into_each_other(d):
+    C, pairs = random_tensor(d), {2: ((0, 0), (1, 1), (0, 1))}
+    pairs[3] = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+    named = {tuple(sorted(pair)): number for number, pair in enumerate(pairs[d])}
+    mean, count = np.zeros_like(C), 0
+    for axes in permutations(range(d)):
+        for signs in product((1, -1), repeat=d):
+            to = [named[tuple(sorted((axes[a], axes[b])))] for a, b in pairs[d]]
+            sign = np.array([signs[a] * signs[b] for a, b in pairs[d]])
+            mean += sign[:, None] * sign * C[np.ix_(to, to)]
+            count += 1
+    np.testing.assert_allclose(cubic_part(C), mean / count, atol=1e-13)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_modulus_is_that_of_the_body_turned_until_the_direction_is_x(d):
+    C = random_tensor(d)
+    ways = np.random.default_rng(7).normal(size=(len(C), d))
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    one_by_one = [directional_modulus(C, way[None])[0] for way in ways]
+    np.testing.assert_allclose(directional_modulus(C, ways), one_by_one, rtol=1e-13)
+    along_x = 1 / np.linalg.inv(C)[0, 0]
+    assert directional_modulus(C, np.eye(d)[:1])[0] == pytest.approx(along_x, rel=1e-12)
+    if d == 2:
+        angle = np.arctan2(ways[0, 1], ways[0, 0])
+        turned = 1 / np.linalg.inv(rotated(C, -angle))[0, 0]
+        assert one_by_one[0] == pytest.approx(turned, rel=1e-12)
+
+
+@pytest.mark.parametrize("directions", [[[2.0, 0.0]], [1.0, 0.0], [[1.0, 0.0, 0.0]]])
+def test_directions_that_are_no_unit_vectors_are_refused(directions):
+    with pytest.raises(ProblemError, match=r"directions: shape .*; give unit vectors \(q, 2\)"):
+        directional_modulus(CROOKED, directions)

@@ -199,3 +199,26 @@ def test_a_slender_body_is_no_mechanism(lattice_body, length):
 def test_an_unknown_geometry_is_refused(lattice_body):
     with pytest.raises(ProblemError, match="geometry: 'exact'; choose linear or nonlinear"):
         equilibrium(bent(lattice_body, 1e-3), "exact")
+
+
+@pytest.mark.parametrize(
+    ("load", "remedy"),
+    [
+        (0.0, "beyond 0 of the prestress .*; bring rest lengths closer to the springs' lengths"),
+        (1e-3, "beyond 0 of the load .*; reduce load or prestress, or take the start from a relax"),
+    ],
+)
+def test_a_strut_that_prestress_buckles_is_told_what_to_change(load, remedy):
+    # Both springs push: the middle has no stiffness across, and less than none.
+    held = [[True, True], [False, False], [True, True]]
+    force = [[0, 0], [load, 0], [0, 0]]
+    strut = spring_network(
+        [[0, 0], [0.37, 0], [0.74, 0]],
+        [[0, 1], [1, 2]],
+        1.0,
+        rest_length=0.5,
+        held=held,
+        force=force,
+    )
+    with pytest.raises(SolverError, match=remedy):
+        equilibrium(strut, "nonlinear")

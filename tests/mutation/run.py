@@ -34,7 +34,7 @@ ROOT = HERE.parents[1]
 T, F = "tests/msvalidate", "tests/reference_fem"
 NETWORKS = [
     f"{T}/test_{n}.py"
-    for n in ("network", "network_far", "spectrum", "body", "supports", "unstable")
+    for n in ("network", "network_far", "spectrum", "body", "supports", "unstable", "lengths")
 ]
 MODULES: dict[str, tuple[list[str], list[str], int]] = {
     # name: files, tests, faults
@@ -51,7 +51,10 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
     ),
     "volumes": (
         ["msvalidate/volumes.py"],
-        [f"{T}/test_{n}.py" for n in ("volumes", "volumes_by_hand", "network", "spectrum")],
+        [
+            f"{T}/test_{n}.py"
+            for n in ("volumes", "volumes_by_hand", "network", "spectrum", "lengths")
+        ],
         25,
     ),
     "compare": (["msvalidate/compare.py"], [f"{T}/test_evidence.py", f"{T}/test_compare.py"], 25),
