@@ -34,7 +34,16 @@ ROOT = HERE.parents[1]
 T, F = "tests/msvalidate", "tests/reference_fem"
 NETWORKS = [
     f"{T}/test_{n}.py"
-    for n in ("network", "network_far", "spectrum", "body", "supports", "unstable", "lengths")
+    for n in (
+        "network",
+        "network_far",
+        "spectrum",
+        "body",
+        "supports",
+        "unstable",
+        "lengths",
+        "local_shear",
+    )
 ]
 MODULES: dict[str, tuple[list[str], list[str], int]] = {
     # name: files, tests, faults
@@ -46,7 +55,7 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
     "homogenise": (["msvalidate/homogenise.py"], [f"{T}/test_homogenise.py"], 28),
     "calibrate": (
         ["msvalidate/calibrate.py", "msvalidate/routes.py"],
-        [f"{T}/test_calibrate.py"],
+        [f"{T}/test_calibrate.py", f"{T}/test_uniform_tension.py"],
         28,
     ),
     "volumes": (
@@ -95,7 +104,10 @@ KERNELS = {
     "cache": [[f"{T}/kernels/test_cache.py"]],
     "bending": [[f"{T}/test_kernels.py::test_curvature_is_that_of_the_tangent"]],
     "cells": CELLS,
-    "charges": [[f"{T}/kernels/test_charges.py"], [f"{T}/electrostatics/test_electrodes.py"]],
+    "charges": [
+        [f"{T}/kernels/test_charges.py"],
+        [f"{T}/electrostatics/test_forces.py", f"{T}/electrostatics/test_electrodes.py"],
+    ],
     "compiling": [[f"{T}/kernels/test_segments.py"]],
     "corners": CELLS,
     "fluxes": [[f"{T}/kernels/test_fluxes.py"]],
