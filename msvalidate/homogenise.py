@@ -12,12 +12,13 @@ Where every point is a centre of symmetry F is zero and the affine tensor is exa
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import eigh, eigvalsh
+from scipy.linalg import eigh, eigvalsh, qr, solve_triangular
 from scipy.optimize import minimize
 from scipy.sparse import csr_array
 
@@ -56,6 +57,26 @@ NO_STIFFNESS = 1e-10
 """Stiffness of a motion, relative to the stiffest, below which it has none."""
 
 
+NO_ENERGY = 1e-24
+"""The same by the springs' own elongations, which rounding of entries does not hide; and of a
+spring, below which it is none."""
+NEAR = 1e4
+"""Times that stiffnesses may be apart for the cheapest way: rounding is 1e-12 of the softest."""
+SOFTEST = 1e-6
+"""Root of a motion's stiffness over the softest spring's, below which it has none."""
+CORRECTIONS = 8
+ENOUGH = 1e-15
+"""Part of an energy that a correction takes, at which it was the last."""
+LEAST_PART = 1e-24
+"""Energy over the largest strain's, below which a strain has none."""
+ROUNDING = 1e-13
+"""Of sums over springs."""
+LARGEST_ERROR = 1e-6
+"""Of an entry, above which no tensor is handed out."""
+BLIND = 1e-3
+"""Part of a known motion's elongations that may be missed."""
+
+
 @dataclass(frozen=True, eq=False)
 class Homogenised:
     """The solid that an endless lattice is.
@@ -68,11 +89,15 @@ class Homogenised:
     floppy
         Number of periodic motions, translations apart, without stiffness; None where it was not
         counted (none of them is there: the lattice was solved).
+    error
+        Largest error of an entry of the tensor over the root of the two diagonal entries beside it,
+        from the energy of the last correction.
     """
 
     affine: Array
     tensor: Array
     floppy: int | None
+    error: float = 0.0
 
     def __post_init__(self) -> None:
         for array in (self.affine, self.tensor):
@@ -207,18 +232,25 @@ def periodic(
             f"stiffness: {shown(stiffness)}; give numbers of 0 or more, one a spring"
         )
     affine = spring_tensor(vector, k, volume)
+    k = np.where(k >= NO_ENERGY * k.max(), k, 0.0)
     if pairs.shape != (len(k), 2):
         raise ProblemError(
             f"springs: {pairs.dtype} {pairs.shape}; give whole numbers {(len(k), 2)}"
         )
     if pairs.min() < 0 or pairs.max() >= n:
         raise ProblemError(f"springs: {pairs.min()} to {pairs.max()}; there are {n} points")
-    right = strain_forces(n, pairs, vector, k).reshape(-1, len(affine))
     normal = vector / np.linalg.norm(vector, axis=1)[:, None]
     K = _stiffness(n, pairs, k[:, None, None] * normal[:, :, None] * normal[:, None, :])
-    u, floppy = _at_rest(K, right, vector.shape[1])
-    tensor = affine - right.T @ u / volume
-    return Homogenised(affine, (tensor + tensor.T) / 2, floppy)
+    stretch = np.linalg.norm(vector, axis=1)[:, None] * voigt_directions(normal)
+    d = vector.shape[1]
+    K, B = K[d:, d:], _elongations(n, pairs, normal)[:, d:]  # the first point held
+    if _apart(k) > NEAR and K.shape[0] <= DENSE:
+        relieve, floppy = _by_least_squares(B.toarray(), k)
+    else:
+        relieve, floppy = _by_forces(K, B, k)
+    total, error = _relaxed(relieve, B, k, stretch)
+    tensor = total.T @ (k[:, None] * total) / volume
+    return Homogenised(affine, (tensor + tensor.T) / 2, floppy, error)
 
 
 def _stiffness(n: int, pairs: Index, block: Array) -> csr_array:
@@ -233,29 +265,107 @@ def _stiffness(n: int, pairs: Index, block: Array) -> csr_array:
     return csr_array(entries, shape=(n * d, n * d))
 
 
-def _at_rest(K: csr_array, right: Array, d: int) -> tuple[Array, int | None]:
-    """Motions (n·d, v) that leave no force, the first point held, and the number of floppy ones."""
-    u = np.zeros(right.shape)
-    free = K[d:, d:]
-    if free.shape[0] <= DENSE:
-        if not free.shape[0]:
-            return u, 0
-        values, modes = eigh(free.toarray())
-        stiff = values > NO_STIFFNESS * max(values[-1], np.finfo(float).tiny)
-        u[d:] = (modes[:, stiff] / values[stiff]) @ (modes[:, stiff].T @ right[d:])
-        return u, int((~stiff).sum())
+def _elongations(n: int, pairs: Index, normal: Array) -> csr_array:
+    """Elongations (m, n·d) of springs by motions of the points."""
+    m, d = normal.shape
+    column = pairs[:, :, None] * d + np.arange(d)
+    value = np.stack([-normal, normal], axis=1)
+    row = np.broadcast_to(np.arange(m)[:, None, None], column.shape)
+    return csr_array((value.ravel(), (row.ravel(), column.ravel())), shape=(m, n * d))
+
+
+def _apart(k: Array) -> float:
+    """Largest stiffness over the least that is one."""
+    there = k[k > 0]
+    return float(there.max() / there.min()) if len(there) else 1.0
+
+
+Relieve = Callable[[Array], Array]
+"""Motions (f, v) that relieve elongations (m, v): the least energy that is left, or nearly."""
+
+
+def _relaxed(relieve: Relieve, B: csr_array, k: Array, stretch: Array) -> tuple[Array, float]:
+    """Elongations (m, v) with the least energy, from those of the points held, and an error.
+
+    The energy of an elongation that is off is off by the square: what a correction takes from it
+    bounds what the next one would.
+    """
+    total = stretch + B @ relieve(stretch)
+    left = np.inf
+    for _ in range(CORRECTIONS):
+        move = B @ relieve(total)
+        total, before = total + move, left
+        energy = np.einsum("m,mv,mv->v", k, total, total)
+        taken = np.einsum("m,mv,mv->v", k, move, move)
+        floor = LEAST_PART * energy.max(initial=0.0)
+        left = float((taken / np.maximum(energy, max(floor, np.finfo(float).tiny))).max())
+        if left <= ENOUGH or left > before / 2:
+            break
+    known = B @ np.random.default_rng(0).normal(size=(B.shape[1], 1))
+    known[k == 0] = 0.0
+    missed = np.linalg.norm(np.where(k[:, None] > 0, known + B @ relieve(known), 0.0))
+    error = left + ROUNDING
+    if not (error <= LARGEST_ERROR and missed <= BLIND * np.linalg.norm(known)):
+        raise SolverError(
+            f"periodic network: its tensor is known to {error:.1g} only, more than "
+            f"{LARGEST_ERROR:g}: stiffnesses are {_apart(k):.1g} times apart; bring them closer "
+            "together, or take fewer points a cell"
+        )
+    return total, error
+
+
+def _by_forces(K: csr_array, B: csr_array, k: Array) -> tuple[Relieve, int | None]:
+    """By the stiffness (f, f) of what is free; and the number of motions without any."""
+    if not K.shape[0]:
+        return lambda stretch: np.zeros((0, stretch.shape[1])), 0
+    if K.shape[0] > DENSE:
+        return _by_factor(K, B, k)
+    values, modes = eigh(K.toarray())
+    stiff = values > NO_STIFFNESS * max(values[-1], np.finfo(float).tiny)
+    values, modes = values[stiff], modes[:, stiff]
+
+    def relieve(stretch: Array) -> Array:
+        return np.asarray(-(modes / values) @ (modes.T @ (B.T @ (k[:, None] * stretch))))
+
+    return relieve, int((~stiff).sum())
+
+
+def _by_least_squares(B: Array, k: Array) -> tuple[Relieve, int | None]:
+    """By rows of springs (m, f), the stiff ones first: rounded by themselves, not by each other.
+
+    Householder's method with columns exchanged (Cox and Higham 1998, in Numerical Analysis 1997).
+    """
+    order = np.argsort(-k, kind="stable")
+    root = np.sqrt(k[order])[:, None]
+    Q, R, exchanged = qr(root * B[order], mode="economic", pivoting=True)
+    least = SOFTEST * float(np.sqrt(k[k > 0].min()))
+    rank = int((np.abs(np.diag(R)) > least).sum())
+
+    def relieve(stretch: Array) -> Array:
+        u = np.zeros((B.shape[1], stretch.shape[1]))
+        right = Q[:, :rank].T @ (root * stretch[order])
+        u[exchanged[:rank]] = -solve_triangular(R[:rank, :rank], right)
+        return u
+
+    return relieve, B.shape[1] - rank
+
+
+def _by_factor(K: csr_array, B: csr_array, k: Array) -> tuple[Relieve, int | None]:
+    """By a factor of the stiffness (f, f) of what is free."""
     try:
-        factor = factorised(free)
+        factor = factorised(K)
     except RuntimeError as error:
         raise SolverError(FLOPPY) from error
-    mode = softest_mode(free, factor)
-    if mode @ (free @ mode) <= NO_STIFFNESS * (mode**2 @ free.diagonal()):
+    mode = softest_mode(K, factor, K.diagonal())
+    energy, least = float(k @ (B @ mode) ** 2), NO_ENERGY if _apart(k) > NEAR else NO_STIFFNESS
+    if energy <= least * (mode**2 @ K.diagonal()):
         raise SolverError(FLOPPY)
-    for column in range(right.shape[1]):
-        u[d:, column] = factor.solve(right[d:, column])
-        # One step of refinement: pairs of near points make the matrix badly scaled.
-        u[d:, column] += factor.solve(right[d:, column] - free @ u[d:, column])
-    return u, None
+
+    def relieve(stretch: Array) -> Array:
+        right = -(B.T @ (k[:, None] * stretch))
+        return np.column_stack([factor.solve(column) for column in right.T])
+
+    return relieve, None
 
 
 FLOPPY = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from decimal import Decimal, localcontext
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from msvalidate.homogenise import (
     network_tensor,
     periodic,
 )
-from msvalidate.lattice import patterns, repeated, turned, voronoi_box
+from msvalidate.lattice import patterns, repeated, turned, voronoi, voronoi_box
 from msvalidate.lattice.pattern import by_shells
 from msvalidate.problem import Box, ProblemError, SolverError
 from msvalidate.stiffness import VOIGT, isotropic_moduli, moduli, pattern_tensor
@@ -354,3 +355,58 @@ def test_bad_input_is_refused(call, message):
 def test_a_frequency_is_of_a_pattern_and_not_of_its_name():
     with refused("pattern"):
         highest_frequency("square", (1.0, 1.0))
+
+
+# Stiff beside soft -------------------------------------------------------------------------------
+
+
+def column(count, times):
+    """A column of points 0.37 m apart, its upper half stiffer by so many times; its stiffness."""
+    springs, ways, k, along = [], [], [], []
+    for j in range(count):
+        one = 1.0 if j < count // 2 else times
+        springs += [[j, j]] + 3 * [[j, (j + 1) % count]]
+        ways += [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [-1.0, 1.0]]
+        k += [one, one, one / 2, one / 2]
+        along.append(1 / (1.5 * one))  # the upright and two diagonals, in series from row to row
+    return (count, springs, 0.37 * np.array(ways), k, count * 0.37**2), count / sum(along)
+
+
+@pytest.mark.parametrize("times", [1e3, 1e5, 1e9, 1e12, 1e16])
+@pytest.mark.parametrize("count", [2, 10, 100, 400])
+def test_rows_in_series_are_as_soft_as_their_springs_say(count, times):
+    # Modes without 1e-10 of the largest stiffness counted as floppy: 17.4 for 3.0 at 100 and 1e9.
+    cell, stiffness = column(count, times)
+    found = periodic(*cell)
+    assert found.tensor[1, 1] == pytest.approx(stiffness, rel=found.error)
+    assert found.floppy in {0, None}
+    assert found.error <= 1e-12
+
+
+def test_random_stiffnesses_over_twelve_decades_have_the_energy_of_the_least():
+    pattern = voronoi(40, seed=2)
+    k = 10 ** np.random.default_rng(3).uniform(-6, 6, len(pattern.springs))
+    found = periodic(40, pattern.springs, pattern.vectors, k, float(np.prod(pattern.size)))
+    # By elimination in 60 digits, from the springs' elongations.
+    with localcontext() as context:
+        context.prec = 60
+        expected = exact_tensor(40, pattern.springs, pattern.vectors, k)
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    assert (np.abs(found.tensor * np.prod(pattern.size) - expected) <= found.error * scale).all()
+
+
+def exact_tensor(count, springs, vectors, stiffness):
+    """Tensor times volume: motions of the points eliminated from the energies of elongations."""
+    decimals = np.vectorize(lambda value: Decimal(float(value)), otypes=[object])
+    v, k = decimals(vectors), decimals(stiffness)
+    motions = np.full((len(v), 2 * count), Decimal(0))
+    for end, sign in ((0, -1), (1, 1)):
+        for axis in range(2):
+            motions[np.arange(len(v)), 2 * springs[:, end] + axis] += sign * v[:, axis]
+    strains = np.stack([v[:, 0] ** 2, v[:, 1] ** 2, v[:, 0] * v[:, 1]], axis=1)
+    A = np.concatenate([motions[:, 2:], strains], axis=1)  # the first point held
+    energy = A.T @ ((k / (v**2).sum(axis=1))[:, None] * A)
+    for pivot in range(2 * count - 2):
+        times = energy[pivot + 1 :, pivot] / energy[pivot, pivot]
+        energy[pivot + 1 :] -= times[:, None] * energy[pivot]
+    return energy[-3:, -3:].astype(float)
