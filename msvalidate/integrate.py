@@ -9,15 +9,20 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate import kernels
+from msvalidate.displaced import Displaced
 from msvalidate.folds import count_folded
+from msvalidate.hidden import Run, by_positions, refuse_hidden, rests
 from msvalidate.integrators import EULER_CROMER, Integrator, Moving, factors_of, stability_limit
 from msvalidate.network import Network, internal_force
+from msvalidate.polish import centred
 from msvalidate.problem import (
     LONGEST,
     Array,
@@ -78,6 +83,7 @@ def motion(
     """State after `steps` steps of `dt` (s) of any scheme; held components do not move.
 
     The plain NumPy form, for studies of schemes; `euler_cromer` is the compiled one of its scheme.
+    Where positions have no digits to spare (`hidden`), displacements are advanced.
 
     Parameters
     ----------
@@ -97,7 +103,7 @@ def motion(
     ProblemError
         If an argument is out of range.
     SolverError
-        If the motion grows beyond all numbers.
+        If the motion grows beyond all numbers, or rounding of positions hides it (`hidden`).
     """
     instance("integrator", integrator, Integrator)
     if not (watch is None or callable(watch)):
@@ -105,25 +111,50 @@ def motion(
     rate = _checked(network, state, dt, steps, damping)[:, None]
     if warn:
         _warn_beyond_limit(network, integrator, dt, rate.ravel())
-    free = ~network.held
+    free, way = ~network.held, _way(network, state)
 
     def acceleration(x: Array) -> Array:
         if not (np.abs(x) <= LONGEST).all():  # nor where it is NaN
             raise SolverError(_ran_away(dt, integrator.name))
-        return np.where(
-            free, (internal_force(network, x) + network.force) / network.mass[:, None], 0
-        )
+        return np.where(free, (way.force(x) + network.force) / network.mass[:, None], 0)
 
-    x = np.array(state.position, dtype=float)
+    x = np.array(state.position, dtype=float) - way.origin
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
-        now = Moving(x, np.where(free, state.velocity, 0.0), acceleration(x))
-        reach = _reach(network, now, dt * steps)
+        now = start = Moving(x, np.where(free, state.velocity, 0.0), acceleration(x))
+        reach, still = (
+            _reach(network, now, dt * steps),
+            way.displaced is not None and rests(network, now),
+        )
         for step in range(1, steps + 1):
-            now = integrator.step(acceleration, now, dt, rate)
-            reached = _finite_motion(State(now.x, now.v), x, reach, (dt, integrator.name))
+            now = now if still else integrator.step(acceleration, now, dt, rate)
+            _finite_motion(now, x, reach, (dt, integrator.name))
             if watch is not None:
-                watch(step, reached)
-    return State(now.x, now.v, count_folded(network.simplices, now.x))
+                watch(step, State(way.origin + now.x, now.v))
+    if steps and way.displaced is not None and not still:
+        refuse_hidden(network, Run(integrator.name, start, now, way.displaced.rounded))
+    end = way.origin + now.x
+    return State(end, now.v, count_folded(network.simplices, end))
+
+
+class _Way(NamedTuple):
+    """What is advanced: positions less an origin (n, d) in m, and forces by these.
+
+    `displaced` has the forces where the origin is the reference points.
+    """
+
+    origin: Array
+    force: Callable[[Array], Array]
+    displaced: Displaced | None = None
+
+
+def _way(network: Network, state: State) -> _Way:
+    """Positions, where they have digits to spare, or displacements."""
+    u = np.asarray(state.position, dtype=float) - network.points
+    if by_positions(network, u, np.where(network.held, 0.0, state.velocity)):
+        return _Way(np.zeros_like(u), partial(internal_force, network))
+    alone = network.volumes is None and network.shear is None
+    displaced = Displaced(network, network if alone else centred(network))
+    return _Way(network.points, displaced.internal_force, displaced)
 
 
 def staggered(network: Network, state: State, dt: float, damping: ArrayLike = 0.0) -> State:
@@ -132,7 +163,9 @@ def staggered(network: Network, state: State, dt: float, damping: ArrayLike = 0.
     v(-dt/2) = v - (dt/2)·(a - c·v), of the order of the scheme itself.
     """
     rate = _checked(network, state, dt, 0, damping)[:, None]
-    a = (internal_force(network, state.position) + network.force) / network.mass[:, None]
+    way = _way(network, state)
+    pull = way.force(np.asarray(state.position, dtype=float) - way.origin)
+    a = (pull + network.force) / network.mass[:, None]
     v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
     return State(state.position, np.where(network.held, 0.0, v))
 
@@ -209,7 +242,8 @@ def euler_cromer(
     ProblemError
         If an argument is out of range.
     SolverError
-        If the motion grows beyond all numbers.
+        If the motion grows beyond all numbers, or rounding of positions or of springs' lengths
+        hides it (`hidden`).
     """
     if not compiled:
         return motion(network, state, EULER_CROMER, dt, steps, damping, warn=warn)
@@ -218,16 +252,21 @@ def euler_cromer(
         _warn_beyond_limit(network, EULER_CROMER, dt, rate)
     u = np.array(state.position, dtype=float) - network.points
     v = np.where(network.held, 0.0, state.velocity)
-    force, start = np.empty_like(u), network.points + u
+    force = np.empty_like(u)
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
         moving = kernels.Motion(network, path=path, threads=threads)
         moving.force_and_energy(u, force)
         pushed = np.where(network.held, 0.0, (force + network.force) / network.mass[:, None])
-        reach = _reach(network, Moving(start, v, pushed), dt * steps)
-        moving.advance(u, v, *factors_of(EULER_CROMER)(dt, rate), dt, steps)
-        end = State(network.points + u, v)
-        _finite_motion(end, start, reach, (dt, EULER_CROMER.name))
-    return replace(end, folded=count_folded(network.simplices, end.position))
+        start = Moving(u.copy(), v.copy(), pushed)
+        if steps and not rests(network, start):
+            reach = _reach(network, start, dt * steps)
+            moving.advance(u, v, *factors_of(EULER_CROMER)(dt, rate), dt, steps)
+            now = Moving(u, v, pushed)
+            _finite_motion(now, start.x, reach, (dt, EULER_CROMER.name))
+            longest = float(network.rest_length.max())
+            refuse_hidden(network, Run(EULER_CROMER.name, start, now, longest))
+    end = network.points + u
+    return State(end, v, count_folded(network.simplices, end))
 
 
 def _checked(network: Network, state: State, dt: float, steps: int, damping: ArrayLike) -> Array:
@@ -281,12 +320,11 @@ def _reach(network: Network, start: Moving, time: float) -> float:
     return reach if reach < LONGEST else LONGEST  # nor is it NaN
 
 
-def _finite_motion(state: State, start: Array, reach: float, run: tuple[float, str]) -> State:
-    """The state, refused where the motion has run away, before its numbers are NaN."""
-    near = (np.abs(state.position - start) <= reach).all()  # not so where it is NaN
-    if not (near and np.isfinite(state.velocity).all()):
+def _finite_motion(now: Moving, start: Array, reach: float, run: tuple[float, str]) -> None:
+    """Refuse what has run away from its start (n, d) in m, before its numbers are NaN."""
+    near = (np.abs(now.x - start) <= reach).all()  # not so where it is NaN
+    if not (near and np.isfinite(now.v).all()):
         raise SolverError(_ran_away(*run))
-    return state
 
 
 def _ran_away(dt: float, scheme: str) -> str:

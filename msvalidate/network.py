@@ -186,6 +186,15 @@ class Network:
         with np.errstate(over="ignore"):  # infinite is a bound too
             return float(np.sqrt((rows[free] / mass).max(initial=0.0)))
 
+    def gathered(self, pull: Array) -> Array:
+        """Force (n, d) in N on the points by pulls (m, d) of springs on their first ends."""
+        force = np.zeros(self.points.shape)
+        for axis in range(self.dim):
+            for end, sign in ((0, 1.0), (1, -1.0)):
+                weights = sign * pull[:, axis]
+                force[:, axis] += np.bincount(self.springs[:, end], weights, len(force))
+        return force
+
     def scaled(self, factor: Array | float) -> Network:
         """The same network with every spring's stiffness times `factor`, a number or (m,).
 
@@ -267,12 +276,7 @@ def internal_force(network: Network, position: Array) -> Array:
     """Force (n, d) in N of all springs and cells on the points at `position` (n, d) in m."""
     vector, length = stretched(network, position)
     tension = network.stiffness * (length - network.rest_length)
-    pull = (tension / length)[:, None] * vector
-    force = np.zeros(position.shape)
-    for axis in range(network.dim):
-        for end, sign in ((0, 1.0), (1, -1.0)):
-            weights = sign * pull[:, axis]
-            force[:, axis] += np.bincount(network.springs[:, end], weights, len(position))
+    force = network.gathered((tension / length)[:, None] * vector)
     if network.volumes:
         force = force + cells.force(network.volumes, position)
     return force + local_shear.force(network.shear, position) if network.shear else force
@@ -351,13 +355,19 @@ def stretched(network: Network, position: Array) -> tuple[Array, Array]:
     length = np.linalg.norm(vector, axis=1)
     if not math.isfinite(length.sum()):  # one look for any number of springs
         coordinates("position", position)
+    return vector, lengths_of(network, vector, length)
+
+
+def lengths_of(network: Network, vector: Array, length: Array | None = None) -> Array:
+    """Lengths (m,) in m of springs by their vectors (m, d), refused where there is none."""
+    length = np.linalg.norm(vector, axis=1) if length is None else length
     if not length.all():
         spring = int(np.flatnonzero(length == 0)[0])
         raise SolverError(
             f"spring {spring} has no length: points {network.springs[spring].tolist()} have been "
             "pushed into one place, where no direction is left; reduce the load"
         )
-    return vector, length
+    return length
 
 
 def _pairs(springs: ArrayLike, n: int) -> Index:

@@ -1,0 +1,150 @@
+"""Motions that rounding of positions would hide: right to the last digits, or refused."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from msvalidate.integrate import State, euler_cromer, motion, staggered
+from msvalidate.integrators import EULER_CROMER, INTEGRATORS
+from msvalidate.network import spring_network
+from msvalidate.problem import SolverError
+from msvalidate.volumes import Volumes
+
+DT, STEPS = 0.01, 250
+FORMS = {
+    "compiled": partial(euler_cromer, compiled=True),
+    "plain": partial(euler_cromer, compiled=False),
+    "verlet": lambda network, state, *rest, **_: motion(
+        network, state, INTEGRATORS["velocity_verlet"], *rest
+    ),
+}
+every_form = pytest.mark.parametrize("form", FORMS)
+
+
+def loaded(force, x=0.0):
+    """One mass on one spring along x, whose held end is at (x, x), under a load (N)."""
+    held = [[True, True], [False, True]]
+    return spring_network(
+        [[x, x], [x + 1, x]], [[0, 1]], 1.0, held=held, force=[[0, 0], [force, 0]]
+    )
+
+
+def still(network):
+    return State(network.points, np.zeros(network.points.shape))
+
+
+def linear(form):
+    """Velocity (m/s) after all steps under 1 N, if the motion is linear: the scheme's own."""
+    x = v = 0.0
+    for _ in range(STEPS):
+        if form == "verlet":
+            half = v + 0.5 * DT * (1 - x)
+            x += DT * half
+            v = half + 0.5 * DT * (1 - x)
+        else:
+            v += DT * (1 - x)
+            x += DT * v
+    return v
+
+
+@every_form
+@pytest.mark.parametrize(("x", "force"), [(5.2e6, 1e-8), (0.0, 1e-17), (0.0, 1e-30)])
+def test_a_motion_below_rounding_of_positions_is_refused(form, x, force):
+    network = loaded(force, x)
+    with pytest.raises(SolverError, match=r"where rounding of positions is .* m; move the body to"):
+        FORMS[form](network, still(network), DT, STEPS)
+
+
+@every_form
+def test_a_kick_below_rounding_of_positions_is_refused(form):
+    network = loaded(0.0, 5.2e6)
+    kicked = State(network.points, np.array([[0, 0], [1e-8, 0]]))
+    with pytest.raises(SolverError, match="rounding of positions"):
+        FORMS[form](network, kicked, DT, STEPS)
+
+
+@pytest.mark.parametrize("form", ["plain", "verlet"])
+@pytest.mark.parametrize(
+    ("x", "force"), [(5.2e6, 1e-5), (5.2e6, 1e-7), (0.0, 1e-13), (-1.0, 1e-17)]
+)
+def test_the_plain_form_has_all_digits_of_small_displacements(form, x, force):
+    """Off by the strain itself, by steps' rounding, and nothing that lies in positions."""
+    network = loaded(force, x)
+    end = FORMS[form](network, still(network), DT, STEPS)
+    assert end.velocity[1, 0] == pytest.approx(force * linear(form), rel=10 * force + 1e-12)
+    moved = end.position[1, 0] - network.points[1, 0]
+    assert abs(moved) > 0.9 * force  # 1 - cos 2.5 = 1.8
+
+
+def test_a_point_at_the_origin_on_a_long_spring_is_refused_by_the_compiled_form():
+    network = loaded(1e-17, -1.0)
+    with pytest.raises(
+        SolverError, match=r"elongations of about 3e-17 m where rounding of lengths"
+    ):
+        euler_cromer(network, still(network), DT, STEPS)
+
+
+def test_a_start_of_a_staggered_scheme_has_the_digits_too():
+    network = loaded(1e-7, 5.2e6)
+    moved = State(network.points + np.array([[0, 0], [2**-24, 0]]), np.zeros((2, 2)))
+    early = staggered(network, moved, DT).velocity[1, 0]
+    assert early == pytest.approx(-0.5 * DT * (1e-7 - 2**-24), rel=1e-9)
+
+
+# What is not refused -------------------------------------------------------------------------
+
+
+def rotated_square(x=0.0):
+    """Points of a square with diagonals and an area, turned so that no length is exact."""
+    turn = np.array([[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]])
+    points = np.array([[0, 0], [1, 0], [0, 1], [1, 1.0]]) @ turn + x
+    springs = [[0, 1], [2, 3], [0, 2], [1, 3], [0, 3], [1, 2]]
+    return points, springs
+
+
+@every_form
+@pytest.mark.parametrize("cells", [False, True])
+@pytest.mark.parametrize("x", [0.0, 5.2e6])
+def test_a_body_at_rest_stays_there_call_after_call(form, cells, x):
+    points, springs = rotated_square(x)
+    volumes = Volumes(points, [[0, 1, 2], [1, 3, 2]], np.ones(2)) if cells else None
+    network = spring_network(points, springs, 3.0, volumes=volumes)
+    state = still(network)
+    for _ in range(3):
+        state = FORMS[form](network, state, DT, 20)
+    np.testing.assert_array_equal(state.position, points)
+    np.testing.assert_array_equal(state.velocity, 0.0)
+
+
+@every_form
+def test_a_free_flight_far_away_is_no_small_motion(form):
+    points, springs = rotated_square(5.2e6)
+    network = spring_network(points, springs, 3.0)
+    end = FORMS[form](network, State(points, np.full((4, 2), 2.0)), DT, 100)
+    np.testing.assert_allclose(end.position - points, 2.0, atol=1e-6)
+
+
+@every_form
+def test_what_decays_comes_to_rest_in_many_calls(form):
+    network = loaded(0.0)
+    state = State(network.points + np.array([[0, 0], [1e-9, 0]]), np.zeros((2, 2)))
+    for _ in range(40):
+        state = FORMS[form](network, state, 0.1, 100, 1.0)
+    np.testing.assert_allclose(state.position, network.points, rtol=0, atol=1e-15)
+
+
+@every_form
+def test_a_first_step_of_a_motion_with_digits_is_none_too_small(form):
+    network = loaded(1e-3)
+    end = FORMS[form](network, still(network), 1e-9, 1)
+    assert end.velocity[1, 0] == pytest.approx(1e-12, rel=1e-9)
+
+
+def test_a_watcher_sees_rest_at_every_step():
+    network, seen = loaded(0.0), []
+    motion(network, still(network), EULER_CROMER, DT, 3, watch=lambda n, now: seen.append((n, now)))
+    assert [n for n, _ in seen] == [1, 2, 3]
+    assert all((now.position == network.points).all() for _, now in seen)
