@@ -11,6 +11,7 @@ factor. What the load cases leave open is refused, by the singular values of the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -21,6 +22,7 @@ from scipy.sparse import csr_array
 
 from msvalidate.lattice import Constants
 from msvalidate.linear import factorised
+from msvalidate.linear_solution import Solved, solved
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
     LONGEST,
@@ -40,6 +42,14 @@ OPEN = 1e-7
 1e-12 of rounding in displacements then leave five digits."""
 NOTHING = 0.99
 """Residual from which a fit is no better than no displacement at all, which has 1."""
+LARGEST_ERROR = 1e-6
+"""Error of a constant, over the largest, above which none is handed out."""
+WORTH_HAVING = 1e-3
+"""Part of the largest constant from which one is there."""
+UNMOVED = 1e-10
+"""What solutions of usual accuracy may move constants by, over the largest of these."""
+CORRECTIONS = 6
+EPS = float(np.finfo(float).eps)
 WORTH_NAMING = 0.1
 """Part of a constant in what is open, relative to the largest, from which it is named."""
 
@@ -61,6 +71,10 @@ class Fit:
         many times an error of the displacements may come back in some combination of constants.
     solves
         Times that all load cases were solved.
+    error
+        Largest error of a constant over the largest constant, were what is wanted exact but for its
+        rounding: what the errors of the solutions make of it. NaN where a constant has come to
+        nothing and the network is loose without it.
     """
 
     constants: Constants
@@ -68,6 +82,7 @@ class Fit:
     residual: float
     condition: float
     solves: int
+    error: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,14 +147,68 @@ def fitted_constants(
             "at the signs of what is wanted, or start from better constants"
         )
     condition = _determined(found.jac * found.x[:number].max(), number)
-    constants = unit * found.x
+    constants, error = _corrected(networks, cases, np.asarray(kind), unit * found.x, found.jac)
+    if error > LARGEST_ERROR:
+        raise SolverError(
+            f"fitted constants: known to {error:.1g} of the largest only, more than "
+            f"{LARGEST_ERROR:g}: rounding of displacements comes back {condition:.1g} times in "
+            "them; take a shorter body, or load cases that tell more"
+        )
     return Fit(
         constants=tuple(constants[:number].tolist()),
         volume=float(constants[number]) if with_volumes else 0.0,
         residual=residual,
         condition=condition,
         solves=int(found.nfev),
+        error=error,
     )
+
+
+def _corrected(
+    networks: Sequence[Network], cases: list[_Case], kind: Index, p: Array, slope: Array
+) -> tuple[Array, float]:
+    """Constants by refined solutions, and their error over the largest of them.
+
+    `slope` is that of the misfit by constants in the unit that makes the largest of them about 1.
+    A solution's error comes back as it would if it were wanted. Constants that are 0 stay so.
+    """
+    unit = float(p.max())
+    inverse = np.where(p[:, None] > 0, np.linalg.pinv(slope), 0.0)
+    for _ in range(CORRECTIONS):
+        try:
+            refined = [_refined(network, p, kind) for network in networks]
+        except SolverError:  # without a constant that has come to nothing the network is loose
+            if p.min() > WORTH_HAVING * unit:
+                raise
+            return p, math.nan
+        u = [one.displacement.ravel()[case.free] for one, case in zip(refined, cases, strict=True)]
+        plain = np.concatenate([_answer(case, p)[0] for case in cases])
+        exact = np.concatenate([case.scale * each for case, each in zip(cases, u, strict=True)])
+        off = np.concatenate(
+            [
+                case.scale * max(one.error, EPS) * np.abs(each).max()
+                for case, one, each in zip(cases, refined, u, strict=True)
+            ]
+        )
+        rounding = float((np.abs(inverse) @ off).max())
+        moved = inverse @ (exact - plain)
+        if np.abs(moved).max() <= max(rounding, UNMOVED):
+            return p, rounding + float(np.abs(moved).max())
+        step = inverse @ (exact - np.concatenate([c.scale * c.wanted for c in cases]))
+        if (unit * step >= p)[p > 0].any():  # nothing is known of a constant that rounding takes
+            break
+        p = p - unit * step
+        if np.abs(step).max() <= max(rounding, UNMOVED):
+            return p, rounding + float(np.abs(step).max())
+    return p, max(float(np.abs(step).max()), rounding)
+
+
+def _refined(network: Network, p: Array, kind: Index) -> Solved:
+    """The equilibrium with constants p, refined to the last digit."""
+    volumes = network.volumes
+    if volumes is not None:
+        volumes = replace(volumes, stiffness=float(p[-1]) * volumes.stiffness)
+    return solved(replace(network, stiffness=p[kind] * network.stiffness, volumes=volumes))
 
 
 def _kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
@@ -190,7 +259,8 @@ def _cases(
             )
         free = np.flatnonzero(~network.held.ravel())
         root = np.sqrt(np.repeat(w, network.dim))[free]
-        size = float(np.linalg.norm(root * u.ravel()[free]))
+        largest = float(np.abs(u).max(initial=0.0)) or 1.0  # squares of small numbers are none
+        size = largest * float(np.linalg.norm(root * (u.ravel()[free] / largest)))
         if not size:
             raise ProblemError(
                 "wanted displacement: nothing that counts moves; give a load case that moves free "
