@@ -65,6 +65,15 @@ def test_energy_of_a_swollen_cells_small_motions():
     assert abs(expected) > 1e-3
 
 
+def test_energy_of_a_cells_small_motions_at_rest_is_what_its_tangent_says():
+    cell = Volumes(SQUARE, [[0, 1, 2, 3]], [2.0])
+    network = spring_network(SQUARE, EDGES, 0.0, volumes=cell)
+    motion = np.array([[0.1, -0.3], [0.2, 0.1], [-0.2, 0.25], [0.05, 0.1]])
+    expected = motion.ravel() @ (tangent(network, SQUARE) @ motion.ravel())
+    assert volumes.mode_energy(cell, SQUARE, motion) == pytest.approx(expected, rel=1e-12)
+    assert expected > 1e-3
+
+
 def test_force_scale_counts_a_swollen_cell():
     cell = Volumes(SQUARE, [[0, 1, 2, 3]], [2.0])
     network = spring_network(SQUARE, EDGES, 0.0, volumes=cell)
