@@ -1,4 +1,4 @@
-"""Floor 1: constants fitted to displacements that another method found, where no closed form is.
+"""Floor 2: constants fitted to displacements that another method found, where no closed form is.
 
 Given load cases with wanted displacements, least squares over the constants p of K = Σ p_j K_j,
 one K_j for each kind of spring and one for the cells' volumes, with exact slopes
