@@ -283,7 +283,7 @@ FLOORS = {
     "msvalidate.double_double": 1,
     "msvalidate.electrostatics": 1,
     "msvalidate.faults": 1,
-    "msvalidate.fit": 1,
+    "msvalidate.fit": 2,
     "msvalidate.folds": 1,
     "msvalidate.homogenise": 1,
     "msvalidate.imposing": 1,
