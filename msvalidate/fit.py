@@ -5,28 +5,24 @@ one K_j for each kind of spring and one for the cells' volumes, with exact slope
 
     K u = f,   ∂u/∂p_j = -K⁻¹ K_j u.
 
-A search by plain factors comes near. Then displacements and slopes are refined to their last digit
-(`linear_solution`), the constants corrected by them, and the error that rounding leaves is stated:
-a body long or soft multiplies the rounding of what is wanted by the slopes' condition.
-
 Loads must be forces somewhere: prescribed displacements alone leave all constants open to a common
 factor. What the load cases leave open is refused, by the singular values of the slopes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import OptimizeResult, least_squares, lsq_linear
+from scipy.optimize import OptimizeResult, least_squares
 from scipy.sparse import csr_array
 
-from msvalidate.accurate import State
 from msvalidate.lattice import Constants
 from msvalidate.linear import factorised
-from msvalidate.linear_solution import sensitive
+from msvalidate.linear_solution import Solved, solved
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
     LONGEST,
@@ -40,31 +36,20 @@ from msvalidate.problem import (
     integers,
     refuse_free_motions,
 )
-from msvalidate.refine import HALF_A_UNIT
 
-Evaluate = Callable[[list["_Case"], Array], tuple[Array, Array]]
-"""Misfit (f,) and slopes (f, p) of load cases at constants (p,)."""
-
-OPEN = 1e-10
-"""Least singular value of the slopes, relative to the largest, above which all is determined:
-displacements that are refined to half a unit then leave six digits."""
-SINGULAR = 1e-13
-"""The same at a place that is not the answer: slopes have no more digits."""
+OPEN = 1e-7
+"""Least singular value of the slopes, relative to the largest, above which all is determined: some
+1e-12 of rounding in displacements then leave five digits."""
 NOTHING = 0.99
 """Residual from which a fit is no better than no displacement at all, which has 1."""
 LARGEST_ERROR = 1e-6
-"""Error of a constant, over its own size, above which it is refused ..."""
-BESIDE = 1e-9
-"""... unless it is below this part of the largest constant: one that is nothing beside the others
-has no size of its own."""
-NEAR = 1e-9
-"""Correction, over a constant or `BESIDE` the largest, from which none is made any more."""
-FAR = 1e-3
-"""Correction, over a constant, up to which slopes at one place serve for it."""
-CORRECTIONS = 12
-"""Corrections, after which they are taken not to end."""
-FALLING = 0.7
-"""Ratio of a correction to the one before it above which they do not fall."""
+"""Error of a constant, over the largest, above which none is handed out."""
+WORTH_HAVING = 1e-3
+"""Part of the largest constant from which one is there."""
+UNMOVED = 1e-10
+"""What solutions of usual accuracy may move constants by, over the largest of these."""
+CORRECTIONS = 6
+EPS = float(np.finfo(float).eps)
 WORTH_NAMING = 0.1
 """Part of a constant in what is open, relative to the largest, from which it is named."""
 
@@ -86,12 +71,10 @@ class Fit:
         many times an error of the displacements may come back in some combination of constants.
     solves
         Times that all load cases were solved.
-    errors
-        Largest error (N/m) of each of `constants`: of what is wanted being doubles, right to half a
-        unit of the largest displacement, of displacements and slopes here, and of corrections not
-        made. What else is wrong of the wanted displacements comes back up to `condition` times.
-    volume_error
-        Of `volume`, likewise.
+    error
+        Largest error of a constant over the largest constant, were what is wanted exact but for its
+        rounding: what the errors of the solutions make of it. NaN where a constant has come to
+        nothing and the network is loose without it.
     """
 
     constants: Constants
@@ -99,27 +82,13 @@ class Fit:
     residual: float
     condition: float
     solves: int
-    errors: Constants
-    volume_error: float
-
-
-@dataclass(frozen=True, eq=False)
-class _Here:
-    """Refined misfit (f,) and slopes (f, p) of all load cases, and the largest errors of both."""
-
-    misfit: Array
-    slope: Array
-    noise: Array
-    slope_noise: Array
+    error: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class _Case:
     """A load case: the parts of its stiffness, its free components, and what is wanted there."""
 
-    network: Network
-    kind: Index
-    states: tuple[State, ...]
     parts: tuple[csr_array, ...]
     free: Index
     prescribed: Array
@@ -158,34 +127,88 @@ def fitted_constants(
     ProblemError
         If arrays do not fit, a network is loose, or load cases leave constants open: which ones.
     SolverError
-        If no stable network is found, or none that comes nearer than no displacement at all; if
-        rounding alone leaves a constant wrong by more than 1e-6 of it (and 1e-9 of the largest).
+        If no stable network is found, or none that comes nearer than no displacement at all.
     """
     number = _kinds(networks, kind)
     cases = _cases(networks, wanted, np.asarray(kind), number, weights)
     with_volumes = networks[0].volumes is not None
     p = _start(cases, number, with_volumes, start)
     unit = float(p.max())
-    rough = _nearest(cases, p / unit, unit, _plain)
-    q, here, error, solves = _corrected(cases, rough.x, p / unit, unit, number)
-    residual = float(np.linalg.norm(here.misfit) / np.sqrt(len(cases)))
+    found = _nearest(cases, p / unit, unit, number)
+    if not found.success:
+        raise SolverError(
+            f"fitted constants: not found in {found.nfev} steps, a residual of "
+            f"{np.sqrt(2 * found.cost / len(cases)):.3g} is left; start from better ones"
+        )
+    residual = float(np.sqrt(2 * found.cost / len(cases)))
     if residual > NOTHING:
         raise SolverError(
             f"fitted constants: a residual of {residual:.3g}, as of no displacement at all; look "
             "at the signs of what is wanted, or start from better constants"
         )
-    condition = _determined(here.slope * q[:number].max(), number)
-    _refuse_unknown(q, error, condition, number)
-    k, wrong = (unit * q).tolist(), (unit * error).tolist()
+    condition = _determined(found.jac * found.x[:number].max(), number)
+    constants, error = _corrected(networks, cases, np.asarray(kind), unit * found.x, found.jac)
+    if error > LARGEST_ERROR:
+        raise SolverError(
+            f"fitted constants: known to {error:.1g} of the largest only, more than "
+            f"{LARGEST_ERROR:g}: rounding of displacements comes back {condition:.1g} times in "
+            "them; take a shorter body, or load cases that tell more"
+        )
     return Fit(
-        constants=tuple(k[:number]),
-        volume=k[number] if with_volumes else 0.0,
+        constants=tuple(constants[:number].tolist()),
+        volume=float(constants[number]) if with_volumes else 0.0,
         residual=residual,
         condition=condition,
-        solves=rough.nfev + solves,
-        errors=tuple(wrong[:number]),
-        volume_error=wrong[number] if with_volumes else 0.0,
+        solves=int(found.nfev),
+        error=error,
     )
+
+
+def _corrected(
+    networks: Sequence[Network], cases: list[_Case], kind: Index, p: Array, slope: Array
+) -> tuple[Array, float]:
+    """Constants by refined solutions, and their error over the largest of them.
+
+    `slope` is that of the misfit by constants in the unit that makes the largest of them about 1.
+    A solution's error comes back as it would if it were wanted. Constants that are 0 stay so.
+    """
+    unit = float(p.max())
+    inverse = np.where(p[:, None] > 0, np.linalg.pinv(slope), 0.0)
+    for _ in range(CORRECTIONS):
+        try:
+            refined = [_refined(network, p, kind) for network in networks]
+        except SolverError:  # without a constant that has come to nothing the network is loose
+            if p.min() > WORTH_HAVING * unit:
+                raise
+            return p, math.nan
+        u = [one.displacement.ravel()[case.free] for one, case in zip(refined, cases, strict=True)]
+        plain = np.concatenate([_answer(case, p)[0] for case in cases])
+        exact = np.concatenate([case.scale * each for case, each in zip(cases, u, strict=True)])
+        off = np.concatenate(
+            [
+                case.scale * max(one.error, EPS) * np.abs(each).max()
+                for case, one, each in zip(cases, refined, u, strict=True)
+            ]
+        )
+        rounding = float((np.abs(inverse) @ off).max())
+        moved = inverse @ (exact - plain)
+        if np.abs(moved).max() <= max(rounding, UNMOVED):
+            return p, rounding + float(np.abs(moved).max())
+        step = inverse @ (exact - np.concatenate([c.scale * c.wanted for c in cases]))
+        if (unit * step >= p)[p > 0].any():  # nothing is known of a constant that rounding takes
+            break
+        p = p - unit * step
+        if np.abs(step).max() <= max(rounding, UNMOVED):
+            return p, rounding + float(np.abs(step).max())
+    return p, max(float(np.abs(step).max()), rounding)
+
+
+def _refined(network: Network, p: Array, kind: Index) -> Solved:
+    """The equilibrium with constants p, refined to the last digit."""
+    volumes = network.volumes
+    if volumes is not None:
+        volumes = replace(volumes, stiffness=float(p[-1]) * volumes.stiffness)
+    return solved(replace(network, stiffness=p[kind] * network.stiffness, volumes=volumes))
 
 
 def _kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
@@ -236,37 +259,20 @@ def _cases(
             )
         free = np.flatnonzero(~network.held.ravel())
         root = np.sqrt(np.repeat(w, network.dim))[free]
-        root /= root.max(initial=0.0) or 1.0
-        size = _norm(root * u.ravel()[free])
-        if size < np.finfo(float).tiny:
+        largest = float(np.abs(u).max(initial=0.0)) or 1.0  # squares of small numbers are none
+        size = largest * float(np.linalg.norm(root * (u.ravel()[free] / largest)))
+        if not size:
             raise ProblemError(
                 "wanted displacement: nothing that counts moves; give a load case that moves free "
                 "points of weight above 0"
             )
         plain = replace(network, volumes=None)
-        parts = [plain.scaled(1.0 * (kind == j)) for j in range(number)]
+        parts = [tangent(plain.scaled(1.0 * (kind == j)), network.points) for j in range(number)]
         if network.volumes is not None:
-            parts.append(network.scaled(0.0))
-        cases.append(
-            _Case(
-                network,
-                kind,
-                tuple(State(part) for part in parts),
-                tuple(tangent(part, network.points) for part in parts),
-                free,
-                network.displacement.ravel(),
-                network.force.ravel(),
-                u.ravel()[free],
-                root / size,
-            )
-        )
+            parts.append(tangent(network.scaled(0.0), network.points))
+        prescribed, force = network.displacement.ravel(), network.force.ravel()
+        cases.append(_Case(tuple(parts), free, prescribed, force, u.ravel()[free], root / size))
     return cases
-
-
-def _norm(values: Array) -> float:
-    """Euclidean norm, by the largest first: squares may leave the range of doubles."""
-    largest = float(np.abs(values).max(initial=0.0))
-    return largest * float(np.linalg.norm(values / largest)) if largest else 0.0
 
 
 def _start(cases: list[_Case], number: int, volumes: bool, given: Constants | None) -> Array:
@@ -282,163 +288,29 @@ def _start(cases: list[_Case], number: int, volumes: bool, given: Constants | No
     answers = [_answer(case, p)[0] for case in cases]
     if not all(np.isfinite(answer).all() for answer in answers):
         raise ProblemError("fitted constants: the networks are loose; add springs, or hold more")
-    wanted = np.concatenate([c.scale * c.wanted for c in cases])
-    u = np.concatenate(answers)
-    size = _norm(u)
-    if size > LONGEST:
-        raise ProblemError(
-            f"wanted displacement: below what the networks move by at the start {size:.1g} times; "
-            "choose units that give constants of ordinary size"
-        )
     if given is not None:
         return p
+    wanted = np.concatenate([c.scale * c.wanted for c in cases])
+    u = np.concatenate(answers)
+    size = float(np.linalg.norm(u))
     if not size:
         raise ProblemError("fitted constants: nothing moves the networks; load them by forces")
     factor = size / max(float(u / size @ wanted), np.finfo(float).tiny)
     return p * (factor if 1 / LONGEST <= factor <= LONGEST else 1.0)
 
 
-def _nearest(cases: list[_Case], start: Array, unit: float, evaluate: Evaluate) -> OptimizeResult:
+def _nearest(cases: list[_Case], start: Array, unit: float, number: int) -> OptimizeResult:
     """Least squares over constants in a unit of theirs; springs', the first, stay 0 or more."""
-    last: list[tuple[Array, tuple[Array, Array]]] = []
+    lowest = np.where(np.arange(len(start)) < number, 0.0, -np.inf)
 
-    def at(q: Array) -> tuple[Array, Array]:
-        if not last or not np.array_equal(last[0][0], q):
-            last[:] = [(q.copy(), evaluate(cases, unit * q))]
-        return last[0][1]
+    def misfit(q: Array) -> Array:
+        return np.concatenate([_misfit(case, unit * q)[0] for case in cases])
 
-    # What is told badly has small slopes: refined, they are gone down to the end.
-    limits = {"xtol": 1e-14, "ftol": 1e-15, "gtol": 1e-14 if evaluate is _plain else None}
-    found = least_squares(
-        lambda q: at(q)[0],
-        start,
-        lambda q: unit * at(q)[1],
-        (_lowest(cases, len(start)), np.inf),
-        **limits,
-    )
-    if not found.success:
-        raise SolverError(
-            f"fitted constants: not found in {found.nfev} steps, a residual of "
-            f"{np.sqrt(2 * found.cost / len(cases)):.3g} is left; start from better ones"
-        )
-    return found
+    def slope(q: Array) -> Array:
+        return unit * np.concatenate([_misfit(case, unit * q)[1] for case in cases])
 
-
-def _lowest(cases: list[_Case], count: int) -> Array:
-    """The least that constants may be: 0 for springs, anything for cells."""
-    springs = int(cases[0].kind.max()) + 1
-    return np.where(np.arange(count) < springs, 0.0, -np.inf)
-
-
-def _plain(cases: list[_Case], p: Array) -> tuple[Array, Array]:
-    """Misfit and slopes by plain factors."""
-    misfits, slopes = zip(*(_misfit(case, p) for case in cases), strict=True)
-    return np.concatenate(misfits), np.concatenate(slopes)
-
-
-def _exact(cases: list[_Case], p: Array) -> tuple[Array, Array]:
-    """Misfit and slopes, refined; infinite where the network is not stable."""
-    try:
-        here = _refined(cases, p)
-    except SolverError:
-        f = sum(len(case.free) for case in cases)
-        return np.full(f, np.inf), np.full((f, len(p)), np.inf)
-    return here.misfit, here.slope
-
-
-def _refined(cases: list[_Case], p: Array) -> _Here:
-    """Misfit and slopes, refined, with their errors."""
-    parts = [_refined_case(case, p) for case in cases]
-    return _Here(
-        *(
-            np.concatenate([getattr(part, name) for part in parts])
-            for name in ("misfit", "slope", "noise", "slope_noise")
-        )
-    )
-
-
-def _refined_case(case: _Case, p: Array) -> _Here:
-    network, springs = case.network, int(case.kind.max()) + 1
-    cells = network.volumes
-    if cells is not None:
-        cells = replace(cells, stiffness=cells.stiffness * p[springs])
-    stiffness = network.stiffness * p[:springs][case.kind]
-    found = sensitive(replace(network, stiffness=stiffness, volumes=cells), case.states)
-    u = found.solved.displacement.ravel()[case.free]
-    moved, wished = (float(np.abs(x).max(initial=0.0)) for x in (u, case.wanted))
-    # Constants times what springs were built with are rounded too, by half a unit.
-    noise = (found.solved.error + HALF_A_UNIT) * moved + HALF_A_UNIT * wished
-    slopes = [s.ravel()[case.free] for s in found.slopes]
-    sizes = [e * float(np.abs(s).max()) for s, e in zip(slopes, found.errors, strict=True)]
-    return _Here(
-        case.scale * (u - case.wanted),
-        case.scale[:, None] * np.column_stack(slopes),
-        case.scale * noise,
-        case.scale[:, None] * np.array(sizes),
-    )
-
-
-def _corrected(
-    cases: list[_Case], q: Array, start: Array, unit: float, number: int
-) -> tuple[Array, _Here, Array, int]:
-    """Constants in a unit, what is there, their errors, and times solved: by refined slopes."""
-    lowest, solves, before, fell = _lowest(cases, len(q)), 0, np.inf, 0.5
-    for _ in range(CORRECTIONS):
-        here = _refined(cases, unit * q)
-        here = replace(here, slope=unit * here.slope, slope_noise=unit * here.slope_noise)
-        solves += 1
-        _determined(here.slope * q[:number].max(), number, SINGULAR)
-        step = _correction(here, q, lowest)
-        size = float(np.abs(step).max())
-        fell = max(0.5, size / before) if before < np.inf else fell
-        if _small(step, q, NEAR) or fell > FALLING:
-            break
-        if _small(step, q, FAR) or before < np.inf:
-            # At 0 a network may be loose: a constant that is to vanish is left all but nothing.
-            least = np.minimum(q, BESIDE / 4 * q.max())
-            q, before = np.where(q + step > lowest, q + step, least), size
-        else:
-            # From the start again: plain factors may have led far astray.
-            found = _nearest(cases, start, unit, _exact)
-            q, solves, before = found.x, solves + found.nfev, size
-    error = _error(here)
-    left = np.abs(step) / (1 - min(fell, FALLING))
-    if fell > FALLING and not _small(step, q, NEAR):  # unless it is rounding, none knows how far
-        left = np.where(np.abs(step) <= error, left, np.inf)
-    return q, here, error + left, solves
-
-
-def _correction(here: _Here, q: Array, lowest: Array) -> Array:
-    """Change of constants that slopes ask for, within their limits."""
-    return np.asarray(lsq_linear(here.slope, -here.misfit, (lowest - q, np.inf), method="bvls").x)
-
-
-def _error(here: _Here) -> Array:
-    """Largest errors (p,) of constants by those of misfit and slopes, to first order."""
-    inverse = np.linalg.pinv(here.slope)
-    turned = here.slope_noise.T @ np.abs(here.misfit)
-    return np.asarray(np.abs(inverse) @ here.noise + np.abs(inverse @ inverse.T) @ turned)
-
-
-def _small(change: Array, q: Array, part: float) -> bool:
-    """Whether changes are small beside each constant, or nothing beside the largest."""
-    size = np.abs(q)
-    return bool((np.abs(change) <= np.maximum(part * size, BESIDE * size.max())).all())
-
-
-def _refuse_unknown(q: Array, error: Array, condition: float, number: int) -> None:
-    """Raise `SolverError` where an error is too large."""
-    if _small(error, q, LARGEST_ERROR):
-        return
-    wrong = error / np.maximum(np.abs(q), np.finfo(float).tiny)
-    j = int(np.where(error > BESIDE * np.abs(q).max(), wrong, 0.0).argmax())
-    name = f"k{j + 1}" if j < number else "κ"
-    known = f"known to {wrong[j]:.1g} of it" if wrong[j] < 1 else "not known"
-    raise SolverError(
-        f"fitted constants: {name} is {known}, worse than {LARGEST_ERROR:g}: the slopes' condition "
-        f"is {condition:.2g}; add a load case that tells it, take fewer cells along a slender "
-        "body, or start from better constants"
-    )
+    limits = {"xtol": 1e-14, "ftol": 1e-15, "gtol": 1e-14}
+    return least_squares(misfit, start, slope, (lowest, np.inf), **limits)
 
 
 def _misfit(case: _Case, p: Array) -> tuple[Array, Array]:
@@ -465,12 +337,12 @@ def _answer(case: _Case, p: Array) -> tuple[Array, Array]:
     return case.scale * u[free], slope
 
 
-def _determined(slope: Array, number: int, least: float = OPEN) -> float:
+def _determined(slope: Array, number: int) -> float:
     """Condition of the slopes; refused with the names of the constants that they leave open."""
     _, values, ways = np.linalg.svd(slope, full_matrices=False)
-    if values[-1] > least * values[0]:
+    if values[-1] > OPEN * values[0]:
         return float(values[0] / values[-1])
-    part = np.abs(ways[values <= least * values[0]]).max(axis=0)
+    part = np.abs(ways[values <= OPEN * values[0]]).max(axis=0)
     names = [f"k{j + 1}" for j in range(number)] + ["κ"]
     said = [
         name for name, size in zip(names, part, strict=False) if size > WORTH_NAMING * part.max()

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate.accurate import State
-from msvalidate.double_double import Pair, added, negative, pair, scaled
+from msvalidate.double_double import Pair, added, negative, pair
 from msvalidate.mechanism import Regular, regular
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, Mask, SolverError
@@ -27,7 +26,6 @@ from msvalidate.rounding import known, nothing_acts, why
 from msvalidate.stability import negative_modes
 
 TITLE = "linear equilibrium"
-SLOPE = "slope of the linear equilibrium"
 TOO_FAR = "linear equilibrium: forces beyond all numbers; choose units that give ordinary forces"
 
 
@@ -79,43 +77,6 @@ def solved(network: Network) -> Solved:
     return system.solution()
 
 
-@dataclass(frozen=True, eq=False)
-class Sensitive:
-    """A linear equilibrium, and how it moves as the stiffness of its parts grows.
-
-    Parameters
-    ----------
-    solved
-        The equilibrium.
-    slopes
-        (n, d) in m for each part: change of the displacement with a factor of its stiffness.
-    errors
-        Largest error of a component of each slope over its largest component.
-    """
-
-    solved: Solved
-    slopes: tuple[Array, ...]
-    errors: tuple[float, ...]
-
-
-def sensitive(network: Network, parts: Sequence[State]) -> Sensitive:
-    """The linear equilibrium of a network and its slopes, all refined with one factor.
-
-    `parts` are the network's points with some of its springs or cells, unstressed; their stiffness
-    at a factor of 1 is what a slope belongs to.
-
-    Raises
-    ------
-    SolverError
-        As `solved`, and if a slope has no trustworthy digits.
-    """
-    system = _System(network)
-    system.factorise()
-    found = system.solution()
-    slopes, errors = zip(*(system.slope(part) for part in parts), strict=True)
-    return Sensitive(found, slopes, errors)
-
-
 class _System:
     """K u = load over powers of two: K over `stiffness` (N/m), u over `unit` (m)."""
 
@@ -138,7 +99,6 @@ class _System:
         self.load = added(pair(outer / self.unit), inner)
         self.prescribed = network.displacement / self.unit
         self.left = np.zeros(network.points.shape)
-        self.found, self.times = pair(self.prescribed), 1.0
         self.K: csr_array | None = None
 
     def factorise(self) -> None:
@@ -178,32 +138,15 @@ class _System:
             soft, rate = self.regular.softness, contraction(self.regular.softness)
             u = added(u, pair(self.solve(first)))
             found = refined(self.residual, self.solve, u, rate)
-            u, steps = found.solution, found.steps
+            u, steps, times = found.solution, found.steps, 1.0
             if rate > DOUBTFUL:
-                self.times = tried(self._without_load, self.solve, rate, self._known())
+                times = tried(self._without_load, self.solve, rate, self._known())
             moved = float(np.abs(u.hi).max())
             refuse_vanishing(moved * self.unit, TITLE)
-            error = stated(found, soft, self.times, self.pulled / moved) if moved else 0.0
+            error = stated(found, soft, times, self.pulled / moved) if moved else 0.0
             refuse_inaccurate(error, TITLE, self._why())
-        self.found = u
         whole, lacks = u.hi * self.unit, u.lo * self.unit
         return Solved(whole, lacks, self._balance(u), error, steps, self.network.held)
-
-    def slope(self, part: State) -> tuple[Array, float]:
-        """Change (n, d) in m of the solution with a factor of a part's stiffness; its error."""
-        zero = pair(np.zeros(self.free.shape))
-        pushed = part.residual(zero, self.found)
-        load = scaled(pushed, part.stiffness / self.state.stiffness)
-
-        def left(motion: Pair) -> Array:
-            return np.where(self.free, self.state.residual(load, motion).hi, 0.0)
-
-        soft = self.regular.softness
-        start = pair(self.solve(np.where(self.free, load.hi, 0.0)))
-        found = refined(left, self.solve, start, contraction(soft))
-        error = stated(found, soft, self.times)
-        refuse_inaccurate(error, SLOPE, self._why())
-        return found.solution.hi * self.unit, error
 
     def _balance(self, u: Pair) -> Array:
         """Force (n, d) in N that is left: the last residual, less what the last correction took."""

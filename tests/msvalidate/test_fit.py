@@ -9,13 +9,11 @@ import pytest
 
 import reference_fem
 from msvalidate import fit
-from msvalidate.accurate import State
 from msvalidate.body import lattice_network
 from msvalidate.calibrate import calibrate
 from msvalidate.equilibrium import equilibrium
 from msvalidate.fit import fitted_constants
 from msvalidate.lattice import square, voronoi_box
-from msvalidate.linear_solution import sensitive
 from msvalidate.problem import (
     Box,
     Isotropic,
@@ -108,6 +106,36 @@ def test_a_constant_that_is_not_there_comes_out_as_nothing():
     assert found.residual > 0.01
 
 
+def cantilever(length, load, constants):
+    """A row of cells of 0.37 m, clamped on the left and pushed up at its end."""
+    box = Box((0.37 * length, 0.37))
+    clamp = (Support(box.side("left"), (0.0, 0.0)),)
+    problem = Problem(box, Isotropic(1.0, 0.3), clamp, (Traction(box.side("right"), (0.0, load)),))
+    return lattice_network(problem, square(box, (length, 1)), constants)
+
+
+@pytest.mark.parametrize("length", [50, 100, 200, 400, 1000])
+def test_constants_of_long_bodies_come_back_within_their_error_or_not_at_all(length):
+    # Solutions that were not refined gave 1.3 times the second at 400 cells, 2.0 times at 1000.
+    true = np.array([0.75, 0.375])
+    load = 1e-3 / length**2
+    wanted = moves(cantilever(length, load, tuple(true)))
+    kind = square(Box((0.37 * length, 0.37)), (length, 1)).kind
+    try:
+        found = fitted_constants([cantilever(length, load, (1.0, 1.0))], wanted, kind)
+    except SolverError as error:
+        assert length >= 400
+        assert "known to" in str(error)  # noqa: PT017
+        return
+    assert np.abs(np.array(found.constants) / true - 1).max() <= 10 * found.error <= 1e-5
+
+
+def test_displacements_too_small_to_be_squared_are_as_good_as_others():
+    wanted = [1e-200 * move for move in moves(*networks((2.3, 0.7)))]
+    built = [replace(one, force=1e-200 * one.force) for one in networks((1.0, 1.0))]
+    assert fitted_constants(built, wanted, GRID.kind).constants == pytest.approx((2.3, 0.7))
+
+
 @pytest.mark.parametrize("nu", [0.3, 0.45])
 def test_fitted_to_finite_elements_they_come_near_the_calibrated(nu):
     wrong, left = [], []
@@ -127,79 +155,6 @@ def test_fitted_to_finite_elements_they_come_near_the_calibrated(nu):
     assert (np.array(wrong[1]) < 0.6 * np.array(wrong[0])).all()
     assert wrong[1].max() < 0.05
     assert 1.7 < np.log2(left[0] / left[1]) < 2.1
-
-
-# Errors that are stated ---------------------------------------------------------------------------
-
-TRUE = np.array([0.75, 0.375])
-
-
-def slender(cells, constants=(1.0, 1.0), *, size=1.0, load=1e-3):
-    """A row of cells, clamped at the left, under forces along and across at the right."""
-    box = Box((cells * size, size))
-    traction = (0.3 * load / cells**2, load / cells**2)
-    problem = Problem(
-        box,
-        Isotropic(1.0, 1 / 3),
-        (Support(box.side("left"), (0.0, 0.0)),),
-        (Traction(box.side("right"), traction),),
-    )
-    return lattice_network(problem, square(box, (cells, 1)), tuple(constants))
-
-
-def slender_fit(cells, wanted=None, **given):
-    network = slender(cells, **given)
-    kind = square(Box((float(cells), 1.0)), (cells, 1)).kind
-    wanted = moves(slender(cells, TRUE, **given))[0] if wanted is None else wanted
-    return fitted_constants([network], [wanted], kind)
-
-
-@pytest.mark.parametrize("size", [1.0, 0.37])
-@pytest.mark.parametrize("cells", [200, 400, 1000, 2000])
-def test_constants_of_long_bodies_are_right_within_their_errors(cells, size):
-    # By plain factors k2 was 1e-4 off at 200 cells, and 2 times too large at 1000.
-    found = slender_fit(cells, size=size)
-    assert (np.abs(found.constants - TRUE) <= np.array(found.errors)).all()
-    assert max(found.errors) < 1e-8
-    assert found.residual < 1e-12
-    # Bending hides the second constant more, the longer the body: by the square of its cells.
-    assert found.condition == pytest.approx(1.44 * cells**2, rel=0.05)
-
-
-def test_errors_hold_the_rounding_of_what_is_wanted():
-    (wanted,) = moves(slender(200, TRUE))
-    half = np.spacing(np.abs(wanted).max()) / 4 * np.sign(np.random.default_rng(1).normal(size=2))
-    off = [slender_fit(200, wanted + sign * half) for sign in (1.0, -1.0)]
-    for found in off:
-        assert (np.abs(found.constants - TRUE) <= np.array(found.errors)).all()
-    # Any less would miss some rounding: what one direction of it moves is not far below.
-    moved = abs(off[0].constants[1] - off[1].constants[1])
-    assert moved > 1e-4 * off[0].errors[1]
-
-
-def test_errors_are_of_constants_and_volume():
-    wanted = moves(*networks((2.3, 0.7), -0.2))
-    found = fitted_constants(networks((1.0, 1.0), 1.0), wanted, GRID.kind)
-    off = np.abs(np.subtract((*found.constants, found.volume), (2.3, 0.7, -0.2)))
-    assert (off <= (*found.errors, found.volume_error)).all()
-    assert 0 < max(*found.errors, found.volume_error) < 1e-9
-
-
-def test_slopes_of_a_long_body_add_up_to_its_displacement():
-    network = slender(100, TRUE)
-    parts = [slender(100, part) for part in np.eye(2)]
-    found = sensitive(network, [State(part) for part in parts])
-    # All constants times a factor: forces move that much less.
-    total = -sum(k * slope for k, slope in zip(TRUE, found.slopes, strict=True))
-    u = found.solved.displacement
-    np.testing.assert_allclose(total, u, atol=1e-14 * np.abs(u).max())
-
-
-@pytest.mark.parametrize("load", [1e-200, 1e-290])
-def test_the_smallest_displacements_have_their_constants(load):
-    found = slender_fit(8, load=load)
-    assert (np.abs(found.constants - TRUE) <= np.array(found.errors)).all()
-    assert max(found.errors) < 1e-9
 
 
 # Refusals ---------------------------------------------------------------------------------------
@@ -242,20 +197,6 @@ def test_prescribed_displacements_leave_a_common_factor_open():
     wanted = moves(network.scaled(np.where(GRID.kind == 0, 2.0, 1.0)))
     with pytest.raises(ProblemError, match="leave k1 and k2 open; add one that tells, with forces"):
         fitted_constants([network], wanted, GRID.kind)
-
-
-def test_what_is_known_worse_than_asked_is_refused(monkeypatch):
-    monkeypatch.setattr(fit, "LARGEST_ERROR", 1e-13)
-    monkeypatch.setattr(fit, "BESIDE", 1e-13)
-    with pytest.raises(
-        SolverError, match=r"k2 is known to \de-\d+ of it, .* condition is 5.8e\+04"
-    ):
-        slender_fit(200)
-
-
-def test_displacements_far_below_those_of_forces_are_refused():
-    with pytest.raises(ProblemError, match="choose units that give constants of ordinary size"):
-        fitted_constants(UNIT, [1e-200 * w for w in WANTED], GRID.kind)
 
 
 UNIT = networks((1.0, 1.0))
