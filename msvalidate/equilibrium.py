@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from msvalidate.folds import count_folded, description, folded_cells
 from msvalidate.following import Followed, follow, is_stressed
+from msvalidate.inverse import Choice, Solver, UnsettledError
 from msvalidate.linear_solution import solved
-from msvalidate.mechanism import regular
-from msvalidate.network import Network, tangent
+from msvalidate.network import Network
 from msvalidate.path import Path, way_of
 from msvalidate.polish import balance, centred, polished
 from msvalidate.problem import (
@@ -26,6 +25,7 @@ from msvalidate.problem import (
     refuse_free_motions,
     shown,
 )
+from msvalidate.refine import InaccurateError
 from msvalidate.rounding import why
 from msvalidate.tangents import beyond_doubt
 
@@ -60,6 +60,9 @@ class Equilibrium:
     remainder
         (n, d) what the displacement lacks in digits (m): strains have them where a body moves far
         and is hardly strained. None where it is not known.
+    solver
+        Which was taken, "direct" or "multigrid", and why; None of relaxations, and where nothing
+        had to be solved.
     """
 
     displacement: Array
@@ -71,6 +74,7 @@ class Equilibrium:
     folded: int | None = None
     passed_limit: float | None = None
     remainder: Array | None = None
+    solver: Choice | None = None
 
 
 def equilibrium(
@@ -80,6 +84,7 @@ def equilibrium(
     path: Path | None = None,
     start: Equilibrium | Array | None = None,
     allow_folded: bool = False,
+    solver: str = "auto",
 ) -> Equilibrium:
     """Static equilibrium of a network.
 
@@ -91,7 +96,6 @@ def equilibrium(
         "linear": one solve with the tangent at the reference points, valid to first order in the
         displacement. "nonlinear": Newton's method, in load increments where one step is too many.
         Either way the tangent must be positive: the network is stable where it is linearised.
-        It is factorised at any size; `relax` by "newton_multigrid" takes less of large networks.
     path
         Of nonlinear equilibria: how loads and prescribed displacements come to their full size.
         Fractions that rise to 1, at each of which an equilibrium is found; or a function of t that
@@ -106,11 +110,17 @@ def equilibrium(
         Whether cells may be flat or inside out. A linear answer is so under any load that is large
         enough, for it goes on in proportion: its cells are counted, and it is never refused for
         them.
+    solver
+        Of linear systems: "direct", a factor in nested dissection, whose pivots tell for certain
+        whether a network is stable; "multigrid", conjugate gradients, which take work and memory
+        in proportion to the points, and tell it but for a chance of one in 12,500; "auto", a factor
+        of plane, slender and small bodies, where multigrid would take longer, and where it fails.
 
     Raises
     ------
     ProblemError
-        If supports leave a rigid motion free, the message names it, or path or start do not fit.
+        If supports leave a rigid motion free, the message names it, or path or start do not fit, or
+        there is no such solver.
     SolverError
         If the network is a mechanism or unstable, or no equilibrium is found at full load, or
         cells are folded in a nonlinear one.
@@ -124,7 +134,11 @@ def equilibrium(
             "path, start: a linear equilibrium has neither; take geometry 'nonlinear'"
         )
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
-        found = _linear(network) if geometry == "linear" else _nonlinear(network, path, start)
+        found = (
+            _linear(network, solver)
+            if geometry == "linear"
+            else _nonlinear(network, path, start, solver)
+        )
     if geometry == "nonlinear" and not allow_folded:
         refuse_folded(network, found, "nonlinear equilibrium")
     return found
@@ -169,6 +183,7 @@ def at_rest(
     error: float = math.nan,
     passed_limit: float | None = None,
     remainder: Array | None = None,
+    solver: Choice | None = None,
 ) -> Equilibrium:
     """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
 
@@ -189,11 +204,12 @@ def at_rest(
         folded=count_folded(network.simplices, position),
         passed_limit=passed_limit,
         remainder=remainder,
+        solver=solver,
     )
 
 
-def _linear(network: Network) -> Equilibrium:
-    found = solved(network)
+def _linear(network: Network, solver: str) -> Equilibrium:
+    found = solved(network, solver)
     position = network.points + found.displacement
     return Equilibrium(
         displacement=found.displacement,
@@ -204,56 +220,71 @@ def _linear(network: Network) -> Equilibrium:
         error=found.error,
         folded=count_folded(network.simplices, position),
         remainder=found.remainder,
+        solver=found.choice,
     )
 
 
 def _nonlinear(
-    network: Network, path: Path | None, start: Equilibrium | Array | None
+    network: Network, path: Path | None, start: Equilibrium | Array | None, wanted: str
 ) -> Equilibrium:
     """Loads and prescribed displacements raised together; rest lengths too where prestress asks."""
     given, network = network, centred(network)
-    begun = displacement_of(network, start)
-    stressed = path is None and start is None and is_stressed(network)
+    begun, solver = displacement_of(network, start), Solver(network, wanted)
+    while True:
+        try:
+            found = _followed(network, solver, path, begun)
+            end = polished(given, found.position - network.points, found.factor, solver)
+        except (UnsettledError, InaccurateError) as error:
+            if solver.is_direct:
+                raise
+            solver.give_way(error)
+            continue
+        return at_rest(
+            given,
+            end.displacement,
+            found.solves + end.steps,
+            error=end.error,
+            passed_limit=found.passed_limit,
+            remainder=end.remainder,
+            solver=None if network.held.all() else solver.choice,
+        )
+
+
+def _followed(network: Network, solver: Solver, path: Path | None, begun: Array | None) -> Followed:
+    """The end of the way to the network's own loads."""
+    stressed = path is None and begun is None and is_stressed(network)
     try:
-        found = follow(way_of(network, path, begun))
+        found = follow(way_of(network, path, begun), solver)
     except SolverError:
-        tightened = _tightened(network, 0) if stressed else None
+        tightened = _tightened(network, solver, 0) if stressed else None
         if tightened is None or tightened.reached < 1:
             raise
         found = tightened
     if found.reached < 1 and stressed:
-        tightened = _tightened(network, found.solves)
+        tightened = _tightened(network, solver, found.solves)
         found = tightened if tightened and tightened.reached == 1 else found
     if found.reached < 1:
-        raise SolverError(_stuck(network, found, stressed=is_stressed(network)))
-    end = polished(given, found.position - network.points, found.factor)
-    return at_rest(
-        given,
-        end.displacement,
-        found.solves + end.steps,
-        error=end.error,
-        passed_limit=found.passed_limit,
-        remainder=end.remainder,
-    )
+        raise SolverError(_stuck(network, solver, found, stressed=is_stressed(network)))
+    return found
 
 
-def _tightened(network: Network, solves: int) -> Followed | None:
+def _tightened(network: Network, solver: Solver, solves: int) -> Followed | None:
     """The end of a way from springs without tension; None where those would be a mechanism."""
     try:
-        found = follow(way_of(network, tightened=True))
+        found = follow(way_of(network, tightened=True), solver)
     except SolverError:
         return None
     found.solves += solves
     return found
 
 
-def _stuck(network: Network, found: Followed, *, stressed: bool) -> str:
+def _stuck(network: Network, solver: Solver, found: Followed, *, stressed: bool) -> str:
     """What to say of a way that leads no further."""
     said = (
         f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
         f"load (after {found.solves} linear solves); "
     )
-    hidden = _hidden(network)
+    hidden = _hidden(network, solver)
     if hidden:
         return f"{said}what lies beyond may be hidden by rounding: {hidden}"
     if not stressed:
@@ -267,17 +298,12 @@ def _stuck(network: Network, found: Followed, *, stressed: bool) -> str:
     return f"{said}reduce load or prestress, or take the start from a relaxation"
 
 
-def _hidden(network: Network) -> str:
+def _hidden(network: Network, solver: Solver) -> str:
     """Why the signs of pivots may be rounding at the reference points; empty where they are not."""
-    inside = np.flatnonzero(~network.held)
-    if not len(inside):
+    if network.held.all():
         return ""
     try:
-        found = regular(
-            network,
-            network.points,
-            csr_array(tangent(network, network.points)[inside][:, inside]),
-        )
+        found = solver.regular(network, network.points)
     except SolverError:  # such as a rope, which stands by its tension alone
         return ""
     return "" if beyond_doubt(found) else why(network, found.softness)

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from msvalidate.mechanism import Regular
+from msvalidate.inverse import Regular, Solver
 from msvalidate.network import Network, internal_force
 from msvalidate.path import Way
 from msvalidate.problem import Array, SolverError
@@ -112,8 +112,10 @@ class Followed:
     legs: list[tuple[Station, Station, bool | None]] = field(default_factory=list)
 
 
-def follow(way: Way) -> Followed:
+def follow(way: Way, solver: Solver) -> Followed:
     """Raise what is applied along a way, in halves of what would not converge.
+
+    `solver` inverts the tangents.
 
     Raises
     ------
@@ -124,7 +126,7 @@ def follow(way: Way) -> Followed:
     here, increment = Station(0.0, way.start), 1.0
     for stop in way.stops:
         while here.t < stop:
-            arrival = newton(way, here, min(stop, here.t + increment))
+            arrival = newton(way, solver, here, min(stop, here.t + increment))
             found.solves += arrival.solves
             if arrival.station is None:
                 increment = min(increment, stop - here.t) / 2
@@ -136,11 +138,11 @@ def follow(way: Way) -> Followed:
             found.position, found.reached = here.position, here.t
             end = arrival.factor
             found.factor = end if end is not None and beyond_doubt(end) else None
-    found.passed_limit = _limit(way, found)
+    found.passed_limit = _limit(way, solver, found)
     return found
 
 
-def newton(way: Way, start: Station, t: float, steps: int = ITERATIONS) -> Arrival:
+def newton(way: Way, solver: Solver, start: Station, t: float, steps: int = ITERATIONS) -> Arrival:
     """The stable equilibrium at `t` that Newton's method finds from a station, if it finds one."""
     network, x = way.network_at(t), start.position
     force, target = way.force(t), network.points + way.moved(t)
@@ -151,7 +153,7 @@ def newton(way: Way, start: Station, t: float, steps: int = ITERATIONS) -> Arriv
         try:
             balance = internal_force(network, x) + force
             small = TOLERANCE * force_scale(network, x) + rounding
-            K = tangent_at(network, x)
+            K = tangent_at(network, x, solver)
         except SolverError:
             if iteration == 0:  # singular where we stand: smaller steps cannot help
                 raise
@@ -164,7 +166,10 @@ def newton(way: Way, start: Station, t: float, steps: int = ITERATIONS) -> Arriv
             there = Station(t, x)
             smooth = first is None or (calm and _is_smooth(way, start, there, first, K))
             return Arrival(there, iteration + 1, smooth, K.found)
-        move = K.move(balance, ahead)
+        try:
+            move = K.move(balance, ahead)
+        except SolverError:  # multigrid met what is not positive
+            return Arrival(None, iteration + 1)
         if largest_turn(network, x, move) > LARGEST_TURN:
             return Arrival(None, iteration + 1)
         calm = calm and K.calm
@@ -209,23 +214,23 @@ def _is_smooth(way: Way, a: Station, b: Station, first: Array, K: Tangent) -> bo
     return not (spring(K.move(balance, np.zeros(change.shape))) > MISSED * size).any()
 
 
-def _limit(way: Way, found: Followed) -> float | None:
+def _limit(way: Way, solver: Solver, found: Followed) -> float | None:
     """T of the first limit point on the legs of a way; counts the solves it takes."""
     legs = found.legs[::-1]
     while legs:
         a, b, smooth = legs.pop()
         if smooth is None:
-            onward = newton(way, a, b.t, SEARCHING)
+            onward = newton(way, solver, a, b.t, SEARCHING)
             found.solves += onward.solves
             same = onward.station is not None and _is_near(onward.station, b, a)
             smooth = same and onward.smooth
         if smooth:
             continue
         if b.t - a.t <= RESOLVED:
-            if _is_gap(way, a, b, found):
+            if _is_gap(way, solver, a, b, found):
                 return b.t
             continue
-        arrival = _within(way, a, b.t, found)
+        arrival = _within(way, solver, a, b.t, found)
         if arrival.station is None:  # b was leapt to
             return a.t
         legs.append((arrival.station, b, None))
@@ -233,21 +238,21 @@ def _limit(way: Way, found: Followed) -> float | None:
     return None
 
 
-def _within(way: Way, a: Station, end: float, found: Followed) -> Arrival:
+def _within(way: Way, solver: Solver, a: Station, end: float, found: Followed) -> Arrival:
     """An equilibrium halfway from a to an end, or nearer to a where none is found there."""
     t = end
     while True:
         t = (a.t + t) / 2
-        arrival = newton(way, a, t, SEARCHING)
+        arrival = newton(way, solver, a, t, SEARCHING)
         found.solves += arrival.solves
         if arrival.station is not None or t - a.t <= RESOLVED / 2:
             return arrival
 
 
-def _is_gap(way: Way, a: Station, b: Station, found: Followed) -> bool:
+def _is_gap(way: Way, solver: Solver, a: Station, b: Station, found: Followed) -> bool:
     """Whether b, led back to the load of a, is not a."""
     try:
-        back = newton(way, b, a.t, SEARCHING)
+        back = newton(way, solver, b, a.t, SEARCHING)
     except SolverError:
         return True
     found.solves += back.solves

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import splu
 
-from msvalidate.problem import Array, Mask, SolverError
+from msvalidate.problem import Array, Index, SolverError
 
 SWEEPS = 2
 """Inverse iterations: each shrinks what is not the softest mode by a ratio of eigenvalues, which is
 all but zero where that mode has no stiffness."""
-LARGEST_FACTORED = {2: 15_000, 3: 5_000}
-"""Free components, by axes, up to which questions of a spectrum are put to a factor: a quarter
-of a second of SuperLU. In space its work grows with the square of the components."""
 NO_NUMBER = 1e-280
 """Entries below which a matrix has no digits left for a fraction of them."""
+
+
+MOST_SIGNED = 1.5e8
+"""Entries of both triangles up to which pivots are looked at: the library copies them for that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,20 +34,62 @@ class Factor:
     ----------
     lu
         SuperLU's factor.
-    negative
-        Number of negative eigenvalues, by Sylvester's law of inertia.
+    order
+        (f,) unknowns in the order of elimination; None where the library chose it.
     """
 
     lu: Any
-    negative: int
+    order: Index | None = None
+
+    @cached_property
+    def negative(self) -> int:
+        """Number of negative eigenvalues, by Sylvester's law of inertia.
+
+        Raises
+        ------
+        SolverError
+            If there is no memory for the library's copy of the factor.
+        """
+        if self.lu.nnz > MOST_SIGNED:
+            raise SolverError(NOT_SIGNED.format(self.lu.shape[0]))
+        try:
+            negative = int((self.lu.U.diagonal() < 0).sum())
+        except MemoryError as error:
+            raise SolverError(NOT_SIGNED.format(self.lu.shape[0])) from error
+        # A zero on the diagonal, where another row was taken: not positive definite.
+        exchanged = not np.array_equal(self.lu.perm_r, self.lu.perm_c)
+        return max(negative, 1) if exchanged else negative
+
+    @property
+    def is_signed(self) -> bool:
+        """Whether its pivots are to be had."""
+        return bool(self.lu.nnz <= MOST_SIGNED)
 
     def solve(self, right: Array) -> Array:
-        """Solution of the system for a right-hand side (n,)."""
-        return np.asarray(self.lu.solve(right))
+        """Solution of the system for a right-hand side (f,)."""
+        if self.order is None:
+            return np.asarray(self.lu.solve(right))
+        found = np.empty_like(right)
+        found[self.order] = self.lu.solve(right[self.order])
+        return found
 
 
-def factorised(matrix: csr_array) -> Factor:
+NOT_SIGNED = (
+    "sparse factor: the pivots of {} unknowns take more memory than there is; take solver "
+    "'multigrid', which needs none"
+)
+
+
+def factorised(matrix: csr_array, order: Index | None = None) -> Factor:
     """Factor with pivots on the diagonal, in a symmetric ordering: faster than the general default.
+
+    Parameters
+    ----------
+    matrix
+        (f, f), symmetric.
+    order
+        (f,) in which its unknowns are eliminated, such as that of `inverse.order_of`; by default
+        of minimum degree, which is as good for a few thousand unknowns.
 
     Raises
     ------
@@ -52,45 +99,67 @@ def factorised(matrix: csr_array) -> Factor:
         If the factor does not fit in memory.
     """
     try:
-        lu = splu(
-            matrix.tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        with _silent():
+            lu = splu(
+                (matrix if order is None else matrix[order][:, order]).tocsc(),
+                permc_spec="MMD_AT_PLUS_A" if order is None else "NATURAL",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
     except MemoryError as error:
         raise SolverError(
             f"sparse factor: {matrix.shape[0]} unknowns take more memory than there is; take "
-            "fewer cells"
+            "solver 'multigrid' where there is a choice, or fewer points"
         ) from error
-    negative = int((lu.U.diagonal() < 0).sum())
-    if not np.array_equal(lu.perm_r, lu.perm_c):  # a zero on the diagonal: not positive definite
-        negative = max(negative, 1)
-    return Factor(lu, negative)
+    return Factor(lu, order)
 
 
-def is_factored(free: Mask) -> bool:
-    """Whether a network with free components (n, d) is small enough for a factor of its tangent."""
-    return bool(np.count_nonzero(free) <= LARGEST_FACTORED[free.shape[1]])
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Keep the library's own lines, of memory that it does not get, from the terminal."""
+    try:
+        kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    except OSError:  # stderr is closed: nothing can reach it
+        yield
+        return
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
 
 
 def softest_mode(
     matrix: csr_array, factor: Factor | None = None, weight: Array | None = None
 ) -> Array:
-    """Unit vector (n,) along which the matrix resists least: inverse iteration from a fixed start.
+    """Unit vector (n,) along which the matrix resists least.
 
     Without a factor (the matrix is exactly singular) that of a slightly stiffened matrix serves.
-    `weight` (n,) measures motions, as the diagonal does where parts differ in stiffness.
+    `weight` is as in `inverse_iteration`.
     """
-    mode = np.random.default_rng(0).normal(size=matrix.shape[0])
+    size = matrix.shape[0]
     if factor is None:
         norm = float(abs(matrix).sum(axis=1).max())
         if norm < NO_NUMBER:  # nothing resists any motion: one is as good as another
+            mode = np.random.default_rng(0).normal(size=size)
             return np.asarray(mode / np.linalg.norm(mode))
-        factor = factorised(csr_array(matrix + 1e-12 * norm * eye_array(matrix.shape[0])))
+        factor = factorised(csr_array(matrix + 1e-12 * norm * eye_array(size)))
+    return inverse_iteration(factor.solve, size, weight)
+
+
+def inverse_iteration(
+    solve: Callable[[Array], Array], size: int, weight: Array | None = None
+) -> Array:
+    """Unit vector (size,) that a matrix resists least, by its inverse, from a fixed start.
+
+    `weight` (size,) measures motions, as the diagonal does where parts differ in stiffness.
+    """
+    mode = np.random.default_rng(0).normal(size=size)
     unit = 1.0 if weight is None else weight / np.abs(weight).max()
     for _ in range(SWEEPS):
-        mode = factor.solve(unit * mode)
+        mode = solve(unit * mode)
         mode /= np.abs(mode).max()  # first by the largest: squares may overflow
         mode /= np.linalg.norm(mode)
     return np.asarray(mode)

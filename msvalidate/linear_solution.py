@@ -1,4 +1,4 @@
-"""Floor 2: the linear equilibrium of a network: one factor, and refinement to the last digit."""
+"""Floor 2: the linear equilibrium of a network: one inverse, and refinement to the last digit."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import bsr_array
 
 from msvalidate.accurate import State
 from msvalidate.double_double import Pair, added, negative, pair
-from msvalidate.mechanism import Regular, regular
-from msvalidate.network import Network, tangent
+from msvalidate.inverse import Choice, Regular, Solver, UnsettledError
+from msvalidate.network import Network, tangent_blocks
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.refine import (
     DOUBTFUL,
-    contraction,
+    InaccurateError,
     refined,
     refuse_inaccurate,
     refuse_vanishing,
@@ -45,6 +45,8 @@ class Solved:
         Corrections made.
     held
         (n, d) components whose displacement is prescribed.
+    choice
+        How the tangent was inverted; None where nothing had to be solved.
     """
 
     displacement: Array
@@ -53,6 +55,7 @@ class Solved:
     error: float
     steps: int
     held: Mask
+    choice: Choice | None = None
 
     @property
     def reaction(self) -> Array:
@@ -60,21 +63,29 @@ class Solved:
         return np.where(self.held, -self.balance, 0.0)
 
 
-def solved(network: Network) -> Solved:
+def solved(network: Network, wanted: str = "auto") -> Solved:
     """The linear equilibrium of a network from its reference points.
+
+    `wanted` is one of `inverse.SOLVERS`.
 
     Raises
     ------
     SolverError
         If the network is a mechanism or unstable, or no trustworthy digits are left.
     """
-    system = _System(network)
-    if not network.held.all():
-        system.factorise()
-    if nothing_acts(network, system.state):
-        zero = np.zeros(network.points.shape)
-        return Solved(zero, zero, network.force + zero, 0.0, 0, network.held)
-    return system.solution()
+    system, solver = _System(network), Solver(network, wanted)
+    while True:
+        if not network.held.all():
+            system.invert(solver)
+        if nothing_acts(network, system.state):
+            zero = np.zeros(network.points.shape)
+            return Solved(zero, zero, network.force + zero, 0.0, 0, network.held)
+        try:
+            return system.solution(solver)
+        except SolverError as error:
+            if solver.is_direct or not isinstance(error, UnsettledError | InaccurateError):
+                raise
+            solver.give_way(error)
 
 
 class _System:
@@ -99,15 +110,12 @@ class _System:
         self.load = added(pair(outer / self.unit), inner)
         self.prescribed = network.displacement / self.unit
         self.left = np.zeros(network.points.shape)
-        self.K: csr_array | None = None
+        self.K: bsr_array | None = None
 
-    def factorise(self) -> None:
-        """Tangent and factor; refuses what is unstable or a mechanism."""
-        inside = np.flatnonzero(self.free)
-        K = tangent(self.network, self.network.points)
-        A = csr_array(K[inside][:, inside])
-        self.K = K
-        self.regular = regular(self.network, self.network.points, A)
+    def invert(self, solver: Solver) -> None:
+        """Tangent and its inverse; refuses what is unstable or a mechanism."""
+        self.K = tangent_blocks(self.network, self.network.points)
+        self.regular = solver.regular(self.network, self.network.points, self.K)
         if negative_modes(self.state, self.regular, self.free):
             if self.state.unstressed and not (self.network.volumes or self.network.shear):
                 # Springs at rest resist every motion or none: the sign is rounding.
@@ -118,9 +126,9 @@ class _System:
             )
 
     def solve(self, force: Array) -> Array:
-        """Motion that the factor gives for a force, both (n, d)."""
+        """Motion that the inverse gives for a force, both (n, d)."""
         motion = np.zeros(self.free.shape)
-        motion[self.free] = self.regular.factor.solve(force[self.free]) * self.state.stiffness
+        motion[self.free] = self.regular.inverse.solve(force[self.free]) * self.state.stiffness
         return motion
 
     def residual(self, motion: Pair) -> Array:
@@ -130,12 +138,12 @@ class _System:
         self.left = self.state.residual(self.load, motion).hi if moves else self.load.hi
         return np.where(self.free, self.left, 0.0)
 
-    def solution(self) -> Solved:
+    def solution(self, solver: Solver) -> Solved:
         """Solve, refine, and judge what is left."""
         u, error, steps = pair(self.prescribed), 0.0, 0
         first = self.residual(u)
         if self.free.any():
-            soft, rate = self.regular.softness, contraction(self.regular.softness)
+            soft, rate = self.regular.softness, self.regular.rate
             u = added(u, pair(self.solve(first)))
             found = refined(self.residual, self.solve, u, rate)
             u, steps, times = found.solution, found.steps, 1.0
@@ -145,8 +153,9 @@ class _System:
             refuse_vanishing(moved * self.unit, TITLE)
             error = stated(found, soft, times, self.pulled / moved) if moved else 0.0
             refuse_inaccurate(error, TITLE, self._why())
+        choice = solver.choice if self.free.any() else None
         whole, lacks = u.hi * self.unit, u.lo * self.unit
-        return Solved(whole, lacks, self._balance(u), error, steps, self.network.held)
+        return Solved(whole, lacks, self._balance(u), error, steps, self.network.held, choice)
 
     def _balance(self, u: Pair) -> Array:
         """Force (n, d) in N that is left: the last residual, less what the last correction took."""

@@ -2,69 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from scipy.sparse import csr_array, diags_array
 
-from msvalidate.linear import Factor, factorised, softest_mode
 from msvalidate.network import Network, mode_energy
-from msvalidate.problem import Array, SolverError, place_name
+from msvalidate.problem import Array, place_name
 
 NO_STIFFNESS = 1e-24
 """Energy of a motion, relative to what its components would cost one by one, that is rounding: a
 few parts in 1e16, squared, while the softest mode of a cantilever 20,000 cells long and one high
 still has 1e-18."""
-
-
-STIFFENED = 2.0**-48
-"""Part of its diagonal added to a matrix that rounding has made singular: it has a factor then."""
-
-
-class Regular(NamedTuple):
-    """A factor of a tangent's free part.
-
-    Parameters
-    ----------
-    factor, diagonal
-        Of the free part, and its diagonal (f,) in N/m.
-    softness, mode
-        Of the motion (n·d,) that the tangent resists least.
-    """
-
-    factor: Factor
-    diagonal: Array
-    softness: float
-    mode: Array
-
-
-def regular(network: Network, position: Array, K: csr_array) -> Regular:
-    """Factor of the free part K of the tangent at `position` (n, d) in m.
-
-    The motion that the tangent resists least is judged by the springs that it stretches.
-
-    Raises
-    ------
-    SolverError
-        If some motion meets no stiffness.
-    """
-    stiffness, mode = np.zeros(network.points.size), np.zeros(network.points.size)
-    free = ~network.held.ravel()
-    stiffness[free] = diagonal = K.diagonal()
-    if not diagonal.all():
-        mode[free] = softest_mode(K)
-        raise SolverError(named(network, mode))
-    try:
-        factor = factorised(K)
-    except SolverError:  # no memory
-        raise
-    except RuntimeError:  # by a mechanism, or by rounding alone
-        factor = factorised(csr_array(K + diags_array(STIFFENED * np.abs(diagonal))))
-    mode[free] = softest_mode(K, factor, np.abs(diagonal))
-    soft = softness(network, position, mode, stiffness)
-    if not abs(soft) > NO_STIFFNESS:
-        raise SolverError(named(network, mode))
-    return Regular(factor, diagonal, soft, mode)
 
 
 def is_loose(network: Network, position: Array, motion: Array, stiffness: Array) -> bool:

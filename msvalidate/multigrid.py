@@ -7,10 +7,12 @@ certainty: a factor's pivots count the negative modes, while here a random load 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.linalg import eigh_tridiagonal
 from scipy.sparse import bsr_array
 
 from msvalidate.mechanism import is_loose
@@ -26,8 +28,8 @@ ROUNDING = 1e-12
 """Of the largest eigenvalue of the coarsest level: below it a motion has no stiffness, or rounding.
 A mechanism's is 0, of either sign."""
 LOOSE = 1e-8
-"""Of the largest stiffness, added to all where a motion without any is looked for: a hundred times
-what the library's inverses of blocks take for rounding."""
+"""Of what each point meets, added to it where a motion without stiffness is looked for: a hundred
+times what the library's inverses of blocks take for rounding."""
 SWEEPS = 4
 """Inverse iterations: each shrinks modes of 1e-4 of the largest stiffness by 1e-4."""
 CLEAN = 1e-10
@@ -96,12 +98,16 @@ class Outcome:
         Residual and error of the displacement, the larger, relative to those of no displacement.
     negative
         Whether a motion of no or negative energy was met: then the system is not positive definite.
+    lowest
+        Lowest eigenvalue of the stiffness times a cycle, as far as the load has it; infinite where
+        it was not asked for.
     """
 
     solution: Array
     cycles: int
     left: float
     negative: bool
+    lowest: float = math.inf
 
 
 def restrain(K: bsr_array, free: Mask) -> None:
@@ -155,33 +161,57 @@ def _falling(levels: list[Any]) -> Array | None:
 
 
 def conjugate_gradients(
-    A: bsr_array, force: Array, cycle: Cycle, part: float, *, most: int = MOST_CYCLES
+    A: bsr_array,
+    force: Array,
+    cycle: Callable[[Array], Array],
+    part: float,
+    *,
+    most: int = MOST_CYCLES,
+    spectral: bool = False,
 ) -> Outcome:
     """Solve A x = force (n·d,) in N until the residual and the error are `part` of the first.
 
     The error is what a cycle makes of the residual: that hardly knows of a slender body's bending.
+    If `spectral`, both are to be smaller by the lowest eigenvalue, of which the error may be one
+    over as large: conjugate gradients know it (Lanczos; Golub and Van Loan 2013, section 11.3).
     """
     x, residual = np.zeros(len(force)), force.copy()
     ahead = cycle(residual)
     first = _norm(force), _norm(ahead)
-    direction, power, cycles, left = ahead.copy(), _dot(residual, ahead), 0, 1.0
+    direction, power, left = ahead.copy(), _dot(residual, ahead), 1.0
     if not all(first):  # no load, or one whose squares are too small for numbers
         return Outcome(x, 0, float(force.any()), negative=False)
-    while left > part and cycles < most:
+    lengths: list[float] = []
+    turns: list[float] = []
+    lowest = math.inf
+    while left > part * min(lowest, 1.0) and len(lengths) < most:
         push = A @ direction
         stiff = _dot(direction, push)
         if not (stiff > 0 and power > 0):
-            return Outcome(x, cycles, left, negative=bool(stiff <= 0 or power <= 0))
-        x += power / stiff * direction
-        residual -= power / stiff * push
+            negative = bool(stiff <= 0 or power <= 0)
+            return Outcome(x, len(lengths), left, negative, lowest)
+        lengths.append(power / stiff)
+        x += lengths[-1] * direction
+        residual -= lengths[-1] * push
         ahead = cycle(residual)
-        cycles += 1
         now = _norm(residual), _norm(ahead)
         left = max(now[0] / first[0], now[1] / first[1])
         power, before = _dot(residual, ahead), power
-        direction *= power / before
+        turns.append(power / before)
+        direction *= turns[-1]
         direction += ahead
-    return Outcome(x, cycles, left, negative=False)
+        if spectral and left <= part:
+            lowest = _lowest(np.array(lengths), np.array(turns))
+    return Outcome(x, len(lengths), left, negative=False, lowest=lowest)
+
+
+def _lowest(lengths: Array, turns: Array) -> float:
+    """Lowest eigenvalue that steps of conjugate gradients have met, by their Lanczos matrix."""
+    diagonal = 1 / lengths
+    diagonal[1:] += turns[:-1] / lengths[:-1]
+    beside = np.sqrt(np.abs(turns[:-1])) / lengths[:-1]
+    values = eigh_tridiagonal(diagonal, beside, eigvals_only=True, select="i", select_range=(0, 0))
+    return float(values[0])
 
 
 def _dot(a: Array, b: Array) -> float:
@@ -225,7 +255,8 @@ def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
     """
     own = A.indices == np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
     data = A.data.copy()
-    data[own] += LOOSE * A.data.max() * np.eye(network.dim)
+    met = data[own].trace(axis1=1, axis2=2)
+    data[own] += LOOSE * met[:, None, None] * np.eye(network.dim)
     stiffened = bsr_array((data, A.indices, A.indptr), shape=A.shape)
     cycle = cycle_of(stiffened, network, position)
     mode = _random(network)

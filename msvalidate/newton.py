@@ -12,8 +12,9 @@ from functools import partial
 
 import numpy as np
 
+from msvalidate.inverse import Solver
 from msvalidate.multigrid import Cycle, conjugate_gradients, cycle_of, restrain
-from msvalidate.network import tangent, tangent_blocks
+from msvalidate.network import tangent_blocks
 from msvalidate.problem import Array, SolverError
 from msvalidate.relax import Method
 from msvalidate.run import Run
@@ -54,9 +55,10 @@ def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
 
 
 def _direct(run: Run) -> Move:
+    solver = Solver(run.network, "direct")
+
     def move(load: Array, ahead: Array) -> Array:
-        x = run.position
-        found, stable = tangent_move(run.network, x, tangent(run.network, x), load, ahead)
+        found, stable = tangent_move(run.network, run.position, load, ahead, solver)
         if not stable:
             raise SolverError(
                 f"{run.title}: the tangent has a negative mode at iteration {run.steps + 1}; "

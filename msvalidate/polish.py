@@ -13,21 +13,18 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from msvalidate.accurate import State
 from msvalidate.double_double import ROUNDING, Pair, added, pair
-from msvalidate.linear import is_factored
-from msvalidate.mechanism import Regular, regular
+from msvalidate.inverse import Regular, Solver
 from msvalidate.multigrid import Cycle, conjugate_gradients, cycle_of, restrained
-from msvalidate.network import Network, tangent
+from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
 from msvalidate.refine import (
     DOUBTFUL,
     ENOUGH,
     LARGEST_ERROR,
     Refined,
-    contraction,
     refined,
     refuse_inaccurate,
     refuse_vanishing,
@@ -99,7 +96,9 @@ def balance(network: Network, displacement: Array, remainder: Array | None = Non
     return _Nonlinear(network, Pair(displacement, lacks)).balance()
 
 
-def polished(network: Network, displacement: Array, found: Regular | None = None) -> Polished:
+def polished(
+    network: Network, displacement: Array, found: Regular | None, solver: Solver
+) -> Polished:
     """The equilibrium close to a displacement, to the last digit, and its error.
 
     Parameters
@@ -109,7 +108,9 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
     displacement
         (n, d) in m, close to the equilibrium.
     found
-        Factor of the tangent there, where it is at hand.
+        Inverse of the tangent there, where it is at hand.
+    solver
+        Which makes others.
 
     Raises
     ------
@@ -122,10 +123,10 @@ def polished(network: Network, displacement: Array, found: Regular | None = None
     if nothing_acts(network, State(network)) and not u.hi.any():
         return Polished(u.hi, u.lo, 0.0, 0)
     near, before = centred(network), u.hi
-    system = _Nonlinear(network, u, near, found)
+    system = _Nonlinear(network, u, near, found, solver)
     moved = system.refined()
     if not (moved.settled and _turn(network, moved.solution.hi - u.hi) <= SAME_TANGENT):
-        system, moved = _newton(network, u, near)
+        system, moved = _newton(network, u, near, solver)
     u = moved.solution
     _refuse_far(_turn(network, u.hi - before))
     refuse_vanishing(_largest(u.hi), TITLE)
@@ -147,11 +148,11 @@ def _why(network: Network, moved: float, softness: float) -> str:
     )
 
 
-def _newton(network: Network, u: Pair, near: Network) -> tuple[_Nonlinear, Refined]:
+def _newton(network: Network, u: Pair, near: Network, solver: Solver) -> tuple[_Nonlinear, Refined]:
     """Newton's method, each step refined on its own: the last system, and what was reached."""
     sizes, steps, error = [], 0, np.inf
     for _ in range(FACTORS):
-        system = _Nonlinear(network, u, near)
+        system = _Nonlinear(network, u, near, None, solver)
         step = system.newton_step()
         steps += step.steps + 1
         sizes.append(_largest(step.solution.hi))
@@ -177,11 +178,13 @@ def error_of(network: Network, displacement: Array, found: Regular | Cycle | Non
         return 0.0 if network.held.all() else _error_of_nothing(network)
     start = pair(displacement)
     near = centred(network)
-    if isinstance(found, Cycle) or (found is None and not is_factored(~network.held)):
+    solver = Solver(near)
+    if isinstance(found, Cycle) or (found is None and not solver.is_direct):
         step = _by_cycles(network, start, near, found)
         return 2 * _largest(step) / largest
     try:
-        system = _Nonlinear(network, start, near, found if isinstance(found, Regular) else None)
+        known_one = found if isinstance(found, Regular) else None
+        system = _Nonlinear(network, start, near, known_one, solver)
         moved = system.refined()
     except SolverError:
         return math.inf
@@ -204,17 +207,15 @@ class _Nonlinear:
         u: Pair,
         near: Network | None = None,
         found: Regular | None = None,
+        solver: Solver | None = None,
     ) -> None:
         self.network, self.free, self.place = network, ~network.held, u.hi
         self.state = State(network, u)
         self.unit = self.state.length
         if near is None:
             return
-        if found is None:
-            inside = np.flatnonzero(self.free)
-            K = csr_array(tangent(near, near.points + u.hi)[inside][:, inside])
-            found = regular(near, near.points + u.hi, K)
-        self.found = found
+        place = near.points + u.hi
+        self.found = found or (solver or Solver(near)).regular(near, place)
 
     def refuse_unstable(self) -> None:
         """Raise `SolverError` if some motion from here has negative energy."""
@@ -243,7 +244,7 @@ class _Nonlinear:
         motion = np.zeros(force.shape)
         right = force[self.free]  # over the tangent a small one may leave the range of doubles
         size = 2.0 ** (math.frexp(_largest(right))[1] - 1)
-        solved = self.found.factor.solve(right / size) * self.state.stiffness
+        solved = self.found.inverse.solve(right / size) * self.state.stiffness
         motion[self.free] = solved * (size * self.unit)
         return motion
 
@@ -256,12 +257,12 @@ class _Nonlinear:
             return np.where(self.free, self.state.residual(load, step).hi, 0.0)
 
         start = pair(self._solve_linear(force))
-        found = refined(left, self._solve_linear, start, contraction(self.found.softness))
+        found = refined(left, self._solve_linear, start, self.found.rate)
         return replace(found, solution=Pair(*(x * self.unit for x in found.solution)))
 
     def refined(self) -> Refined:
         """Corrections from here, all by one factor."""
-        rate = contraction(self.found.softness)
+        rate = self.found.rate
         start = Pair(self.place, np.zeros_like(self.place))
         return refined(self.residual, self.solve, start, rate, solved=False, patience=FEW)
 
@@ -269,7 +270,7 @@ class _Nonlinear:
         """The error to state of what was refined."""
         if not moved.solution.hi.any():
             return np.inf if self.residual(moved.solution).any() else 0.0
-        rate, times = contraction(self.found.softness), 1.0
+        rate, times = self.found.rate, 1.0
         if rate > DOUBTFUL:
             times = tried(self._linear, self._solve_linear, rate, known(self.free, self.found.mode))
         pulled = self.state.pulled * self.unit / _largest(moved.solution.hi)

@@ -43,6 +43,10 @@ Solve = Callable[[Array], Array]
 """Displacement (n, d) that a factor gives for a force (n, d)."""
 
 
+class InaccurateError(SolverError):
+    """An answer was found, with fewer digits than are asked for."""
+
+
 @dataclass(frozen=True, eq=False)
 class Refined:
     """A solution, and what is known of its error.
@@ -179,10 +183,10 @@ def stated(found: Refined, softness: float, times: float = 1.0, pulled: float = 
 
 
 def refuse_inaccurate(error: float, title: str, why: str) -> None:
-    """Raise `SolverError` where an error is above `LARGEST_ERROR`."""
+    """Raise `InaccurateError` where an error is above `LARGEST_ERROR`."""
     if not error <= LARGEST_ERROR:
         digits = "not known" if not np.isfinite(error) or error >= 1 else f"{error:.1g}"
-        raise SolverError(
+        raise InaccurateError(
             f"{title}: the error left is {digits} of the largest displacement, more than "
             f"{LARGEST_ERROR:g}: {why}"
         )

@@ -13,7 +13,7 @@ from msvalidate import kernels
 from msvalidate.equilibrium import Equilibrium, at_rest
 from msvalidate.imposing import imposed
 from msvalidate.integrate import SPECTRUM_ERROR
-from msvalidate.linear import is_factored
+from msvalidate.inverse import Solver
 from msvalidate.multigrid import Cycle, cycle_of, restrained
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
@@ -136,7 +136,7 @@ class Run:
         if self._given is not None:
             return self._given
         network = self.network
-        if not is_factored(~network.held):
+        if not Solver(network).is_direct:
             self.cycle = cycle_of(restrained(network, network.points), network, network.points)
         try:
             lowest, highest = extreme_frequencies(

@@ -13,8 +13,8 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 
 from msvalidate.accurate import State
 from msvalidate.double_double import pair
-from msvalidate.linear import NO_NUMBER, factorised, is_factored
-from msvalidate.mechanism import regular
+from msvalidate.inverse import Solver, joined, order_of
+from msvalidate.linear import NO_NUMBER, factorised
 from msvalidate.multigrid import Cycle, cycle_of, restrained
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
@@ -54,6 +54,7 @@ def natural_frequencies(
     tolerance: float = 0.0,
     cycle: Cycle | None = None,
     rigid: bool = False,
+    solver: str = "auto",
 ) -> tuple[Array, float]:
     """The lowest `count` and the highest natural frequency (rad/s), undamped, supports held.
 
@@ -77,6 +78,8 @@ def natural_frequencies(
         Of multigrid, for this network close by, where there is one.
     rigid
         Whether parts may be free: each of their rigid motions counts as a frequency of exactly 0.
+    solver
+        As in `equilibrium`, for the lowest frequencies of more than a few hundred components.
 
     Raises
     ------
@@ -106,8 +109,8 @@ def natural_frequencies(
         lowest, highest = squares[:count], squares[-1]
     else:
         highest = _largest(matrix, tolerance)
-        if count > FEW or zero or is_factored(~network.held):
-            lowest = _smallest(matrix, count, highest, tolerance)
+        if count > FEW or zero or Solver(network, solver).is_direct:
+            lowest = _smallest(network, matrix, count, highest, tolerance)
         else:
             lowest = _smallest_by_cycles(network, place, cycle, matrix, count, highest, tolerance)
     if lowest[0] < -1e-10 * highest:
@@ -121,7 +124,9 @@ def natural_frequencies(
 def _rigid_motions(network: Network, position: Array, *, allowed: bool) -> int:
     """Number of rigid motions that supports leave to parts that hang together on their own."""
     n = len(network.points)
-    parts, part = connected_components(_joined(network), directed=False)
+    i, j = joined(network).T
+    graph = csr_array((np.ones(len(i)), (i, j)), shape=(n, n))
+    parts, part = connected_components(graph, directed=False)
     count = 0
     for label in range(parts):
         own = np.flatnonzero(part == label)
@@ -138,19 +143,6 @@ def _rigid_motions(network: Network, position: Array, *, allowed: bool) -> int:
             )
         count += left
     return count
-
-
-def _joined(network: Network) -> csr_array:
-    """Which points springs, cells and shear springs join."""
-    pairs = [network.springs]
-    if network.volumes is not None:
-        cells = network.volumes.cells
-        pairs += [cells[:, [0, other]] for other in range(1, cells.shape[1])]
-    if network.shear is not None:
-        pairs.append(network.shear.springs)
-    i, j = np.concatenate(pairs).T
-    n = len(network.points)
-    return csr_array((np.ones(len(i)), (i, j)), shape=(n, n))
 
 
 def _in_sizes(position: Array) -> Array:
@@ -195,8 +187,7 @@ def _told_from_rounding(
 def _by_energy(network: Network, position: Array, count: int) -> Array:
     """The lowest squares from the energies of their modes, by inverse iteration on a few more."""
     inside = np.flatnonzero(~network.held.ravel())
-    K = csr_array(tangent(network, position)[inside][:, inside])
-    factor = regular(network, position, K).factor
+    factor = Solver(network, "direct").regular(network, position).inverse
     mass = np.repeat(network.mass, network.dim)[inside]
     few = min(count + 4, len(inside))
     modes = np.random.default_rng(0).normal(size=(len(inside), few))
@@ -278,12 +269,15 @@ def _largest(matrix: csr_array, tolerance: float) -> float:
         raise SolverError(f"highest natural frequency: the iteration failed ({error})") from error
 
 
-def _smallest(matrix: csr_array, count: int, highest: float, tolerance: float) -> Array:
+def _smallest(
+    network: Network, matrix: csr_array, count: int, highest: float, tolerance: float
+) -> Array:
     # The shift keeps the factor regular when a mode has no stiffness, and costs no accuracy there.
     start = np.random.default_rng(0).normal(size=matrix.shape[0])
     shift = -1e-9 * highest
     try:
-        factor = factorised(csr_array(matrix - shift * eye_array(matrix.shape[0])))
+        shifted = csr_array(matrix - shift * eye_array(matrix.shape[0]))
+        factor = factorised(shifted, order_of(network))
         if factor.negative:
             # Modes near zero are not the lowest then; the smallest one tells how unstable it is.
             softest = eigsh(matrix, k=1, which="SA", v0=start, return_eigenvectors=False)

@@ -13,8 +13,9 @@ from scipy.linalg import eigh
 
 from msvalidate.accurate import State
 from msvalidate.double_double import pair
+from msvalidate.inverse import Regular
 from msvalidate.linear import Factor
-from msvalidate.mechanism import NO_STIFFNESS, Regular
+from msvalidate.mechanism import NO_STIFFNESS
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.refine import DOUBTFUL, FACTOR_ROUNDING, contraction
 
@@ -43,9 +44,15 @@ def negative_modes(state: State, found: Regular, free: Mask) -> int:
         If more motions than can be looked at meet no more than rounding.
     """
     if contraction(found.softness) <= DOUBTFUL:
-        return found.factor.negative
+        return found.negative
+    if not isinstance(found.inverse, Factor):
+        raise SolverError(
+            "equilibrium: whether the network is stable cannot be told: a motion meets "
+            f"{abs(found.softness):.1g} of what its points meet alone; take solver 'direct', or "
+            "bring stiffnesses closer together"
+        )
     weight = np.abs(found.diagonal)
-    modes, pushes = _softest(found.factor, weight)
+    modes, pushes = _softest(found.inverse, weight)
     own = modes.T @ pushes
     metric = modes.T @ (weight[:, None] * modes)
     factored = eigh((own + own.T) / 2, metric, eigvals_only=True)
@@ -65,7 +72,7 @@ def negative_modes(state: State, found: Regular, free: Mask) -> int:
             f"{np.abs(energies).min():.1g} of what its points meet alone; "
             "bring stiffnesses closer together, or add springs or supports"
         )
-    outside = found.factor.negative - int((factored < 0).sum())
+    outside = found.negative - int((factored < 0).sum())
     return max(outside, 0) + int((energies < 0).sum())
 
 

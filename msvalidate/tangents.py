@@ -5,14 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import bsr_array
 
 from msvalidate.accurate import State
 from msvalidate.double_double import pair
-from msvalidate.linear import is_factored
-from msvalidate.mechanism import Regular, is_loose, named, regular
+from msvalidate.inverse import Regular, Solver
+from msvalidate.linear import Factor
+from msvalidate.mechanism import is_loose, named
 from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
-from msvalidate.network import Network, tangent
+from msvalidate.network import Network, tangent_blocks
 from msvalidate.polish import centred
 from msvalidate.problem import Array, Index, SolverError, instance
 from msvalidate.refine import DOUBTFUL, contraction
@@ -25,26 +26,31 @@ longer ones land on folded and inside-out equilibria."""
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """A tangent stiffness, factorised for the free components.
+    """A tangent stiffness, and the inverse of its free part.
 
     Parameters
     ----------
     free
         (f,) numbers of the free components.
-    rows
-        (f, n·d) their rows of the tangent (N/m).
+    K
+        (n·d, n·d) in N/m.
     found
-        Factor of the free rows and columns, and their softest motion; None where nothing is free.
+        Inverse of the free rows and columns, and their softest motion; None where nothing is free.
     """
 
     free: Index
-    rows: csr_array
+    K: bsr_array
     found: Regular | None
 
     @property
     def calm(self) -> bool:
-        """Whether no pivot is negative, or their signs may be rounding."""
-        if self.found is None or self.found.factor.negative == 0:
+        """Whether no pivot is negative, or their signs may be rounding.
+
+        Multigrid has no pivots: it does not solve with what it finds to be negative.
+        """
+        if self.found is None or not isinstance(self.found.inverse, Factor):
+            return True
+        if self.found.negative == 0:
             return True
         return not beyond_doubt(self.found)
 
@@ -53,13 +59,13 @@ class Tangent:
         move = np.array(held, dtype=float).ravel()
         move[self.free] = 0.0
         if self.found is not None:
-            right = load.ravel()[self.free] - self.rows @ move
-            move[self.free] = self.found.factor.solve(right)
+            right = load.ravel() - self.K @ move if move.any() else load.ravel()
+            move[self.free] = self.found.inverse.solve(right[self.free])
         return move.reshape(load.shape)
 
 
-def tangent_at(network: Network, x: Array, K: csr_array | None = None) -> Tangent:
-    """The tangent at `x` (n, d) in m, factorised; `K` is the matrix, where it is known.
+def tangent_at(network: Network, x: Array, solver: Solver) -> Tangent:
+    """The tangent at `x` (n, d) in m, and its inverse as a solver has it.
 
     Raises
     ------
@@ -67,23 +73,23 @@ def tangent_at(network: Network, x: Array, K: csr_array | None = None) -> Tangen
         If some motion meets no stiffness.
     """
     free = np.flatnonzero(~network.held.ravel())
-    rows = (tangent(network, x) if K is None else K)[free]
-    return Tangent(free, rows, regular(network, x, rows[:, free]) if len(free) else None)
+    K = tangent_blocks(network, x)
+    return Tangent(free, K, solver.regular(network, x, K) if len(free) else None)
 
 
 def tangent_move(
-    network: Network, x: Array, K: csr_array, load: Array, held: Array
+    network: Network, x: Array, load: Array, held: Array, solver: Solver
 ) -> tuple[Array, bool]:
     """Move (n, d) in m from `x` that balances `load` (n, d) in N to first order; is K positive.
 
-    `K` is the tangent at `x`, `held` the move of the held components.
+    `held` is the move of the held components.
 
     Raises
     ------
     SolverError
         If some motion meets no stiffness.
     """
-    found = tangent_at(network, x, K)
+    found = tangent_at(network, x, solver)
     positive = found.found is None or is_positive_at(network, x - network.points, found.found)
     return found.move(load, held), positive
 
@@ -100,25 +106,23 @@ def largest_turn(network: Network, x: Array, move: Array) -> float:
 def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> bool:
     """Whether every free motion from `position` (n, d) in m meets stiffness: no negative mode.
 
-    Up to `linear.LARGEST_FACTORED` components the signs of pivots decide. Beyond, a random load
+    Where `inverse.Solver` takes a factor the signs of pivots decide. Elsewhere a random load
     does: a yes is then very likely, as `multigrid.is_positive` says. `cycle` is a multigrid cycle
     of the same network close by, where there is one.
     """
     instance("network", network, Network)
-    free = ~network.held
-    if not is_factored(free):
+    if network.held.all():
+        return True
+    solver = Solver(network)
+    if not solver.is_direct:
         A = restrained(network, position)
         if cycle is not None and is_positive(A, network, position, cycle):
             return True
         own = cycle_of(A, network, position)  # a no needs its own cycle
         return is_positive(A, network, position, own)
-    if network.held.all():
-        return True
-    inside = np.flatnonzero(free.ravel())
     near, displacement = centred(network), position - network.points
-    x = near.points + displacement
     try:
-        found = regular(near, x, csr_array(tangent(near, x)[inside][:, inside]))
+        found = solver.regular(near, near.points + displacement)
     except SolverError:  # a mechanism
         return False
     return is_positive_at(network, displacement, found)
@@ -127,7 +131,7 @@ def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> 
 def is_positive_at(network: Network, displacement: Array, found: Regular) -> bool:
     """Whether a tangent is: by the signs of pivots where these are no rounding."""
     if beyond_doubt(found):
-        return found.factor.negative == 0
+        return found.negative == 0
     return negative_modes(State(network, pair(displacement)), found, ~network.held) == 0
 
 
@@ -136,7 +140,7 @@ def beyond_doubt(found: Regular) -> bool:
     return contraction(found.softness) <= DOUBTFUL
 
 
-def refuse_mechanism(network: Network) -> None:
+def refuse_mechanism(network: Network, solver: Solver | None = None) -> None:
     """Raise `SolverError` if some motion from the reference points meets no stiffness.
 
     Networks too large for a factor are asked by multigrid, which may overlook one; a motion that
@@ -145,8 +149,9 @@ def refuse_mechanism(network: Network) -> None:
     x = network.points
     if network.held.all():
         return
-    if is_factored(~network.held):
-        tangent_at(network, x)
+    solver = solver or Solver(network)
+    if solver.is_direct:
+        solver.regular(network, x)
         return
     A = restrained(network, x)
     mode = softest_motion(A, network, x)

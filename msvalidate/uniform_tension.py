@@ -16,6 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate.body import lattice_network
+from msvalidate.inverse import order_of
 from msvalidate.lattice import CutLattice, Lattice, fill
 from msvalidate.linear import factorised
 from msvalidate.network import Network, tangent
@@ -78,7 +79,7 @@ def _pulled(pulls: list[tuple[Network, Array]], points: Array, *, stiff: bool) -
     if len(points) > MOST_FACTORED:
         return NOT_KNOWN
     try:
-        factor = factorised(csr_array(K[free][:, free]))
+        factor = factorised(csr_array(K[free][:, free]), order_of(first))
     except RuntimeError:  # a pivot of zero
         return Body("unstable", math.nan, len(points))
     if factor.negative:

@@ -1,0 +1,385 @@
+"""Floor 1: how a network's tangent is inverted: by a factor, or by multigrid, and which of them.
+
+A factor is certain, and cheap while it stays sparse: in the plane, of slender and of small bodies.
+In space its entries grow as n^(4/3) and its work as n², which are counted before it is made
+(`dissection`); conjugate gradients with multigrid take work in proportion to n. Both notice what
+has no stiffness, and what has negative stiffness: by pivots, or by what a random load meets.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import bsr_array, csr_array, diags_array
+
+from msvalidate.dissection import Dissection, dissected
+from msvalidate.linear import Factor, factorised, inverse_iteration
+from msvalidate.mechanism import NO_STIFFNESS, named, softness
+from msvalidate.multigrid import (
+    UNSEEN,
+    Cycle,
+    Outcome,
+    conjugate_gradients,
+    cycle_of,
+    restrain,
+    softest_motion,
+)
+from msvalidate.network import Network, tangent_blocks
+from msvalidate.problem import Array, Index, Mask, SolverError, chosen
+from msvalidate.refine import DOUBTFUL, contraction
+
+SOLVERS = ("auto", "direct", "multigrid")
+"""Names of solvers; "auto" takes one of the others."""
+MOST_PRODUCTS = 5e3
+"""Products of a factor for each entry of the tangent that take as long as multigrid with its looks
+for stability and its corrections: measured on plates, cubes and random tetrahedra, where it is 4e3
+to 6e3."""
+MOST_ENTRIES = 6e7
+"""Entries of one triangle up to which a factor is chosen: both take 1.5 GB, and as much again while
+their pivots are looked at. A plate of 300,000 points has so many."""
+MOST_IN_NEED = 2e8
+"""Entries up to which a factor is made where multigrid fails: 5 GB."""
+BYTES = 24
+"""Of an entry in one triangle and its like in the other."""
+PART = 1e-5
+"""Of an answer's error that multigrid leaves: refinement takes the rest away in three corrections,
+each with a residual of its own, which costs as much as two cycles."""
+ROUGHLY = 1e-3
+WORN = 2.0
+"""Times the first count of cycles at which a hierarchy of another place is made anew."""
+STIFFENED = 2.0**-48
+"""Part of its diagonal added to a matrix that rounding has made singular: it has a factor then."""
+
+
+class Choice(NamedTuple):
+    """The solver that was taken, "direct" or "multigrid", and the reason in words."""
+
+    name: str
+    reason: str
+
+
+class UnsettledError(SolverError):
+    """Multigrid came to no end: no verdict on the network."""
+
+
+@dataclass(eq=False)
+class Cycles:
+    """Multigrid as an inverse: conjugate gradients, with one cycle a step.
+
+    Parameters
+    ----------
+    A
+        Tangent, restrained.
+    network, position
+        Whose tangent it is, and where, (n, d) in m.
+    cycle
+        Of this tangent, or of one close by.
+    is_own
+        Whether of this tangent.
+    steps
+        Of conjugate gradients, the most in one solution.
+    """
+
+    A: bsr_array
+    network: Network
+    position: Array
+    cycle: Cycle
+    is_own: bool
+    steps: int = 0
+
+    def solve(self, right: Array) -> Array:
+        """Solution (f,) for a right-hand side (f,), to `PART` of itself.
+
+        Raises
+        ------
+        UnsettledError
+            If conjugate gradients do not get there.
+        """
+        largest = float(np.abs(right).max(initial=0.0))
+        if not largest:
+            return np.zeros(len(right))
+        size = 2.0 ** math.frexp(largest)[1]
+        found = self._settled(right / size, PART)
+        if found.negative or not found.left <= PART:
+            raise UnsettledError(
+                f"multigrid: {found.left:.1g} of the residual is left after {found.cycles} cycles"
+            )
+        self.steps = max(self.steps, found.cycles)
+        return found.solution[self._free] * (size / self.cycle.unit)
+
+    @property
+    def negative(self) -> int:
+        """1 if a motion of negative energy was met, else 0: very likely there is none.
+
+        See `multigrid.is_positive` for what a random load tells.
+        """
+        return self.probed[1]
+
+    @cached_property
+    def probed(self) -> tuple[Array, int, bool]:
+        """Motion (f,) that resists least; whether one has negative energy; whether that is told."""
+        weight = self.A.diagonal()[self._free]
+        weight = weight / weight.max()
+        load = weight * np.random.default_rng(0).normal(size=len(weight))
+        part = UNSEEN / math.sqrt(len(load))
+        found = self._settled(load, part)
+        falling = self.cycle.falling
+        falls = falling is not None and bool(falling @ (self.A @ falling) <= 0)
+        if falls or found.negative or not found.left <= part:
+            mode = softest_motion(self.A, self.network, self.position)
+            if not mode.any():
+                mode = falling if falls and falling is not None else found.solution
+            return mode[self._free], int(falls or found.negative), falls or found.negative
+        mode = found.solution[self._free]
+        again = self._settled(weight * (mode / np.abs(mode).max()), ROUGHLY)
+        return again.solution[self._free], int(again.negative), again.left <= ROUGHLY
+
+    def _settled(self, right: Array, part: float) -> Outcome:
+        """What conjugate gradients make of a load (f,), with a cycle of its own where it must."""
+        while True:
+            load = np.zeros(self.A.shape[0])
+            load[self._free] = right * self.cycle.unit
+            found = conjugate_gradients(self.A, load, self.cycle, part, spectral=True)
+            if self.is_own or not (found.negative or found.left > part):
+                return found
+            self.cycle, self.is_own = cycle_of(self.A, self.network, self.position), True
+
+    @cached_property
+    def _free(self) -> Mask:
+        return np.asarray(~self.network.held.ravel())
+
+
+@dataclass(frozen=True, eq=False)
+class Regular:
+    """An inverse of a tangent's free part, and what its softest motion meets.
+
+    Parameters
+    ----------
+    network, position
+        Whose tangent, and where, (n, d) in m.
+    inverse
+        Of the free part.
+    diagonal
+        Of the free part (f,) in N/m.
+    """
+
+    network: Network
+    position: Array
+    inverse: Factor | Cycles
+    diagonal: Array
+
+    @property
+    def softness(self) -> float:
+        """Energy of the softest motion over what its components would cost one by one."""
+        return self._softest[0]
+
+    @property
+    def mode(self) -> Array:
+        """The motion (n·d,) that the tangent resists least."""
+        return self._softest[1]
+
+    @property
+    def rate(self) -> float:
+        """Part of an error that a correction leaves, at the most."""
+        own = 0.0 if isinstance(self.inverse, Factor) else PART
+        return max(own, contraction(self.softness))
+
+    @cached_property
+    def negative(self) -> int:
+        """Number of negative eigenvalues, or 1 where there are some and nobody counted."""
+        if isinstance(self.inverse, Factor) and not self.inverse.is_signed:
+            return Solver(self.network, "multigrid").regular(self.network, self.position).negative
+        return self.inverse.negative
+
+    @cached_property
+    def _softest(self) -> tuple[float, Array]:
+        found, weight = self.inverse, np.abs(self.diagonal)
+        told = True
+        if isinstance(found, Cycles):
+            way, _, told = found.probed
+        else:
+            way = inverse_iteration(found.solve, len(weight), weight)
+        mode, met = np.zeros(self.network.points.size), np.zeros(self.network.points.size)
+        free = ~self.network.held.ravel()
+        mode[free], met[free] = way, self.diagonal
+        soft = softness(self.network, self.position, mode, met)
+        if not abs(soft) > NO_STIFFNESS:
+            raise SolverError(named(self.network, mode))
+        if not told:
+            raise UnsettledError("multigrid: conjugate gradients do not tell whether it is stable")
+        return soft, mode
+
+
+class Solver:
+    """Inverts the tangents of one network, at one place after another.
+
+    Parameters
+    ----------
+    network
+        Others with the same points, springs and supports may be asked about as well.
+    wanted
+        "direct", "multigrid", or "auto", which counts what a factor takes.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such solver.
+    """
+
+    def __init__(self, network: Network, wanted: str = "auto") -> None:
+        chosen("solver", wanted, SOLVERS)
+        self.wanted, self._network = wanted, network
+        self._cycle: Cycle | None = None
+        self._last: Cycles | None = None
+        self._usual, self._looked = 0, False
+        self._order: Index | None = None
+        self.choice = self._chosen()
+
+    @property
+    def is_direct(self) -> bool:
+        """Whether tangents are factorised."""
+        return self.choice.name == "direct"
+
+    def regular(self, network: Network, position: Array, K: bsr_array | None = None) -> Regular:
+        """Inverse of the free part of the tangent K at `position` (n, d) in m.
+
+        A factor, and the first multigrid, are looked at: some motion may meet no stiffness. Later
+        ones are when they are asked.
+
+        Raises
+        ------
+        SolverError
+            If some motion meets no stiffness, or memory does not suffice.
+        """
+        K = tangent_blocks(network, position) if K is None else K
+        if self.is_direct:
+            return self._direct(network, position, K)
+        found = _regular(network, position, self._multigrid(network, position, K), K)
+        if self._looked:
+            return found
+        try:
+            _refuse_rounding(found.softness)
+        except UnsettledError as error:
+            self.give_way(error)
+            return self.regular(network, position, K)
+        self._looked = True
+        return found
+
+    def give_way(self, error: SolverError) -> None:
+        """Take a factor from now on, for multigrid failed; raise what it says where none is had."""
+        if self.wanted != "auto" or self.is_direct:
+            raise SolverError(f"{error}; take solver 'direct'") from error
+        d = self._network.dim
+        entries = d**2 * self._dissected(np.inf).entries
+        if entries > MOST_IN_NEED:
+            raise SolverError(
+                f"{error}; a factor would take {BYTES * entries / 1e9:.0f} GB: take solver "
+                "'direct' where there is so much"
+            ) from error
+        self._cycle = self._last = None
+        self.choice = Choice("direct", f"multigrid gave up: {error}")
+
+    def _chosen(self) -> Choice:
+        if self.wanted != "auto":
+            return Choice(self.wanted, "asked for")
+        network, d = self._network, self._network.dim
+        entries = d**2 * len(network.blocks.column)
+        most = MOST_PRODUCTS * entries / d**3
+        if MOST_PRODUCTS:
+            found = self._dissected(most)
+            if found.order is not None and d**2 * found.entries <= MOST_ENTRIES:
+                return Choice("direct", "a factor of so small, plane or slender a body is cheap")
+        return Choice("multigrid", "a large body, whose factor fills up")
+
+    def _dissected(self, most: float) -> Dissection:
+        found = dissected(self._network.points, joined(self._network), most)
+        self._order = found.order
+        return found
+
+    def _direct(self, network: Network, position: Array, K: bsr_array) -> Regular:
+        if self._order is None:
+            self._dissected(np.inf)
+        free = ~network.held.ravel()
+        inside = np.flatnonzero(free)
+        A = csr_array(K)[inside][:, inside]
+        diagonal = A.diagonal()
+        _refuse_loose(network, diagonal, inside)
+        order = _components(self._order, network.held)
+        try:
+            factor = factorised(A, order)
+        except RuntimeError:  # by a mechanism, or by rounding alone
+            factor = factorised(csr_array(A + diags_array(STIFFENED * np.abs(diagonal))), order)
+        found = Regular(network, position, factor, diagonal)
+        _ = found.softness  # refuses a mechanism
+        return found
+
+    def _multigrid(self, network: Network, position: Array, K: bsr_array) -> Cycles:
+        last = self._last
+        if last is not None:
+            self._usual = self._usual or last.steps
+            worn = last.steps > WORN * self._usual
+            self._cycle = None if worn and not last.is_own else last.cycle
+            if worn:
+                self._usual = 0
+        A = bsr_array((K.data.copy(), K.indices, K.indptr), shape=K.shape)
+        diagonal = A.diagonal()
+        inside = np.flatnonzero(~network.held.ravel())
+        _refuse_loose(network, diagonal[inside], inside)
+        restrain(A, ~network.held)
+        own = self._cycle is None
+        cycle = self._cycle or cycle_of(A, network, position)
+        self._last = Cycles(A, network, position, cycle, own)
+        return self._last
+
+
+def order_of(network: Network) -> Index:
+    """Free components (f,) of a network in the order to eliminate them."""
+    found = dissected(network.points, joined(network))
+    return _components(found.order, network.held)
+
+
+def joined(network: Network) -> Index:
+    """Pairs (p, 2) of points that springs, cells and shear springs join."""
+    pairs = [network.springs]
+    if network.volumes is not None:
+        cells = network.volumes.cells
+        pairs += [cells[:, [a, b]] for a, b in combinations(range(cells.shape[1]), 2)]
+    if network.shear is not None:
+        pairs.append(network.shear.springs)
+    return np.concatenate(pairs)
+
+
+def _regular(network: Network, position: Array, inverse: Cycles, K: bsr_array) -> Regular:
+    free = ~network.held.ravel()
+    return Regular(network, position, inverse, K.diagonal()[free])
+
+
+def _refuse_rounding(softness: float) -> None:
+    if contraction(softness) > DOUBTFUL:
+        raise UnsettledError(
+            f"multigrid: the softest motion meets {abs(softness):.1g} of what its points meet one "
+            "by one, too little to be told from rounding"
+        )
+
+
+def _refuse_loose(network: Network, diagonal: Array, inside: Index) -> None:
+    """Raise `SolverError` for a component that nothing at all is in the way of."""
+    if not diagonal.all():
+        mode = np.zeros(network.points.size)
+        mode[inside[int(np.flatnonzero(diagonal == 0)[0])]] = 1.0
+        raise SolverError(named(network, mode))
+
+
+def _components(order: Index | None, held: Mask) -> Index:
+    """Free components (f,) in the order of their points (n,)."""
+    n, d = held.shape
+    points = np.arange(n) if order is None else order
+    free = ~held.ravel()
+    number = np.cumsum(free) - 1
+    each = (points[:, None] * d + np.arange(d)).ravel()
+    return np.asarray(number[each[free[each]]])
