@@ -106,7 +106,9 @@ def factorised(matrix: csr_array, order: Index | None = None) -> Factor:
                 diag_pivot_thresh=0.0,
                 options={"SymmetricMode": True},
             )
-    except MemoryError as error:
+    except (MemoryError, RuntimeError) as error:
+        if isinstance(error, RuntimeError) and "MALLOC" not in str(error):
+            raise  # a pivot of zero
         raise SolverError(
             f"sparse factor: {matrix.shape[0]} unknowns take more memory than there is; take "
             "solver 'multigrid' where there is a choice, or fewer points"

@@ -15,6 +15,8 @@ import numpy as np
 from scipy.linalg import eigh_tridiagonal
 from scipy.sparse import bsr_array
 
+from msvalidate.accurate import State
+from msvalidate.double_double import pair
 from msvalidate.mechanism import is_loose
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.problem import Array, Mask, rigid_motions
@@ -250,23 +252,40 @@ def is_positive(A: bsr_array, network: Network, position: Array, cycle: Cycle) -
 def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
     """Motion (n·d,) that meets the least stiffness, its largest component 1, by inverse iteration.
 
-    `A` is `restrained` at `position` (n, d) in m. It is stiffened a little, so that a mechanism has
-    an inverse too. Without an answer, of a network that is unstable, all are 0.
+    `A` is `restrained` at `position` (n, d) in m. It is stiffened by a part ε of what each point
+    meets, D, so that a mechanism has an inverse too. A sweep (A + εD)⁻¹ εD x is made as
+    x - (A + εD)⁻¹ A x at last, A x from the springs' own elongations: rounding in stiff springs
+    would else deform the soft ones beside them. Without an answer, of a network that is unstable,
+    all are 0.
     """
     own = A.indices == np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
     data = A.data.copy()
-    met = data[own].trace(axis1=1, axis2=2)
-    data[own] += LOOSE * met[:, None, None] * np.eye(network.dim)
+    met = np.repeat(data[own].trace(axis1=1, axis2=2), network.dim)
+    met /= np.abs(met).max()
+    data[own] += LOOSE * A.data.max() * (met.reshape(-1, network.dim, 1) * np.eye(network.dim))
     stiffened = bsr_array((data, A.indices, A.indptr), shape=A.shape)
     cycle = cycle_of(stiffened, network, position)
-    mode = _random(network)
-    for _ in range(SWEEPS):
-        outcome = conjugate_gradients(stiffened, mode * cycle.unit, cycle, CLEAN)
-        size = np.abs(outcome.solution).max()
+    state, mode = State(network, pair(position - network.points)), _random(network)
+    for sweep in range(SWEEPS):
+        exact = sweep >= SWEEPS // 2
+        load = push(state, mode, ~network.held) if exact else met * mode * cycle.unit
+        outcome = conjugate_gradients(stiffened, load, cycle, CLEAN)
+        mode = mode - outcome.solution if exact else outcome.solution
+        size = np.abs(mode).max()
         if outcome.negative or not size:
             return np.zeros_like(mode)
-        mode = outcome.solution / size
+        mode = mode / size
     return mode
+
+
+def push(state: State, motion: Array, free: Mask) -> Array:
+    """Force (n·d,) in N per m that a motion (n·d,) meets, where it is `free` (n, d).
+
+    By the springs' own vectors: sums of large entries would lose what meets little.
+    """
+    zero = pair(np.zeros(free.shape))
+    met = -state.residual(zero, pair(motion.reshape(free.shape))).hi * state.stiffness
+    return np.asarray(np.where(free, met, 0.0).ravel())
 
 
 def _random(network: Network) -> Array:

@@ -15,7 +15,7 @@ from msvalidate.accurate import State
 from msvalidate.double_double import pair
 from msvalidate.inverse import Solver, joined, order_of
 from msvalidate.linear import NO_NUMBER, factorised
-from msvalidate.multigrid import Cycle, cycle_of, restrained
+from msvalidate.multigrid import Cycle, cycle_of, push, restrained
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
     Array,
@@ -197,11 +197,9 @@ def _by_energy(network: Network, position: Array, count: int) -> Array:
     state = State(network, pair(position - network.points))
     pushes = []
     for mode in modes.T:
-        motion = np.zeros(network.held.shape)
-        motion.ravel()[inside] = mode
-        zero = pair(np.zeros_like(motion))
-        push = -state.residual(zero, pair(motion)).hi * state.stiffness
-        pushes.append(push.ravel()[inside])
+        motion = np.zeros(network.held.size)
+        motion[inside] = mode
+        pushes.append(push(state, motion, ~network.held)[inside])
     energies = modes.T @ np.column_stack(pushes)
     return np.asarray(eigvalsh((energies + energies.T) / 2)[:count])
 

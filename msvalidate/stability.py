@@ -12,10 +12,10 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate.accurate import State
-from msvalidate.double_double import pair
 from msvalidate.inverse import Regular
 from msvalidate.linear import Factor
 from msvalidate.mechanism import NO_STIFFNESS
+from msvalidate.multigrid import push
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.refine import DOUBTFUL, FACTOR_ROUNDING, contraction
 
@@ -96,5 +96,4 @@ def _push(state: State, mode: Array, free: Mask) -> Array:
     """Force (f,) that meets a motion (f,) of what is free, in N per m."""
     motion = np.zeros(free.shape)
     motion[free] = mode
-    zero = pair(np.zeros(free.shape))
-    return np.asarray(-state.residual(zero, pair(motion)).hi[free] * state.stiffness)
+    return push(state, motion, free)[free.ravel()]

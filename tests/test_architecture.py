@@ -281,6 +281,7 @@ FLOORS = {
     "msvalidate.candidate": 2,
     "msvalidate.cut": 1,
     "msvalidate.displaced": 1,
+    "msvalidate.dissection": 1,
     "msvalidate.double_double": 1,
     "msvalidate.electrostatics": 1,
     "msvalidate.faults": 1,
@@ -288,6 +289,7 @@ FLOORS = {
     "msvalidate.folds": 1,
     "msvalidate.homogenise": 1,
     "msvalidate.imposing": 1,
+    "msvalidate.inverse": 1,
     "msvalidate.kernels": 1,
     "msvalidate.lattice": 1,
     "msvalidate.layout": 1,
@@ -496,6 +498,7 @@ WRITING = {
     "msvalidate.report": ("",),
     "msvalidate.stored": ("figure.savefig(page,", "table.to_csv(index="),
     "msvalidate.study": ("open(os.devnull,", "os.open(os.devnull,"),
+    "msvalidate.linear": ("os.open(os.devnull,",),
     "msvalidate.kernels.cache": (
         *("path.parent.mkdir(", "part.write_bytes(", "part.unlink()"),
         *("shutil.rmtree(old,", "old.unlink("),

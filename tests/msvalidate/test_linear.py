@@ -1,10 +1,14 @@
 """Symmetric systems: inertia by the signs of pivots, and the mode that resists least."""
 
+import resource
+from pathlib import Path
+
 import numpy as np
 import pytest
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags_array, eye_array, kron
 
-from msvalidate.linear import LARGEST_FACTORED, factorised, is_factored, softest_mode
+from msvalidate.linear import factorised, softest_mode
+from msvalidate.problem import SolverError
 
 
 @pytest.mark.parametrize("negative", [0, 1, 3])
@@ -31,11 +35,27 @@ def test_what_nothing_resists_has_a_softest_mode_all_the_same():
     assert np.linalg.norm(mode) == pytest.approx(1.0, rel=1e-14)
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-def test_a_factor_is_for_few_components_that_are_free(dim):
-    most = LARGEST_FACTORED[dim]
-    free = np.zeros((most, dim), dtype=bool)
-    free.ravel()[:most] = True
-    assert is_factored(free)
-    free.ravel()[most] = True
-    assert not is_factored(free)
+def test_a_given_order_changes_nothing_but_the_way():
+    rng = np.random.default_rng(0)
+    basis = rng.normal(size=(9, 9))
+    matrix, load = csr_array(basis @ basis.T), rng.normal(size=9)
+    factor = factorised(matrix, rng.permutation(9))
+    np.testing.assert_allclose(matrix @ factor.solve(load), load, rtol=0, atol=1e-10)
+    assert factor.negative == 0
+
+
+def test_a_lack_of_memory_is_one_line_and_the_library_is_quiet(capfd):
+    """What SciPy raises when SuperLU gets no memory: here by a limit on the process's own."""
+    limits = resource.getrlimit(resource.RLIMIT_AS)
+    cells = 160
+    one = diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(cells, cells))
+    grid = csr_array(kron(kron(one, eye_array(cells)), eye_array(8)))
+    matrix = csr_array(grid + kron(eye_array(cells), kron(one, np.ones((8, 8)))))
+    now = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    resource.setrlimit(resource.RLIMIT_AS, (now * resource.getpagesize() + 2**26, limits[1]))
+    try:
+        with pytest.raises(SolverError, match=r"take more memory than there is; take solver"):
+            factorised(matrix)
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, limits)
+    assert capfd.readouterr() == ("", "")

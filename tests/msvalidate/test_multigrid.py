@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from msvalidate import linear
+from msvalidate import inverse, linear
 from msvalidate.equilibrium import equilibrium
 from msvalidate.linear import factorised
 from msvalidate.multigrid import MOST_CYCLES, conjugate_gradients, cycle_of, is_positive, restrained
@@ -40,7 +40,7 @@ without_factors = pytest.mark.usefixtures("only_multigrid")
 @pytest.fixture
 def only_multigrid(monkeypatch):
     """Every network counts as too large for a factor."""
-    monkeypatch.setattr(linear, "LARGEST_FACTORED", {2: 0, 3: 0})
+    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
 
 
 @pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
@@ -157,7 +157,7 @@ def test_methods_take_the_same_steps_without_factors(lattice_body, monkeypatch, 
     """What large networks ask of multigrid: frequencies to plan by, and a verdict at rest."""
     network = sheet(lattice_body, 20)  # too large for dense frequencies as well
     by_factor = relax(network, RELAXATIONS[name], tolerance=1e-8)
-    monkeypatch.setattr(linear, "LARGEST_FACTORED", {2: 0, 3: 0})
+    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
     monkeypatch.setattr(linear, "splu", None)
     by_multigrid = relax(network, RELAXATIONS[name], tolerance=1e-8)
     assert by_multigrid.steps == pytest.approx(by_factor.steps, rel=0.01)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvalsh
 
-from msvalidate import linear, spectrum
+from msvalidate import inverse, spectrum
 from msvalidate.equilibrium import equilibrium
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
@@ -21,7 +21,7 @@ def solver(request, monkeypatch):
     """Every test runs through all solvers."""
     monkeypatch.setattr(spectrum, "DENSE", 10**9 if request.param == "dense" else 0)
     if request.param == "multigrid":
-        monkeypatch.setattr(linear, "LARGEST_FACTORED", {2: 0, 3: 0})
+        monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
     return request.param
 
 
