@@ -32,8 +32,11 @@ A mechanism's is 0, of either sign."""
 LOOSE = 1e-8
 """Of what each point meets, added to it where a motion without stiffness is looked for: a hundred
 times what the library's inverses of blocks take for rounding."""
-SWEEPS = 4
-"""Inverse iterations: each shrinks modes of 1e-4 of the largest stiffness by 1e-4."""
+SWEEPS, MOST_SWEEPS = 2, 12
+"""Inverse iterations: each shrinks modes of 1e-4 of what their points meet by 1e-4; those of stiff
+points among soft ones meet less. The first need no more digits than an assembled stiffness has."""
+STANDING = 1e-13
+"""Change of a motion in a sweep, at which it was the last: its energy is known to the square."""
 CLEAN = 1e-10
 """What a sweep's solve leaves: 1e-14 of other modes in one without stiffness, by `LOOSE`."""
 ORDINARY = 1e50
@@ -266,8 +269,8 @@ def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
     stiffened = bsr_array((data, A.indices, A.indptr), shape=A.shape)
     cycle = cycle_of(stiffened, network, position)
     state, mode = State(network, pair(position - network.points)), _random(network)
-    for sweep in range(SWEEPS):
-        exact = sweep >= SWEEPS // 2
+    for sweep in range(MOST_SWEEPS):
+        exact, before = sweep >= SWEEPS, mode
         load = push(state, mode, ~network.held) if exact else met * mode * cycle.unit
         outcome = conjugate_gradients(stiffened, load, cycle, CLEAN)
         mode = mode - outcome.solution if exact else outcome.solution
@@ -275,6 +278,8 @@ def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
         if outcome.negative or not size:
             return np.zeros_like(mode)
         mode = mode / size
+        if exact and np.abs(mode - before).max() <= STANDING:
+            break
     return mode
 
 
