@@ -36,10 +36,14 @@ FAULTS = {
         spoilt.FAULTS.items(), ("steps", "dynamic_relaxation", "dynamic_relaxation"), strict=True
     )
 } | {
+    "a damping that follows the spacing and not the body": {
+        "candidate": METHODS | {"viscous_leapfrog": spoilt.BY_SPACING},
+        "questions": ("space",),
+    },
     "the geometric part of the tangent with a wrong sign": {
         "candidate": METHODS | {"newton": spoilt.WRONG_TANGENT},
         "questions": ("strained",),
-    }
+    },
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""

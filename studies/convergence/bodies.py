@@ -32,7 +32,7 @@ NU = 1 / 3
 than that of its spacing."""
 NU_IN_SPACE = 1 / 4
 """Likewise of the cubic lattice with eighteen neighbours."""
-FACTORISED = 12
+FACTORISED = 10
 """Cells along an edge of a cube up to which its tangent is factorised. The factor of springs grows
 as their points squared: with 20 cells one takes ten seconds, multigrid half of one."""
 BY_MULTIGRID = 1e-13
@@ -71,7 +71,8 @@ def tensor() -> Array:
 def lattice(body: str, fineness: int) -> Lattice:
     """Square lattice with eight neighbours, or cubic lattice with eighteen."""
     if dim(body) == 2:
-        return square(box(body), cells(body, fineness))
+        along, across = cells(body, fineness)
+        return square(box(body), (along, across))
     return fill(patterns.cubic18(), box(body), cells(body, fineness))
 
 
