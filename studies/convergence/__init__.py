@@ -1,9 +1,11 @@
 """Convergence: what does it cost to bring a spring network to rest, and how does that grow?
 
 The report claims that a spring network costs O(n) for n nodes, since the time to rest "can be
-limited and constant", against O(n^9) by finite elements. One question a file:
+limited and constant", against O(n^9) by finite elements, n then the nodes along an edge of a cube.
+One question a file:
 
 - `steps`: steps and force evaluations of every relaxation to a given error, and their growth;
+- `space`: their growth in a cube, and that of the work of elements, beside the report's two orders;
 - `dynamic_relaxation`: counts of an independent program, and steps against the condition number;
 - `strained`: the order of Newton's method at strains of 5 to 10 %;
 - `times`: seconds of the same runs, and of a finite element solution of the same body;
@@ -18,12 +20,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache, partial
 
+import pandas as pd
+
 from msvalidate.candidate import named
 from msvalidate.evidence import Evidence, answers
 from msvalidate.relax import Method
 from msvalidate.relaxations import RELAXATIONS
 from msvalidate.sweep import Setting
-from studies.convergence import dynamic_relaxation, frontier, spoilt, steps, strained, times
+from studies.convergence import dynamic_relaxation, frontier, space, spoilt, steps, strained, times
 
 METHODS = RELAXATIONS | {dynamic_relaxation.NAME: dynamic_relaxation.METHOD}
 FAULTS = {
@@ -32,10 +36,14 @@ FAULTS = {
         spoilt.FAULTS.items(), ("steps", "dynamic_relaxation", "dynamic_relaxation"), strict=True
     )
 } | {
+    "a damping that follows the spacing and not the body": {
+        "candidate": METHODS | {"viscous_leapfrog": spoilt.BY_SPACING},
+        "questions": ("space",),
+    },
     "the geometric part of the tangent with a wrong sign": {
         "candidate": METHODS | {"newton": spoilt.WRONG_TANGENT},
         "questions": ("strained",),
-    }
+    },
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""
@@ -50,14 +58,17 @@ def run(
     setting = setting or Setting()
     candidate = named(candidate, Method, METHODS)
     counted = cache(partial(steps.run, candidate, setting))
+
+    def table(name: str) -> pd.DataFrame:
+        return steps.together(name, counted().tables)
+
     return answers(
         {
             "steps": counted,
+            "space": lambda: space.run(table("steps"), table("growth"), setting),
             "dynamic_relaxation": partial(dynamic_relaxation.run, candidate, setting),
             "strained": partial(strained.run, candidate, setting),
-            "times": lambda: times.run(
-                candidate, steps.together("steps", counted().tables), setting
-            ),
+            "times": lambda: times.run(candidate, table("steps"), setting),
             "frontier": partial(frontier.run, candidate, setting),
         },
         questions,

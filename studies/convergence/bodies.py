@@ -1,4 +1,4 @@
-"""The bodies of the study `convergence`: a sheared plate and a bent beam, of any fineness."""
+"""The bodies of the study `convergence`: a sheared plate and cube, a bent beam, of any fineness."""
 
 from __future__ import annotations
 
@@ -9,20 +9,39 @@ import numpy as np
 from msvalidate.body import lattice_network
 from msvalidate.calibrate import default_constants
 from msvalidate.equilibrium import equilibrium
-from msvalidate.lattice import Lattice, square
+from msvalidate.lattice import Lattice, fill, patterns, square
 from msvalidate.network import Network
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
+from msvalidate.relax import relax
+from msvalidate.relaxations import RELAXATIONS
 from msvalidate.spectrum import extreme_frequencies
 from msvalidate.stiffness import square_tensor
 
-SIZES = {"plate": (1.0, 1.0), "beam": (5.0, 1.0)}
+SIZES: dict[str, tuple[float, ...]] = {
+    "plate": (1.0, 1.0),
+    "beam": (5.0, 1.0),
+    "cube": (1.0, 1.0, 1.0),
+}
 """m."""
-SHEAR = {"plate": 2e-5, "beam": 2e-6}
+PLANE = ("plate", "beam")
+SHEAR = {"plate": 2e-5, "beam": 2e-6, "cube": 2e-5}
 """Traction (Pa) across the free end of a body with E = 1 Pa. Its rotations, of the order of 1e-4,
 are small enough for predictions from frequencies at rest, and far above the rounding of lengths."""
 NU = 1 / 3
 """Of the isotropic square lattice: the network stands for the elastic body, with no other error
 than that of its spacing."""
+NU_IN_SPACE = 1 / 4
+"""Likewise of the cubic lattice with eighteen neighbours."""
+FACTORISED = 10
+"""Cells along an edge of a cube up to which its tangent is factorised. The factor of springs grows
+as their points squared: with 20 cells one takes ten seconds, multigrid half of one."""
+BY_MULTIGRID = 1e-13
+"""Residual, over the largest force, at which multigrid has brought a larger cube to rest."""
+
+
+def dim(body: str) -> int:
+    """Axes of the body."""
+    return len(SIZES[body])
 
 
 def box(body: str) -> Box:
@@ -31,30 +50,36 @@ def box(body: str) -> Box:
 
 
 def problem(body: str) -> Problem:
-    """Clamped on the left, sheared on the right; density 1 kg/m³, thickness 1 m."""
+    """Clamped on the left, sheared along y on the right; density 1 kg/m³, plates 1 m thick."""
     outline = box(body)
+    plane = dim(body) == 2
+    still, shear = np.zeros(dim(body)), np.zeros(dim(body))
+    shear[1] = -SHEAR[body]
     return Problem(
         outline,
-        Isotropic(E=1.0, nu=NU),
-        (Support(outline.side("left"), (0.0, 0.0)),),
-        (Traction(outline.side("right"), (0.0, -SHEAR[body])),),
+        Isotropic(E=1.0, nu=NU) if plane else Isotropic(E=1.0, nu=NU_IN_SPACE, state="solid"),
+        (Support(outline.side("left"), tuple(still)),),
+        (Traction(outline.side("right"), tuple(shear)),),
     )
 
 
 def tensor() -> Array:
-    """Plane stiffness (3, 3) in N/m of the bodies and of their networks."""
+    """Plane stiffness (3, 3) in N/m of the plate and the beam, and of their networks."""
     return square_tensor(*default_constants(problem("plate").material, lattice("plate", 1)))
 
 
 def lattice(body: str, fineness: int) -> Lattice:
-    """Square lattice with eight neighbours."""
-    return square(box(body), cells(body, fineness))
+    """Square lattice with eight neighbours, or cubic lattice with eighteen."""
+    if dim(body) == 2:
+        along, across = cells(body, fineness)
+        return square(box(body), (along, across))
+    return fill(patterns.cubic18(), box(body), cells(body, fineness))
 
 
-def cells(body: str, fineness: int) -> tuple[int, int]:
-    """Square cells along x and y, of which `fineness` across the body."""
-    width, height = SIZES[body]
-    return round(width / height) * fineness, fineness
+def cells(body: str, fineness: int) -> tuple[int, ...]:
+    """Square or cubic cells along each axis, of which `fineness` across the body."""
+    across = SIZES[body][1]
+    return tuple(round(side / across) * fineness for side in SIZES[body])
 
 
 def network(body: str, fineness: int) -> Network:
@@ -62,10 +87,26 @@ def network(body: str, fineness: int) -> Network:
     return lattice_network(problem(body), lattice(body, fineness))
 
 
+def factorised(body: str, fineness: int) -> bool:
+    """Whether a factor of the body's tangent is worth its time."""
+    return dim(body) == 2 or fineness <= FACTORISED
+
+
 @cache
 def at_rest(body: str, fineness: int) -> Array:
-    """The network's own equilibrium (n, d) in m, by Newton's method with a direct solver."""
-    return equilibrium(network(body, fineness), "nonlinear").displacement
+    """The network's own equilibrium (n, d) in m, by Newton's method.
+
+    By a direct solver; of cubes beyond `FACTORISED` by multigrid, which `space` judges.
+    """
+    if factorised(body, fineness):
+        return equilibrium(network(body, fineness), "nonlinear").displacement
+    return by_multigrid(body, fineness)
+
+
+def by_multigrid(body: str, fineness: int) -> Array:
+    """The same (n, d) in m, with no factor."""
+    method = RELAXATIONS["newton_multigrid"]
+    return relax(network(body, fineness), method, tolerance=BY_MULTIGRID).equilibrium.displacement
 
 
 @cache

@@ -112,15 +112,15 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     accuracy = QUICK_ACCURACY if setting.quick else ACCURACY
     truth = dict(
         zip(
-            bodies.SIZES,
-            setting.sweep(partial(elastic, accuracy), bodies.SIZES, "elastic solution"),
+            bodies.PLANE,
+            setting.sweep(partial(elastic, accuracy), bodies.PLANE, "elastic solution"),
             strict=True,
         )
     )
     repeats = 1 if setting.quick else REPEATS
     found = {
         (model, body, fineness): measured(answer, fineness, repeats)
-        for body in bodies.SIZES
+        for body in bodies.PLANE
         for model, answer in models(candidate, body).items()
         for fineness in sizes[body]
     }
@@ -275,7 +275,7 @@ def worst_reference(table: pd.DataFrame) -> Observed:
 def findings(table: pd.DataFrame) -> tuple[str, ...]:
     """What each model reaches on its finest mesh, and the seconds to a hundredth."""
     said = []
-    for body in bodies.SIZES:
+    for body in bodies.PLANE:
         part = table[table["body"] == body]
         models = {str(model): rows for model, rows in part.groupby("model", sort=False)}
         finest = ", ".join(
@@ -303,8 +303,8 @@ def seconds_to(error: float, rows: pd.DataFrame) -> float | None:
 def draw(tables: Tables) -> Figure:
     """Error against the elastic solution for the time spent; each point one fineness."""
     table = tables["frontier"]
-    figure, axes = new(len(bodies.SIZES), size=(3.6, 3.4))
-    for axis, body in zip(axes, bodies.SIZES, strict=True):
+    figure, axes = new(len(bodies.PLANE), size=(3.6, 3.4))
+    for axis, body in zip(axes, bodies.PLANE, strict=True):
         part = table[table["body"] == body]
         for index, (model, rows) in enumerate(part.groupby("model", sort=False)):
             axis.loglog(

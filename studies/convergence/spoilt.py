@@ -65,6 +65,15 @@ def _wrong_tangent(run: Run) -> Iterator[None]:
         run.moved(1, 1)
 
 
+def _damped_by_spacing(run: Run) -> Iterator[None]:
+    """Damping that is a part of the highest frequency: right for one size, not for finer ones."""
+    _, highest = run.frequencies
+    yield from viscous(LEAPFROG, damping=OF_HIGHEST * highest).walk(run)
+
+
+OF_HIGHEST = 0.1
+"""Of the highest frequency is twice the lowest, where a cube has six cells along an edge."""
+BY_SPACING = replace(RELAXATIONS["viscous_leapfrog"], walk=_damped_by_spacing)
 WRONG_TANGENT = replace(RELAXATIONS["newton"], walk=_wrong_tangent)
 TRUE = {"viscous_leapfrog": RELAXATIONS["viscous_leapfrog"], dynamic_relaxation.NAME: METHOD}
 WALKS: dict[str, tuple[Walk, Walk]] = {

@@ -3,13 +3,24 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.sparse import csr_matrix
 
 from msvalidate.baseline import files
 from msvalidate.evidence import UNGATED
 from msvalidate.relax import relax
 from msvalidate.relaxations import RELAXATIONS
 from msvalidate.sweep import Setting
-from studies.convergence import bodies, dynamic_relaxation, frontier, spoilt, steps, times
+from reference_fem.systems.dissection import node_order
+from studies.convergence import (
+    bodies,
+    dynamic_relaxation,
+    elimination,
+    frontier,
+    space,
+    spoilt,
+    steps,
+    times,
+)
 
 QUICK = Setting(quick=True)
 
@@ -27,11 +38,11 @@ def test_every_relaxation_at_every_size(evidence):
         assert set(table[table["body"] == body]["cells_y"]) == set(sizes)
 
 
-def test_full_sizes_span_two_decades_of_nodes():
+def test_full_sizes_span_two_decades_of_nodes_and_in_space_more_than_one():
     for body, sizes in steps.FINENESSES.items():
         assert len(sizes) >= 4
         nodes = [np.prod(np.add(bodies.cells(body, n), 1)) for n in sizes]
-        assert nodes[-1] / nodes[0] >= 100
+        assert nodes[-1] / nodes[0] >= (100 if bodies.dim(body) == 2 else 40)
 
 
 def test_predicted_steps_are_those_of_a_critically_damped_oscillator():
@@ -128,7 +139,7 @@ def test_a_method_that_fails_is_a_row_that_says_so():
 
 
 def test_probes_lie_on_every_lattice():
-    for body in bodies.SIZES:
+    for body in bodies.PLANE:
         coarse = frontier.probes(body)
         fine = bodies.network(body, 2 * frontier.COARSEST[body])
         answer, nodes = frontier.by_springs(
@@ -149,4 +160,58 @@ def test_seconds_between_two_sizes():
 
 def test_elements_stand_beside_the_relaxations(evidence):
     table = evidence.tables["times"]
-    assert set(table["method"]) == {*RELAXATIONS, times.ELEMENTS}
+    for body, part in table.groupby("body"):
+        assert set(part["method"]) == {*RELAXATIONS, *times.ELEMENTS[bodies.dim(body)]}
+
+
+def test_damping_that_follows_the_spacing_is_seen_in_space(evidence):
+    """The plane's rows see it too; here those of the cube must, each by its own limit."""
+    table = steps.together("growth", evidence.tables)
+    spoilt_rows = [
+        row
+        for edge in steps.QUICK["cube"]
+        for row in steps.counted((spoilt.BY_SPACING, "cube", edge))
+    ]
+    spoilt_growth = steps.growth(pd.DataFrame(spoilt_rows))
+    kept = table[(table["body"] != "cube") | (table["method"] != "viscous_leapfrog")]
+    limits = [t.limit for t in space.TOLERANCES]
+    for grown, seen in ((table, False), (pd.concat([kept, spoilt_growth]), True)):
+        errors = [one.error for one in space.relaxations(grown)]
+        assert [error > limit for error, limit in zip(errors, limits, strict=False)] == [
+            *[seen] * 3,
+            *[False] * 3,
+        ]
+
+
+def test_growth_that_no_run_reached_is_not_passed():
+    nothing = pd.DataFrame(columns=["body", "method", "threshold", "quantity", "exponent"])
+    assert all(np.isnan(one.error) for one in space.relaxations(nothing))
+
+
+def test_counted_factor_is_that_of_dense_elimination():
+    """Of a small cube, by eliminating its pattern entry by entry."""
+    mesh = space.cube_of_elements(3)
+    order = node_order(mesh)
+    order = order[space.free_nodes(mesh)[order]]
+    pattern = np.kron(mesh.links.toarray()[np.ix_(order, order)] != 0, np.ones((3, 3), dtype=bool))
+    for k in range(len(pattern)):
+        below = np.flatnonzero(pattern[k:, k]) + k
+        pattern[np.ix_(below, below)] = True
+    columns = np.tril(pattern).sum(axis=0).astype(float)
+    assert space.in_order(mesh, node_order(mesh)) == (columns.sum(), (columns**2).sum())
+    every, nodes = elimination.full(len(pattern)), len(pattern) // 3
+    whole = csr_matrix(np.ones((nodes, nodes)))
+    assert every == elimination.counted(whole, np.arange(nodes), 3)
+
+
+def test_elimination_in_layers_is_told_from_nested_dissection(monkeypatch):
+    """A band: unknowns^(5/3) entries and unknowns^(7/3) products."""
+    limits = {t.quantity: t.limit for t in space.TOLERANCES}
+    by_layers = [np.lexsort(space.cube_of_elements(n).points.T) for n in space.QUICK_EDGES]
+    monkeypatch.setattr(space, "node_order", lambda _: by_layers.pop(0))
+    factors = pd.DataFrame([row for n in space.QUICK_EDGES for row in space.eliminated(n)])
+    fits = space.growth(factors).set_index(["way", "quantity"])
+    for quantity in ("entries", "products"):
+        fit = fits.loc[(space.DISSECTED, quantity)]
+        limit = limits[f"cube of elements: exponent of the factor's {quantity} in unknowns"]
+        assert abs(fit["exponent"] - fit["expected"]) > limit
