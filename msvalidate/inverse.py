@@ -50,6 +50,9 @@ PART = 1e-5
 """Of an answer's error that multigrid leaves: refinement takes the rest away in three corrections,
 each with a residual of its own, which costs as much as two cycles."""
 ROUGHLY = 1e-3
+SOFT = 1e-7
+"""What the answer to a random load may meet, over what its points meet one by one, so that the
+softest motion, of which it has most, need not be looked for: solid bodies have 1e-5 and more."""
 WORN = 2.0
 """Times the first count of cycles at which a hierarchy of another place is made anew."""
 STIFFENED = 2.0**-48
@@ -135,9 +138,14 @@ class Cycles:
             if not mode.any():
                 mode = falling if falls and falling is not None else found.solution
             return mode[self._free], int(falls or found.negative), falls or found.negative
-        mode = found.solution[self._free]
-        again = self._settled(weight * (mode / np.abs(mode).max()), ROUGHLY)
-        return again.solution[self._free], int(again.negative), again.left <= ROUGHLY
+        return found.solution[self._free], 0, True
+
+    def softer(self, mode: Array) -> tuple[Array, bool]:
+        """Another step of inverse iteration from a motion (f,); whether it was told."""
+        weight = self.A.diagonal()[self._free]
+        load = weight / weight.max() * (mode / np.abs(mode).max())
+        found = self._settled(load, ROUGHLY)
+        return found.solution[self._free], not found.negative and found.left <= ROUGHLY
 
     def _settled(self, right: Array, part: float) -> Outcome:
         """What conjugate gradients make of a load (f,), with a cycle of its own where it must."""
@@ -203,6 +211,9 @@ class Regular:
             return self._judged(inverse_iteration(found.solve, len(weight), weight))
         way, _, told = found.probed
         soft, mode = self._judged(way)
+        if 0 < soft < SOFT:
+            way, told = found.softer(way)
+            soft, mode = self._judged(way)
         if contraction(soft) > DOUBTFUL:  # so little may be rounding: a purer motion tells
             purer = softest_motion(found.A, self.network, self.position)
             if purer.any():
