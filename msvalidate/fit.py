@@ -18,12 +18,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import OptimizeResult, least_squares
-from scipy.sparse import csr_array
+from scipy.sparse import bsr_array
 
+from msvalidate.inverse import Cycles, Solver
 from msvalidate.lattice import Constants
-from msvalidate.linear import factorised
+from msvalidate.linear import Factor, NoMemoryError
 from msvalidate.linear_solution import Solved, solved
-from msvalidate.network import Network, tangent
+from msvalidate.network import Network, tangent_blocks
 from msvalidate.problem import (
     LONGEST,
     Array,
@@ -50,6 +51,8 @@ UNMOVED = 1e-10
 """What solutions of usual accuracy may move constants by, over the largest of these."""
 CORRECTIONS = 6
 EPS = float(np.finfo(float).eps)
+PART = 1e-12
+"""Of a displacement's error, left by multigrid."""
 WORTH_NAMING = 0.1
 """Part of a constant in what is open, relative to the largest, from which it is named."""
 
@@ -87,9 +90,11 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class _Case:
-    """A load case: the parts of its stiffness, its free components, and what is wanted there."""
+    """A load case: its network, the parts of its stiffness, and what is wanted where it is free."""
 
-    parts: tuple[csr_array, ...]
+    network: Network
+    solver: Solver
+    parts: tuple[bsr_array, ...]
     free: Index
     prescribed: Array
     force: Array
@@ -267,11 +272,14 @@ def _cases(
                 "points of weight above 0"
             )
         plain = replace(network, volumes=None)
-        parts = [tangent(plain.scaled(1.0 * (kind == j)), network.points) for j in range(number)]
+        parts = [
+            tangent_blocks(plain.scaled(1.0 * (kind == j)), network.points) for j in range(number)
+        ]
         if network.volumes is not None:
-            parts.append(tangent(network.scaled(0.0), network.points))
+            parts.append(tangent_blocks(network.scaled(0.0), network.points))
         prescribed, force = network.displacement.ravel(), network.force.ravel()
-        cases.append(_Case(tuple(parts), free, prescribed, force, u.ravel()[free], root / size))
+        given = prescribed, force, u.ravel()[free], root / size
+        cases.append(_Case(network, Solver(network), tuple(parts), free, *given))
     return cases
 
 
@@ -322,17 +330,30 @@ def _misfit(case: _Case, p: Array) -> tuple[Array, Array]:
 def _answer(case: _Case, p: Array) -> tuple[Array, Array]:
     """Weighted displacement (f,) and its slopes (f, p); infinite as in `_misfit`."""
     free = case.free
-    K = csr_array(sum(part * value for part, value in zip(case.parts, p, strict=True)))
+    network = case.network
+    K = bsr_array(sum(part * value for part, value in zip(case.parts, p, strict=True)))
     nowhere = np.full(len(free), np.inf), np.full((len(free), len(p)), np.inf)
     try:
-        factor = factorised(csr_array(K[free][:, free]))
-    except RuntimeError:
+        inverse = case.solver.inverse(network, network.points, K)
+        if isinstance(inverse, Factor) and inverse.negative:
+            return nowhere
+        return _moved(case, K, inverse)
+    except NoMemoryError:
+        raise
+    except RuntimeError:  # a pivot of zero, or what multigrid finds no end of
         return nowhere
-    if factor.negative:
-        return nowhere
+
+
+def _moved(case: _Case, K: bsr_array, inverse: Factor | Cycles) -> tuple[Array, Array]:
+    """As `_answer`, by the inverse of K."""
+    free = case.free
+
+    def solve(right: Array) -> Array:
+        return inverse.solve(right) if isinstance(inverse, Factor) else inverse.solve(right, PART)
+
     u = case.prescribed.copy()
-    u[free] = factor.solve(case.force[free] - (K @ case.prescribed)[free])
-    slopes = [-factor.solve((part @ u)[free]) for part in case.parts]
+    u[free] = solve(case.force[free] - (K @ case.prescribed)[free])
+    slopes = [-solve((part @ u)[free]) for part in case.parts]
     slope = case.scale[:, None] * np.column_stack(slopes)
     return case.scale * u[free], slope
 

@@ -95,8 +95,8 @@ class Cycles:
     is_own: bool
     steps: int = 0
 
-    def solve(self, right: Array) -> Array:
-        """Solution (f,) for a right-hand side (f,), to `PART` of itself.
+    def solve(self, right: Array, part: float = PART) -> Array:
+        """Solution (f,) for a right-hand side (f,), to a part of itself.
 
         Raises
         ------
@@ -107,8 +107,8 @@ class Cycles:
         if not largest:
             return np.zeros(len(right))
         size = 2.0 ** math.frexp(largest)[1]
-        found = self._settled(right / size, PART)
-        if found.negative or not found.left <= PART:
+        found = self._settled(right / size, part)
+        if found.negative or not found.left <= part:
             raise UnsettledError(
                 f"multigrid: {found.left:.1g} of the residual is left after {found.cycles} cycles"
             )
@@ -277,7 +277,8 @@ class Solver:
         K = tangent_blocks(network, position) if K is None else K
         if self.is_direct:
             return self._direct(network, position, K)
-        found = _regular(network, position, self._multigrid(network, position, K), K)
+        diagonal = K.diagonal()[~network.held.ravel()]
+        found = Regular(network, position, self.inverse(network, position, K), diagonal)
         if self._looked:
             return found
         try:
@@ -288,19 +289,43 @@ class Solver:
         self._looked = True
         return found
 
+    def inverse(self, network: Network, position: Array, K: bsr_array) -> Factor | Cycles:
+        """Inverse of the free part of K that nobody has looked at.
+
+        Raises
+        ------
+        RuntimeError
+            If a pivot is zero.
+        SolverError
+            If nothing at all resists a component, or memory does not suffice.
+        """
+        inside = np.flatnonzero(~network.held.ravel())
+        _refuse_loose(network, K.diagonal()[inside], inside)
+        if not self.is_direct:
+            return self._multigrid(network, position, K)
+        if self._order is None:
+            self._dissected(np.inf)
+        A = csr_array(K)[inside][:, inside]
+        return factorised(A, _components(self._order, network.held))
+
     def give_way(self, error: SolverError) -> None:
         """Take a factor from now on, for multigrid failed; raise what it says where none is had."""
         if self.wanted != "auto" or self.is_direct:
             raise SolverError(f"{error}; take solver 'direct'") from error
-        d = self._network.dim
-        entries = d**2 * self._dissected(np.inf).entries
-        if entries > MOST_IN_NEED:
-            raise SolverError(
-                f"{error}; a factor would take {BYTES * entries / 1e9:.0f} GB: take solver "
-                "'direct' where there is so much"
-            ) from error
+        self.refuse_too_large(str(error))
         self._cycle = self._last = None
         self.choice = Choice("direct", f"multigrid gave up: {error}")
+
+    def refuse_too_large(self, what: str) -> None:
+        """Raise `SolverError` with what failed where no factor is had, unless one was asked for."""
+        if self.wanted == "direct":
+            return
+        entries = self._network.dim**2 * self._dissected(np.inf).entries
+        if entries > MOST_IN_NEED:
+            raise SolverError(
+                f"{what}; a factor would take {BYTES * entries / 1e9:.0f} GB: take solver "
+                "'direct' where there is so much"
+            )
 
     def _chosen(self) -> Choice:
         if self.wanted != "auto":
@@ -320,18 +345,14 @@ class Solver:
         return found
 
     def _direct(self, network: Network, position: Array, K: bsr_array) -> Regular:
-        if self._order is None:
-            self._dissected(np.inf)
-        free = ~network.held.ravel()
-        inside = np.flatnonzero(free)
-        A = csr_array(K)[inside][:, inside]
-        diagonal = A.diagonal()
-        _refuse_loose(network, diagonal, inside)
-        order = _components(self._order, network.held)
+        diagonal = K.diagonal()[~network.held.ravel()]
         try:
-            factor = factorised(A, order)
+            factor = self.inverse(network, position, K)
+        except SolverError:
+            raise
         except RuntimeError:  # by a mechanism, or by rounding alone
-            factor = factorised(csr_array(A + diags_array(STIFFENED * np.abs(diagonal))), order)
+            stiffened = K + diags_array(STIFFENED * np.abs(K.diagonal()))
+            factor = self.inverse(network, position, stiffened)
         found = Regular(network, position, factor, diagonal)
         _ = found.softness  # refuses a mechanism
         return found
@@ -345,9 +366,6 @@ class Solver:
             if worn:
                 self._usual = 0
         A = bsr_array((K.data.copy(), K.indices, K.indptr), shape=K.shape)
-        diagonal = A.diagonal()
-        inside = np.flatnonzero(~network.held.ravel())
-        _refuse_loose(network, diagonal[inside], inside)
         restrain(A, ~network.held)
         own = self._cycle is None
         cycle = self._cycle or cycle_of(A, network, position)
@@ -370,11 +388,6 @@ def joined(network: Network) -> Index:
     if network.shear is not None:
         pairs.append(network.shear.springs)
     return np.concatenate(pairs)
-
-
-def _regular(network: Network, position: Array, inverse: Cycles, K: bsr_array) -> Regular:
-    free = ~network.held.ravel()
-    return Regular(network, position, inverse, K.diagonal()[free])
 
 
 def _refuse_rounding(softness: float) -> None:

@@ -26,6 +26,10 @@ MOST_SIGNED = 1.5e8
 """Entries of both triangles up to which pivots are looked at: the library copies them for that."""
 
 
+class NoMemoryError(SolverError):
+    """A factor does not fit in memory."""
+
+
 @dataclass(frozen=True, eq=False)
 class Factor:
     """Factor of a symmetric matrix.
@@ -95,7 +99,7 @@ def factorised(matrix: csr_array, order: Index | None = None) -> Factor:
     ------
     RuntimeError
         If a pivot is exactly zero with nothing beside it to take.
-    SolverError
+    NoMemoryError
         If the factor does not fit in memory.
     """
     try:
@@ -109,7 +113,7 @@ def factorised(matrix: csr_array, order: Index | None = None) -> Factor:
     except (MemoryError, RuntimeError) as error:
         if isinstance(error, RuntimeError) and "MALLOC" not in str(error):
             raise  # a pivot of zero
-        raise SolverError(
+        raise NoMemoryError(
             f"sparse factor: {matrix.shape[0]} unknowns take more memory than there is; take "
             "solver 'multigrid' where there is a choice, or fewer points"
         ) from error

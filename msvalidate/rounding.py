@@ -8,6 +8,9 @@ from msvalidate.accurate import State
 from msvalidate.network import Network
 from msvalidate.problem import Array, Mask
 
+TOLD = 1e-14
+"""Part that a softest motion meets, of what its points do, from which a factor's corrections fall:
+several times what they leave of it."""
 ALIKE = 100.0
 """Times that stiffnesses may be apart without a word of it."""
 
@@ -25,9 +28,12 @@ def why(network: Network, softness: float) -> str:
     """How far apart stiffnesses are and what the softest motion meets, and what to do."""
     k = network.stiffness[network.stiffness > 0]
     apart = float(k.max() / k.min()) if len(k) else 1.0
+    # What the softest motion of a slender body meets falls as the fourth power of its cells.
+    share = min((abs(softness) / TOLD) ** 0.25, 1.0)
+    fewer = f"take {share:.1g} of the cells along a slender body, or " if share < 1 else "take "
     met = (
         f"the softest motion meets {abs(softness):.1g} of what its points meet one by one; "
-        "take fewer cells along a slender body, or a load that prestress does not hide"
+        f"{fewer}a load that prestress does not hide"
     )
     if apart < ALIKE:
         return met

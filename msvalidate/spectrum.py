@@ -13,7 +13,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 
 from msvalidate.accurate import State
 from msvalidate.double_double import pair
-from msvalidate.inverse import Solver, joined, order_of
+from msvalidate.inverse import SOLVERS, Solver, joined, order_of
 from msvalidate.linear import NO_NUMBER, factorised
 from msvalidate.multigrid import Cycle, cycle_of, push, restrained
 from msvalidate.network import Network, tangent
@@ -21,6 +21,7 @@ from msvalidate.problem import (
     Array,
     ProblemError,
     SolverError,
+    chosen,
     coordinates,
     instance,
     number,
@@ -32,7 +33,7 @@ DENSE = 600
 """Degrees of freedom up to which a dense solver is the faster one."""
 LARGEST_DENSE = 10_000
 """Degrees of freedom of the largest dense matrix made, close to a gigabyte."""
-FEW = 10
+FEW = 40
 """Lowest frequencies that large networks are asked for without a factor."""
 SAME = 1e-9
 """Of the largest singular value of a part's motions, below which two of them are one."""
@@ -103,13 +104,19 @@ def natural_frequencies(
         raise ProblemError(
             f"count: {shown(count)} frequencies; this network has {size} free components"
         )
+    chosen("solver", solver, SOLVERS)
     zero = _rigid_motions(network, place, allowed=rigid)
     if size <= max(DENSE, 4 * count):
         squares = _all(matrix, count)
         lowest, highest = squares[:count], squares[-1]
     else:
         highest = _largest(matrix, tolerance)
-        if count > FEW or zero or Solver(network, solver).is_direct:
+        way = Solver(network, solver)
+        if count > FEW or zero:
+            way.refuse_too_large(
+                f"natural frequencies: {count} of a body with {zero} rigid motions"
+            )
+        if count > FEW or zero or way.is_direct:
             lowest = _smallest(network, matrix, count, highest, tolerance)
         else:
             lowest = _smallest_by_cycles(network, place, cycle, matrix, count, highest, tolerance)
@@ -178,7 +185,7 @@ def _told_from_rounding(
         raise SolverError(
             f"natural frequencies: omega² = {squares[zero]:.3g} 1/s² beside {highest:.3g} 1/s² is "
             "rounding: a slender body, stiffnesses or masses far apart, or a mechanism; hold the "
-            "body, or take fewer cells along it"
+            "body, and energies of its modes will tell"
         )
     squares[:soft] = _by_energy(network, position, soft)
     return squares
@@ -187,7 +194,7 @@ def _told_from_rounding(
 def _by_energy(network: Network, position: Array, count: int) -> Array:
     """The lowest squares from the energies of their modes, by inverse iteration on a few more."""
     inside = np.flatnonzero(~network.held.ravel())
-    factor = Solver(network, "direct").regular(network, position).inverse
+    factor = Solver(network).regular(network, position).inverse
     mass = np.repeat(network.mass, network.dim)[inside]
     few = min(count + 4, len(inside))
     modes = np.random.default_rng(0).normal(size=(len(inside), few))
@@ -335,8 +342,8 @@ def _smallest_of_many(
     if not left <= 2 * allowed:  # its last digits are rounding
         raise SolverError(
             f"lowest natural frequencies: residual {left:.3g} 1/s² of squares, where {allowed:.3g} "
-            "is asked: the lowest are close to rounding of the highest; ask for fewer of them, or "
-            "take fewer cells along a slender body"
+            "is asked: the lowest are close to rounding of the highest; take solver 'direct', or "
+            "ask for fewer of them"
         )
     return np.sort(squares)
 

@@ -18,7 +18,7 @@ from scipy.sparse import csr_array
 from msvalidate.body import lattice_network
 from msvalidate.inverse import order_of
 from msvalidate.lattice import CutLattice, Lattice, fill
-from msvalidate.linear import factorised
+from msvalidate.linear import NoMemoryError, factorised
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
     SIDES,
@@ -80,6 +80,8 @@ def _pulled(pulls: list[tuple[Network, Array]], points: Array, *, stiff: bool) -
         return NOT_KNOWN
     try:
         factor = factorised(csr_array(K[free][:, free]), order_of(first))
+    except NoMemoryError:
+        raise
     except RuntimeError:  # a pivot of zero
         return Body("unstable", math.nan, len(points))
     if factor.negative:

@@ -10,7 +10,7 @@ from scipy.sparse import coo_array, csr_array
 
 from msvalidate.actuator.device import Actuator
 from msvalidate.actuator.models import Electric
-from msvalidate.linear import Factor, factorised
+from msvalidate.linear import Factor, NoMemoryError, factorised
 from msvalidate.network import internal_force, tangent
 from msvalidate.polish import balance
 from msvalidate.problem import Array
@@ -65,6 +65,8 @@ def factor_at(actuator: Actuator, x: Array, electric: Electric) -> Factor | None
     """Factor of `stiffness` where it is positive; None where a motion meets no stiffness."""
     try:
         factor = factorised(stiffness(actuator, x, electric))
+    except NoMemoryError:
+        raise
     except RuntimeError:  # a pivot of zero
         return None
     return None if factor.negative else factor

@@ -12,7 +12,7 @@ from msvalidate.actuator.equilibria import Held
 from msvalidate.actuator.films import near_tips
 from msvalidate.actuator.models import electrified
 from msvalidate.lattice.ties import TIE
-from msvalidate.linear import Factor, factorised
+from msvalidate.linear import Factor, NoMemoryError, factorised
 from msvalidate.problem import Array, ProblemError, SolverError, instance, whole
 
 DENSE = 400
@@ -95,6 +95,8 @@ def _below(K: csr_array) -> tuple[float, Factor]:
         shift = -part * scale
         try:
             factor = factorised(csr_array(K - shift * eye_array(K.shape[0])))
+        except NoMemoryError:
+            raise
         except RuntimeError:  # a pivot of zero
             factor = None
         if factor is not None and not factor.negative:

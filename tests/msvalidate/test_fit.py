@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import reference_fem
-from msvalidate import fit
+from msvalidate import fit, inverse
 from msvalidate.body import lattice_network
 from msvalidate.calibrate import calibrate
 from msvalidate.equilibrium import equilibrium
@@ -71,6 +71,17 @@ def test_a_random_network_comes_back_by_kinds():
     wanted = moves(*[network.scaled(true[kind]) for network in built])
     found = fitted_constants(built, wanted, kind, start=(1.0, 1.0, 1.0))
     assert found.constants == pytest.approx(true, rel=1e-9)
+
+
+def test_large_networks_are_fitted_by_multigrid(monkeypatch):
+    wanted = moves(*networks((2.3, 0.7), 0.2))
+    expected = fitted_constants(networks((1.0, 1.0), 1.0), wanted, GRID.kind)
+    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
+    monkeypatch.setattr("msvalidate.linear.splu", None)
+    found = fitted_constants(networks((1.0, 1.0), 1.0), wanted, GRID.kind)
+    assert found.constants == pytest.approx(expected.constants, rel=1e-9)
+    assert found.volume == pytest.approx(0.2, rel=1e-9)
+    assert found.error < 1e-9
 
 
 def test_slopes_are_the_differences_of_the_misfit():
