@@ -131,11 +131,13 @@ def until(condition, what):
 
 
 def gone(pid):
+    """Whether a process has ended, if nobody has asked for its exit code yet."""
     try:
         os.kill(pid, 0)
     except ProcessLookupError:
         return True
-    return False
+    state = Path(f"/proc/{pid}/stat")
+    return state.exists() and state.read_text(encoding="utf-8").rpartition(")")[2].split()[0] == "Z"
 
 
 def content(folder):
