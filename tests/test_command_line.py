@@ -234,6 +234,17 @@ def run(setting): raise SolverError("diverged by step 7")""",
         "study poisson: crashed: SystemExit: 0",
         "def run(setting): sys.exit(0)",
     ),
+    "a figure that cannot be drawn": (
+        3,
+        "study poisson: crashed: ZeroDivisionError: ",
+        """
+import pandas as pd
+from msvalidate.evidence import Evidence, Observed, Tolerance
+def run(setting):
+    return Evidence({"t": pd.DataFrame({"x": [1.0]})}, {"gap": Observed(0.1)},
+                    (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: 1 / 0},
+                    columns={"x": "place (m)"})""",
+    ),
     "crash": (
         3,
         "study poisson: crashed: FileNotFoundError: /home/someone/secret",
