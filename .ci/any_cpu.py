@@ -76,7 +76,7 @@ def taken(wanted: dict[str, str]) -> dict[str, str]:
     return {name: value for name, value in wanted.items() if name != "OPENBLAS_CORETYPE"}
 
 
-def check(processor: str, studies: list[str], *, full: bool = False) -> int | None:
+def check(processor: str, studies: list[str], options: list[str]) -> int | None:
     """Exit code of `check` under an emulation; None if this machine has nothing to emulate it."""
     known = np.show_config("dicts")["SIMD Extensions"]
     wanted = taken(asked(processor, known.get("found", []), known.get("baseline", [])))
@@ -87,7 +87,7 @@ def check(processor: str, studies: list[str], *, full: bool = False) -> int | No
     _say(" ".join(f'{name}="{value}"' for name, value in wanted.items()))
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "msvalidate.study", "check", *studies]
-        command += ["--quiet", "--no-plots", "--out", folder, *(["--full"] if full else [])]
+        command += ["--no-plots", "--out", folder, *options]
         started = time.perf_counter()
         code = subprocess.run(command, env=os.environ | wanted, check=False).returncode
     held = "held" if code == 0 else f"FAILED, exit code {code}"
@@ -101,11 +101,13 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("studies", nargs="*", metavar="STUDY", help="by default all")
     parser.add_argument("--as", dest="processors", action="append", choices=[*PROCESSORS])
     parser.add_argument("--full", action="store_true", help="the full form, as of `check`")
+    parser.add_argument("--jobs", default="1", metavar="N", help="studies at once, as of `check`")
     args = parser.parse_args(arguments)
     if platform.machine().lower() not in {"x86_64", "amd64"}:
         _say(f"nothing checked: this is {platform.machine()}, what is emulated are x86-64")
         return NOTHING
-    codes = [check(name, args.studies, full=args.full) for name in args.processors or PROCESSORS]
+    options = ["--jobs", args.jobs, *(["--full"] if args.full else [])]
+    codes = [check(name, args.studies, options) for name in args.processors or PROCESSORS]
     return max((code for code in codes if code is not None), default=NOTHING)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from msvalidate import __version__, catalogue
@@ -21,6 +21,7 @@ examples:
   {PROGRAM} all --quick --out new  every study in its small form, results in new
   {PROGRAM} check                  every study against theory, bands and baseline
   {PROGRAM} check poisson          one study against them
+  {PROGRAM} check --jobs 2         every study, two at once
   {PROGRAM} report                 report.html again, from stored results
 
 exit codes:
@@ -72,8 +73,11 @@ def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace)
             parser.error(f"{option} goes with 'check' only; leave it out")
     if args.tables and args.verb != "run":
         parser.error(f"{args.verb} prints no tables; leave --table out")
-    if args.verb in {"list", "report"} and (args.quick or args.seed or not args.plots):
-        parser.error(f"{args.verb} solves nothing; leave --quick, --seed and --no-plots out")
+    solves = args.quick or args.seed or not args.plots or args.jobs > 1
+    if args.verb in {"list", "report"} and solves:
+        parser.error(
+            f"{args.verb} solves nothing; leave --quick, --seed, --jobs and --no-plots out"
+        )
     if args.update != (args.reason is not None):
         parser.error('--update and --reason "..." go together; give both or none')
     if args.verb == "check" and (args.quick or args.seed):
@@ -107,10 +111,18 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--seed",
-        type=_seed,
+        type=_whole(0),
         default=0,
         metavar="N",
         help="where random numbers start (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--jobs",
+        type=_whole(1),
+        default=1,
+        metavar="N",
+        help="studies that run at once, each in a process of its own, on one thread; those that "
+        "compare times run last and alone; numbers do not depend on it (default: %(default)s)",
     )
     parser.add_argument(
         "--no-plots", dest="plots", action="store_false", help="write tables and report only"
@@ -178,11 +190,14 @@ def _line(text: str) -> str:
     return text.strip()
 
 
-def _seed(text: str) -> int:
-    try:
-        seed = int(text)
-    except ValueError:
-        seed = -1
-    if seed < 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number, 0 or more")
-    return seed
+def _whole(least: int) -> Callable[[str], int]:
+    def number(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            value = least - 1
+        if value < least:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number, {least} or more")
+        return value
+
+    return number

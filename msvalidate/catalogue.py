@@ -40,6 +40,14 @@ def words(name: str) -> set[str]:
     return {node.value for node in nodes if isinstance(node.value, str)}
 
 
+def alone(name: str) -> bool:
+    """Whether a study asks to be run with none beside it: it has a constant `ALONE` that is true.
+
+    One that compares times does, as what runs beside it would take some of them.
+    """
+    return bool(getattr(load(name), "ALONE", False))
+
+
 def suggestion(name: str) -> str:
     """Words that point from an unknown name to the nearest known one, or to all."""
     near = difflib.get_close_matches(name.lower(), [*names(), "all", "list"], n=1, cutoff=0.5)

@@ -22,6 +22,7 @@ def junit(studies: Sequence[Stored]) -> bytes:
             tests=str(len(rows) or 1),
             failures=str(failed),
             errors=str(int(bool(study.error))),
+            time=f"{study.seconds:.3f}",
         )
         for row in rows:
             case = ET.SubElement(

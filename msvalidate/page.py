@@ -128,6 +128,7 @@ class Section:
     layers: tuple[Layer, ...]
     failed: tuple[Judgement, ...]
     origin: Mapping[str, str]
+    seconds: float
 
     @property
     def judged(self) -> int:
@@ -185,6 +186,7 @@ def section(study: Stored) -> Section:
         layers=tuple(layer(name, rows) for name in layer_names(rows)),
         failed=tuple(row for row in rows if row.status != PASS),
         origin=study.origin,
+        seconds=study.seconds,
     )
 
 

@@ -119,7 +119,21 @@ def _generator(tensor: Array, angle: float, start: float) -> Array:
     # cos h + sin h N(θ) has the logarithm ∫ N from θ to θ + h, the principal one if h < π.
     h = opening / 3
     parts = [np.cos(h) * np.eye(4) + np.sin(h) * _stroh(C, start + i * h) for i in range(3)]
-    return np.asarray(sum(logm(part).real for part in parts))
+    return np.asarray(sum(_logarithm(part) for part in parts))
+
+
+def _logarithm(matrix: Array) -> Array:
+    """The principal logarithm, real.
+
+    SciPy estimates norms, by which it chooses its degree, from NumPy's global random numbers: from
+    the same ones each time, last digits do not go by what ran before.
+    """
+    before = np.random.get_state()  # noqa: NPY002  the generator that SciPy takes them from
+    np.random.seed(0)  # noqa: NPY002
+    try:
+        return np.asarray(logm(matrix).real)
+    finally:
+        np.random.set_state(before)  # noqa: NPY002
 
 
 def _plane(tensor: Array) -> Array:

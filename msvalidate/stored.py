@@ -118,6 +118,8 @@ class Stored:
         Name -> (caption, SVG).
     error
         Why a later run did not finish, or "": results are then of the run before it.
+    seconds
+        That the study itself took; 0 in results of old, which do not say.
     """
 
     name: str
@@ -129,6 +131,7 @@ class Stored:
     tables: Mapping[str, pd.DataFrame]
     pictures: Mapping[str, tuple[str, bytes]]
     error: str = ""
+    seconds: float = 0.0
 
     @property
     def held(self) -> bool:
@@ -201,13 +204,14 @@ def read(folder: Path) -> Stored:
             findings=about.findings,
             columns=about.columns,
             origin=about.origin,
-            verdict=_verdict(folder / VERDICT) if VERDICT in about.files else _judged([]),
+            verdict=_verdict(folder / VERDICT) if VERDICT in about.files else nothing_judged(),
             tables={name: _table(folder / f"{name}.csv") for name in about.tables},
             pictures={
                 name: (caption, _content(folder / f"{name}.svg"))
                 for name, caption in about.captions.items()
             },
             error=about.error,
+            seconds=about.seconds,
         )
     except FileNotFoundError as error:
         missing = Path(error.filename).name
@@ -259,9 +263,14 @@ def _judged(rows: list[Row]) -> pd.DataFrame:
     return pd.DataFrame([msgspec.structs.asdict(row) for row in rows], columns=columns)
 
 
+def nothing_judged() -> pd.DataFrame:
+    """A verdict without rows."""
+    return _judged([])
+
+
 def unreadable(name: str, error: str) -> Stored:
     """A study of whose results no more can be said than why they cannot be read."""
-    return Stored(name, "", (), {}, {}, _judged([]), {}, {}, error)
+    return Stored(name, "", (), {}, {}, nothing_judged(), {}, {}, error)
 
 
 def csv(table: pd.DataFrame) -> bytes:
@@ -298,7 +307,8 @@ def read_csv(path: Path | io.BytesIO) -> pd.DataFrame:
 def verdicts(studies: list[Stored]) -> bytes:
     """`verdict.json`: a list, one object a judged quantity; what is not finite is null.
 
-    A study that did not finish has one object, of no layer.
+    Each has the seconds that its study took; those of results that do not say are null. A study
+    that did not finish has one object, of no layer.
     """
     keys = ("layer", "quantity", "unit", *NUMBERS, "verdict", "because")
     found = []
@@ -306,11 +316,12 @@ def verdicts(studies: list[Stored]) -> bytes:
         if study.error:
             broken: dict[str, object] = {"layer": None, "quantity": "study finished", "unit": "1"}
             broken |= {"observed": 0.0, "reference": 1.0, "error": 1.0, "limit": 0.0}
-            broken |= {"verdict": "fail", "because": study.error}
+            broken |= {"verdict": "fail", "because": study.error, "seconds": None}
             found.append({"study": study.name} | broken)
             continue
         for row in study.verdict.to_dict("records"):
-            found.append({"study": study.name} | {str(key): _finite(row[key]) for key in keys})
+            judged = {str(key): _finite(row[key]) for key in keys}
+            found.append({"study": study.name} | judged | {"seconds": study.seconds or None})
     return _json(found)
 
 

@@ -14,8 +14,8 @@ import os
 import sys
 import time
 import traceback
+from collections import Counter
 from collections.abc import Callable, Sequence
-from datetime import UTC, datetime
 from functools import partial
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -35,10 +35,9 @@ from msvalidate.arguments import (
 if TYPE_CHECKING:
     import pandas as pd
 
+    from msvalidate.outcome import Outcome
     from msvalidate.stored import Result, Stored
 
-Spent = tuple[datetime, float]
-"""When a study began, and how many seconds it took."""
 ROWS_SHOWN = 40
 """Longer tables are shown by their first rows; the CSV has them all."""
 
@@ -61,9 +60,11 @@ def _list() -> int:
 def _guarded(act: Callable[[], int], args: argparse.Namespace) -> int:
     """Act; what goes wrong outside the studies is said in one line."""
     # One thread for dense algebra: the sparse solves here gain nothing from more, and sums come out
-    # the same on any number of cores.
+    # the same on any number of cores. Who asks for more has them, but not in each of several jobs.
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+        if args.jobs > 1:
+            os.environ[f"{library}_NUM_THREADS"] = "1"
     # Figures are made without a window; the library refuses to start with one that is not there.
     os.environ["MPLBACKEND"] = "agg"
     try:
@@ -87,7 +88,7 @@ def _guarded(act: Callable[[], int], args: argparse.Namespace) -> int:
 def _tell(message: str) -> None:
     """A line to stderr; one that cannot be read any more is not missed."""
     with contextlib.suppress(OSError):
-        print(message, file=sys.stderr)
+        print(message, file=sys.stderr, flush=True)  # a killed run has said all that it could
         return
     sys.stderr = _nowhere()
 
@@ -125,7 +126,7 @@ def _report(args: argparse.Namespace) -> int:
 
 
 def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
-    """Run and judge studies, write what they found, and say what failed."""
+    """Run and judge studies, saying how each ended, and write what they found."""
     from msvalidate import report
 
     report.refuse_unwritable(args.out, args.studies)
@@ -137,120 +138,99 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     for name in args.studies:
         catalogue.load(name)
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
-    results, unfinished, spent, codes = _studied(args)
-    if args.verb == "check" and not args.update:
-        results, uncompared = _compared(results, args)
-        codes += [_error(message, NOTHING) for message in uncompared]
-    studies = _written(results, unfinished, spent, args, arguments)
+    codes = _strangers(args)
+    clock = time.perf_counter()
+    outcomes, told = _ended(args, arguments)
+    codes += told
+    _written(outcomes, args)
+    results = [outcome.result for outcome in outcomes if outcome.result]
     codes.append(_printed([line for result in results for line in _shown(result, args)]))
-    for study in studies:
-        _say(study, args)
     codes += _tables_there(results, args)
-    failed = [study.name for study in studies if not study.held]
+    failed = [outcome.name for outcome in outcomes if not outcome.held]
     if args.update:
         codes.append(_update(results, args, failed))
     if not args.quiet:
+        _say_all(outcomes, time.perf_counter() - clock)
         _tell(f"results in {args.out}, to read in {args.out / 'report.html'}")
-    return max([*codes, MISSED if set(failed) - set(unfinished) else HELD])
+    return max([*codes, HELD])
 
 
-def _written(
-    results: list[Result],
-    unfinished: dict[str, str],
-    spent: dict[str, Spent],
-    args: argparse.Namespace,
-    arguments: Sequence[str],
-) -> list[Stored]:
-    """Write what was found; return it as it was stored."""
+def _strangers(args: argparse.Namespace) -> list[int]:
+    """Exit codes of what is in the baseline and no study: nothing is compared with it."""
+    if args.verb != "check" or args.update or args.named:
+        return []
+    from msvalidate import baseline
+
+    return [
+        _error(f"{args.form} baseline: {name} is no study; check --update leaves it out", NOTHING)
+        for name in baseline.strangers(args.form, catalogue.names())
+    ]
+
+
+def _ended(args: argparse.Namespace, arguments: Sequence[str]) -> tuple[list[Outcome], list[int]]:
+    """How each study ended, in the order asked, and exit codes; said of each as it ends.
+
+    One that fails does not keep the others from running.
+    """
+    from msvalidate import jobs
+    from msvalidate.outcome import Task
+    from msvalidate.sweep import Setting
+
+    setting = Setting(quick=args.form == "quick", seed=args.seed, progress=not args.quiet)
+    against = args.form if args.verb == "check" and not args.update else ""
+    command = tuple(as_shown(arguments))
+    tasks = [Task(name, setting, command, args.plots, against) for name in args.studies]
+
+    def began(name: str) -> None:
+        if args.verbose:
+            _tell(f"{name}: {catalogue.question(name)}")
+
+    found, codes = {}, []
+    with contextlib.closing(jobs.ended(tasks, args.jobs, began)) as outcomes:
+        for outcome in outcomes:
+            found[outcome.name] = outcome
+            codes += _told(outcome, args)
+            if against and outcome.result and not outcome.compared:
+                message = f"study {outcome.name}: no {against} baseline, nothing compared; make "
+                message += f"one with check {outcome.name} --update"
+                codes.append(_error(message, NOTHING))
+    return [found[name] for name in args.studies], codes
+
+
+def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
+    """Say how a study ended; its exit code if that was not with all held."""
+    codes = []
+    if outcome.fault:
+        code = USAGE if outcome.fault == "problem" else FAILED
+        codes.append(_error(f"study {outcome.name}: {outcome.said}", code))
+        if args.verbose and outcome.fault == "crash":
+            _tell(outcome.trace)
+    elif not outcome.held:
+        codes.append(MISSED)
+    _say(outcome, args)
+    return codes
+
+
+def _written(outcomes: list[Outcome], args: argparse.Namespace) -> None:
+    """Write what was found."""
     from msvalidate import report, stored
     from msvalidate.junit import junit
-    from msvalidate.provenance import provenance
 
-    command = as_shown(arguments)
-    origins = {name: provenance(command, args.seed, *each) for name, each in spent.items()}
-    files = {
-        r.name: stored.files(r, origins[r.name], seconds=spent[r.name][1], plots=args.plots)
-        for r in results
-    }
+    files = {each.name: each.files for each in outcomes if each.result}
     late = {
-        name: partial(
+        each.name: partial(
             stored.unfinished,
-            question=catalogue.load(name).__doc__ or catalogue.docstring(name),
-            origin=origins[name],
-            error=error,
-            seconds=spent[name][1],
+            question=each.question,
+            origin=each.origin,
+            error=each.error,
+            seconds=each.seconds,
         )
-        for name, error in unfinished.items()
+        for each in outcomes
+        if not each.result
     }
     studies = report.publish(files, args.out, late)
     if args.junit:
         report.replace_file(args.junit, lambda: junit(studies))
-    return studies
-
-
-def _studied(
-    args: argparse.Namespace,
-) -> tuple[list[Result], dict[str, str], dict[str, Spent], list[int]]:
-    """Run the studies: those that finished, the errors of those that did not, times, exit codes.
-
-    One that fails does not keep the others from running.
-    """
-    from msvalidate.evidence import judge
-    from msvalidate.junit import printable
-    from msvalidate.problem import ProblemError, SolverError
-    from msvalidate.stored import Result
-    from msvalidate.sweep import Setting
-
-    setting = Setting(quick=args.form == "quick", seed=args.seed, progress=not args.quiet)
-    results, unfinished, spent, codes = [], {}, {}, []
-    for name in args.studies:
-        if args.verbose:
-            _tell(f"{name}: {catalogue.question(name)}")
-        started, clock = datetime.now(UTC), time.perf_counter()
-        try:
-            module = catalogue.load(name)
-            evidence = module.run(setting=setting)
-            question = module.__doc__ or catalogue.docstring(name)
-            results.append(Result(name, question, evidence, judge(evidence)))
-        except (ProblemError, SolverError) as error:
-            unfinished[name] = printable(str(error))
-            code = USAGE if isinstance(error, ProblemError) else FAILED
-            codes.append(_error(f"study {name}: {unfinished[name]}", code))
-        # A crash is reported as one, and spoils nothing else; so is one that ends the program.
-        except (Exception, SystemExit) as error:  # noqa: BLE001
-            # What a crash says may hold paths of this machine: for the terminal, not the report.
-            unfinished[name] = f"crashed: {type(error).__name__}"
-            said = printable(str(error))
-            codes.append(_error(f"study {name}: crashed: {type(error).__name__}: {said}", FAILED))
-            if args.verbose:
-                _tell(traceback.format_exc())
-        spent[name] = (started, time.perf_counter() - clock)
-    return results, unfinished, spent, codes
-
-
-def _compared(results: list[Result], args: argparse.Namespace) -> tuple[list[Result], list[str]]:
-    """Results with their tables held to the baseline, and what could not be compared."""
-    from dataclasses import replace
-
-    import pandas as pd
-
-    from msvalidate import baseline
-
-    found, form = [], args.form
-    strangers = [] if args.named else baseline.strangers(form, catalogue.names())
-    uncompared = [
-        f"{form} baseline: {name} is no study; check --update leaves it out" for name in strangers
-    ]
-    for result in results:
-        rows = baseline.compare(result.evidence, baseline.home(form) / result.name)
-        if not rows:
-            uncompared.append(
-                f"study {result.name}: no {form} baseline, nothing compared; make one with "
-                f"check {result.name} --update"
-            )
-        verdict = pd.concat([result.verdict, pd.DataFrame(rows)], ignore_index=True)
-        found.append(replace(result, verdict=verdict))
-    return found, uncompared
 
 
 def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) -> int:
@@ -330,24 +310,33 @@ def _aligned(table: pd.DataFrame, most: int | None) -> str:
     return text + (f"\n… {len(table) - rows} more rows" if len(table) > rows else "")
 
 
-def _say(study: Stored, args: argparse.Namespace) -> None:
-    """What a study missed, a line each, and how much of each layer it held, to stderr."""
+def _say(study: Stored | Outcome, args: argparse.Namespace) -> None:
+    """What a study missed, a line each, and in one how it ended, to stderr."""
     from msvalidate.junit import line
 
     rows = [] if study.error else study.verdict.to_dict("records")
-    for row in rows:
-        if row["verdict"] != "pass":
-            why = f" ({row['because']})" if row["layer"] == "baseline" else ""
-            _tell(f"{study.name}: FAIL {line(row)}{why}")
+    missed = [row for row in rows if row["verdict"] != "pass"]
+    for row in missed:
+        why = f" ({row['because']})" if row["layer"] == "baseline" else ""
+        _tell(f"{study.name}: FAIL {line(row)}{why}")
     if args.quiet:
         return
-    layers = [
-        f"{layer} {int((held['verdict'] == 'pass').sum())} of {len(held)}"
-        for layer, held in study.verdict.groupby("layer", sort=False)
-    ]
-    word = "held" if study.held else "FAILED"
-    said = f"not finished: {study.error}" if study.error else f"{word}, {', '.join(layers)}"
-    _tell(f"{study.name}: {said}")
+    held = f"{len(rows) - len(missed)} of {len(rows)} held"
+    said = "not finished" if study.error else held if study.held else f"FAILED, {held}"
+    _tell(f"{study.name}: {said}" + (f", {study.seconds:.1f} s" if study.seconds else ""))
+
+
+def _say_all(outcomes: Sequence[Outcome], seconds: float) -> None:
+    """How several studies ended together, layer by layer, to stderr."""
+    if len(outcomes) < 2:
+        return
+    judged, held = Counter[str](), Counter[str]()
+    for outcome in outcomes:
+        judged.update(outcome.verdict["layer"])
+        held.update(outcome.verdict.loc[outcome.verdict["verdict"] == "pass", "layer"])
+    layers = [f"{layer} {held[layer]} of {many}" for layer, many in judged.items()]
+    whole = f"{sum(each.held for each in outcomes)} of {len(outcomes)} studies held"
+    _tell(f"{', '.join([whole, *layers])}, {seconds:.1f} s")
 
 
 def _error(message: str, code: int) -> int:

@@ -68,8 +68,9 @@ def test_what_fails_on_one_processor_fails(any_cpu, runs, capsys):
     assert "OPENBLAS_CORETYPE" not in runs[0]
     assert runs[0]["NPY_DISABLE_CPU_FEATURES"] == " ".join(FOUND)
     assert runs[0]["NUMBA_CPU_NAME"] == "generic"
-    assert any_cpu.main(["--as", "no-avx512"]) == 0
+    assert any_cpu.main(["--as", "no-avx512", "--jobs", "2"]) == 0
     assert len(runs) == 4
+    assert runs[3]["asked"].endswith(" --jobs 2")
 
 
 def test_another_machine_is_told_in_one_line(any_cpu, runs, monkeypatch, capsys):

@@ -71,6 +71,8 @@ class Candidate:
 
 
 OURS = Candidate()
+ALONE = True
+"""It compares times: what runs beside it would take some of them."""
 FAULTS = {
     "a kernel that drops a spring": {
         "candidate": replace(OURS, motion=spoilt.dropping),

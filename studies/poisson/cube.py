@@ -29,10 +29,8 @@ from msvalidate.stiffness import moduli, pattern_tensor
 from msvalidate.sweep import Setting
 from studies.poisson import block, cube_drawing
 from studies.poisson.cube_block import (
-    COARSEST_MESH,
     LATERAL,
     LATTICES,
-    QUICK_MESH,
     STRAIN,
     axial_strain,
     clamped_reference,
@@ -131,9 +129,8 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
     cubes = pd.DataFrame([row for row, _ in found])
     modulus = pd.DataFrame([row for _, row in found if row])
     held = CUBIC[:1] if setting.quick else WHOLE
-    mesh = QUICK_MESH if setting.quick else COARSEST_MESH
     clamped = pd.concat(
-        setting.sweep(partial(clamped_rows, candidate, sizes[1:], mesh), held, "clamped cubes"),
+        setting.sweep(partial(clamped_rows, candidate, sizes[1:]), held, "clamped cubes"),
         ignore_index=True,
     )
     tables = {
@@ -198,11 +195,9 @@ def _tensor(material: object) -> Array:
     return material.C
 
 
-def clamped_rows(
-    candidate: Candidate, sizes: tuple[int, ...], mesh: int, name: str
-) -> pd.DataFrame:
+def clamped_rows(candidate: Candidate, sizes: tuple[int, ...], name: str) -> pd.DataFrame:
     """Rows of the table `cube_clamped`: shared springs against the elastic cube."""
-    fem = clamped_reference(name, sizes, mesh)
+    fem = clamped_reference(name, sizes)
     values = iter(zip(fem.value, fem.uncertainty, strict=True))
     rows = []
     for cells in sizes:

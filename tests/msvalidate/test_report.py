@@ -40,8 +40,8 @@ def result(name="poisson", gap=2.0):
     return stored.Result(name, "How long?", found, judge(found))
 
 
-def files(name="poisson", gap=2.0, plots=True):
-    return stored.files(result(name, gap), {"seed": "0"}, plots=plots)
+def files(name="poisson", gap=2.0, plots=True, seconds=0.0):
+    return stored.files(result(name, gap), {"seed": "0"}, plots=plots, seconds=seconds)
 
 
 def content(folder):
@@ -76,8 +76,8 @@ def test_what_is_read_back(tmp_path):
 
 
 def test_verdict_json(tmp_path):
-    studies = {"displacement": files("displacement", gap=float("nan")), "poisson": files(gap=1.2)}
-    report.publish(studies, tmp_path / "r")
+    broken, good = files("displacement", gap=float("nan")), files(gap=1.2, seconds=2.5)
+    report.publish({"displacement": broken, "poisson": good}, tmp_path / "r")
     found = json.loads((tmp_path / "r" / "verdict.json").read_text(encoding="utf-8"))
     keys = [
         "study",
@@ -90,8 +90,10 @@ def test_verdict_json(tmp_path):
         "limit",
         "verdict",
         "because",
+        "seconds",
     ]
     assert [list(row) for row in found] == [keys, keys]
+    assert [row["seconds"] for row in found] == [None, 2.5]  # of results of old, and of new ones
     broken, good = found
     assert (broken["study"], broken["observed"], broken["verdict"]) == (
         "displacement",

@@ -11,7 +11,9 @@ from msvalidate import faults, figures
 from msvalidate.candidate import springs
 from msvalidate.evidence import judge
 from msvalidate.problem import ProblemError
+from msvalidate.singularity import clamped_edge_exponent
 from msvalidate.sweep import Setting
+from reference_fem.extrapolation import extrapolated
 from studies import poisson
 from studies.poisson import controls, cube, cube_block, cube_layers
 
@@ -120,6 +122,24 @@ def test_an_eighth_stands_for_the_clamped_cube():
     part = reference_fem.solve_problem(eighth, mesh).at(np.abs(away)) * np.where(away < 0, -1, 1)
     part[:, 0] += cube_block.STRAIN / 2  # the eighth counts from the cube's middle
     np.testing.assert_allclose(part, whole, atol=1e-9 * cube_block.STRAIN)
+
+
+def test_clamped_reference_by_even_meshes_of_linear_elements():
+    """Other elements, no grading, their limit by the exponent of the clamped edge."""
+    problem, network = cube_block.spring_cube("cubic 18", "shared", "clamped", 2)
+    eighth = cube_block._clamped_eighth(problem.material.C)
+    away = network.points - 0.5
+
+    def sampled(cells):
+        mesh = reference_fem.box_discretisation(cube_block.EIGHTH, cells, "H1")
+        move = reference_fem.solve_problem(eighth, mesh).at(np.abs(away))
+        move *= np.where(away < 0, -1, 1)
+        return [cube_block.ratio(network.points, move, at) for at in cube_block.LATERAL]
+
+    limit = extrapolated(sampled, 2, (2 * clamped_edge_exponent(problem.material.C), 2.0))
+    fem = cube_block.clamped_reference("cubic 18", (2,))
+    assert (np.abs(fem.value - limit.value) < fem.uncertainty).all()
+    assert (fem.uncertainty < 1e-3).all()
 
 
 def test_wrong_weights_in_space_are_equal_ones():
