@@ -15,7 +15,7 @@ import numpy as np
 from msvalidate import local_shear
 from msvalidate import volumes as cells
 from msvalidate.accurate import AT_REST
-from msvalidate.network import Network, lengths_of
+from msvalidate.network import Network, refuse_none
 from msvalidate.problem import Array
 
 
@@ -42,7 +42,8 @@ class Displaced:
         i, j = self.network.springs.T
         w = displacement[j] - displacement[i]
         vector = self.network.vector + w
-        length = lengths_of(self.network, vector)
+        length = np.linalg.norm(vector, axis=1)
+        refuse_none(self.network, length)
         grown = ((self.network.vector + vector) * w).sum(axis=1)
         return vector, length, grown / (length + self.distance)
 

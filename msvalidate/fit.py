@@ -85,7 +85,7 @@ class Fit:
     residual: float
     condition: float
     solves: int
-    error: float = 0.0
+    error: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -79,7 +79,8 @@ def solved(network: Network, wanted: str = "auto") -> Solved:
             system.invert(solver)
         if nothing_acts(network, system.state):
             zero = np.zeros(network.points.shape)
-            return Solved(zero, zero, network.force + zero, 0.0, 0, network.held)
+            choice = None if network.held.all() else solver.choice
+            return Solved(zero, zero, network.force + zero, 0.0, 0, network.held, choice)
         try:
             return system.solution(solver)
         except SolverError as error:

@@ -21,9 +21,10 @@ from scipy.sparse import bsr_array, csr_array
 from msvalidate import local_shear
 from msvalidate import volumes as cells
 from msvalidate.blocks import Blocks, blocks_of
-from msvalidate.folds import Simplices, is_shape_of_cells, simplices_of
+from msvalidate.folds import Simplices, simplices_of
 from msvalidate.layout import Layout, laid_out
 from msvalidate.local_shear import LocalShear
+from msvalidate.network_checks import corners_of, filled, pairs_of, refuse, refuse_tiny
 from msvalidate.problem import (
     LONGEST,
     Array,
@@ -96,7 +97,7 @@ class Network:
         if points.ndim != 2 or points.shape[1] not in {2, 3} or not len(points):
             raise ProblemError(f"points: shape {points.shape}; give (n, 2) or (n, 3)")
         n, d = points.shape
-        springs = _pairs(self.springs, n)
+        springs = pairs_of(self.springs, n)
         m = len(springs)
         for name, shape, checked in (
             ("points", (n, d), coordinates),
@@ -111,20 +112,20 @@ class Network:
                 raise ProblemError(f"{name}: shape {value.shape}; this network needs {shape}")
             object.__setattr__(self, name, value)
         held, moved = booleans("held", self.held, (n, d)), self.displacement
-        _refuse("stiffness", self.stiffness, self.stiffness < 0, "N/m; it must be 0 or more")
-        _refuse(
+        refuse("stiffness", self.stiffness, self.stiffness < 0, "N/m; it must be 0 or more")
+        refuse(
             "displacement", moved[~held], moved[~held] != 0, "m of what is not held; hold it too"
         )
-        _refuse("rest_length", self.rest_length, self.rest_length <= 0, "m; it must be above 0")
-        _refuse("mass", self.mass, self.mass <= 0, "kg; it must be above 0")
-        _refuse_tiny("stiffness", self.stiffness, "N/m")
-        _refuse_tiny("force", self.force, "N")
-        _refuse_tiny("displacement", moved, "m")
+        refuse("rest_length", self.rest_length, self.rest_length <= 0, "m; it must be above 0")
+        refuse("mass", self.mass, self.mass <= 0, "kg; it must be above 0")
+        refuse_tiny("stiffness", self.stiffness, "N/m")
+        refuse_tiny("force", self.force, "N")
+        refuse_tiny("displacement", moved, "m")
         object.__setattr__(self, "springs", springs)
         distance = np.linalg.norm(self.vector, axis=1)
         # Below 1/LONGEST a distance is rounded away when it is squared.
         together = distance <= max(1e-14 * float(np.abs(points).max()), 1 / LONGEST)
-        _refuse("spring length", distance, together, "m; its two points coincide")
+        refuse("spring length", distance, together, "m; its two points coincide")
         object.__setattr__(self, "held", held)
         for name, kind in (("volumes", Volumes), ("shear", LocalShear)):
             part = getattr(self, name)
@@ -133,7 +134,7 @@ class Network:
                 if not np.array_equal(part.points, self.points):
                     raise ProblemError(f"{name}: of other points than the network's; give its own")
         if self.cells is not None:
-            object.__setattr__(self, "cells", _cells(self.cells, n, d))
+            object.__setattr__(self, "cells", corners_of(self.cells, n, d))
         for array in (self.springs, self.held):
             array.setflags(write=False)
 
@@ -243,18 +244,18 @@ def spring_network(
     x = coordinates("points", points)
     if x.ndim != 2:
         raise ProblemError(f"points: shape {x.shape}; give (n, 2) or (n, 3)")
-    pairs = _pairs(springs, len(x))
+    pairs = pairs_of(springs, len(x))
     distance = np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)
     zero = np.zeros(x.shape)
     return Network(
         points=x,
         springs=pairs,
-        stiffness=_filled("stiffness", stiffness, len(pairs)),
+        stiffness=filled("stiffness", stiffness, len(pairs)),
         # What has no length is refused for that, not for the rest length it would be given.
         rest_length=np.where(distance > 0, distance, 1.0)
         if rest_length is None
-        else _filled("rest_length", rest_length, len(pairs)),
-        mass=_filled("mass", mass, len(x)),
+        else filled("rest_length", rest_length, len(pairs)),
+        mass=filled("mass", mass, len(x)),
         held=booleans("held", zero if held is None else held, x.shape),
         displacement=finite("displacement", zero if displacement is None else displacement),
         force=finite("force", zero if force is None else force),
@@ -355,64 +356,15 @@ def stretched(network: Network, position: Array) -> tuple[Array, Array]:
     length = np.linalg.norm(vector, axis=1)
     if not math.isfinite(length.sum()):  # one look for any number of springs
         coordinates("position", position)
-    return vector, lengths_of(network, vector, length)
+    refuse_none(network, length)
+    return vector, length
 
 
-def lengths_of(network: Network, vector: Array, length: Array | None = None) -> Array:
-    """Lengths (m,) in m of springs by their vectors (m, d), refused where there is none."""
-    length = np.linalg.norm(vector, axis=1) if length is None else length
+def refuse_none(network: Network, length: Array) -> None:
+    """Raise `SolverError` where a spring has no length (m,) in m."""
     if not length.all():
         spring = int(np.flatnonzero(length == 0)[0])
         raise SolverError(
             f"spring {spring} has no length: points {network.springs[spring].tolist()} have been "
             "pushed into one place, where no direction is left; reduce the load"
         )
-    return length
-
-
-def _pairs(springs: ArrayLike, n: int) -> Index:
-    pairs = integers("springs", springs)
-    if pairs.size == 0 or pairs.ndim != 2 or pairs.shape[1] != 2:
-        raise ProblemError(f"springs: shape {pairs.shape}; give whole numbers (m, 2)")
-    bad = np.flatnonzero((pairs < 0).any(axis=1) | (pairs >= n).any(axis=1))
-    if len(bad):
-        raise ProblemError(f"springs: {pairs[bad[0]]} at index {bad[0]}; there are {n} points")
-    own = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
-    if len(own):
-        raise ProblemError(f"springs: {pairs[own[0]]} at index {own[0]} joins a point to itself")
-    return pairs
-
-
-def _cells(given: ArrayLike, n: int, d: int) -> Index:
-    cells = integers("cells", given)
-    if cells.ndim != 2 or not is_shape_of_cells(d, cells.shape[1]):
-        raise ProblemError(
-            f"cells: {cells.shape} of points ({n}, {d}); give triangles or quadrilaterals in the "
-            "plane, tetrahedra or hexahedra in space"
-        )
-    bad = np.flatnonzero((cells < 0).any(axis=1) | (cells >= n).any(axis=1))
-    if len(bad):
-        raise ProblemError(f"cells: {cells[bad[0]]} at index {bad[0]}; there are {n} points")
-    cells.setflags(write=False)
-    return cells
-
-
-def _filled(name: str, value: ArrayLike, count: int) -> Array:
-    array = finite(name, value)
-    return array if array.ndim else np.full(count, float(array))
-
-
-def _refuse_tiny(name: str, values: Array, unit: str) -> None:
-    """Raise `ProblemError` if the largest value is not 0 but below all doubles of full length."""
-    largest, least = float(np.abs(values).max(initial=0.0)), np.finfo(float).tiny
-    if 0 < largest < least:
-        raise ProblemError(
-            f"{name}: {largest:g} {unit} at most, where doubles run out of digits; choose units "
-            f"that give {least:.3g} or more, or take none"
-        )
-
-
-def _refuse(name: str, values: Array, bad: Mask, remedy: str) -> None:
-    at = np.flatnonzero(bad)
-    if len(at):
-        raise ProblemError(f"{name}: {values[at[0]]:g} at index {at[0]} {remedy}")

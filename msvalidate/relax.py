@@ -7,6 +7,7 @@ Algorithm 1 among them, and in `relaxations`.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -173,9 +174,10 @@ def _refuse_lost(network: Network, found: Relaxation, error: float, title: str) 
     seen = moved > FEW_UNITS * np.finfo(float).eps * largest(network.points)
     if error < 1 or not (seen or rest.residual > BALANCED * load):
         return
+    off = f"{error:.2g} times its displacement" if math.isfinite(error) else "nobody knows how far"
     raise SolverError(
         f"{title} came to rest after {found.steps} steps, {rest.residual:.3g} N short of balance, "
-        f"where it is off by {error:.2g} times its displacement: the load is no larger than what "
+        f"where it is off by {off}: the load is no larger than what "
         "rounding hides, or the body too slender; tighten tolerance, raise the load, or take "
         "`equilibrium`"
     )

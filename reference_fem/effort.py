@@ -64,5 +64,6 @@ def within_memory(count: int, what: str) -> Iterator[None]:
         yield
     except MemoryError as error:
         raise SolverError(
-            f"finite elements: {count} {what} take more memory than there is; take fewer cells"
+            f"finite elements: {count} {what} take more memory than there is; take solver "
+            "'multigrid' where there is a choice, or larger cells"
         ) from error

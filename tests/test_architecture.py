@@ -299,6 +299,7 @@ FLOORS = {
     "msvalidate.mesh_file": 1,
     "msvalidate.multigrid": 1,
     "msvalidate.network": 1,
+    "msvalidate.network_checks": 1,
     "msvalidate.refine": 1,
     "msvalidate.residual": 1,
     "msvalidate.rounding": 1,

@@ -617,7 +617,7 @@ def test_too_little_memory_is_told(geometry, monkeypatch):
 
     module = "msvalidate.linear" if geometry == "factor" else "reference_fem.systems.factor"
     monkeypatch.setattr(f"{module}.splu", no_memory)
-    with pytest.raises(SolverError, match="more memory than there is; take fewer cells"):
+    with pytest.raises(SolverError, match="more memory than there is; take solver"):
         equilibrium(NETWORK) if geometry == "factor" else reference_fem.solve_problem(PROBLEM, MESH)
 
 
