@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -123,18 +124,25 @@ def factorised(matrix: csr_array, order: Index | None = None) -> Factor:
 @contextmanager
 def _silent() -> Iterator[None]:
     """Keep the library's own lines, of memory that it does not get, from the terminal."""
+    streams = (1, 2)
     try:
-        kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    except OSError:  # stderr is closed: nothing can reach it
+        kept, nowhere = [os.dup(each) for each in streams], os.open(os.devnull, os.O_WRONLY)
+    except OSError:  # one is closed
         yield
         return
     try:
-        os.dup2(nowhere, 2)
+        for each in streams:
+            os.dup2(nowhere, each)
         yield
+    except (MemoryError, RuntimeError):
+        with suppress(OSError, TypeError, AttributeError):  # what C keeps back would come later
+            ctypes.CDLL(None).fflush(None)
+        raise
     finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(nowhere)
+        for each, own in zip(streams, kept, strict=True):
+            os.dup2(own, each)
+        for each in (*kept, nowhere):
+            os.close(each)
 
 
 def softest_mode(
