@@ -23,7 +23,7 @@ from msvalidate.cell_multigrid import Loose, Unsettled, relieved
 from msvalidate.linear import factorised, softest_mode
 from msvalidate.mechanism import NO_STIFFNESS as NO_ENERGY
 from msvalidate.problem import Array, Index, SolverError
-from msvalidate.refine import LARGEST_ERROR
+from msvalidate.refine import EPS, LARGEST_ERROR
 
 SOLVERS = ("auto", "direct", "multigrid")
 DENSE = 300
@@ -66,7 +66,7 @@ class AtRest(NamedTuple):
     floppy
         Number of motions without stiffness, translations apart; None where they were not counted.
     error
-        Of a strain's energy, relative.
+        Of two strains' common energy, over the root of their own ones'.
     solver
         The way taken, "direct" or "multigrid".
     """
@@ -165,7 +165,7 @@ def _relaxed(relieve: Relieve, B: csr_array, k: Array, stretch: Array) -> tuple[
         left = float((taken / np.maximum(energy, max(floor, np.finfo(float).tiny))).max())
         if left <= ENOUGH or left > before / 2:
             break
-    error = left + ROUNDING
+    error = left + ROUNDING + _rounded(k, total, stretch)
     if not error <= LARGEST_ERROR:
         raise SolverError(
             f"periodic network: its tensor is known to {error:.1g} only, more than "
@@ -173,6 +173,19 @@ def _relaxed(relieve: Relieve, B: csr_array, k: Array, stretch: Array) -> tuple[
         )
     _refuse_blind(relieve, B, k)
     return total, error
+
+
+def _rounded(k: Array, total: Array, stretch: Array) -> float:
+    """Error of two strains' common energy, over the root of their own ones', by rounding.
+
+    An elongation (m, v) at rest is rounded as the one that it was (`stretch`). Where a strain is
+    stiff and another soft, stiff springs make much of what the latter's have of that.
+    """
+    energy = np.einsum("mv,mv->v", k[:, None] * total, total)
+    there = energy > LEAST_PART * energy.max(initial=0.0)
+    left = np.einsum("mv,mw->vw", k[:, None] * np.abs(total), np.abs(stretch))[there][:, there]
+    root = np.sqrt(energy[there])
+    return 2 * EPS * float((left / root / root[:, None]).max(initial=0.0))
 
 
 def _refuse_blind(relieve: Relieve, B: csr_array, k: Array) -> None:

@@ -161,7 +161,7 @@ def _softest_block(A: bsr_array) -> Array | None:
         return None
     motion = np.zeros((*own.shape[:2], 1))
     motion[worst, :, 0] = motions[worst, :, 0]
-    return np.asarray(motion.reshape(-1, 1))
+    return np.asarray(motion.reshape(-1, 1), dtype=float)
 
 
 def _level(A: bsr_array, up: csr_array, down: csr_array, highest: float | None) -> _Level:
@@ -173,8 +173,7 @@ def _level(A: bsr_array, up: csr_array, down: csr_array, highest: float | None) 
         blocks = root[row] @ A.data @ root[A.indices].transpose(0, 2, 1)
         sums = np.bincount(row, np.linalg.norm(blocks, axis=(1, 2), ord=2))
         highest = float(sums.max())
-    inverse: Array = np.linalg.inv(own)
-    return _Level(A, inverse, highest, up, down)
+    return _Level(A, np.asarray(np.linalg.inv(own), dtype=float), highest, up, down)
 
 
 Stop = Callable[[Array], bool]
@@ -199,7 +198,7 @@ def _solved(K: bsr_array, force: Array, cycle: _Cycle, stop: Stop | None = None)
     for _ in range(MOST_CYCLES):
         going = power > (0.0 if stop else PART**2 * first)
         if stop(size * residual) if stop else not going.any():
-            return x * size
+            return np.asarray(x * size)
         push = K @ direction
         stiff = _dots(direction, push)
         if not (np.isfinite(stiff).all() and (stiff[going] > 0).all()):

@@ -380,7 +380,8 @@ def test_rows_in_series_are_as_soft_as_their_springs_say(count, times):
     found = periodic(*cell)
     assert found.tensor[1, 1] == pytest.approx(stiffness, rel=found.error)
     assert found.floppy in {0, None}
-    assert found.error <= 1e-12
+    # Rounding of elongations weighs as the root of what stiffnesses are apart, between strains.
+    assert found.error <= 1e-12 + 1e-15 * times**0.5
 
 
 def test_random_stiffnesses_over_twelve_decades_have_the_energy_of_the_least():
