@@ -127,7 +127,7 @@ def _cells(
     near = (cells < count).any(axis=1)
     cells, beyond = cells[near], beyond[near]
     ending = (beyond < 0) & (cells[:, FACES[x.shape[1]]] < count).any(axis=2)
-    if ending.any() or not np.isin(np.arange(count), cells).all():
+    if ending.any() or not np.bincount(cells.ravel(), minlength=count)[:count].all():
         return None
     number = np.append(np.where(near, np.cumsum(near) - 1, -1), -1)
     start = x[cells[:, 0]]
