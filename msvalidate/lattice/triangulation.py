@@ -149,7 +149,7 @@ def merged(centres: Array, size: Array, reach: float, *, mirrored: bool) -> Arra
 
 
 def determinants(corners: Array) -> Array:
-    """Signed volumes times d! of simplices (c, d+1, d): written out, in a fifth of a solver's time."""
+    """Signed volumes times d! of simplices (c, d+1, d), written out: a general way takes longer."""
     edges = (corners[:, 1:] - corners[:, :1]).transpose(1, 2, 0)
     if len(edges) == 2:
         (a, b), (c, d) = edges
