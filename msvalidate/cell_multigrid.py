@@ -202,7 +202,7 @@ def _solved(K: bsr_array, force: Array, cycle: _Cycle, stop: Stop | None = None)
         push = K @ direction
         stiff = _dots(direction, push)
         if not (np.isfinite(stiff).all() and (stiff[going] > 0).all()):
-            raise Unsettled(MEETS_NONE, size * x)
+            raise Unsettled(MEETS_NONE, direction)
         step = np.where(going, power / np.where(going, stiff, 1.0), 0.0)
         x += step * direction
         residual -= step * push
