@@ -37,14 +37,13 @@ from msvalidate.problem import (
     integers,
     refuse_free_motions,
 )
+from msvalidate.refine import LARGEST_ERROR
 
 OPEN = 1e-7
 """Least singular value of the slopes, relative to the largest, above which all is determined: some
 1e-12 of rounding in displacements then leave five digits."""
 NOTHING = 0.99
 """Residual from which a fit is no better than no displacement at all, which has 1."""
-LARGEST_ERROR = 1e-6
-"""Error of a constant, over the largest, above which none is handed out."""
 WORTH_HAVING = 1e-3
 """Part of the largest constant from which one is there."""
 UNMOVED = 1e-10

@@ -16,9 +16,13 @@ from msvalidate.lattice.triangulation import FACES, triangulation
 from msvalidate.problem import Array, Box, Index, ProblemError, SolverError
 
 FIRST_MARGIN, STEP = 2.25, 1.3
-"""Margin tried first, in spacings, and the next in parts of it at most. Even sets need about 2,
-uniform ones 2.5; cells at the end of too small a margin are long and ask for more than they need.
-"""
+"""Margin tried first, in spacings, and the next in parts of it at most. Even sets need about 2;
+cells at the end of too small a margin are long and ask for more than they need."""
+UNEVEN, UNEVEN_MARGIN = 0.5, {2: 3.0, 3: 2.75}
+"""Variance over mean of points in boxes, 1 where they are strewn at random, from which a set is
+uneven, and the margin, by axes, tried first then: holes are larger. To try again costs more."""
+BOXES = 8
+"""Points in a box, about."""
 MOST_IMAGES, IMAGES_OF_FEW, IMAGES_OF_EACH = 2_000_000, 15_000, 15
 """Points with their images: at all; and for few points and for each more, of which an even set in
 a body not long or flat needs a fifth. Far more lie in a few rows, and take minutes to triangulate.
@@ -45,7 +49,8 @@ def complete(
     # No point of the body is further than this from all images of one point.
     furthest = (2 if mirrored else 1) * float(np.linalg.norm(edges)) * (1 + 1e-9)
     spacing = (math.prod(edges.tolist()) / n) ** (1 / dim)
-    margin = min(max(FIRST_MARGIN * spacing, 0.5 * float(edges.max()) / n), furthest)
+    margin = _first_margin(x, edges) * spacing
+    margin = min(max(margin, 0.5 * float(edges.max()) / n), furthest)
     # In a long or flat body, points are as far apart as on its axis or in its plane: what they
     # will need is refused at once.
     longest = np.sort(edges)[::-1].tolist()
@@ -66,6 +71,16 @@ def complete(
         # Cells only shrink as images are added, and their spheres' reach with them.
         step = STEP if found is None else min(STEP, 1.05 * needed / margin)
         margin = min(step * margin, furthest)
+
+
+def _first_margin(x: Array, edges: Array) -> float:
+    """Margin in spacings that points (n, d) will need, by how evenly boxes are filled."""
+    dim = x.shape[1]
+    across = np.maximum((edges / (math.prod(edges.tolist()) * BOXES / len(x)) ** (1 / dim)), 1)
+    shape = tuple(across.astype(np.intp).tolist())
+    place = np.minimum((x / edges * shape).astype(np.intp), np.array(shape) - 1)
+    filled = np.bincount(np.ravel_multi_index(tuple(place.T), shape), minlength=math.prod(shape))
+    return UNEVEN_MARGIN[dim] if filled.var() > UNEVEN * filled.mean() else FIRST_MARGIN
 
 
 def _images(
@@ -112,7 +127,7 @@ def _cells(
     near = (cells < count).any(axis=1)
     cells, beyond = cells[near], beyond[near]
     ending = (beyond < 0) & (cells[:, FACES[x.shape[1]]] < count).any(axis=2)
-    if ending.any() or not np.isin(np.arange(count), cells).all():
+    if ending.any() or not np.bincount(cells.ravel(), minlength=count)[:count].all():
         return None
     number = np.append(np.where(near, np.cumsum(near) - 1, -1), -1)
     start = x[cells[:, 0]]

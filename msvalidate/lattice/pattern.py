@@ -140,7 +140,9 @@ class Pattern:
             raise ProblemError(f"{said}: a spring has no length; leave it out")
         there = np.column_stack([self.springs, self.image])
         back = np.column_stack([self.springs[:, ::-1], -self.image])
-        if len(np.unique(np.concatenate([there, back]), axis=0)) < 2 * len(there):
+        both = np.concatenate([there, back])
+        both = both[np.lexsort(both.T)]
+        if (both[1:] == both[:-1]).all(axis=1).any():
             raise ProblemError(f"{said}: a spring is listed twice; list each from one end")
 
     @property

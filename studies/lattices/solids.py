@@ -25,11 +25,11 @@ from scipy.optimize import minimize
 
 from msvalidate.compare import worst
 from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.homogenise import highest_frequency
 from msvalidate.lattice import Constants, Pattern, repeated
 from msvalidate.problem import Array, ProblemError
 from msvalidate.stiffness import ALIKE, CAUCHY, VOIGT, cubic_part, is_alike, isotropic_part, moduli
 from msvalidate.sweep import Setting
+from msvalidate.waves import highest_frequency
 from studies.lattices import cases, loading, surfaces, theory
 from studies.lattices.cases import Case, Solid
 

@@ -14,15 +14,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
+from msvalidate.cell_at_rest import DENSE
 from msvalidate.homogenise import (
-    DENSE,
-    highest_frequency,
     homogenised,
     network_tensor,
     periodic,
 )
 from msvalidate.lattice import patterns, repeated, turned, voronoi, voronoi_box
-from msvalidate.lattice.pattern import by_shells
 from msvalidate.problem import Box, ProblemError, SolverError
 from msvalidate.stiffness import VOIGT, isotropic_moduli, moduli, pattern_tensor
 
@@ -132,7 +130,7 @@ def test_small_and_large_networks_are_solved_alike(oracle, monkeypatch):
     pairs, vectors = springs_of(oracle)
     arguments = (len(oracle["points"]), pairs, vectors, oracle["stiffness"], 1.0)
     dense = periodic(*arguments)
-    monkeypatch.setattr("msvalidate.homogenise.DENSE", 10)
+    monkeypatch.setattr("msvalidate.cell_at_rest.DENSE", 10)
     sparse = periodic(*arguments)
     assert (dense.floppy, sparse.floppy) == (0, None)
     np.testing.assert_allclose(sparse.tensor, dense.tensor, rtol=1e-11, atol=1e-12 * DENSE)
@@ -272,40 +270,6 @@ def test_honeycomb_is_isotropic_at_any_ratio_from_a_third_to_one():
         assert moduli(found.affine).nu == pytest.approx(1 / 3, rel=1e-12)
 
 
-# Frequencies ----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("name", "constants", "expected"),
-    [
-        ("square", (1.0, 0.5), 6.0),
-        ("square", (0.8, 0.3), 4.4),
-        ("triangular", (0.7,), 4.2),
-        ("cubic18", (0.6, 0.6), 7.2),
-        ("cubic6", (1.5,), 6.0),
-        ("bcc", (0.6, 0.3), 4.4),
-        ("fcc", (0.5, 0.2), 4.8),
-    ],
-)
-def test_highest_frequency_of_an_endless_lattice(name, constants, expected):
-    assert highest_frequency(LATTICES[name](), constants) == pytest.approx(expected, rel=1e-12)
-
-
-def test_highest_frequency_between_the_phases_of_the_grid():
-    # Springs to the next and the one after: 4 k1 s² + 16 k2 s² (1 - s²), s = sin(q/2), greatest at
-    # s² = 5/8 for equal constants, a phase of 104 degrees.
-    pattern = by_shells("chains", (1.0, 1.0), [(0, 0)], (1.0, 2.0), {"equal": (1.0, 1.0)})
-    assert highest_frequency(pattern, (1.0, 1.0)) == pytest.approx(25 / 4, rel=1e-12)
-
-
-def test_highest_frequency_does_not_depend_on_the_cell():
-    for name in ("square", "triangular", "bcc", "honeycomb"):
-        pattern = LATTICES[name]()
-        constants = tuple(1.0 + 0.3 * kind for kind in range(pattern.kinds))
-        twice = highest_frequency(repeated(pattern, 2), constants)
-        assert highest_frequency(pattern, constants) == pytest.approx(twice, rel=1e-12), name
-
-
 @pytest.mark.parametrize(
     "lattice",
     [
@@ -341,7 +305,6 @@ def test_springs_of_an_irregular_body_are_not_taken_for_its_solid(lattice):
         (lambda: periodic(1, [[0, 0]], [[1.0, 0]], [-1.0], 1.0), "stiffness: [-1.0]; give"),
         (lambda: periodic(1, [], [], [], 1.0), "stiffness: []; give"),
         (lambda: periodic(10**9, [[0, 1]], [[1.0, 0]], [1.0], 1.0), "points, and the most is"),
-        (lambda: highest_frequency(repeated(patterns.fcc(), 7), (1.0, 1.0)), "the most is 1e+03"),
         (lambda: repeated(patterns.fcc(), 10**6), "repeated cell: 4e+18 points"),
         (lambda: moduli(np.diag([1.0, 2.0, 3.0])), "is not of cubic symmetry along the axes"),
         (lambda: isotropic_moduli(np.diag([1.0, 1.0, 0.0])), "some strain costs no energy"),
@@ -350,11 +313,6 @@ def test_springs_of_an_irregular_body_are_not_taken_for_its_solid(lattice):
 def test_bad_input_is_refused(call, message):
     with refused(message):
         call()
-
-
-def test_a_frequency_is_of_a_pattern_and_not_of_its_name():
-    with refused("pattern"):
-        highest_frequency("square", (1.0, 1.0))
 
 
 # Stiff beside soft -------------------------------------------------------------------------------
@@ -380,7 +338,8 @@ def test_rows_in_series_are_as_soft_as_their_springs_say(count, times):
     found = periodic(*cell)
     assert found.tensor[1, 1] == pytest.approx(stiffness, rel=found.error)
     assert found.floppy in {0, None}
-    assert found.error <= 1e-12
+    # Rounding of elongations weighs as the root of what stiffnesses are apart, between strains.
+    assert found.error <= 1e-12 + 1e-15 * times**0.5
 
 
 def test_random_stiffnesses_over_twelve_decades_have_the_energy_of_the_least():

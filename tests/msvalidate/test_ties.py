@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 from msvalidate.cut import cut_network
 from msvalidate.equilibrium import equilibrium
 from msvalidate.fit import fitted_constants
-from msvalidate.homogenise import highest_frequency, homogenised
+from msvalidate.homogenise import homogenised
 from msvalidate.kernels.grid import recognised
 from msvalidate.lattice import cut_lattice, fill, patterns, turned
 from msvalidate.lattice.pattern import by_shells, repeated
@@ -43,6 +43,7 @@ from msvalidate.problem import (
 )
 from msvalidate.spring_constants import isotropic_constants
 from msvalidate.stress import fitted_stress
+from msvalidate.waves import highest_frequency
 
 EPS = float(np.finfo(float).eps)
 LATTICES = patterns.known()

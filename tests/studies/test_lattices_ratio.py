@@ -14,10 +14,10 @@ from msvalidate.candidate import springs
 from msvalidate.compare import observed_order
 from msvalidate.evidence import held, judge
 from msvalidate.faults import every_spring
-from msvalidate.homogenise import highest_frequency
 from msvalidate.lattice import patterns
 from msvalidate.problem import Isotropic
 from msvalidate.sweep import Setting
+from msvalidate.waves import highest_frequency
 from studies import lattices
 from studies.lattices.ratio import (
     bent,

@@ -15,7 +15,7 @@ from msvalidate.stiffness import pattern_tensor
 def unrelaxed(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Homogenised:
     """The solid with its points held to the uniform strain, taken for the one at rest."""
     affine = pattern_tensor(pattern, constants, spacing)
-    return Homogenised(affine, affine.copy(), 0)
+    return Homogenised(affine, affine.copy(), floppy=0, error=0.0, solver="direct")
 
 
 def partly_unrelaxed(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Homogenised:
