@@ -56,10 +56,18 @@ def complete(
     longest = np.sort(edges)[::-1].tolist()
     apart = max((math.prod(longest[:k]) / n) ** (1 / k) for k in range(1, dim + 1))
     _refuse_too_many_images(n, box, min(FIRST_MARGIN * apart, furthest) / unit)
+    again = True
     while True:
         _refuse_too_many_images(n, box, margin / unit)
         everywhere, source, image = _images(x, edges, margin, mirrored=mirrored)
-        found = _cells(everywhere, source, n, regular=mirrored)
+        try:
+            found = _cells(everywhere, source, n, regular=mirrored)
+        except SolverError:
+            # Two points and their reflections are on one circle: with other images around them
+            # the simplex between them may not be flat.
+            if not again or margin >= furthest:
+                raise
+            found, again = None, False
         if found is not None:
             cells, beyond, centres, radius = found
             away = np.maximum(-centres, centres - edges).max(axis=1)

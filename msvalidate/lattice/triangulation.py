@@ -149,14 +149,9 @@ def merged(centres: Array, size: Array, reach: float, *, mirrored: bool) -> Arra
 
 
 def determinants(corners: Array) -> Array:
-    """Signed volumes times d! of simplices (c, d+1, d), written out: a general way takes longer."""
-    edges = (corners[:, 1:] - corners[:, :1]).transpose(1, 2, 0)
-    if len(edges) == 2:
-        (a, b), (c, d) = edges
-        return np.asarray(a * d - b * c)
-    a, b, c = edges
-    return np.asarray(
-        a[0] * (b[1] * c[2] - b[2] * c[1])
-        + a[1] * (b[2] * c[0] - b[0] * c[2])
-        + a[2] * (b[0] * c[1] - b[1] * c[0])
-    )
+    """Signed volumes times d! of simplices (c, d+1, d).
+
+    By elimination, which leaves rounding of flat ones where products written out leave 0: what has
+    a sign can be turned.
+    """
+    return np.asarray(np.linalg.det(corners[:, 1:] - corners[:, :1]))

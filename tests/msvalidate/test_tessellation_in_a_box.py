@@ -144,6 +144,13 @@ def test_one_point_in_a_box_has_all_of_it(size):
         assert len(t.springs) == 0
 
 
+def test_two_points_and_their_reflections_may_be_on_one_circle():
+    """With the images of the first margin the simplex between them is flat; with more it is not."""
+    size = (7.0, 7.0, 7.0)
+    points = periodic_points("uniform", 343, size, 40973523)
+    check_bounded(bounded_tessellation(points, Box(size)))
+
+
 @settings(deadline=None, max_examples=25)
 @given(
     count=st.integers(1, 20),
