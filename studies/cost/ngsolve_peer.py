@@ -1,4 +1,4 @@
-"""NGSolve on the same bodies: its own assembly and its sparse Cholesky, one thread."""
+"""NGSolve on the same bodies: its own assembly, sparse Cholesky and preconditioners, one thread."""
 
 from __future__ import annotations
 
@@ -12,6 +12,12 @@ from msvalidate.problem import Array, Isotropic
 
 ENDS = {2: ("left", "right"), 3: ("back", "front")}
 """What NGSolve calls the sides at x = 0 and x = 1."""
+CHOLESKY, H1AMG, LOCAL = "NGSolve sparse Cholesky", "NGSolve CG, h1amg", "NGSolve CG, local"
+SOLVERS = {CHOLESKY: None, H1AMG: "h1amg", LOCAL: "local"}
+"""Name -> preconditioner of its conjugate gradients; none of a factor."""
+MOST_STEPS = 5_000
+Sheared = Callable[[str], tuple[float, int]]
+"""Solves by a name of `SOLVERS`: the work of the load (J), and steps of conjugate gradients."""
 
 
 @dataclass
@@ -83,6 +89,43 @@ def block(cells: tuple[int, ...], material: Isotropic, traction: float) -> Block
         return float(values.max())
 
     return Block(assemble, solve, int(space.ndof), farthest)
+
+
+def sheared(cells: int, material: Isotropic, shear: float, left: float) -> Sheared | None:
+    """Unit cube of cells of first order, clamped at x = 0, pulled along -z at x = 1 by `shear` Pa.
+
+    Each solution assembles anew; conjugate gradients stop at `left` of the first residual. None
+    without NGSolve.
+    """
+    try:
+        import ngsolve as ng  # noqa: PLC0415
+        from ngsolve.krylovspace import CGSolver  # noqa: PLC0415
+        from ngsolve.meshes import MakeStructured3DMesh  # noqa: PLC0415
+    except (ImportError, OSError):
+        return None
+    ng.SetNumThreads(1)
+    mesh = MakeStructured3DMesh(hexes=True, nx=cells, ny=cells, nz=cells)
+    held, pulled = ENDS[3]
+    space = ng.VectorH1(mesh, order=1, dirichlet=held)
+
+    def solved(name: str) -> tuple[float, int]:
+        load = ng.LinearForm(space)
+        load += -shear * space.TestFunction()[2] * ng.ds(definedon=mesh.Boundaries(pulled))
+        load.Assemble()
+        form, found, kind = stiffness(ng, space, material), ng.GridFunction(space), SOLVERS[name]
+        before = ng.Preconditioner(form, kind) if kind else None
+        form.Assemble()
+        steps = 0
+        if before is None:
+            inverse = form.mat.Inverse(space.FreeDofs(), inverse="sparsecholesky")
+            found.vec.data = inverse * load.vec
+        else:
+            inverse = CGSolver(form.mat, before.mat, tol=left, maxiter=MOST_STEPS)
+            found.vec.data = inverse * load.vec
+            steps = int(inverse.iterations)
+        return float(ng.InnerProduct(load.vec, found.vec)), steps
+
+    return solved
 
 
 def stiffness(ng: Any, space: Any, material: Isotropic) -> Any:
