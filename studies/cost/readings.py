@@ -128,8 +128,8 @@ def growth_at_rest(shape: str, points: int, tables: Tables) -> Measured:
     table, grown = tables["equilibria"], tables["equilibria_growth"]
     if not _near(table.loc[table["shape"] == shape, "points"], points).any():
         return SMALL_FORM
-    grown = grown[(grown["shape"] == shape) & (grown["quantity"] == "seconds")].iloc[0]
-    return Reading([float(grown["exponent_here"])], 1)
+    grown = grown[(grown["shape"] == shape) & (grown["quantity"] == "seconds")]
+    return Reading([float(grown["exponent_here"].iloc[0])], 1)
 
 
 def over_peer(peer: str, points: int, tables: Tables) -> Measured:

@@ -72,7 +72,8 @@ FULL = {
 UNMEASURED = "not measured"
 COLUMNS = {
     "what": "what takes memory, or what a fresh process does: it answers, compiles what a first "
-    "run of springs in the plane takes or every form of the kernels, or solves a large body of elements or of springs",
+    "run of springs in the plane takes or every form of the kernels, or solves a large body of "
+    "elements or of springs",
     "round": "number of the round; contestants take turns in each",
     "value_here": "processor time beyond bare Python (s), seconds of compilation, or peak memory "
     '(GiB); "not measured" in the small form',
