@@ -103,13 +103,23 @@ NETWORKS: Mapping[str, Callable[[int], Network]] = {
 
 def cube(nodes: int) -> Network:
     """Cube of a cubic lattice with 18 neighbours, clamped at one end and sheared at the other."""
-    return solid((along(nodes, 3),) * 3)
+    return solid(cube_cells(nodes))
 
 
 def bar(nodes: int) -> Network:
     """The same, a hundred times as long as it is thick."""
-    across = max(2, round(math.sqrt(nodes / SLENDER) ** (2 / 3)))
-    return solid((SLENDER * across, across, across))
+    return solid(bar_cells(nodes))
+
+
+def cube_cells(nodes: int) -> tuple[int, int, int]:
+    """Cells along each side of the cube."""
+    return (along(nodes, 3),) * 3
+
+
+def bar_cells(nodes: int) -> tuple[int, int, int]:
+    """Cells along the bar and across: 100 a of them have about 100 (a + 2/3)³ points."""
+    across = max(2, round(float((nodes / SLENDER) ** (1 / 3)) - 2 / 3))
+    return (SLENDER * across, across, across)
 
 
 def solid(cells: tuple[int, ...]) -> Network:

@@ -91,8 +91,12 @@ def block(cells: tuple[int, ...], material: Isotropic, traction: float) -> Block
     return Block(assemble, solve, int(space.ndof), farthest)
 
 
-def sheared(cells: int, material: Isotropic, shear: float, left: float) -> Sheared | None:
-    """Unit cube of cells of first order, clamped at x = 0, pulled along -z at x = 1 by `shear` Pa.
+def sheared(
+    cells: tuple[int, int, int], material: Isotropic, shear: float, left: float
+) -> Sheared | None:
+    """Cubic cells of first order, clamped at one end, pulled along -z at the other by `shear` Pa.
+
+    The body is one metre across.
 
     Each solution assembles anew; conjugate gradients stop at `left` of the first residual. None
     without NGSolve.
@@ -104,7 +108,13 @@ def sheared(cells: int, material: Isotropic, shear: float, left: float) -> Shear
     except (ImportError, OSError):
         return None
     ng.SetNumThreads(1)
-    mesh = MakeStructured3DMesh(hexes=True, nx=cells, ny=cells, nz=cells)
+    nx, ny, nz = cells
+    sides = tuple(one / min(cells) for one in cells)
+
+    def placed(*unit: float) -> tuple[float, ...]:
+        return tuple(side * at for side, at in zip(sides, unit, strict=True))
+
+    mesh = MakeStructured3DMesh(hexes=True, nx=nx, ny=ny, nz=nz, mapping=placed)
     held, pulled = ENDS[3]
     space = ng.VectorH1(mesh, order=1, dirichlet=held)
 

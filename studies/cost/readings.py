@@ -135,6 +135,7 @@ def growth_at_rest(shape: str, points: int, tables: Tables) -> Measured:
 def over_peer(peer: str, points: int, tables: Tables) -> Measured:
     """Seconds of an equilibrium of a cube over those of another program."""
     table = tables["equilibrium_rounds"]
+    table = table[table["shape"] == "cube"]
     table = table[_near(table["points"], points)]
     if peer not in set(table["by"]):
         return SMALL_FORM
@@ -144,6 +145,7 @@ def over_peer(peer: str, points: int, tables: Tables) -> Measured:
 def from_peer(peer: str, points: int, tables: Tables) -> Measured:
     """Distance of another program's answer on a cube from ours."""
     table = tables["equilibrium_agreement"]
+    table = table[table["shape"] == "cube"]
     table = table[_near(table["points"], points) & (table["by"] == peer)]
     if table.empty:
         return SMALL_FORM

@@ -1,6 +1,7 @@
-"""Peers of the solvers: how long do NGSolve and SciPy take on the same clamped cubes?
+"""Peers of the solvers: how long do NGSolve and SciPy take on the same bodies?
 
-Question   Seconds of one equilibrium of a cube under end shear, beside other programs.
+Question   Seconds of one equilibrium of a clamped cube, and of a bar of 100 to 1, under end shear,
+           beside other programs.
 Candidate  `equilibrium` with the solver that it chooses.
 Reference  `spsolve` and `cg` of SciPy on the same tangent; NGSolve, where it is installed.
 Expected   The same displacement by SciPy; by NGSolve the same work of the load but for
@@ -23,18 +24,22 @@ import numpy as np
 import pandas as pd
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import cg, spsolve
+from tqdm import tqdm
 
 from msvalidate.equilibrium import Equilibrium
 from msvalidate.evidence import Evidence, Observed, Tolerance
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, SolverError
 from msvalidate.sweep import Setting
-from studies.cost import bodies, kernel, ngsolve_peer
+from studies.cost import bodies, kernel, ngsolve_peer, refinement
 from studies.cost.timing import ABSENT, QUICK_ROUNDS, SECONDS, in_turn, summary
 
-NODES, QUICK_NODES = (1_000, 3_000, 10_000, 30_000), (300, 1_000)
-REPEATED = 12_000
-"""Points beyond which all are timed once."""
+CUBE, BAR = "cube", "bar of 100 to 1"
+CELLS = {CUBE: bodies.cube_cells, BAR: bodies.bar_cells}
+SIZES = {CUBE: (1_000, 3_000, 10_000, 30_000), BAR: (4_000,)}
+QUICK_SIZES = {CUBE: (300, 1_000)}
+REPEATED = 4_000
+"""Points beyond which all are timed once, without an untimed turn before."""
 LEFT = 1e-8
 """Residual over the load at which conjugate gradients of others stop."""
 OURS = "ours"
@@ -43,13 +48,13 @@ MOST_NODES = {SPSOLVE: 4_000, ngsolve_peer.CHOLESKY: 12_000}
 """Points up to which a factor without nested dissection, or of NGSolve, is waited for."""
 TOLERANCES = (
     Tolerance(
-        "SciPy's spsolve from ours, over the largest displacement, worst",
+        "SciPy's spsolve from ours on cubes, over the largest displacement, worst",
         1e-9,
         "1",
         "rounding times the condition number, 1e-16 x 1e4, and some for the growth of pivots",
     ),
     Tolerance(
-        "SciPy's cg from ours, over the largest displacement, worst",
+        "SciPy's cg from ours on cubes, over the largest displacement, worst",
         1e-5,
         "1",
         "1e-8 of the load is left, times a few for the part that an end load has of the softest "
@@ -58,6 +63,9 @@ TOLERANCES = (
 )
 COLUMNS = {
     **SECONDS,
+    "shape": "plate or cube of lattice, clamped on one side and sheared on the other; the cube "
+    "with a ball inside of stiffer or softer springs; a bar bent by its end; or random tetrahedra",
+    "points": refinement.COLUMNS["points"],
     "round": kernel.COLUMNS["round"],
     "by": "ours as it chooses; SciPy on our tangent; or NGSolve on elements of its own",
     "steps_of_cg_here": 'steps of conjugate gradients; 0 of a factor and of ours, or "absent"',
@@ -79,9 +87,12 @@ Rest = Callable[[Network, str], Equilibrium]
 
 def run(rest: Rest, setting: Setting) -> Evidence:
     """Time all at every size, and hold the answers together."""
-    sizes = QUICK_NODES if setting.quick else NODES
+    sizes = QUICK_SIZES if setting.quick else SIZES
     rounds = 1 if setting.quick else QUICK_ROUNDS
-    pairs = [timed(rest, nodes, rounds) for nodes in sizes]
+    cases = [(shape, nodes) for shape, many in sizes.items() for nodes in many]
+    silent = None if setting.progress else True
+    bar = tqdm(cases, desc="peers of the solvers", delay=0.5, leave=False, disable=silent)
+    pairs = [timed(rest, shape, nodes, rounds) for shape, nodes in bar]
     laps = pd.DataFrame([row for rows, _ in pairs for row in rows])
     found = pd.DataFrame([row for _, rows in pairs for row in rows])
     table = summary(laps, "cpu_seconds")
@@ -96,21 +107,24 @@ def run(rest: Rest, setting: Setting) -> Evidence:
             TOLERANCES[1].quantity: Observed(worst(found, (CG, JACOBI))),
         },
         tolerances=TOLERANCES,
-        columns=COLUMNS | {"points": "of the network"},
+        columns=COLUMNS,
         findings=findings(table),
     )
 
 
-def timed(rest: Rest, nodes: int, rounds: int) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Rows of one cube: every program and round; and what every program found."""
-    net = bodies.cube(nodes)
+def timed(
+    rest: Rest, shape: str, nodes: int, rounds: int
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Rows of one body: every program and round; and what every program found."""
+    cells = CELLS[shape](nodes)
+    net = bodies.solid(cells)
     acts: dict[str, Callable[[], Answer] | None] = {
         OURS: partial(by_ours, rest, net),
         SPSOLVE: partial(by_spsolve, net),
         CG: partial(by_cg, net, jacobi=False),
         JACOBI: partial(by_cg, net, jacobi=True),
     }
-    peer = ngsolve_peer.sheared(bodies.along(nodes, 3), bodies.SOLID, bodies.STRAIN, LEFT)
+    peer = ngsolve_peer.sheared(cells, bodies.SOLID, bodies.STRAIN, LEFT)
     for name in ngsolve_peer.SOLVERS:
         acts[name] = partial(by_ngsolve, peer, name) if peer else None
     acts = {name: act for name, act in acts.items() if nodes <= MOST_NODES.get(name, nodes)}
@@ -118,7 +132,7 @@ def timed(rest: Rest, nodes: int, rounds: int) -> tuple[list[dict[str, Any]], li
     rounds = rounds if nodes <= REPEATED else 1
     there = {name: partial(_kept, answers, name, act) for name, act in acts.items() if act}
     laps = in_turn(there, rounds, warm=nodes <= REPEATED)
-    head = {"points": len(net.points)}
+    head = {"shape": shape, "points": len(net.points)}
     rows = [
         head
         | {"by": name, "round": number + 1}
@@ -170,7 +184,7 @@ def by_cg(net: Network, *, jacobi: bool) -> Answer:
     over = diags_array(1 / A.diagonal()) if jacobi else None
     x, failed = cg(A, load, rtol=LEFT, M=over, callback=lambda _: counted.append(1))
     if failed:
-        raise SolverError(f"SciPy cg: {failed} steps do not suffice; take a smaller cube")
+        raise SolverError(f"SciPy cg: {failed} steps do not suffice; take a smaller body")
     return answer(net, x, len(counted))
 
 
@@ -193,14 +207,19 @@ def answer(net: Network, free: Array, steps: int = 0) -> Answer:
 
 
 def worst(found: pd.DataFrame, names: tuple[str, ...]) -> float:
-    """Largest distance from ours; NaN counts as largest."""
-    values = found.loc[found["by"].isin(names), "from_ours_here"]
+    """Largest distance from ours on a cube; NaN counts as largest."""
+    values = found.loc[found["by"].isin(names) & (found["shape"] == CUBE), "from_ours_here"]
     return float(values.astype(float).max(skipna=False))
 
 
 def findings(table: pd.DataFrame) -> tuple[str, ...]:
-    """Seconds of every program on its largest cube that all of the quicker ones solved."""
-    most = table["points"].max()
-    there = table[(table["points"] == most) & (table["cpu_seconds"] != ABSENT)]
-    told = "; ".join(f"{r.by}: {float(r.cpu_seconds):.2g} s" for r in there.itertuples(index=False))
-    return (f"A cube of {most:,} points was at rest, assembly included, by {told}.",)
+    """Seconds of every program on the largest cube and bar."""
+    said = []
+    for shape, part in table.groupby("shape", sort=False):
+        most = part["points"].max()
+        there = part[(part["points"] == most) & (part["cpu_seconds"] != ABSENT)]
+        told = "; ".join(
+            f"{row.by}: {float(row.cpu_seconds):.2g} s" for row in there.itertuples(index=False)
+        )
+        said.append(f"A {shape} of {most:,} points was at rest, assembly included: {told}.")
+    return tuple(said)

@@ -113,8 +113,7 @@ COLUMNS = {
     **kernel.COLUMNS,
     **GROWTH,
     **SECONDS,
-    "shape": "plate or cube of lattice, clamped on one side and sheared on the other; the cube "
-    "with a ball inside of stiffer or softer springs; a bar bent by its end; or random tetrahedra",
+    "shape": solver_peers.COLUMNS["shape"],
     "points": refinement.COLUMNS["points"],
     "solver": "that was chosen",
     "corrections_here": refinement.COLUMNS["corrections_here"],

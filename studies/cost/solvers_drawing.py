@@ -30,7 +30,8 @@ def draw(tables: Tables) -> Figure:
         )
     axes[0].set_title("springs, as chosen", fontsize=8)
     if beside is not None:
-        by_program(axes[1], beside[beside["cpu_seconds"] != ABSENT])
+        there = (beside["shape"] == "cube") & (beside["cpu_seconds"] != ABSENT)
+        by_program(axes[1], beside[there])
     for axis in axes:
         axis.set(xlabel="points", ylabel="seconds on one core")
         axis.legend(fontsize=6)
