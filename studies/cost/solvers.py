@@ -173,7 +173,7 @@ def measured(
     laps = {"ours": [first], "theirs": [second]}
     if len(net.points) <= REPEATED:
         laps = in_turn(acts, rounds, warm=False)
-    u, v = found.displacement, again.displacement[np.argsort(theirs.order)]
+    u, v = found.displacement, again.displacement[np.argsort(theirs.order, kind="stable")]
     return {
         "shape": body,
         "points": len(net.points),
@@ -212,7 +212,7 @@ def other(rest: Rest, net: Network, found: Equilibrium) -> Beside:
 
 def renumbered(net: Network, order: Index) -> Network:
     """A network of springs alone with its points (n,) in another order, its springs in another."""
-    place = np.argsort(order)
+    place = np.argsort(order, kind="stable")
     turn = np.random.default_rng(1).permutation(len(net.springs))
     return spring_network(
         net.points[order],

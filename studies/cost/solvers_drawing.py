@@ -12,7 +12,7 @@ from msvalidate.evidence import Tables
 from studies.cost.timing import ABSENT
 
 C = figures.COLOURS
-MARKS = "os^vDP"
+MARKS = "os^vDP*"
 
 
 def draw(tables: Tables) -> Figure:
