@@ -103,22 +103,22 @@ NETWORKS: Mapping[str, Callable[[int], Network]] = {
 
 def cube(nodes: int) -> Network:
     """Cube of a cubic lattice with 18 neighbours, clamped at one end and sheared at the other."""
-    return solid(cube_cells(nodes))
+    return solid(cube_cells(along(nodes, 3)))
 
 
 def bar(nodes: int) -> Network:
     """The same, a hundred times as long as it is thick."""
-    return solid(bar_cells(nodes))
-
-
-def cube_cells(nodes: int) -> tuple[int, int, int]:
-    """Cells along each side of the cube."""
-    return (along(nodes, 3),) * 3
-
-
-def bar_cells(nodes: int) -> tuple[int, int, int]:
-    """Cells along the bar and across: 100 a of them have about 100 (a + 2/3)³ points."""
     across = max(2, round(float((nodes / SLENDER) ** (1 / 3)) - 2 / 3))
+    return solid(bar_cells(across))
+
+
+def cube_cells(across: int) -> tuple[int, int, int]:
+    """Cells along each side of the cube."""
+    return (across,) * 3
+
+
+def bar_cells(across: int) -> tuple[int, int, int]:
+    """Cells along the bar and across: about 100 (a + 2/3)³ points, if a are across."""
     return (SLENDER * across, across, across)
 
 

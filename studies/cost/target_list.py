@@ -180,10 +180,10 @@ def _solver_targets() -> list[Target]:
                 partial(over_peer, peer, points),
             )
             for peer, points in (
-                ("SciPy spsolve", 3_000),
+                ("SciPy spsolve", 2_200),
                 ("NGSolve sparse Cholesky", 10_000),
-                ("NGSolve CG, h1amg", 30_000),
-                ("SciPy cg with Jacobi", 30_000),
+                ("NGSolve CG, multigrid", 36_000),
+                ("SciPy cg with Jacobi", 36_000),
             )
         ),
         (

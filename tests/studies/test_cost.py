@@ -228,10 +228,12 @@ def test_ngsolve_does_the_same_work_on_a_sheared_cube():
     ours = np.vdot(net.force, solvers.solved(net, "auto").displacement)
     assert none == 0
     assert ours == pytest.approx(true, rel=0.05)
-    # Its h1amg is not the same at every call, and was seen to stop at 4e-4 of the work.
-    for name, near in ((ngsolve_peer.LOCAL, 1e-9), (ngsolve_peer.H1AMG, 1e-2)):
+    # Multigrid is on tetrahedra, which are stiffer than cubes.
+    for name, near in ((ngsolve_peer.LOCAL, 1e-9), (ngsolve_peer.MULTIGRID, 0.1)):
         assert work[name][0] == pytest.approx(true, rel=near)
-        assert work[name][1] > 10
+        assert work[name][1] > 5
+    assert ngsolve_peer.doublings((6, 6, 6)) == 1
+    assert ngsolve_peer.doublings((400, 4, 4)) == 1
 
 
 def test_lammps_moves_the_same_springs():
@@ -391,15 +393,15 @@ def test_targets_read_equilibria():
             {"points": 1_000, "by": ["ours", "SciPy spsolve"], "round": 1, "cpu_seconds": [1, 4]}
         ).assign(shape="cube"),
         "equilibrium_agreement": pd.DataFrame(
-            {"points": 1_000, "by": ["NGSolve CG, h1amg"], "from_ours_here": [ABSENT]}
+            {"points": 1_000, "by": ["NGSolve CG, local"], "from_ours_here": [ABSENT]}
         ).assign(shape="cube"),
     }
     assert readings.seconds_at_rest("cube", 100_000, tables).values == [12.0]
     assert readings.growth_at_rest("cube", 100_000, tables).values == [1.05]
     assert readings.growth_at_rest("cube", 300_000, tables) == readings.SMALL_FORM
     assert readings.over_peer("SciPy spsolve", 1_000, tables).values == [0.25]
-    assert readings.over_peer("NGSolve CG, h1amg", 1_000, tables) == readings.SMALL_FORM
-    assert readings.from_peer("NGSolve CG, h1amg", 1_000, tables) == readings.NO_PEER
+    assert readings.over_peer("NGSolve CG, local", 1_000, tables) == readings.SMALL_FORM
+    assert readings.from_peer("NGSolve CG, local", 1_000, tables) == readings.NO_PEER
 
 
 def test_every_target_is_named_once():
