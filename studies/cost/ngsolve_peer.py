@@ -16,7 +16,7 @@ CHOLESKY, LOCAL = "NGSolve sparse Cholesky", "NGSolve CG, local"
 MULTIGRID = "NGSolve CG, multigrid"
 SOLVERS = {CHOLESKY: None, LOCAL: "local", MULTIGRID: "multigrid"}
 """Name -> preconditioner of its conjugate gradients; none of a factor."""
-MOST_STEPS = 5_000
+MOST_STEPS = 20_000
 Sheared = Callable[[str], tuple[float, int]]
 """Solves by a name of `SOLVERS`: the work of the load (J), and steps of conjugate gradients."""
 
