@@ -9,14 +9,17 @@ the same process and in turn. One question a file:
 - `fem`: seconds to assemble and to solve, beside SciPy and NGSolve;
 - `relaxation`: steps and seconds to rest, and their growth;
 - `refinement`: corrections of a linear solution, and their part of its time;
+- `solvers`: seconds, memory and steps of an equilibrium by a factor or multigrid; whether its
+  stated error is true;
+- `solver_peers`: the same cubes by NGSolve and SciPy;
 - `large`: large networks by Newton's method with multigrid, and bytes a point;
 - `targets`: what was aimed at, and what this machine reached;
 - `machine`: processor, caches, versions.
 
 Candidate: the kernel's `Motion`, the table of relaxations and the ways to solve elements.
-Reference: plain forms of the same steps, predictions from frequencies, `spsolve`. Times are told
-and never judged; agreement, counts of steps and their growth are. Peers (LAMMPS, NGSolve) are left
-out where they are not installed.
+Reference: plain forms of the same steps, predictions from frequencies, `spsolve`, another solver.
+Times are told and never judged; agreement, counts of steps and their growth are. Peers (LAMMPS,
+NGSolve) are left out where they are not installed.
 """
 
 from __future__ import annotations
@@ -28,6 +31,7 @@ from functools import cache, partial
 from msvalidate import kernels
 from msvalidate.candidate import of_kind
 from msvalidate.evidence import Evidence, answers
+from msvalidate.network import Network
 from msvalidate.relax import Method
 from msvalidate.relaxations import RELAXATIONS
 from msvalidate.sweep import Setting
@@ -41,6 +45,8 @@ from studies.cost import (
     machine,
     refinement,
     relaxation,
+    solver_peers,
+    solvers,
     spoilt,
     targets,
 )
@@ -62,12 +68,18 @@ class Candidate:
         Name -> way to solve a finite element body; "auto" is the one that is timed.
     linear
         The linear equilibrium of a network.
+    rest
+        The same by the solver of a name.
+    multigrid_steps
+        Steps of conjugate gradients that multigrid takes to it.
     """
 
     motion: Moving = kernels.Motion
     relaxations: Mapping[str, Method] = field(default_factory=lambda: dict(RELAXATIONS))
     elements: Mapping[str, Solve] = field(default_factory=lambda: dict(fem_ways.WAYS))
     linear: refinement.Linear = refinement.solved
+    rest: solver_peers.Rest = solvers.solved
+    multigrid_steps: Callable[[Network], int] = solvers.steps
 
 
 OURS = Candidate()
@@ -102,6 +114,14 @@ FAULTS = {
         "candidate": replace(OURS, linear=refinement.unrefined),
         "questions": ("refinement",),
     },
+    "a solver that stops early and states no error": {
+        "candidate": replace(OURS, rest=spoilt.careless),
+        "questions": ("solvers",),
+    },
+    "a solver without coarse levels": {
+        "candidate": replace(OURS, multigrid_steps=spoilt.without_levels),
+        "questions": ("solvers",),
+    },
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""
@@ -121,6 +141,8 @@ def run(
         "fem": cache(partial(fem.run, candidate.elements, setting)),
         "relaxation": cache(partial(relaxation.run, candidate.relaxations, setting)),
         "refinement": cache(partial(refinement.run, candidate.linear, setting)),
+        "solvers": cache(partial(solvers.run, candidate.rest, candidate.multigrid_steps, setting)),
+        "solver_peers": cache(partial(solver_peers.run, candidate.rest, setting)),
         "large": cache(
             partial(large.run, candidate.relaxations[large.METHOD], candidate.elements, setting)
         ),

@@ -1,4 +1,4 @@
-"""The networks whose steps are timed: a plate's lattice, random triangles, random tetrahedra."""
+"""The networks that are timed: plates, cubes and bars of lattice, random triangles, tetrahedra."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import Delaunay
 
 from msvalidate.body import lattice_network
-from msvalidate.lattice import square
+from msvalidate.lattice import fill, patterns, square
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
 from msvalidate.run import SAFETY
@@ -26,6 +26,12 @@ MATERIALS = {"soft tissue": 1e4, "rubber": 1e6, "steel": 2e11}
 """Young's moduli (Pa) whose real time is told; steel's density is its own."""
 DENSITIES = {"soft tissue": 1000.0, "rubber": 1000.0, "steel": 7800.0}
 E = MATERIALS["rubber"]
+SOLID = Isotropic(E=1.0, nu=0.25, state="solid")
+"""Of cubes and bars: a ratio that springs alone can be."""
+SLENDER = 100
+"""Length over thickness of a bar."""
+CORE = 0.3
+"""Radius (m) of the stiff or soft ball in a cube of one metre."""
 VOLUME_PART = 0.5
 """κ of cells over E t: a ratio of 0.5 or so in plane stress; only its presence matters to time."""
 
@@ -93,6 +99,47 @@ NETWORKS: Mapping[str, Callable[[int], Network]] = {
     "random triangles": triangles,
     "random tetrahedra": tetrahedra,
 }
+
+
+def cube(nodes: int) -> Network:
+    """Cube of a cubic lattice with 18 neighbours, clamped at one end and sheared at the other."""
+    return solid(cube_cells(along(nodes, 3)))
+
+
+def bar(nodes: int) -> Network:
+    """The same, a hundred times as long as it is thick."""
+    across = max(2, round(float((nodes / SLENDER) ** (1 / 3)) - 2 / 3))
+    return solid(bar_cells(across))
+
+
+def cube_cells(across: int) -> tuple[int, int, int]:
+    """Cells along each side of the cube."""
+    return (across,) * 3
+
+
+def bar_cells(across: int) -> tuple[int, int, int]:
+    """Cells along the bar and across: about 100 (a + 2/3)³ points, if a are across."""
+    return (SLENDER * across, across, across)
+
+
+def solid(cells: tuple[int, ...]) -> Network:
+    """Cubic lattice of so many cells, E = 1 Pa, one metre across."""
+    box = Box(tuple(one / min(cells) for one in cells))
+    problem = Problem(
+        box,
+        SOLID,
+        (Support(box.side("left"), (0.0,) * 3),),
+        (Traction(box.side("right"), (0.0, 0.0, -STRAIN)),),
+    )
+    return lattice_network(problem, fill(patterns.cubic18(), box, cells))
+
+
+def with_core(nodes: int, times: float) -> Network:
+    """The cube, with springs stiffer by `times` whose middles lie in a ball inside."""
+    net = cube(nodes)
+    middle = net.points[net.springs].mean(axis=1)
+    inside = np.linalg.norm(middle - 0.5, axis=1) < CORE
+    return net.scaled(np.where(inside, times, 1.0))
 
 
 @cache

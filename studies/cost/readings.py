@@ -114,6 +114,45 @@ def newton_growth(tables: Tables) -> Measured:
     return Reading([gain / math.log(last["nodes"] / first["nodes"])], int(last["rounds"]))
 
 
+def seconds_at_rest(shape: str, points: int, tables: Tables) -> Measured:
+    """Seconds of an equilibrium of springs."""
+    table = tables["equilibria"][tables["equilibria"]["shape"] == shape]
+    table = table[_near(table["points"], points)]
+    if table.empty:
+        return SMALL_FORM
+    return Reading([float(table["cpu_seconds"].iloc[0])], int(table["rounds"].iloc[0]))
+
+
+def growth_at_rest(shape: str, points: int, tables: Tables) -> Measured:
+    """Exponent of these seconds, where the largest body has so many points."""
+    table, grown = tables["equilibria"], tables["equilibria_growth"]
+    if not _near(table.loc[table["shape"] == shape, "points"], points).any():
+        return SMALL_FORM
+    grown = grown[(grown["shape"] == shape) & (grown["quantity"] == "seconds")]
+    return Reading([float(grown["exponent_here"].iloc[0])], 1)
+
+
+def over_peer(peer: str, points: int, tables: Tables) -> Measured:
+    """Seconds of an equilibrium of a cube over those of another program."""
+    table = tables["equilibrium_rounds"]
+    table = table[table["shape"] == "cube"]
+    table = table[_near(table["points"], points)]
+    if peer not in set(table["by"]):
+        return SMALL_FORM
+    return compared(table, "cpu_seconds", {"by": "ours"}, {"by": peer})
+
+
+def from_peer(peer: str, points: int, tables: Tables) -> Measured:
+    """Distance of another program's answer on a cube from ours."""
+    table = tables["equilibrium_agreement"]
+    table = table[table["shape"] == "cube"]
+    table = table[_near(table["points"], points) & (table["by"] == peer)]
+    if table.empty:
+        return SMALL_FORM
+    value = table["from_ours_here"].iloc[0]
+    return NO_PEER if value == ABSENT else Reading([float(value)], 1)
+
+
 def beside_steps(nodes: int, tables: Tables) -> Measured:
     """Seconds over steps times the kernel's, of the explicit method that is fastest."""
     table = tables["relaxation"]

@@ -67,7 +67,7 @@ COLUMNS = {
     "solution_cpu_seconds": "of a linear equilibrium: median of the rounds (s)",
     "one_solve_cpu_seconds": "of tangent, factor, softest motion and one solve (s)",
     "refinement_part_here": "of the solution's time that is neither of these (1)",
-    "corrections_here": "made by the same factor after the first solve",
+    "corrections_here": "made by the same inverse after the first solve",
     "error_here": "largest of the displacement that it states, over the largest one (1)",
 }
 

@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 
 from msvalidate import kernels
+from msvalidate.equilibrium import Equilibrium, equilibrium
 from msvalidate.integrators import LEAPFROG
+from msvalidate.inverse import PART, Choice
+from msvalidate.multigrid import conjugate_gradients, cycle_of, restrained
 from msvalidate.network import Network
 from msvalidate.problem import Array
 from msvalidate.relaxations import RELAXATIONS
@@ -21,6 +24,9 @@ from studies.cost.fem_ways import Found
 LEAPFROGGING = RELAXATIONS["viscous_leapfrog"]
 COARSE = 300
 """Nodes at which a step that shrinks with the network is the usual one."""
+SLOPPY = 1e-3
+"""Part of an answer that a careless solver leaves."""
+MOST_STEPS = 5_000
 
 
 def dropping(net: Network, **how: Any) -> kernels.Motion:
@@ -60,6 +66,26 @@ def rounded(body: Any, K: Any, held: Any, force: Array) -> Found:
     found = fem_ways.by("auto", body, K, held, force)
     single = np.asarray(found.displacement, dtype=np.float32).astype(float)
     return found._replace(displacement=single)
+
+
+def careless(net: Network, solver: str) -> Equilibrium:
+    """By multigrid a thousandth off, and stated to be right to the last digit."""
+    if solver == "direct":
+        return equilibrium(net, solver=solver)
+    A = restrained(net, net.points)
+    found = conjugate_gradients(A, net.force.ravel(), cycle_of(A, net, net.points), SLOPPY)
+    u = found.solution.reshape(net.points.shape)
+    said = Choice("multigrid", "in haste")
+    return Equilibrium(u, net.points + u, np.zeros_like(u), 0.0, 3, error=1e-16, solver=said)
+
+
+def without_levels(net: Network) -> int:
+    """Steps of conjugate gradients over the diagonal, without coarse levels."""
+    A = restrained(net, net.points)
+    over = 1 / A.diagonal()
+    return conjugate_gradients(
+        A, net.force.ravel(), lambda load: over * load, PART, most=MOST_STEPS
+    ).cycles
 
 
 HALF_COUNTED = replace(LEAPFROGGING, walk=_half_counted)

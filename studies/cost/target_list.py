@@ -11,11 +11,15 @@ from studies.cost.readings import (
     Measured,
     beside_steps,
     elements,
+    from_peer,
+    growth_at_rest,
     largest,
     network_over,
     newton_growth,
     newton_over_elements,
     ours_over,
+    over_peer,
+    seconds_at_rest,
     share,
     speed_up,
     started,
@@ -151,6 +155,46 @@ def _element_targets() -> list[Target]:
     ]
 
 
+def _solver_targets() -> list[Target]:
+    rows: list[tuple[str, float, Callable[[Tables], Measured]]] = [
+        ("1e5 points in space at rest (s)", 20.0, partial(seconds_at_rest, "cube", 100_000)),
+        (
+            "peak memory of 1e5 points in space at rest (GiB)",
+            2.0,
+            partial(started, "1e5 points in space, GiB"),
+        ),
+        (
+            "exponent of seconds to rest, cubes, 10,000 to 100,000 points",
+            1.2,
+            partial(growth_at_rest, "cube", 100_000),
+        ),
+        (
+            "exponent of seconds to rest, plates, 10,000 to 300,000 points",
+            1.2,
+            partial(growth_at_rest, "plate", 300_000),
+        ),
+        *(
+            (
+                f"equilibrium over {peer}, cube, {points:,} points",
+                1.0,
+                partial(over_peer, peer, points),
+            )
+            for peer, points in (
+                ("SciPy spsolve", 2_200),
+                ("NGSolve sparse Cholesky", 10_000),
+                ("NGSolve CG, multigrid", 36_000),
+                ("SciPy cg with Jacobi", 36_000),
+            )
+        ),
+        (
+            "work of the load by NGSolve from ours, over it, cube, 10,000 points",
+            0.05,
+            partial(from_peer, "NGSolve sparse Cholesky", 10_000),
+        ),
+    ]
+    return [Target(words, "at most", wanted, measure) for words, wanted, measure in rows]
+
+
 def _other_targets() -> list[Target]:
     rows: list[tuple[str, float, Callable[[Tables], Measured]]] = [
         ("peak memory of 3e5 unknowns, solid (GiB)", 4.0, partial(started, "3e5 unknowns, GiB")),
@@ -192,5 +236,11 @@ def _other_targets() -> list[Target]:
     return [Target(words, "at most", wanted, measure) for words, wanted, measure in rows]
 
 
-TARGETS = (*_kernel_targets(), *_network_targets(), *_element_targets(), *_other_targets())
+TARGETS = (
+    *_kernel_targets(),
+    *_network_targets(),
+    *_element_targets(),
+    *_solver_targets(),
+    *_other_targets(),
+)
 """In the order in which they are told."""

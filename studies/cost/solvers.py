@@ -1,0 +1,297 @@
+"""Solvers: how do seconds, memory and steps of an equilibrium grow, and is its stated error true?
+
+Question   Seconds of one linear equilibrium as the package solves it, by a factor or by multigrid,
+           against the points; on plates, cubes, slender bars, random tetrahedra, and cubes with a
+           core stiffer or softer by 1e6. How many steps of multigrid, how many bytes?
+Candidate  `equilibrium` with the solver that it chooses.
+Reference  The other solver on the same network, in turn. Where a factor cannot be afforded,
+           multigrid on the same points in random order: other aggregates, other sums.
+Expected   Work and memory of multigrid in proportion to the points, its steps the same at any size.
+           Two answers are no further apart than their stated errors together.
+
+A factor's work grows as the square of the points in space, so it is asked only up to `FACTORED`.
+Seconds are told and not judged. `solver_peers` has NGSolve and SciPy on the same cubes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from tqdm import tqdm
+
+from msvalidate.compare import fitted_power
+from msvalidate.equilibrium import Equilibrium, equilibrium
+from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.inverse import Cycles, Solver
+from msvalidate.network import Network, spring_network
+from msvalidate.problem import Index
+from msvalidate.sweep import Setting
+from studies.cost import (
+    bodies,
+    kernel,
+    large,
+    refinement,
+    relaxation,
+    solver_peers,
+    solvers_drawing,
+)
+from studies.cost.timing import GROWTH, QUICK_ROUNDS, SECONDS, Act, Lap, in_turn, lap
+
+Rest = solver_peers.Rest
+BODIES: dict[str, Callable[[int], Network]] = {
+    "plate": bodies.lattice,
+    "cube": bodies.cube,
+    "cube, core stiffer by 1e6": partial(bodies.with_core, times=1e6),
+    "cube, core softer by 1e6": partial(bodies.with_core, times=1e-6),
+    "bar of 100 to 1": bodies.bar,
+    "random tetrahedra": bodies.tetrahedra,
+}
+GROWING = ("plate", "cube")
+"""Bodies of the same shape at every size, whose growth is fitted."""
+SIZES = {
+    "plate": (10_000, 30_000, 100_000, 300_000),
+    "cube": (10_000, 30_000, 100_000),
+    "cube, core stiffer by 1e6": (10_000, 30_000),
+    "cube, core softer by 1e6": (10_000, 30_000),
+    "bar of 100 to 1": (4_000, 30_000),
+    "random tetrahedra": (10_000, 30_000),
+}
+QUICK_SIZES = {
+    "plate": (300, 1_000, 3_000),
+    "cube": (300, 1_000, 3_000),
+    "cube, core stiffer by 1e6": (1_000,),
+    "cube, core softer by 1e6": (1_000,),
+    "bar of 100 to 1": (1_000,),
+    "random tetrahedra": (1_000,),
+}
+WEIGHED, QUICK_WEIGHED = (3_000, 10_000, 30_000), (1_000, 2_000, 4_000)
+"""Points of the cubes whose memory is looked at."""
+FACTORED = {2: 150_000, 3: 15_000}
+"""Points up to which a factor is asked for where multigrid was chosen: ten seconds or so."""
+REPEATED = 12_000
+"""Points beyond which an equilibrium is timed once, without an untimed turn before."""
+TOLERANCES = (
+    Tolerance(
+        "exponent of multigrid's steps in points, plates and cubes, worst",
+        0.15,
+        "1",
+        "0: a W-cycle takes as much off at any size; a step or two more on ten for each decade",
+    ),
+    Tolerance(
+        "difference of two answers over the sum of their stated errors, worst",
+        1.0,
+        "1",
+        "each says how far it may be off, at the most",
+    ),
+    Tolerance(
+        "stated error, worst",
+        1e-12,
+        "1",
+        "refined until doubles have no more digits, 1e-16; of a bar the rounding of springs' "
+        "vectors counts by the square of its slenderness, 1e4",
+    ),
+    Tolerance(
+        "corrections of multigrid, most",
+        1.0,
+        "1",
+        "2: a solution and each correction leave 1e-5 of what was there, the third time 1e-15; "
+        "one more where that is not yet below rounding",
+    ),
+    Tolerance(
+        "exponent of multigrid's bytes in springs, cubes",
+        0.1,
+        "1",
+        "1: blocks of the tangent and of coarse levels, some part of these; the coarse ones lack "
+        "neighbours at the surface, a few hundredths a decade. Of a factor's entries it is 4/3",
+    ),
+)
+COLUMNS = {
+    **kernel.COLUMNS,
+    **GROWTH,
+    **SECONDS,
+    "shape": solver_peers.COLUMNS["shape"],
+    "points": refinement.COLUMNS["points"],
+    "solver": "that was chosen",
+    "corrections_here": refinement.COLUMNS["corrections_here"],
+    "steps_of_multigrid_here": "of conjugate gradients by multigrid, a cycle each, in its first "
+    "solve",
+    "beside": "what answers as well: the other solver, or multigrid on points in another order",
+    "beside_cpu_seconds": "its time in the same rounds (s)",
+    "rounds": large.COLUMNS["rounds"],
+    "stated_here": "largest error of the displacement that is stated, over the largest one (1)",
+    "beside_stated_here": "the same of what answers as well (1)",
+    "from_beside_here": "largest distance of the two displacements over the largest one (1)",
+    "quantity": relaxation.COLUMNS["quantity"],
+    "most_bytes": "most that NumPy holds during an equilibrium by multigrid (bytes)",
+    "most_a_spring_bytes": "the same over the springs (bytes)",
+}
+
+
+class Beside(NamedTuple):
+    """What answers as well: its name, what it does, and the network's points in its order."""
+
+    name: str
+    act: Callable[[], Equilibrium]
+    order: Index
+
+
+def run(rest: Rest, steps: Callable[[Network], int], setting: Setting) -> Evidence:
+    """Solve each body twice, count steps, and weigh what multigrid holds."""
+    sizes = QUICK_SIZES if setting.quick else SIZES
+    rounds = 1 if setting.quick else QUICK_ROUNDS
+    cases = [(body, nodes) for body, many in sizes.items() for nodes in many]
+    silent = None if setting.progress else True
+    bar = tqdm(cases, desc="equilibria", delay=0.5, leave=False, disable=silent)
+    table = pd.DataFrame([measured(rest, steps, body, nodes, rounds) for body, nodes in bar])
+    weighed = pd.DataFrame(
+        [held_at_most(rest, nodes) for nodes in (QUICK_WEIGHED if setting.quick else WEIGHED)]
+    )
+    grown = growth(table)
+    return Evidence(
+        tables={"equilibria": table, "equilibria_growth": grown, "equilibria_memory": weighed},
+        observed=judged(table, grown, weighed),
+        tolerances=TOLERANCES,
+        figures={"equilibria": solvers_drawing.draw},
+        columns=COLUMNS,
+        findings=findings(table, grown),
+    )
+
+
+def measured(
+    rest: Rest, steps: Callable[[Network], int], body: str, nodes: int, rounds: int
+) -> dict[str, Any]:
+    """Row of one body: its equilibrium as chosen, and what answers as well."""
+    net = BODIES[body](nodes)
+    found, first = answered(partial(rest, net, "auto"))
+    theirs = other(rest, net, found)
+    again, second = answered(theirs.act)
+    acts: dict[str, Act] = {"ours": partial(rest, net, "auto"), "theirs": theirs.act}
+    laps = {"ours": [first], "theirs": [second]}
+    if len(net.points) <= REPEATED:
+        laps = in_turn(acts, rounds, warm=False)
+    u, v = found.displacement, again.displacement[np.argsort(theirs.order, kind="stable")]
+    return {
+        "shape": body,
+        "points": len(net.points),
+        "springs": len(net.springs),
+        "solver": by(found),
+        "corrections_here": found.iterations - 1,
+        "steps_of_multigrid_here": steps(net),
+        "cpu_seconds": float(np.median([one.cpu for one in laps["ours"]])),
+        "beside": theirs.name,
+        "beside_cpu_seconds": float(np.median([one.cpu for one in laps["theirs"]])),
+        "rounds": len(laps["ours"]),
+        "stated_here": found.error,
+        "beside_stated_here": again.error,
+        "from_beside_here": float(np.abs(u - v).max() / np.abs(u).max()),
+    }
+
+
+def answered(act: Callable[[], Equilibrium]) -> tuple[Equilibrium, Lap]:
+    """What an act answers, and what it takes."""
+    found: list[Equilibrium] = []
+    taken = lap(lambda: found.append(act()))
+    return found[0], taken
+
+
+def other(rest: Rest, net: Network, found: Equilibrium) -> Beside:
+    """The other solver, or, where a factor is dear, multigrid on the points in random order."""
+    n, dim = net.points.shape
+    if by(found) == "direct":
+        return Beside("multigrid", partial(rest, net, "multigrid"), np.arange(n))
+    if n <= FACTORED[dim]:
+        return Beside("direct", partial(rest, net, "direct"), np.arange(n))
+    order = np.random.default_rng(0).permutation(n)
+    shuffled = renumbered(net, order)
+    return Beside("multigrid, in random order", partial(rest, shuffled, "multigrid"), order)
+
+
+def renumbered(net: Network, order: Index) -> Network:
+    """A network of springs alone with its points (n,) in another order, its springs in another."""
+    place = np.argsort(order, kind="stable")
+    turn = np.random.default_rng(1).permutation(len(net.springs))
+    return spring_network(
+        net.points[order],
+        place[net.springs][turn],
+        net.stiffness[turn],
+        rest_length=net.rest_length[turn],
+        mass=net.mass[order],
+        held=net.held[order],
+        force=net.force[order],
+    )
+
+
+def by(found: Equilibrium) -> str:
+    """Name of the solver that was chosen."""
+    return found.solver.name if found.solver else "none"
+
+
+def held_at_most(rest: Rest, nodes: int) -> dict[str, Any]:
+    """Row of a cube: what NumPy holds while it is solved by multigrid."""
+    net = bodies.cube(nodes)
+    _, peak = large.weighed(partial(rest, net, "multigrid"))
+    return {
+        "points": len(net.points),
+        "springs": len(net.springs),
+        "most_bytes": peak,
+        "most_a_spring_bytes": peak / len(net.springs),
+    }
+
+
+def growth(table: pd.DataFrame) -> pd.DataFrame:
+    """Exponents of steps and of seconds in the points, of bodies that grow in one shape."""
+    rows = []
+    for body in GROWING:
+        part = table[table["shape"] == body]
+        for quantity, column in (("steps", "steps_of_multigrid_here"), ("seconds", "cpu_seconds")):
+            fit = fitted_power(part["points"], part[column].astype(float))
+            rows.append(
+                {"shape": body, "quantity": quantity}
+                | dict(zip(("exponent_here", "low_here", "high_here"), fit, strict=True))
+            )
+    return pd.DataFrame(rows)
+
+
+def judged(table: pd.DataFrame, grown: pd.DataFrame, weighed: pd.DataFrame) -> dict[str, Observed]:
+    """What is held to the tolerances; the worst of each."""
+    steps = grown.loc[grown["quantity"] == "steps", "exponent_here"]
+    both = table["stated_here"] + table["beside_stated_here"]
+    most = table.loc[table["solver"] == "multigrid", "corrections_here"]
+    stated = table[["stated_here", "beside_stated_here"]].to_numpy().max()
+    values = (
+        Observed(float(steps.abs().max())),
+        Observed(float((table["from_beside_here"] / both).max(skipna=False))),
+        Observed(float(stated)),
+        Observed(float(most.max()), 2.0),
+        Observed(fitted_power(weighed["springs"], weighed["most_bytes"]).exponent, 1.0),
+    )
+    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+
+
+def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
+    """Seconds of the largest plate and cube, and how they grow."""
+    said = []
+    power = grown[grown["quantity"] == "seconds"].set_index("shape")["exponent_here"]
+    for body in GROWING:
+        last = table[table["shape"] == body].iloc[-1]
+        said.append(
+            f"A {body} of {last['points']:,} points was at rest in {last['cpu_seconds']:.3g} s by "
+            f"{last['solver']}, seconds as points^{power[body]:.2f}."
+        )
+    return tuple(said)
+
+
+def solved(network: Network, solver: str) -> Equilibrium:
+    """The linear equilibrium by a solver."""
+    return equilibrium(network, solver=solver)
+
+
+def steps(network: Network) -> int:
+    """Steps of multigrid that the network's own load takes."""
+    found = Solver(network, "multigrid").regular(network, network.points).inverse
+    found.solve(network.force[~network.held])
+    return found.steps if isinstance(found, Cycles) else 0
