@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import eigh_tridiagonal
-from scipy.sparse import bsr_array
+from scipy.sparse import bsr_array, csr_array
 
 from msvalidate.accurate import State
 from msvalidate.double_double import pair
 from msvalidate.mechanism import is_loose
 from msvalidate.network import Network, tangent_blocks
-from msvalidate.problem import Array, Mask, rigid_motions
+from msvalidate.problem import Array, Index, Mask, rigid_motions
 
 MOST_CYCLES = 300
 """Bodies of good shape take 10 to 30; slender ones, or masses of soft springs, a few hundred."""
@@ -39,6 +39,9 @@ STANDING = 1e-13
 """Change of a motion in a sweep, at which it was the last: its energy is known to the square."""
 CLEAN = 1e-10
 """What a sweep's solve leaves: 1e-14 of other modes in one without stiffness, by `LOOSE`."""
+FAR_APART = 3.0
+"""Mean difference of the numbers of two points that a spring joins, in points of a layer, beyond
+which points are sorted first: lattices have less than 1, random numbers n^(1/d)/3."""
 ORDINARY = 1e50
 """Largest stiffness (N/m) taken as it is, and one over the smallest. Others are scaled, in a copy
 that the largest systems are spared."""
@@ -67,15 +70,22 @@ class Cycle:
         N/m.
     falling
         A motion (n·d,) of negative energy, if the coarsest level has one: so does the network then.
+    order
+        (n·d,) components as the levels have them; None where they are in the network's order.
     """
 
     levels: Any
     unit: float
     falling: Array | None
+    order: Index | None = None
 
     def __call__(self, force: Array) -> Array:
         """Displacement (n·d,) in m that nearly balances a force (n·d,) in N."""
-        return self._down(0, force / self.unit)
+        if self.order is None:
+            return self._down(0, force / self.unit)
+        found = np.empty_like(force)
+        found[self.order] = self._down(0, force[self.order] / self.unit)
+        return found
 
     def _down(self, level: int, load: Array) -> Array:
         """One W, each coarse level visited twice; the library's own also measures residuals.
@@ -154,8 +164,44 @@ def cycle_of(A: bsr_array, network: Network, position: Array) -> Cycle:
     unit = 1.0 if 1 / ORDINARY < largest < ORDINARY else largest  # squares are to have numbers
     scaled = A if unit == 1 else bsr_array((A.data / unit, A.indices, A.indptr), shape=A.shape)
     scaled.has_canonical_format = True  # or it is looked through at every use
-    levels = smoothed_aggregation_solver(scaled, B=rigid * free.reshape(-1, 1), **_OPTIONS)
-    return Cycle(levels, unit, _falling(levels.levels))
+    motions, order = rigid * free.reshape(-1, 1), None
+    if _is_scattered(network):
+        points = _by_place(network)
+        scaled = _in_order(scaled, points)
+        order = (points[:, None] * network.dim + np.arange(network.dim)).ravel()
+        motions = motions[order]
+    levels = smoothed_aggregation_solver(scaled, B=motions, **_OPTIONS)
+    falling = _falling(levels.levels)
+    if falling is not None and order is not None:
+        back = np.empty_like(falling)
+        back[order] = falling
+        falling = back
+    return Cycle(levels, unit, falling, order)
+
+
+def _is_scattered(network: Network) -> bool:
+    """Whether points are numbered without regard to their places: cycles take more steps then."""
+    n, d = network.points.shape
+    i, j = network.springs.T
+    return bool(np.abs(i - j).mean() > FAR_APART * n ** (1 - 1 / d))
+
+
+def _by_place(network: Network) -> Index:
+    """Points (n,) in layers, rows and along them, as lattices have them; alike ones by number."""
+    spacing = float(np.linalg.norm(network.vector, axis=1).mean())
+    layers = np.floor((network.points - network.points.min(axis=0)) / spacing + 0.25)
+    return np.lexsort(layers.T)
+
+
+def _in_order(A: bsr_array, points: Index) -> bsr_array:
+    """A with the blocks of its points (n,) in another order."""
+    n = len(points)
+    where = csr_array((np.arange(len(A.indices)), A.indices, A.indptr), shape=(n, n))
+    where = where[points][:, points]
+    where.sort_indices()
+    found = bsr_array((A.data[where.data], where.indices, where.indptr), shape=A.shape)
+    found.has_canonical_format = True
+    return found
 
 
 def _falling(levels: list[Any]) -> Array | None:

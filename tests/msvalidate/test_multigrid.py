@@ -121,6 +121,32 @@ def test_a_load_that_is_none_takes_no_cycle(lattice_body):
     assert not found.solution.any()
 
 
+def test_numbers_of_points_are_no_matter(lattice_body):
+    """Numbered at random: as many cycles but for one or two; unsorted ones take 4 to 9 more."""
+    network = sheet(lattice_body, 40)
+    new = np.random.default_rng(0).permutation(len(network.points))
+    old = np.argsort(new)
+    moved = spring_network(
+        network.points[old],
+        new[network.springs],
+        network.stiffness,
+        held=network.held[old],
+        force=network.force[old],
+    )
+    cycles = []
+    for one in (network, moved):
+        A, cycle = system(one)
+        force = np.where(one.held, 0.0, one.force).ravel()
+        cycles.append(conjugate_gradients(A, force, cycle, 1e-8).cycles)
+    assert cycles[1] <= cycles[0] + 2
+    np.testing.assert_allclose(
+        equilibrium(moved, solver="multigrid").displacement[new],
+        equilibrium(network, solver="direct").displacement,
+        rtol=0,
+        atol=1e-14,
+    )
+
+
 # --- verdicts without a factor ----------------------------------------------------------------
 
 
