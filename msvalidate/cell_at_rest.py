@@ -101,7 +101,8 @@ def at_rest(
     """
     dim, k = normal.shape[1], stiffness
     B = _elongations(count, springs, normal)
-    if solver == "multigrid" or (solver == "auto" and (count - 1) * dim > MULTIGRID[dim]):
+    large = solver == "multigrid" or (solver == "auto" and (count - 1) * dim > MULTIGRID[dim])
+    if large and count > 1:  # a single point has no motion to look for
         try:
             relieve = relieved(_stiffness(B, k), B, k, dim, least_energy(k))
             elongation, error = _relaxed(relieve, B, k, stretch)

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from msvalidate.inverse import Regular, Solver
+from msvalidate.inverse import Regular, Solver, UnsettledError
 from msvalidate.network import Network, internal_force
 from msvalidate.path import Way
 from msvalidate.problem import Array, SolverError
@@ -182,6 +182,8 @@ def _is_stable(network: Network, x: Array, K: Tangent) -> bool:
     """Whether every free motion meets stiffness, as far as can be told."""
     try:
         return K.found is None or is_positive_at(network, x - network.points, K.found)
+    except UnsettledError:  # multigrid cannot tell: a factor may
+        raise
     except SolverError:
         return False
 

@@ -19,7 +19,7 @@ from scipy.sparse import bsr_array, csr_array, diags_array
 
 from msvalidate.dissection import Dissection, dissected
 from msvalidate.linear import Factor, factorised, inverse_iteration
-from msvalidate.mechanism import NO_STIFFNESS, named, softness
+from msvalidate.mechanism import NO_STIFFNESS, is_loose, named, softness
 from msvalidate.multigrid import (
     UNSEEN,
     Cycle,
@@ -133,12 +133,18 @@ class Cycles:
         found = self._settled(load, part)
         falling = self.cycle.falling
         falls = falling is not None and bool(falling @ (self.A @ falling) <= 0)
-        if falls or found.negative or not found.left <= part:
+        if falls or found.negative:
             mode = softest_motion(self.A, self.network, self.position)
             if not mode.any():
                 mode = falling if falls and falling is not None else found.solution
-            return mode[self._free], int(falls or found.negative), falls or found.negative
-        return found.solution[self._free], 0, True
+            return mode[self._free], 1, True
+        return found.solution[self._free], 0, found.left <= part
+
+    def refuse_mechanism(self) -> None:
+        """Raise `SolverError` if a motion is found that meets no stiffness: a long search."""
+        mode = softest_motion(self.A, self.network, self.position)
+        if mode.any() and is_loose(self.network, self.position, mode, self.A.diagonal()):
+            raise SolverError(named(self.network, mode))
 
     def softer(self, mode: Array) -> tuple[Array, bool]:
         """Another step of inverse iteration from a motion (f,); whether it was told."""
@@ -210,6 +216,8 @@ class Regular:
         if isinstance(found, Factor):
             return self._judged(inverse_iteration(found.solve, len(weight), weight))
         way, _, told = found.probed
+        if not told:
+            raise UnsettledError("multigrid: conjugate gradients do not tell whether it is stable")
         soft, mode = self._judged(way)
         if 0 < soft < SOFT:
             way, told = found.softer(way)
@@ -284,7 +292,13 @@ class Solver:
         try:
             _refuse_rounding(found.softness)
         except UnsettledError as error:
-            self.give_way(error)
+            try:
+                self.give_way(error)
+            except SolverError:
+                # Where no factor will name it, a mechanism is looked for.
+                if isinstance(found.inverse, Cycles) and not found.inverse.probed[2]:
+                    found.inverse.refuse_mechanism()
+                raise
             return self.regular(network, position, K)
         self._looked = True
         return found

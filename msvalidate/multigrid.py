@@ -37,6 +37,8 @@ SWEEPS, MOST_SWEEPS = 2, 12
 points among soft ones meet less. The first need no more digits than an assembled stiffness has."""
 STANDING = 1e-13
 """Change of a motion in a sweep, at which it was the last: its energy is known to the square."""
+MOST_UNSETTLED = 3
+"""Sweeps that conjugate gradients may leave unsettled: more bring a motion no nearer."""
 CLEAN = 1e-10
 """What a sweep's solve leaves: 1e-14 of other modes in one without stiffness, by `LOOSE`."""
 FAR_APART = 3.0
@@ -319,6 +321,7 @@ def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
     stiffened = bsr_array((data, A.indices, A.indptr), shape=A.shape)
     cycle = cycle_of(stiffened, network, position)
     state, mode = State(network, pair(position - network.points)), _random(network)
+    unsettled = 0
     for sweep in range(MOST_SWEEPS):
         exact, before = sweep >= SWEEPS, mode
         load = push(state, mode, ~network.held) if exact else met * mode * cycle.unit
@@ -328,7 +331,8 @@ def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
         if outcome.negative or not size:
             return np.zeros_like(mode)
         mode = mode / size
-        if exact and np.abs(mode - before).max() <= STANDING:
+        unsettled += not outcome.left <= CLEAN
+        if exact and (np.abs(mode - before).max() <= STANDING or unsettled > MOST_UNSETTLED):
             break
     return mode
 

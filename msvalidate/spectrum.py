@@ -13,7 +13,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 
 from msvalidate.accurate import State
 from msvalidate.double_double import pair
-from msvalidate.inverse import SOLVERS, Solver, joined, order_of
+from msvalidate.inverse import SOLVERS, Solver, UnsettledError, joined, order_of
 from msvalidate.linear import NO_NUMBER, factorised
 from msvalidate.multigrid import Cycle, cycle_of, push, restrained
 from msvalidate.network import Network, tangent
@@ -119,7 +119,13 @@ def natural_frequencies(
         if count > FEW or zero or way.is_direct:
             lowest = _smallest(network, matrix, count, highest, tolerance)
         else:
-            lowest = _smallest_by_cycles(network, place, cycle, matrix, count, highest, tolerance)
+            try:
+                lowest = _smallest_by_cycles(
+                    network, place, cycle, matrix, count, highest, tolerance
+                )
+            except UnsettledError as error:
+                way.give_way(error)
+                lowest = _smallest(network, matrix, count, highest, tolerance)
     if lowest[0] < -1e-10 * highest:
         raise SolverError(
             f"natural frequencies: omega² = {lowest[0]:g} 1/s²; the network is unstable there"
@@ -340,10 +346,9 @@ def _smallest_of_many(
         )
     left = float(np.linalg.norm(matrix @ modes - modes * squares, axis=0).max())
     if not left <= 2 * allowed:  # its last digits are rounding
-        raise SolverError(
+        raise UnsettledError(
             f"lowest natural frequencies: residual {left:.3g} 1/s² of squares, where {allowed:.3g} "
-            "is asked: the lowest are close to rounding of the highest; take solver 'direct', or "
-            "ask for fewer of them"
+            "is asked: the lowest are close to rounding of the highest; ask for fewer of them"
         )
     return np.sort(squares)
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate.accurate import State
-from msvalidate.inverse import Regular
+from msvalidate.inverse import Regular, UnsettledError
 from msvalidate.linear import Factor
 from msvalidate.mechanism import NO_STIFFNESS
 from msvalidate.multigrid import push
@@ -41,15 +41,15 @@ def negative_modes(state: State, found: Regular, free: Mask) -> int:
     Raises
     ------
     SolverError
-        If more motions than can be looked at meet no more than rounding.
+        If more motions than can be looked at meet no more than rounding; `UnsettledError` if one
+        does, and there is no factor.
     """
     if contraction(found.softness) <= DOUBTFUL:
         return found.negative
     if not isinstance(found.inverse, Factor):
-        raise SolverError(
-            "equilibrium: whether the network is stable cannot be told: a motion meets "
-            f"{abs(found.softness):.1g} of what its points meet alone; take solver 'direct', or "
-            "bring stiffnesses closer together"
+        raise UnsettledError(
+            "multigrid: whether the network is stable cannot be told: a motion meets "
+            f"{abs(found.softness):.1g} of what its points meet alone"
         )
     weight = np.abs(found.diagonal)
     modes, pushes = _softest(found.inverse, weight)

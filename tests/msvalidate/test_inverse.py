@@ -173,7 +173,9 @@ def test_what_multigrid_cannot_do_is_left_to_a_factor(monkeypatch):
     monkeypatch.setattr(
         inverse, "conjugate_gradients", lambda *args, **rest: real(*args, most=2, **rest)
     )
-    found = equilibrium(network)
+    with monkeypatch.context() as patch:  # a factor tells: no long search by multigrid before it
+        patch.setattr(inverse, "softest_motion", None)
+        found = equilibrium(network)
     assert found.solver.name == "direct"
     assert found.solver.reason.startswith("multigrid gave up: ")
     np.testing.assert_array_equal(found.displacement, expected)
@@ -182,6 +184,18 @@ def test_what_multigrid_cannot_do_is_left_to_a_factor(monkeypatch):
     monkeypatch.setattr(inverse, "MOST_IN_NEED", 0)
     with pytest.raises(SolverError, match=r"a factor would take .* GB: take solver 'direct' where"):
         equilibrium(network)
+
+
+@pytest.mark.parametrize("where", ["tangents", "stability"])
+def test_where_multigrid_cannot_tell_stability_under_load_a_factor_does(where, monkeypatch):
+    """The loaded tangent's softest motion may be rounding where that at the start is not."""
+    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
+    monkeypatch.setattr(f"msvalidate.{where}.DOUBTFUL", 0.0)
+    monkeypatch.setattr("msvalidate.stability.DOUBTFUL", 0.0)
+    network = BODIES["cube"]()
+    assert equilibrium(network, "nonlinear").solver.name == "direct"
+    with pytest.raises(SolverError, match=r"^multigrid: whether .*; take solver 'direct'$"):
+        equilibrium(network, "nonlinear", solver="multigrid")
 
 
 def test_large_factors_are_judged_without_their_pivots(monkeypatch):

@@ -160,3 +160,11 @@ def test_a_strain_that_is_stiff_and_one_that_is_soft_state_what_rounding_leaves(
     root = np.sqrt(np.diag(exact.tensor))
     away = np.abs(found.tensor - exact.tensor) / np.outer(root, root)
     assert 1e-12 < away.max() <= found.error < 1e-8
+
+
+def test_a_cell_of_one_point_has_nothing_loose():
+    vectors = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+    cell = 1, np.zeros((3, 2), dtype=int), vectors, np.ones(3), 1.0
+    found = periodic(*cell, solver="multigrid")
+    np.testing.assert_array_equal(found.tensor, periodic(*cell, solver="direct").tensor)
+    np.testing.assert_allclose(found.tensor, found.affine, rtol=1e-15)

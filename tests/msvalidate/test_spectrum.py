@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import eigvalsh
+from scipy.spatial import Delaunay
 
 from msvalidate import inverse, spectrum
 from msvalidate.equilibrium import equilibrium
@@ -190,3 +191,22 @@ def test_a_network_held_everywhere_has_no_frequencies():
     fixed = replace(network, held=np.ones(network.points.shape, dtype=bool))
     with pytest.raises(ProblemError, match="every component is held; nothing can move"):
         natural_frequencies(fixed, 1)
+
+
+def test_what_multigrid_cannot_tell_from_rounding_is_left_to_a_factor(solver):
+    """Stiffnesses nine decades apart, spring by spring: the iteration comes to no end."""
+    if solver == "dense":
+        return
+    points = np.random.default_rng(0).random((120, 2))
+    corners = Delaunay(points).simplices
+    springs = np.unique(
+        np.sort(corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0
+    )
+    stiffness = 10.0 ** (9 * np.random.default_rng(1).random(len(springs)))
+    held = np.repeat(points[:, :1] < 0.2, 2, axis=1)
+    network = spring_network(points, springs, stiffness, held=held)
+    expected, _ = natural_frequencies(network, 3, solver="direct")
+    found, _ = natural_frequencies(network, 3)
+    np.testing.assert_array_equal(found, expected)
+    with pytest.raises(SolverError, match=r"close to rounding.*; take solver 'direct'$"):
+        natural_frequencies(network, 3, solver="multigrid")
