@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.sparse import bsr_array
 
-from msvalidate.inverse import Cycles, Solver
+from msvalidate.inverse import Cycles, Solver, UnsettledError
 from msvalidate.lattice import Constants
 from msvalidate.linear import Factor, NoMemoryError
 from msvalidate.linear_solution import Solved, solved
@@ -339,7 +339,13 @@ def _answer(case: _Case, p: Array) -> tuple[Array, Array]:
         return _moved(case, K, inverse)
     except NoMemoryError:
         raise
-    except RuntimeError:  # a pivot of zero, or what multigrid finds no end of
+    except UnsettledError as error:  # not stable, or no more than too much for multigrid
+        try:
+            case.solver.give_way(error)
+        except SolverError:
+            return nowhere
+        return _answer(case, p)
+    except RuntimeError:  # a pivot of zero
         return nowhere
 
 

@@ -84,6 +84,18 @@ def test_large_networks_are_fitted_by_multigrid(monkeypatch):
     assert found.error < 1e-9
 
 
+def test_a_network_that_multigrid_finds_no_end_of_is_not_called_loose(monkeypatch):
+    wanted = moves(*networks((2.3, 0.7)))
+    expected = fitted_constants(networks((1.0, 1.0)), wanted, GRID.kind)
+    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
+    real = inverse.conjugate_gradients
+    monkeypatch.setattr(
+        inverse, "conjugate_gradients", lambda *args, **rest: real(*args, most=2, **rest)
+    )
+    found = fitted_constants(networks((1.0, 1.0)), wanted, GRID.kind)
+    assert found.constants == expected.constants
+
+
 def test_slopes_are_the_differences_of_the_misfit():
     built = networks((1.0, 1.0), 1.0)
     (case,) = fit._cases(built[:1], moves(built[0]), GRID.kind, 2, None)
