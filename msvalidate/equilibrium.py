@@ -8,9 +8,10 @@ from typing import Literal
 
 import numpy as np
 
+from msvalidate.cycles import UnsettledError
 from msvalidate.folds import count_folded, description, folded_cells
 from msvalidate.following import Followed, follow, is_stressed
-from msvalidate.inverse import Choice, Solver, UnsettledError
+from msvalidate.inverse import MOST_ENTRIES, MOST_IN_NEED, Choice, Solver
 from msvalidate.linear_solution import solved
 from msvalidate.network import Network
 from msvalidate.path import Path, way_of
@@ -234,10 +235,14 @@ def _nonlinear(
         try:
             found = _followed(network, solver, path, begun)
             end = polished(given, found.position - network.points, found.factor, solver)
-        except (UnsettledError, InaccurateError) as error:
-            if solver.is_direct:
+        except SolverError as error:
+            # A factor goes on past tangents that are not positive, at which multigrid stops.
+            stopped = solver.met_negative and not isinstance(error, UnsettledError)
+            if solver.is_direct or not (
+                stopped or isinstance(error, UnsettledError | InaccurateError)
+            ):
                 raise
-            solver.give_way(error)
+            solver.give_way(error, MOST_ENTRIES if stopped else MOST_IN_NEED)
             continue
         return at_rest(
             given,

@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.sparse import bsr_array
 
-from msvalidate.inverse import Cycles, Solver, UnsettledError
+from msvalidate.cycles import Cycles, UnsettledError
+from msvalidate.inverse import Solver
 from msvalidate.lattice import Constants
 from msvalidate.linear import Factor, NoMemoryError
 from msvalidate.linear_solution import Solved, solved

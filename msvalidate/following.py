@@ -21,7 +21,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from msvalidate.inverse import Regular, Solver, UnsettledError
+from msvalidate.cycles import UnsettledError
+from msvalidate.inverse import Regular, Solver
 from msvalidate.network import Network, internal_force
 from msvalidate.path import Way
 from msvalidate.problem import Array, SolverError
@@ -168,7 +169,8 @@ def newton(way: Way, solver: Solver, start: Station, t: float, steps: int = ITER
             return Arrival(there, iteration + 1, smooth, K.found)
         try:
             move = K.move(balance, ahead)
-        except SolverError:  # multigrid met what is not positive
+        except SolverError:  # multigrid met what is not positive, where a factor would go on
+            solver.met_negative = True
             return Arrival(None, iteration + 1)
         if largest_turn(network, x, move) > LARGEST_TURN:
             return Arrival(None, iteration + 1)

@@ -8,7 +8,6 @@ has no stiffness, and what has negative stiffness: by pivots, or by what a rando
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -17,16 +16,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import bsr_array, csr_array, diags_array
 
+from msvalidate.cycles import PART, Cycles, UnsettledError
 from msvalidate.dissection import Dissection, dissected
 from msvalidate.linear import Factor, factorised, inverse_iteration
-from msvalidate.mechanism import NO_STIFFNESS, is_loose, named, softness
+from msvalidate.mechanism import NO_STIFFNESS, named, softness
 from msvalidate.multigrid import (
-    UNSEEN,
     Cycle,
-    Outcome,
-    conjugate_gradients,
     cycle_of,
     restrain,
+    restrained,
     softest_motion,
 )
 from msvalidate.network import Network, tangent_blocks
@@ -46,10 +44,6 @@ MOST_IN_NEED = 2e8
 """Entries up to which a factor is made where multigrid fails: 5 GB."""
 BYTES = 24
 """Of an entry in one triangle and its like in the other."""
-PART = 1e-5
-"""Of an answer's error that multigrid leaves: refinement takes the rest away in three corrections,
-each with a residual of its own, which costs as much as two cycles."""
-ROUGHLY = 1e-3
 SOFT = 1e-7
 """What the answer to a random load may meet, over what its points meet one by one, so that the
 softest motion, of which it has most, need not be looked for: solid bodies have 1e-5 and more."""
@@ -59,113 +53,17 @@ STIFFENED = 2.0**-48
 """Part of its diagonal added to a matrix that rounding has made singular: it has a factor then."""
 
 
+UNTOLD = (
+    "sparse factor: the pivots of {} unknowns are too many to look at, and multigrid does not tell "
+    "whether the network is stable; take fewer points, or bring stiffnesses closer together"
+)
+
+
 class Choice(NamedTuple):
     """The solver that was taken, "direct" or "multigrid", and the reason in words."""
 
     name: str
     reason: str
-
-
-class UnsettledError(SolverError):
-    """Multigrid came to no end: no verdict on the network."""
-
-
-@dataclass(eq=False)
-class Cycles:
-    """Multigrid as an inverse: conjugate gradients, with one cycle a step.
-
-    Parameters
-    ----------
-    A
-        Tangent, restrained.
-    network, position
-        Whose tangent it is, and where, (n, d) in m.
-    cycle
-        Of this tangent, or of one close by.
-    is_own
-        Whether of this tangent.
-    steps
-        Of conjugate gradients, the most in one solution.
-    """
-
-    A: bsr_array
-    network: Network
-    position: Array
-    cycle: Cycle
-    is_own: bool
-    steps: int = 0
-
-    def solve(self, right: Array, part: float = PART) -> Array:
-        """Solution (f,) for a right-hand side (f,), to a part of itself.
-
-        Raises
-        ------
-        UnsettledError
-            If conjugate gradients do not get there.
-        """
-        largest = float(np.abs(right).max(initial=0.0))
-        if not largest:
-            return np.zeros(len(right))
-        size = 2.0 ** math.frexp(largest)[1]
-        found = self._settled(right / size, part)
-        if found.negative or not found.left <= part:
-            raise UnsettledError(
-                f"multigrid: {found.left:.1g} of the residual is left after {found.cycles} cycles"
-            )
-        self.steps = max(self.steps, found.cycles)
-        return found.solution[self._free] * (size / self.cycle.unit)
-
-    @property
-    def negative(self) -> int:
-        """1 if a motion of negative energy was met, else 0: very likely there is none.
-
-        See `multigrid.is_positive` for what a random load tells.
-        """
-        return self.probed[1]
-
-    @cached_property
-    def probed(self) -> tuple[Array, int, bool]:
-        """Motion (f,) that resists least; whether one has negative energy; whether that is told."""
-        weight = self.A.diagonal()[self._free]
-        weight = weight / weight.max()
-        load = weight * np.random.default_rng(0).normal(size=len(weight))
-        part = UNSEEN / math.sqrt(len(load))
-        found = self._settled(load, part)
-        falling = self.cycle.falling
-        falls = falling is not None and bool(falling @ (self.A @ falling) <= 0)
-        if falls or found.negative:
-            mode = softest_motion(self.A, self.network, self.position)
-            if not mode.any():
-                mode = falling if falls and falling is not None else found.solution
-            return mode[self._free], 1, True
-        return found.solution[self._free], 0, found.left <= part
-
-    def refuse_mechanism(self) -> None:
-        """Raise `SolverError` if a motion is found that meets no stiffness: a long search."""
-        mode = softest_motion(self.A, self.network, self.position)
-        if mode.any() and is_loose(self.network, self.position, mode, self.A.diagonal()):
-            raise SolverError(named(self.network, mode))
-
-    def softer(self, mode: Array) -> tuple[Array, bool]:
-        """Another step of inverse iteration from a motion (f,); whether it was told."""
-        weight = self.A.diagonal()[self._free]
-        load = weight / weight.max() * (mode / np.abs(mode).max())
-        found = self._settled(load, ROUGHLY)
-        return found.solution[self._free], not found.negative and found.left <= ROUGHLY
-
-    def _settled(self, right: Array, part: float) -> Outcome:
-        """What conjugate gradients make of a load (f,), with a cycle of its own where it must."""
-        while True:
-            load = np.zeros(self.A.shape[0])
-            load[self._free] = right * self.cycle.unit
-            found = conjugate_gradients(self.A, load, self.cycle, part, spectral=True)
-            if self.is_own or not (found.negative or found.left > part):
-                return found
-            self.cycle, self.is_own = cycle_of(self.A, self.network, self.position), True
-
-    @cached_property
-    def _free(self) -> Mask:
-        return np.asarray(~self.network.held.ravel())
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +105,12 @@ class Regular:
     def negative(self) -> int:
         """Number of negative eigenvalues, or 1 where there are some and nobody counted."""
         if isinstance(self.inverse, Factor) and not self.inverse.is_signed:
-            return Solver(self.network, "multigrid").regular(self.network, self.position).negative
+            A = restrained(self.network, self.position)
+            own = cycle_of(A, self.network, self.position)
+            _, negative, told = Cycles(A, self.network, self.position, own, is_own=True).probed
+            if not told:
+                raise SolverError(UNTOLD.format(len(self.diagonal)))
+            return negative
         return self.inverse.negative
 
     @cached_property
@@ -260,6 +163,8 @@ class Solver:
     def __init__(self, network: Network, wanted: str = "auto") -> None:
         chosen("solver", wanted, SOLVERS)
         self.wanted, self._network = wanted, network
+        self.met_negative = False
+        """Whether multigrid met a tangent that is not positive, and did not go on."""
         self._cycle: Cycle | None = None
         self._last: Cycles | None = None
         self._usual, self._looked = 0, False
@@ -322,20 +227,23 @@ class Solver:
         A = csr_array(K)[inside][:, inside]
         return factorised(A, _components(self._order, network.held))
 
-    def give_way(self, error: SolverError) -> None:
-        """Take a factor from now on, for multigrid failed; raise what it says where none is had."""
+    def give_way(self, error: SolverError, most: float = MOST_IN_NEED) -> None:
+        """Take a factor from now on, for multigrid failed; raise what it says where none is had.
+
+        `most` entries are the largest that is taken.
+        """
         if self.wanted != "auto" or self.is_direct:
             raise SolverError(f"{error}; take solver 'direct'") from error
-        self.refuse_too_large(str(error))
+        self.refuse_too_large(str(error), most)
         self._cycle = self._last = None
         self.choice = Choice("direct", f"multigrid gave up: {error}")
 
-    def refuse_too_large(self, what: str) -> None:
+    def refuse_too_large(self, what: str, most: float = MOST_IN_NEED) -> None:
         """Raise `SolverError` with what failed where no factor is had, unless one was asked for."""
         if self.wanted == "direct":
             return
         entries = self._network.dim**2 * self._dissected(np.inf).entries
-        if entries > MOST_IN_NEED:
+        if entries > min(most, MOST_IN_NEED):
             raise SolverError(
                 f"{what}; a factor would take {BYTES * entries / 1e9:.0f} GB: take solver "
                 "'direct' where there is so much"

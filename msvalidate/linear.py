@@ -123,7 +123,10 @@ def factorised(matrix: csr_array, order: Index | None = None) -> Factor:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """Keep the library's own lines, of memory that it does not get, from the terminal."""
+    """Keep the library's own lines, of memory that it does not get, from the terminal.
+
+    Those of the whole process: what other threads write in the meantime is lost.
+    """
     streams = (1, 2)
     try:
         kept, nowhere = [os.dup(each) for each in streams], os.open(os.devnull, os.O_WRONLY)

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.sparse import bsr_array
 
 from msvalidate.accurate import State
+from msvalidate.cycles import UnsettledError
 from msvalidate.double_double import Pair, added, negative, pair
-from msvalidate.inverse import Choice, Regular, Solver, UnsettledError
+from msvalidate.inverse import Choice, Regular, Solver
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.problem import Array, Mask, SolverError
 from msvalidate.refine import (

@@ -12,8 +12,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 
 from msvalidate.accurate import State
+from msvalidate.cycles import UnsettledError
 from msvalidate.double_double import pair
-from msvalidate.inverse import SOLVERS, Solver, UnsettledError, joined, order_of
+from msvalidate.inverse import SOLVERS, Solver, joined, order_of
 from msvalidate.linear import NO_NUMBER, factorised
 from msvalidate.multigrid import Cycle, cycle_of, push, restrained
 from msvalidate.network import Network, tangent
@@ -80,7 +81,8 @@ def natural_frequencies(
     rigid
         Whether parts may be free: each of their rigid motions counts as a frequency of exactly 0.
     solver
-        As in `equilibrium`, for the lowest frequencies of more than a few hundred components.
+        As in `equilibrium`, for the lowest frequencies of more than a few hundred components. More
+        than 40 of them, and those of bodies that may move rigidly, take a factor in any case.
 
     Raises
     ------

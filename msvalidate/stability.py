@@ -12,7 +12,8 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate.accurate import State
-from msvalidate.inverse import Regular, UnsettledError
+from msvalidate.cycles import UnsettledError
+from msvalidate.inverse import Regular
 from msvalidate.linear import Factor
 from msvalidate.mechanism import NO_STIFFNESS
 from msvalidate.multigrid import push

@@ -282,6 +282,7 @@ FLOORS = {
     "msvalidate.cell_at_rest": 1,
     "msvalidate.cell_multigrid": 1,
     "msvalidate.cut": 1,
+    "msvalidate.cycles": 1,
     "msvalidate.displaced": 1,
     "msvalidate.dissection": 1,
     "msvalidate.double_double": 1,

@@ -24,9 +24,10 @@ import pandas as pd
 from tqdm import tqdm
 
 from msvalidate.compare import fitted_power
+from msvalidate.cycles import Cycles
 from msvalidate.equilibrium import Equilibrium, equilibrium
 from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.inverse import Cycles, Solver
+from msvalidate.inverse import Solver
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import Index
 from msvalidate.sweep import Setting

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from msvalidate import kernels
+from msvalidate.cycles import PART
 from msvalidate.equilibrium import Equilibrium, equilibrium
 from msvalidate.integrators import LEAPFROG
-from msvalidate.inverse import PART, Choice
+from msvalidate.inverse import Choice
 from msvalidate.multigrid import conjugate_gradients, cycle_of, restrained
 from msvalidate.network import Network
 from msvalidate.problem import Array

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate import inverse
+from msvalidate import cycles, inverse
 from msvalidate.body import lattice_network
 from msvalidate.equilibrium import equilibrium
 from msvalidate.inverse import SOLVERS, Solver, order_of
@@ -169,9 +169,9 @@ def test_what_multigrid_cannot_do_is_left_to_a_factor(monkeypatch):
     monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
     network = BODIES["cube"]()
     expected = equilibrium(network, solver="direct").displacement
-    real = inverse.conjugate_gradients
+    real = cycles.conjugate_gradients
     monkeypatch.setattr(
-        inverse, "conjugate_gradients", lambda *args, **rest: real(*args, most=2, **rest)
+        cycles, "conjugate_gradients", lambda *args, **rest: real(*args, most=2, **rest)
     )
     with monkeypatch.context() as patch:  # a factor tells: no long search by multigrid before it
         patch.setattr(inverse, "softest_motion", None)
@@ -205,3 +205,17 @@ def test_large_factors_are_judged_without_their_pivots(monkeypatch):
     squeezed = replace(network, rest_length=1.3 * network.rest_length)
     with pytest.raises(SolverError, match="unstable"):
         equilibrium(squeezed, solver="direct")
+
+
+def test_an_answer_does_not_hang_on_the_size_where_multigrid_begins(monkeypatch):
+    """A shallow arch that snaps through: a factor goes on past its limit point, multigrid stops."""
+    points = np.array([[0.0, 0.0], [1.0, 0.1], [2.0, 0.0]])
+    held = np.array([[True, True], [False, False], [True, True]])
+    force = np.array([[0.0, 0.0], [0.0, -2e-3], [0.0, 0.0]])
+    arch = spring_network(points, [[0, 1], [1, 2]], 1.0, held=held, force=force)
+    expected = equilibrium(arch, "nonlinear")
+    assert expected.passed_limit is not None
+    monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
+    found = equilibrium(arch, "nonlinear")
+    assert found.passed_limit == expected.passed_limit
+    np.testing.assert_allclose(found.displacement, expected.displacement, rtol=1e-12)
