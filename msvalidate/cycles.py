@@ -101,12 +101,6 @@ class Cycles:
             return mode[self._free], 1, True
         return found.solution[self._free], 0, found.left <= part
 
-    def refuse_mechanism(self) -> None:
-        """Raise `SolverError` if a motion is found that meets no stiffness: a long search."""
-        mode = softest_motion(self.A, self.network, self.position)
-        if mode.any() and is_loose(self.network, self.position, mode, self.A.diagonal()):
-            raise SolverError(named(self.network, mode))
-
     def softer(self, mode: Array) -> tuple[Array, bool]:
         """Another step of inverse iteration from a motion (f,); whether it was told."""
         weight = self.A.diagonal()[self._free]
@@ -127,3 +121,13 @@ class Cycles:
     @cached_property
     def _free(self) -> Mask:
         return np.asarray(~self.network.held.ravel())
+
+
+def refuse_loose_motion(A: bsr_array, network: Network, position: Array) -> None:
+    """Raise `SolverError` if a motion is found that meets no stiffness: a long search.
+
+    `A` is `restrained` at `position` (n, d) in m.
+    """
+    mode = softest_motion(A, network, position)
+    if mode.any() and is_loose(network, position, mode, A.diagonal()):
+        raise SolverError(named(network, mode))

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import bsr_array, csr_array, diags_array
 
-from msvalidate.cycles import PART, Cycles, UnsettledError
+from msvalidate.cycles import PART, Cycles, UnsettledError, refuse_loose_motion
 from msvalidate.dissection import Dissection, dissected
 from msvalidate.linear import Factor, factorised, inverse_iteration
 from msvalidate.mechanism import NO_STIFFNESS, named, softness
@@ -202,7 +202,7 @@ class Solver:
             except SolverError:
                 # Where no factor will name it, a mechanism is looked for.
                 if isinstance(found.inverse, Cycles) and not found.inverse.probed[2]:
-                    found.inverse.refuse_mechanism()
+                    refuse_loose_motion(found.inverse.A, network, position)
                 raise
             return self.regular(network, position, K)
         self._looked = True

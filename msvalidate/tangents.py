@@ -8,11 +8,11 @@ import numpy as np
 from scipy.sparse import bsr_array
 
 from msvalidate.accurate import State
+from msvalidate.cycles import refuse_loose_motion
 from msvalidate.double_double import pair
 from msvalidate.inverse import Regular, Solver
 from msvalidate.linear import Factor
-from msvalidate.mechanism import is_loose, named
-from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained, softest_motion
+from msvalidate.multigrid import Cycle, cycle_of, is_positive, restrained
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.polish import centred
 from msvalidate.problem import Array, Index, SolverError, instance
@@ -153,7 +153,4 @@ def refuse_mechanism(network: Network, solver: Solver | None = None) -> None:
     if solver.is_direct:
         solver.regular(network, x)
         return
-    A = restrained(network, x)
-    mode = softest_motion(A, network, x)
-    if mode.any() and is_loose(network, x, mode, A.diagonal()):
-        raise SolverError(named(network, mode))
+    refuse_loose_motion(restrained(network, x), network, x)
