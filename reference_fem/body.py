@@ -23,13 +23,12 @@ from msvalidate.problem import (
     enclosed,
     facet_areas,
     facet_middles,
-    instance,
     measure_of,
     place_name,
     prescribed,
-    shown,
     vectors_at,
 )
+from msvalidate.problem.checks import instance, shown
 from reference_fem.elasticity import VOIGT, elastic_tensor, solver_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets

@@ -8,16 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 
-from msvalidate.problem import (
-    Array,
-    Isotropic,
-    Mask,
-    Material,
-    ProblemError,
-    finite,
-    instance,
-    shown,
-)
+from msvalidate.problem import Array, Isotropic, Mask, Material, ProblemError
+from msvalidate.problem.checks import finite, instance, shown
 from reference_fem.effort import within_memory
 from reference_fem.locking import refuse_locked
 from reference_fem.mesh.discretisation import Discretisation, discretise

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import Array, ProblemError, finite, numbers, shown, whole
+from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import finite, numbers, shown, whole
 
 NEAREST_ORDERS = 0.05
 """Orders closer than this cannot be told apart by three meshes."""

@@ -29,10 +29,9 @@ from msvalidate.problem import (
     Material,
     ProblemError,
     SolverError,
-    chosen,
-    instance,
     refuse_free_motions,
 )
+from msvalidate.problem.checks import chosen, instance
 from reference_fem.effort import within_memory
 from reference_fem.elasticity import arrays, full_tensor, weighted
 from reference_fem.mesh.discretisation import Discretisation, discretise

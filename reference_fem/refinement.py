@@ -8,15 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import (
-    Array,
-    ProblemError,
-    SolverError,
-    numbers,
-    positive,
-    shown,
-    whole,
-)
+from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem.checks import numbers, positive, shown, whole
 
 SAFETY = 1.25
 """Factor on Richardson's estimate where three meshes show a plausible order (Roache 1994,

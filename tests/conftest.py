@@ -9,8 +9,8 @@ from functools import cache
 
 import pytest
 
-from msvalidate import catalogue
-from msvalidate.sweep import Setting
+from msvalidate.judging import catalogue
+from msvalidate.judging.sweep import Setting
 
 
 def pytest_collection_modifyitems(items):

@@ -15,15 +15,25 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import reference_fem
-from msvalidate import faults
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrated, default_constants
-from msvalidate.candidate import springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import network_tensor
-from msvalidate.integrate import StabilityWarning, State, damping_rate, euler_cromer
-from msvalidate.integrators import EULER_CROMER, INTEGRATORS, stability_limit
+from msvalidate.bodies.calibrate import calibrated, default_constants
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.routes import ROUTES
+from msvalidate.constants.stiffness import (
+    directional_ratio,
+    moduli,
+    rotated,
+    spring_tensor,
+    square_constants,
+    square_tensor,
+)
+from msvalidate.dynamics.integrate import StabilityWarning, State, damping_rate, euler_cromer
+from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS, stability_limit
+from msvalidate.dynamics.spectrum import natural_frequencies
+from msvalidate.judging.candidate import springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.singularity import clamped_free_exponent, free_free_exponent
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import (
     boundary_weights,
     diagonal_square,
@@ -32,7 +42,7 @@ from msvalidate.lattice import (
     triangular,
     zigzag_block,
 )
-from msvalidate.network import Network, internal_force, spring_network
+from msvalidate.network import Network, faults, internal_force, spring_network
 from msvalidate.problem import (
     Anisotropic,
     BodyForce,
@@ -47,26 +57,13 @@ from msvalidate.problem import (
     SolverError,
     Support,
     Traction,
-    finite,
     prescribed,
-    shown,
     vectors_at,
-    whole,
 )
-from msvalidate.routes import ROUTES
-from msvalidate.singularity import clamped_free_exponent, free_free_exponent
-from msvalidate.spectrum import natural_frequencies
-from msvalidate.stiffness import (
-    directional_ratio,
-    moduli,
-    rotated,
-    spring_tensor,
-    square_constants,
-    square_tensor,
-)
-from msvalidate.sweep import Setting
-from msvalidate.tangents import is_stable
-from msvalidate.viscous import algorithm1
+from msvalidate.problem.checks import finite, shown, whole
+from msvalidate.relaxation.viscous import algorithm1
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.statics.tangents import is_stable
 from reference_fem import body as fem_body
 from reference_fem import elasticity
 
@@ -615,7 +612,11 @@ def test_too_little_memory_is_told(geometry, monkeypatch):
     def no_memory(*_args, **_options):
         raise MemoryError
 
-    module = "msvalidate.linear" if geometry == "factor" else "reference_fem.systems.factor"
+    module = (
+        "msvalidate.linear_algebra.factor"
+        if geometry == "factor"
+        else "reference_fem.systems.factor"
+    )
     monkeypatch.setattr(f"{module}.splu", no_memory)
     with pytest.raises(SolverError, match="more memory than there is; take solver"):
         equilibrium(NETWORK) if geometry == "factor" else reference_fem.solve_problem(PROBLEM, MESH)

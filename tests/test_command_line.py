@@ -80,7 +80,7 @@ def test_quiet_run_prints_nothing(tmp_path):
 
 TWO_TABLES = """
 import pandas as pd
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 def run(setting):
     tables = {name: pd.DataFrame({"x": range(50)}) for name in ("block", "cube")}
     return Evidence(tables, {"gap": Observed(0.0)}, (Tolerance("gap", 0.5, "m", "so"),),
@@ -210,7 +210,7 @@ ENDINGS = {
         "poisson: FAIL gap: observed 2, reference 1, error 1 > limit 0.5 m",
         """
 import pandas as pd
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 def run(setting):
     return Evidence({"t": pd.DataFrame({"x": [1.0]})}, {"gap": Observed(2.0, 1.0)},
                     (Tolerance("gap", 0.5, "m", "so"),), columns={"x": "place (m)"})""",
@@ -239,7 +239,7 @@ def run(setting): raise SolverError("diverged by step 7")""",
         "study poisson: crashed: ZeroDivisionError: ",
         """
 import pandas as pd
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 def run(setting):
     return Evidence({"t": pd.DataFrame({"x": [1.0]})}, {"gap": Observed(0.1)},
                     (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: 1 / 0},
@@ -318,8 +318,8 @@ def test_a_backend_that_is_not_there_is_not_missed(backend, tmp_path):
     body = """
 def run(setting):
     import pandas as pd
-    from msvalidate.evidence import Evidence, Observed, Tolerance
-    from msvalidate.figures import new
+    from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+    from msvalidate.output.figures import new
     return Evidence({"t": pd.DataFrame({"x": [1.0]})}, {"gap": Observed(0.0)},
                     (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: new()[0]},
                     columns={"x": "place (m)"})"""
@@ -536,7 +536,7 @@ sys.exit(study.main(sys.argv[1:]))
 """
 SMALL = """
 import pandas as pd
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 def run(setting):
     table = pd.DataFrame({{"x": [1.0, {x}], "word": ["a", "b"]}})
     return Evidence({{"t": table}}, {{"gap": Observed({gap})}},

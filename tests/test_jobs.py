@@ -30,8 +30,8 @@ import numpy as np
 import pandas as pd
 
 from msvalidate import baseline, catalogue
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.figures import new
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.output.figures import new
 from msvalidate.problem import ProblemError
 
 baseline.CHECKOUT = Path("base")

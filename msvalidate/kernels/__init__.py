@@ -1,8 +1,9 @@
-"""Floor 1: the compiled loops: forces of springs and cells, and steps of what moves by them.
+"""The compiled loops: forces of springs and cells, and steps of what moves by them.
 
-The only compiled code of the package. Its plain form is `msvalidate.network.internal_force` and the
-plain loop of `msvalidate.integrate`; tests hold them together on random networks. A uniform lattice
-takes steps by `stencil`, which knows its springs without lists, any other network by `sweep`.
+The only compiled code of the package beside `dielectric.kernels`. Its plain form is
+`network.internal_force` and the plain loop of `dynamics.integrate`; tests hold them together on
+random networks. A uniform lattice takes steps by `stencil`, which knows its springs without lists,
+any other network by `sweep`.
 
 Displacements are advanced, not positions: a spring is its vector at rest plus the difference of two
 displacements. Positions are rounded to an eps of the body, and stiff modes that decay slowly gather
@@ -20,7 +21,8 @@ from msvalidate.kernels import bending, stencil
 from msvalidate.kernels.general import MOST_WAVES, Sweep, Threads
 from msvalidate.kernels.grid import recognised
 from msvalidate.network import Network
-from msvalidate.problem import Array, ProblemError, chosen, instance, whole
+from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import chosen, instance, whole
 
 Path = Literal["auto", "general", "lattice"]
 PATHS: tuple[Path, ...] = ("auto", "general", "lattice")

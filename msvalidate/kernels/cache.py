@@ -30,8 +30,11 @@ from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
 
 HERE = Path(__file__).resolve().parent
-OUTSIDE = (HERE.parent / "layout.py",)
-"""Files beyond this folder whose constants become part of compiled code."""
+OUTSIDE = (
+    HERE.parent / "network" / "layout.py",
+    *sorted((HERE.parent / "dielectric" / "kernels").glob("*.py")),
+)
+"""Files beyond this folder that are compiled, or whose constants become part of compiled code."""
 NAMED = "msvalidate-"
 """How names of folders begin; the stamp follows."""
 KEPT = 4

@@ -1,4 +1,4 @@
-"""Compiled forces of cells that resist a change of volume; plain form: `msvalidate.volumes`.
+"""Compiled forces of cells that resist a change of volume; plain form: `laws.volumes`.
 
 The volume of a cell, in the plane its area, is a sum of determinants of its edges and diagonals. A
 shape is one function of cells at rest and their displacement, both as `corners` has them; it gives

@@ -11,10 +11,10 @@ import numpy as np
 
 from msvalidate.kernels import sweep
 from msvalidate.kernels.rows import aligned
-from msvalidate.layout import BLOCK, TOGETHER, Layout
 from msvalidate.network import Network
+from msvalidate.network.laws.volumes import Volumes
+from msvalidate.network.layout import BLOCK, TOGETHER, Layout
 from msvalidate.problem import LONGEST, Array, ProblemError
-from msvalidate.volumes import Volumes
 
 CACHE = 2**22
 """Bytes that waves of steps may hold between them: what one core may count on of the last cache."""

@@ -1,6 +1,6 @@
 """Compiled steps of any network: forces and motion in one pass over memory, in place.
 
-Places come in blocks (`msvalidate.layout`). The springs of a block are computed four side by side
+Places come in blocks (`network.layout`). The springs of a block are computed four side by side
 into a buffer that stays in the first cache; then each place takes up the forces of its own springs,
 hands their opposites to the other ends, which come later, and moves: all forces on it are known,
 and no later place asks where it was. Several steps may run as waves behind each other, so that
@@ -8,7 +8,7 @@ memory is passed over once for all of them; each place meets the same operations
 
 A place has one row of four numbers in each table in the plane, and two in space: `place` its rest
 and displacement, `flow` force and velocity, `still` mobility (1/m, 0 where held) and load. Plain
-form: `msvalidate.network.internal_force`, and `msvalidate.integrate.motion`.
+form: `msvalidate.network.internal_force`, and `msvalidate.dynamics.integrate.motion`.
 """
 
 from __future__ import annotations
@@ -18,15 +18,8 @@ from typing import Any
 from msvalidate.kernels.cells import push as push_cells
 from msvalidate.kernels.compiling import compiled
 from msvalidate.kernels.lanes import load, load_half, root_and_quotient, spread, start, store, total
-from msvalidate.kernels.turning import (
-    components,
-    crossed,
-    first_halves,
-    halves_added,
-    pairs,
-    rows,
-)
-from msvalidate.layout import BLOCK, TOGETHER
+from msvalidate.kernels.turning import components, crossed, first_halves, halves_added, pairs, rows
+from msvalidate.network.layout import BLOCK, TOGETHER
 
 
 def _apart(axes: Any, place: Any, i: Any, j: Any) -> Any:

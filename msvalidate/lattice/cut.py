@@ -29,12 +29,8 @@ from msvalidate.lattice.filled import Lattice
 from msvalidate.lattice.outline import inside, moments, outline
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import levels
-from msvalidate.problem import (
-    Array,
-    Domain,
-    Index,
-    Mask,
-    ProblemError,
+from msvalidate.problem import Array, Domain, Index, Mask, ProblemError
+from msvalidate.problem.checks import (
     chosen,
     coordinates,
     instance,

@@ -38,7 +38,8 @@ import numpy as np
 
 from msvalidate.lattice.corners import corner_volumes, corners_of_cell
 from msvalidate.lattice.filled import VTK_ORDER, Lattice
-from msvalidate.problem import Array, Index, Mesh, ProblemError, chosen, instance
+from msvalidate.problem import Array, Index, Mesh, ProblemError
+from msvalidate.problem.checks import chosen, instance
 
 EDGE_RULES = ("area", "equilateral", "cotangent")
 """Rules for the stiffness of a mesh's edges: see the module's text."""

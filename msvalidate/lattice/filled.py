@@ -13,19 +13,8 @@ from scipy.spatial import Delaunay
 
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import slanted
-from msvalidate.problem import (
-    Array,
-    Box,
-    Domain,
-    Index,
-    Mask,
-    ProblemError,
-    chosen,
-    counts,
-    instance,
-    refuse_too_many,
-    shown,
-)
+from msvalidate.problem import Array, Box, Domain, Index, Mask, ProblemError
+from msvalidate.problem.checks import chosen, counts, instance, refuse_too_many, shown
 
 Kind = TypeVar("Kind", bound=np.generic)
 VTK_ORDER = {2: (0, 1, 3, 2), 3: (0, 1, 3, 2, 4, 5, 7, 6)}

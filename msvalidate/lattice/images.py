@@ -1,4 +1,4 @@
-"""Floor 1: as many images of points as their Voronoi cells need to be complete.
+"""As many images of points as their Voronoi cells need to be complete.
 
 A periodic cell is repeated, a box is reflected across its sides. Only images within a margin are
 made; a cell is complete if the empty sphere around each of its vertices, through its points, stays

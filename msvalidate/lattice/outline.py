@@ -17,8 +17,8 @@ from msvalidate.problem import (
     Polygon,
     ProblemError,
     corners_of,
-    shown,
 )
+from msvalidate.problem.checks import shown
 
 ARC = 32
 """Straight pieces that a bent side is drawn by: their area is off by some 1e-4 of what lies between

@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.lattice.ties import levels
-from msvalidate.problem import (
-    Array,
-    Index,
-    ProblemError,
+from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem.checks import (
     coordinates,
     finite,
     instance,

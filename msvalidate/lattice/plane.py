@@ -8,19 +8,8 @@ import numpy as np
 
 from msvalidate.lattice import patterns
 from msvalidate.lattice.filled import Lattice, fill
-from msvalidate.problem import (
-    MOST_VERTICES,
-    Array,
-    Box,
-    Index,
-    Polygon,
-    ProblemError,
-    counts,
-    metres,
-    place_name,
-    refuse_too_many,
-    shown,
-)
+from msvalidate.problem import MOST_VERTICES, Array, Box, Index, Polygon, ProblemError, place_name
+from msvalidate.problem.checks import counts, metres, refuse_too_many, shown
 
 SIN60 = math.sin(math.pi / 3)
 

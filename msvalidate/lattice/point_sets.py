@@ -1,4 +1,4 @@
-"""Floor 1: irregular sets of points in a periodic cell or a closed box, d = 2 and 3 alike.
+"""Irregular sets of points in a periodic cell or a closed box, d = 2 and 3 alike.
 
 Three kinds, from the least to the most even:
 
@@ -24,16 +24,8 @@ from itertools import combinations, product
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.problem import (
-    Array,
-    Box,
-    Index,
-    chosen,
-    instance,
-    metres,
-    refuse_too_many,
-    whole,
-)
+from msvalidate.problem import Array, Box, Index
+from msvalidate.problem.checks import chosen, instance, metres, refuse_too_many, whole
 
 POINT_SETS = ("uniform", "jittered", "blue_noise")
 LARGEST_SEED = 2**64 - 1

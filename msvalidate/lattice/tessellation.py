@@ -1,4 +1,4 @@
-"""Floor 1: Voronoi cells and Delaunay simplices of points in a periodic cell or a box.
+"""Voronoi cells and Delaunay simplices of points in a periodic cell or a box.
 
 Two points are joined by a spring where their Voronoi cells share a facet. With a the facet's area,
 l the spring's length and V the volume of a cell, the pyramids that stand on its facets make up a
@@ -32,18 +32,8 @@ from msvalidate.lattice.triangulation import (
     steadied,
     triangulation,
 )
-from msvalidate.problem import (
-    Array,
-    Box,
-    Index,
-    Mask,
-    ProblemError,
-    SolverError,
-    coordinates,
-    instance,
-    place_name,
-    shown,
-)
+from msvalidate.problem import Array, Box, Index, Mask, ProblemError, SolverError, place_name
+from msvalidate.problem.checks import coordinates, instance, shown
 
 NEGLIGIBLE = 1e-14
 """Facets smaller than this part of spacing^(d-1) join no points: a square grid has no diagonals.

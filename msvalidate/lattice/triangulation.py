@@ -1,4 +1,4 @@
-"""Floor 1: Delaunay triangulations of points in the plane and in space, and areas of their duals.
+"""Delaunay triangulations of points in the plane and in space, and areas of their duals.
 
 The triangulation is the lower hull of the points lifted onto a paraboloid. Where points are so
 regular that it is not unique (the corners of a square), flat simplices without a circumcentre come

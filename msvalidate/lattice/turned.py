@@ -12,17 +12,8 @@ from msvalidate.lattice.filled import Lattice, joined, missing, side_share, weak
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.tessellation import simplices
 from msvalidate.lattice.ties import TIE, levels
-from msvalidate.problem import (
-    Array,
-    Box,
-    Index,
-    ProblemError,
-    instance,
-    metres,
-    refuse_too_many,
-    rotation,
-    shown,
-)
+from msvalidate.problem import Array, Box, Index, ProblemError
+from msvalidate.problem.checks import instance, metres, refuse_too_many, rotation, shown
 
 WEAK = 0.4
 """Least Σ n nᵀ along any direction, over the directions n of a point's springs of the first kind

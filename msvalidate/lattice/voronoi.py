@@ -19,7 +19,8 @@ from msvalidate.lattice.tessellation import (
     periodic_tessellation,
     simplices,
 )
-from msvalidate.problem import Array, Box, chosen, instance, metres, whole
+from msvalidate.problem import Array, Box
+from msvalidate.problem.checks import chosen, instance, metres, whole
 
 STIFFNESS_RULES = ("1", "1/L", "A/L")
 """What the stiffness of a spring is proportional to: nothing, or its length L and facet area A."""

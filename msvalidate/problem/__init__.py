@@ -1,4 +1,4 @@
-"""Floor 0: what is asked, as data: domain, material, supports and loads, for d = 2 and 3 alike.
+"""What is asked, as data: domain, material, supports and loads, for d = 2 and 3 alike.
 
 Both solvers receive the same `Problem`. Nothing here predicts a deformation; the one computation,
 `free_motions`, decides whether the question has an answer at all.
@@ -7,6 +7,16 @@ SI units throughout. In the plane, tractions (Pa) and body forces (N/m³) act ov
 the material; point forces are in N.
 """
 
+from msvalidate.problem.arrays import (
+    AXES,
+    LONGEST,
+    MOST_POINTS,
+    PLACEMENT,
+    Array,
+    Field,
+    Index,
+    Mask,
+)
 from msvalidate.problem.domain import (
     MOST_VERTICES,
     SIDES,
@@ -16,6 +26,7 @@ from msvalidate.problem.domain import (
     corners_of,
     measure_of,
 )
+from msvalidate.problem.errors import ProblemError, SolverError
 from msvalidate.problem.material import Anisotropic, Isotropic, Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import free_motions, place_name, refuse_free_motions, rigid_motions
@@ -31,34 +42,6 @@ from msvalidate.problem.statement import (
     prescribed,
     prescribed_where,
     vectors_at,
-)
-from msvalidate.problem.values import (
-    AXES,
-    LONGEST,
-    MOST_POINTS,
-    PLACEMENT,
-    Array,
-    Field,
-    Index,
-    Mask,
-    ProblemError,
-    SolverError,
-    booleans,
-    chosen,
-    coordinates,
-    counts,
-    direction,
-    finite,
-    instance,
-    integers,
-    metres,
-    number,
-    numbers,
-    positive,
-    refuse_too_many,
-    rotation,
-    shown,
-    whole,
 )
 
 __all__ = [
@@ -93,32 +76,16 @@ __all__ = [
     "SolverError",
     "Support",
     "Traction",
-    "booleans",
-    "chosen",
-    "coordinates",
     "corners_of",
-    "counts",
-    "direction",
     "enclosed",
     "facet_areas",
     "facet_middles",
-    "finite",
     "free_motions",
-    "instance",
-    "integers",
     "measure_of",
-    "metres",
-    "number",
-    "numbers",
     "place_name",
-    "positive",
     "prescribed",
     "prescribed_where",
     "refuse_free_motions",
-    "refuse_too_many",
     "rigid_motions",
-    "rotation",
-    "shown",
     "vectors_at",
-    "whole",
 ]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import KDTree
 
+from msvalidate.problem.arrays import Array, Index, Mask
+from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.motions import place_name
 from msvalidate.problem.shapes import SHAPES, Shape, meetings
-from msvalidate.problem.values import Array, Index, Mask, ProblemError
 
 FLAT = 1e-12
 """A cell whose Jacobian is this part of the product of its sides, or less, has no volume."""

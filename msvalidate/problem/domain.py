@@ -8,21 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
+from msvalidate.problem.arrays import AXES, PLACEMENT, Array, Mask, Span
+from msvalidate.problem.checks import coordinates, instance, metres, refuse_too_many, shown
+from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.region import Boundary, Part, Region, Segment
-from msvalidate.problem.values import (
-    AXES,
-    PLACEMENT,
-    Array,
-    Mask,
-    ProblemError,
-    Span,
-    coordinates,
-    instance,
-    metres,
-    refuse_too_many,
-    shown,
-)
 
 SIDES = {
     "left": (0, 0),

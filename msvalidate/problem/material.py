@@ -7,7 +7,9 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from msvalidate.problem.values import Array, ProblemError, chosen, finite, positive, shown
+from msvalidate.problem.arrays import Array
+from msvalidate.problem.checks import chosen, finite, positive, shown
+from msvalidate.problem.errors import ProblemError
 
 State = Literal["plane_stress", "plane_strain", "solid"]
 

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from msvalidate.problem.arrays import AXES, PLACEMENT, Array, Index, Mask, Span
 from msvalidate.problem.cells import (
     refuse_folded,
     refuse_hanging,
@@ -16,23 +17,10 @@ from msvalidate.problem.cells import (
     sections,
     surface_facets,
 )
+from msvalidate.problem.checks import chosen, coordinates, integers, metres, refuse_too_many, shown
+from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.region import Boundary, Region, Segment
 from msvalidate.problem.shapes import CELLS, SHAPES, Shape, enclosed, on_any
-from msvalidate.problem.values import (
-    AXES,
-    PLACEMENT,
-    Array,
-    Index,
-    Mask,
-    ProblemError,
-    Span,
-    chosen,
-    coordinates,
-    integers,
-    metres,
-    refuse_too_many,
-    shown,
-)
 
 LONGEST_NAME = 100
 """Letters in a boundary's name."""

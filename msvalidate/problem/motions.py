@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.problem.values import AXES, Array, Mask, ProblemError
+from msvalidate.problem.arrays import AXES, Array, Mask
+from msvalidate.problem.errors import ProblemError
 
 
 def refuse_free_motions(name: str, points: Array, held: Mask) -> None:

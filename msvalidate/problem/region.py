@@ -8,17 +8,10 @@ from itertools import product
 
 import numpy as np
 
+from msvalidate.problem.arrays import AXES, Array, Mask, Span
+from msvalidate.problem.checks import coordinates, metres, shown
+from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.shapes import FACETS, facet_areas, on_any
-from msvalidate.problem.values import (
-    AXES,
-    Array,
-    Mask,
-    ProblemError,
-    Span,
-    coordinates,
-    metres,
-    shown,
-)
 
 
 @dataclass(frozen=True)

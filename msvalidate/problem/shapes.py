@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.problem.values import Array, Index, Mask
+from msvalidate.problem.arrays import Array, Index, Mask
 
 GAUSS = {1: 11, 2: 6}
 """Gauss points along each axis of an edge and of a face: what quadratic cells enclose, whose

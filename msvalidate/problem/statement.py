@@ -7,24 +7,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from msvalidate.problem.arrays import AXES, PLACEMENT, Array, Field, Index, Mask
+from msvalidate.problem.checks import coordinates, finite, instance, shown
 from msvalidate.problem.domain import Box, Domain, corners_of
+from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.material import Material
 from msvalidate.problem.motions import place_name, refuse_free_motions
 from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import facet_middles
-from msvalidate.problem.values import (
-    AXES,
-    PLACEMENT,
-    Array,
-    Field,
-    Index,
-    Mask,
-    ProblemError,
-    coordinates,
-    finite,
-    instance,
-    shown,
-)
 
 LONGEST_NAME = 100
 """Letters in a problem's name, which stands at the head of messages."""

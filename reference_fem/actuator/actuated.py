@@ -17,7 +17,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import Array, ProblemError, chosen, instance, number
+from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import chosen, instance, number
 from reference_fem.actuator.soft_slab import Electric, SoftSlab
 from reference_fem.actuator.staggered import fixed_point
 from reference_fem.large_strain.equilibrium import Deformed, deform

@@ -15,15 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
-from msvalidate.problem import (
-    ProblemError,
-    SolverError,
-    finite,
-    instance,
-    number,
-    positive,
-    shown,
-)
+from msvalidate.problem import ProblemError, SolverError
+from msvalidate.problem.checks import finite, instance, number, positive, shown
 from reference_fem.actuator.actuated import Actuated, refuse_start, settled
 from reference_fem.actuator.soft_slab import SoftSlab
 

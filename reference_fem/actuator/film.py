@@ -21,7 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from msvalidate.problem import ProblemError, SolverError, chosen, positive
+from msvalidate.problem import ProblemError, SolverError
+from msvalidate.problem.checks import chosen, positive
 from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
 
 THINNEST = 0.05

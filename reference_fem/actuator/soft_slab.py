@@ -8,18 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from msvalidate.problem import (
-    Array,
-    Mask,
-    ProblemError,
-    SolverError,
-    chosen,
-    coordinates,
-    finite,
-    instance,
-    positive,
-    whole,
-)
+from msvalidate.problem import Array, Mask, ProblemError, SolverError
+from msvalidate.problem.checks import chosen, coordinates, finite, instance, positive, whole
 from reference_fem.electric.charges import charged
 from reference_fem.electric.electrostatics import Dielectric, Potential
 from reference_fem.electric.mesh import SlabMesh, moved_air, slab_mesh

@@ -13,7 +13,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from msvalidate.problem import Array, ProblemError, SolverError, instance, positive, whole
+from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem.checks import instance, positive, whole
 from reference_fem.actuator.actuated import Actuated, settled
 from reference_fem.actuator.soft_slab import SoftSlab
 from reference_fem.systems.factor import Apply, signed

@@ -12,7 +12,8 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from msvalidate.problem import Array, SolverError, positive, whole
+from msvalidate.problem import Array, SolverError
+from msvalidate.problem.checks import positive, whole
 
 SECANTS = 8
 """Differences that are kept: as many slow motions are taken out of the map."""

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.problem import Array, ProblemError, metres, whole
+from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import metres, whole
 from reference_fem.electric.charges import FAR, charged
 from reference_fem.electric.mesh import GRADING, SlabMesh, slab_mesh
 from reference_fem.electric.slab import Slab

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import KDTree
 
-from msvalidate.problem import Array, ProblemError, chosen, finite, instance, number
+from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import chosen, finite, instance, number
 from reference_fem.electric.electrostatics import Dielectric, Potential, no_nodes
 from reference_fem.electric.mesh import SlabMesh
 

@@ -20,19 +20,8 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from msvalidate.problem import (
-    Array,
-    Index,
-    Mask,
-    ProblemError,
-    SolverError,
-    booleans,
-    finite,
-    instance,
-    integers,
-    place_name,
-    shown,
-)
+from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, place_name
+from msvalidate.problem.checks import booleans, finite, instance, integers, shown
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.electric.pairs import Fluxes, Pair
 from reference_fem.mesh.assembly import nodal_sums, slopes

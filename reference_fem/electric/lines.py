@@ -13,7 +13,8 @@ import itertools
 
 import numpy as np
 
-from msvalidate.problem import Array, refuse_too_many
+from msvalidate.problem import Array
+from msvalidate.problem.checks import refuse_too_many
 from reference_fem.electric.slab import Slab
 
 STEEPEST = 2.0

@@ -9,20 +9,8 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from msvalidate.problem import (
-    Array,
-    Index,
-    Mask,
-    ProblemError,
-    SolverError,
-    chosen,
-    coordinates,
-    instance,
-    number,
-    place_name,
-    positive,
-    whole,
-)
+from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, place_name
+from msvalidate.problem.checks import chosen, coordinates, instance, number, positive, whole
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.electric.lines import mesh_lines
 from reference_fem.electric.slab import Slab

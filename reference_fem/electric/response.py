@@ -7,14 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import (
-    Array,
-    Isotropic,
-    ProblemError,
-    coordinates,
-    finite,
-    instance,
-)
+from msvalidate.problem import Array, Isotropic, ProblemError
+from msvalidate.problem.checks import coordinates, finite, instance
 from reference_fem.body import Solution
 from reference_fem.elasticity import solver_of
 from reference_fem.electric.charges import Far, charged

@@ -6,16 +6,8 @@ import itertools
 from dataclasses import dataclass
 from typing import Literal
 
-from msvalidate.problem import (
-    PLACEMENT,
-    ProblemError,
-    chosen,
-    instance,
-    metres,
-    number,
-    positive,
-    shown,
-)
+from msvalidate.problem import PLACEMENT, ProblemError
+from msvalidate.problem.checks import chosen, instance, metres, number, positive, shown
 
 Side = Literal["top", "bottom"]
 SIDES: tuple[Side, ...] = ("top", "bottom")

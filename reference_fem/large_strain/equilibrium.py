@@ -14,14 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import (
-    Array,
-    ProblemError,
-    SolverError,
-    instance,
-    positive,
-    whole,
-)
+from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem.checks import instance, positive, whole
 from reference_fem.effort import within_memory
 from reference_fem.large_strain.solid import Solid
 from reference_fem.locking import refuse_locked

@@ -20,17 +20,8 @@ from typing import Protocol
 
 import numpy as np
 
-from msvalidate.problem import (
-    Array,
-    Isotropic,
-    Material,
-    ProblemError,
-    coordinates,
-    finite,
-    instance,
-    positive,
-    shown,
-)
+from msvalidate.problem import Array, Isotropic, Material, ProblemError
+from msvalidate.problem.checks import coordinates, finite, instance, positive, shown
 from reference_fem.elasticity import elastic_tensor, full_tensor
 
 

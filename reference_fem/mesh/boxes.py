@@ -10,18 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import (
-    Array,
-    Box,
-    Index,
-    ProblemError,
-    chosen,
-    coordinates,
-    counts,
-    positive,
-    refuse_too_many,
-    shown,
-)
+from msvalidate.problem import Array, Box, Index, ProblemError
+from msvalidate.problem.checks import chosen, coordinates, counts, positive, refuse_too_many, shown
 from reference_fem.mesh.discretisation import Discretisation, discretise
 from reference_fem.mesh.elements import ELEMENTS, Element
 

@@ -7,7 +7,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.problem import Array, Index, ProblemError, integers
+from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem.checks import integers
 from reference_fem.mesh.elements import Element
 from reference_fem.mesh.maps import determinant, mapped
 

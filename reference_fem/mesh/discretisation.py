@@ -13,7 +13,8 @@ from scipy.sparse import coo_array, csr_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from msvalidate.problem import Array, Index, ProblemError, chosen, coordinates
+from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem.checks import chosen, coordinates
 from reference_fem.effort import within_memory
 from reference_fem.mesh.assembly import Pattern, gradient_products, pattern
 from reference_fem.mesh.checks import (

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.problem import Array, Index, Mesh, ProblemError, instance, refuse_too_many, shown
+from msvalidate.problem import Array, Index, Mesh, ProblemError
+from msvalidate.problem.checks import instance, refuse_too_many, shown
 from reference_fem.mesh.boxes import MOST_NODES
 from reference_fem.mesh.discretisation import Discretisation, discretise
 from reference_fem.mesh.elements import ELEMENTS, Element

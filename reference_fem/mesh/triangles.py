@@ -9,18 +9,8 @@ import skfem
 from numpy.typing import ArrayLike
 from scipy.spatial import Delaunay, KDTree
 
-from msvalidate.problem import (
-    Array,
-    Polygon,
-    ProblemError,
-    Segment,
-    coordinates,
-    metres,
-    place_name,
-    refuse_too_many,
-    shown,
-    whole,
-)
+from msvalidate.problem import Array, Polygon, ProblemError, Segment, place_name
+from msvalidate.problem.checks import coordinates, metres, refuse_too_many, shown, whole
 from reference_fem.mesh.boxes import MOST_NODES
 from reference_fem.mesh.discretisation import Discretisation, discretise
 

@@ -10,17 +10,8 @@ from time import perf_counter
 import numpy as np
 from scipy.sparse import csr_matrix, issparse
 
-from msvalidate.problem import (
-    Array,
-    Index,
-    Mask,
-    ProblemError,
-    SolverError,
-    chosen,
-    instance,
-    refuse_free_motions,
-    shown,
-)
+from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, refuse_free_motions
+from msvalidate.problem.checks import chosen, instance, shown
 from reference_fem.effort import envelope, within_memory
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients

@@ -19,11 +19,12 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.candidate import actuated
-from msvalidate.evidence import Evidence, answers
-from msvalidate.sweep import Setting
-from studies.actuator import air, controls, figure8, permittivity, prestretched, profile
-from studies.actuator.bodies import Candidate, responding, springs
+from msvalidate.judging.candidate import actuated
+from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.sweep import Setting
+
+from . import air, controls, figure8, permittivity, prestretched, profile
+from .bodies import Candidate, responding, springs
 
 ASKED = {
     "profile": profile.run,

@@ -17,13 +17,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.actuator import profile
-from studies.actuator.bodies import (
+
+from . import profile
+from .bodies import (
     COVERED,
     HEIGHT,
     Candidate,
@@ -34,7 +35,7 @@ from studies.actuator.bodies import (
     uniform_deflection,
     upper,
 )
-from studies.actuator.profile_drawing import broken
+from .profile_drawing import broken
 
 RATIOS, QUICK_RATIOS = (1.0, 3.0, 10.0), (3.0,)
 LAYERS, QUICK_LAYERS = (10, 20), (6, 12)

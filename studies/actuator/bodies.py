@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from msvalidate.actuator import Actuator, at_voltage, slab
-from msvalidate.actuator.models import electrified
-from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import network_tensor
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.stiffness import moduli
+from msvalidate.dielectric.actuator import Actuator, at_voltage, slab
+from msvalidate.dielectric.actuator.models import electrified
 from msvalidate.lattice import square
 from msvalidate.problem import Array, Box, Index, Isotropic
-from msvalidate.stiffness import moduli
+from msvalidate.statics.equilibrium import equilibrium
 from reference_fem import charged, facing_slab, respond, slab_mesh
 
 LENGTH, HEIGHT = 60.0, 10.0

@@ -17,13 +17,14 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.actuator import Actuator
-from msvalidate.actuator.models import electrified
-from msvalidate.evidence import Evidence, Observed, Tolerance, judge
+from msvalidate.dielectric.actuator import Actuator
+from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.actuator import profile
-from studies.actuator.bodies import Candidate, Spoil, responding
+
+from . import profile
+from .bodies import Candidate, Spoil, responding
 
 
 def weaker(size: float, actuator: Actuator, pull: Array) -> Array:

@@ -18,9 +18,10 @@ from functools import cache
 
 import numpy as np
 
-from msvalidate.electrostatics import capacitance, chains, strip
+from msvalidate.dielectric.charges import capacitance, chains, strip
 from msvalidate.problem import Array
-from studies.actuator.bodies import COVERED, HEIGHT, LENGTH, plane_material
+
+from .bodies import COVERED, HEIGHT, LENGTH, plane_material
 
 OPENING = {"full": np.pi / 2, "partial": np.pi}
 """Of the slab under the edge: its corner, or a straight face."""

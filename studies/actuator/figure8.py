@@ -28,13 +28,14 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
-from msvalidate.actuator import at_voltage
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.sweep import Setting
-from studies.actuator import figure8_drawing, models
-from studies.actuator.bodies import Candidate, body, springs
-from studies.actuator.figure8_statements import (
+from msvalidate.dielectric.actuator import at_voltage
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
+
+from . import figure8_drawing, models
+from .bodies import Candidate, body, springs
+from .figure8_statements import (
     COMMON,
     LAYERS,
     LOW,
@@ -50,7 +51,7 @@ from studies.actuator.figure8_statements import (
     margin,
     middle,
 )
-from studies.actuator.models import SOURCES, Seen
+from .models import SOURCES, Seen
 
 VOLTAGES = {
     "full": (0.5, 1.0, 1.5, 2.0, 2.25, 2.5, 2.75),

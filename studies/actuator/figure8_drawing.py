@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
 from msvalidate.problem import Array
 
 STRETCH = 3

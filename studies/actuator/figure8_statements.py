@@ -12,9 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from msvalidate.problem import SolverError
-from studies.actuator import models
-from studies.actuator.bodies import HEIGHT, tips
-from studies.actuator.models import SOURCES, Seen
+
+from . import models
+from .bodies import HEIGHT, tips
+from .models import SOURCES, Seen
 
 LAYERS = 10
 """Of the springs, of the report's way and of the elements."""

@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msvalidate.actuator import Actuator, Held, moving
-from msvalidate.actuator.models import electrified
+from msvalidate.dielectric.actuator import Actuator, Held, moving
+from msvalidate.dielectric.actuator.models import electrified
 from msvalidate.problem import Array, Mask, SolverError
 from reference_fem import facing_slab
 from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.large_strain import square_fibres
-from studies.actuator.bodies import (
+
+from .bodies import (
     AXIAL,
     COVERED,
     DIAGONAL,

@@ -15,11 +15,12 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.actuator.bodies import COVERED, Candidate, body, elastic, uniform_deflection, upper
+
+from .bodies import COVERED, Candidate, body, elastic, uniform_deflection, upper
 
 PERMITTIVITY, VOLTAGE, LAYERS, MESH = 2.7, 0.1, 3, 4
 """F/m, V, and cells up the slab of springs and up that of elements."""

@@ -21,17 +21,18 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from msvalidate.actuator import Actuator, slab, uniform
-from msvalidate.actuator.models import electrified
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.dielectric.actuator import Actuator, slab, uniform
+from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
 from reference_fem import facing_slab
 from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.large_strain import Law, Solid, square_fibres
-from studies.actuator import prestretched_drawing
-from studies.actuator.bodies import AXIAL, DIAGONAL, HEIGHT, LENGTH, Candidate, springs, upper
+
+from . import prestretched_drawing
+from .bodies import AXIAL, DIAGONAL, HEIGHT, LENGTH, Candidate, springs, upper
 
 STRETCHES, QUICK_STRETCHES = (1.0, 1.5, 2.0), (1.0, 2.0)
 LAYERS, QUICK_LAYERS = 10, 6

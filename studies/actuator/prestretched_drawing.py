@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
 
 STYLES = {"stretched": "-", "as slender": "--"}
 MEASURES = {

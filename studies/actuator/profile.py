@@ -20,12 +20,13 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Mask
-from msvalidate.sweep import Setting
-from studies.actuator import edges, profile_drawing
-from studies.actuator.bodies import (
+
+from . import edges, profile_drawing
+from .bodies import (
     COVERED,
     HEIGHT,
     Candidate,

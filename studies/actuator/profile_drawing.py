@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
-from studies.actuator.bodies import HEIGHT
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+from .bodies import HEIGHT
 
 TITLES = {"full": "fully covered", "partial": "middle third covered"}
 COMPONENTS = {"uy": "deflection uy", "ux": "displacement ux"}

@@ -28,10 +28,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from msvalidate.candidate import Candidate, answering, springs
-from msvalidate.evidence import Evidence, answers, merged
-from msvalidate.sweep import Setting
-from studies.benchmarks import (
+from msvalidate.judging.candidate import Candidate, answering, springs
+from msvalidate.judging.evidence import Evidence, answers, merged
+from msvalidate.judging.sweep import Setting
+
+from . import (
     bending,
     cantilever,
     cases,

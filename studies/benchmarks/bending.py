@@ -29,23 +29,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.constants.stiffness import in_plane
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
-from msvalidate.problem import (
-    Array,
-    Box,
-    Isotropic,
-    Problem,
-    Region,
-    Support,
-    Traction,
-)
-from msvalidate.stiffness import in_plane
-from msvalidate.sweep import Setting
-from studies.benchmarks import cases, models
+from msvalidate.output import figures
+from msvalidate.problem import Array, Box, Isotropic, Problem, Region, Support, Traction
+
+from . import cases, models
 
 HEIGHTS, QUICK_HEIGHTS = (1, 2, 4, 8), (1, 2, 4)
 """Cells through the height."""

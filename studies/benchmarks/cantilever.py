@@ -27,13 +27,14 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
-from msvalidate.sweep import Setting
-from studies.benchmarks import cases, models
+
+from . import cases, models
 
 LENGTH, DEPTH, LOAD, MODULUS = 48.0, 12.0, 1000.0, 3e7
 INERTIA = DEPTH**3 / 12

@@ -16,8 +16,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
 from msvalidate.problem import Array
 from reference_fem.refinement import richardson
 

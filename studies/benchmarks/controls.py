@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate import faults
-from msvalidate.candidate import Answer, Candidate, springs
-from msvalidate.network import Network
+from msvalidate.judging.candidate import Answer, Candidate, springs
+from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem
 
 Fault = Callable[[Network, float], Network]

@@ -21,11 +21,13 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.cut import cut_network
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.bodies.cut_network import cut_network
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import cut_lattice, mesh_lattice, patterns
 from msvalidate.problem import (
     Array,
@@ -40,11 +42,10 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.singularity import clamped_free_exponent
-from msvalidate.stress import fitted_stress, whole_points
-from msvalidate.sweep import Setting
+from msvalidate.statics.stress import fitted_stress, whole_points
 from reference_fem.elasticity import elastic_tensor
-from studies.benchmarks import cases, cook_drawing, curved, models
+
+from . import cases, cook_drawing, curved, models
 
 PANEL = Polygon(((0.0, 0.0), (48.0, 44.0), (48.0, 60.0), (0.0, 44.0)))
 WIDTH, EDGE = 48.0, 16.0

@@ -8,10 +8,11 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from studies.benchmarks.curved_drawing import DIVERGING, SEQUENTIAL
+
+from .curved_drawing import DIVERGING, SEQUENTIAL
 
 CELLS, PLACES = 24, 16
 """Cells along the width of what is drawn, and of the mesh that it is drawn on."""

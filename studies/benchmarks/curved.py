@@ -2,7 +2,7 @@
 
 Springs are cells of the square lattice, cut by the outline (`msvalidate.lattice.cut`), with an
 energy of the cells' volumes where nu is not 1/3. A network's stress at its outline is that of a
-polynomial through the displacements near by (`msvalidate.stress.fitted_stress`): a quadratic one,
+polynomial through the displacements near by (`statics.stress.fitted_stress`): a quadratic one,
 whose own error has order 2, and a quartic one, which leaves the network's error.
 """
 
@@ -15,18 +15,19 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.calibrate import calibrated
-from msvalidate.candidate import Candidate
-from msvalidate.compare import observed_order
-from msvalidate.cut import cut_network
+from msvalidate.bodies.calibrate import calibrated
+from msvalidate.bodies.cut_network import cut_network
+from msvalidate.constants.stiffness import CAUCHY
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.compare import observed_order
 from msvalidate.lattice import Pattern, patterns
 from msvalidate.lattice.cut import CutLattice, cut_lattice
 from msvalidate.network import Network
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Support
-from msvalidate.stiffness import CAUCHY
-from msvalidate.stress import fitted_stress, whole_points
-from studies.benchmarks import models
-from studies.benchmarks.shapes import Meshed
+from msvalidate.statics.stress import fitted_stress, whole_points
+
+from . import models
+from .shapes import Meshed
 
 FITS = {"quadratic": (2, 24), "quartic": (4, 60)}
 """Degree of the polynomial that stresses of networks are read off, and points: four a coefficient.

@@ -13,8 +13,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
 from msvalidate.problem import Array, Index
 
 COLUMNS = {

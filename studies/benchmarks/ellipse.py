@@ -20,14 +20,15 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
-from msvalidate.sweep import Setting
-from studies.benchmarks import cases, curved, curved_drawing
-from studies.benchmarks.potentials import elliptic_membrane
-from studies.benchmarks.shapes import INNER, OUTER, elliptic_quarter
+
+from . import cases, curved, curved_drawing
+from .potentials import elliptic_membrane
+from .shapes import INNER, OUTER, elliptic_quarter
 
 MODULUS, THICKNESS, PRESSURE = 210e9, 0.1, 10e6
 TIP = np.array([[INNER[0], 0.0]])

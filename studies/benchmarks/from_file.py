@@ -16,14 +16,15 @@ from pathlib import Path
 import pandas as pd
 
 import reference_fem
-from msvalidate.candidate import Candidate
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
-from msvalidate.mesh_file import read_mesh
+from msvalidate.bodies.mesh_file import read_mesh
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Isotropic, Mesh, Problem, Region, Support, Traction
-from msvalidate.sweep import Setting
-from studies.benchmarks import cases, curved, models
-from studies.benchmarks.patch_bodies import MODULUS, PATCH, THICKNESS
+
+from . import cases, curved, models
+from .patch_bodies import MODULUS, PATCH, THICKNESS
 
 FILE = Path(__file__).parent / "data" / "patch_mm.msh"
 UNIT = 1e-3

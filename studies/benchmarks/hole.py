@@ -17,13 +17,14 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
-from msvalidate.sweep import Setting
-from studies.benchmarks import cases, curved, curved_drawing
-from studies.benchmarks.shapes import ring_quarter
+
+from . import cases, curved, curved_drawing
+from .shapes import ring_quarter
 
 MODULUS, TENSION = 1e6, 1.0
 RADIUS, RIM = 1.0, 4.0

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrated
+from msvalidate.bodies.calibrate import calibrated
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.lattice import Lattice
 from msvalidate.network import Network
 from msvalidate.problem import Isotropic, Problem, ProblemError
-from msvalidate.stiffness import CAUCHY
-from studies.benchmarks import cases
+
+from . import cases
 
 
 def method(lattice: str, nu: float, dim: int = 2) -> str:

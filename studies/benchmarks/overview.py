@@ -5,9 +5,10 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Evidence, Tables
-from studies.benchmarks import cases
+from msvalidate.judging.evidence import Evidence, Tables
+from msvalidate.output import figures
+
+from . import cases
 
 FAMILIES = {
     "FEM": "finite elements",

@@ -18,16 +18,17 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import CAUCHY
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import fill, mesh_lattice, patterns, square, triangular, zigzag_block
-from msvalidate.stiffness import CAUCHY
-from msvalidate.sweep import Setting
-from studies.benchmarks import cases, models
-from studies.benchmarks.patch_bodies import (
+from msvalidate.output import figures
+
+from . import cases, models
+from .patch_bodies import (
     CUBE,
     GRADIENT,
     MODULUS,

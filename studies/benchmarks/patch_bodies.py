@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 import reference_fem
-from msvalidate.candidate import Candidate
+from msvalidate.judging.candidate import Candidate
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
     SIDES,

@@ -10,10 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from studies.benchmarks.shapes import INNER
+
+from .shapes import INNER
 
 PLACE = (INNER[0], 0.0)
 COLUMNS = {

@@ -23,20 +23,21 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import patterns
 from msvalidate.lattice.cut import CutLattice, cut_lattice
 from msvalidate.network import Network
 from msvalidate.problem import Array, Isotropic, Problem, Support, Traction
-from msvalidate.stress import fitted_stress, whole_points
-from msvalidate.sweep import Setting
+from msvalidate.statics.stress import fitted_stress, whole_points
 from reference_fem import Solution
 from reference_fem.elasticity import elastic_tensor
-from studies.benchmarks import cases, curved, plate_drawing, thick_plate
-from studies.benchmarks.shapes import OUTER, THICKNESS, clamped_plate
-from studies.benchmarks.thick_plate import FACE, LINE, MEGA, MIDDLE, NU, PLACE, PRESSURE
+
+from . import cases, curved, plate_drawing, thick_plate
+from .shapes import OUTER, THICKNESS, clamped_plate
+from .thick_plate import FACE, LINE, MEGA, MIDDLE, NU, PLACE, PRESSURE
 
 MATERIAL = Isotropic(E=thick_plate.MODULUS, nu=NU, state="solid")
 LAYERS, QUICK_LAYERS = (4, 6, 8), (4, 6)

@@ -27,7 +27,8 @@ import numpy as np
 import numpy.typing as npt
 
 from msvalidate.problem import Array
-from studies.benchmarks.shapes import FOCUS, INNER, OUTER
+
+from .shapes import FOCUS, INNER, OUTER
 
 Complex = npt.NDArray[np.complex128]
 

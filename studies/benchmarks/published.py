@@ -26,12 +26,13 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.sweep import Setting
-from studies.benchmarks import cases, published_drawing, published_membranes, published_sources
-from studies.benchmarks import spring_meshes as meshes
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
+
+from . import cases, published_drawing, published_membranes, published_sources
+from . import spring_meshes as meshes
 
 QUICK = 32
 """Largest mesh of the small form."""

@@ -6,8 +6,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
 
 
 def draw(tables: Tables) -> Figure:

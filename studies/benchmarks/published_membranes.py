@@ -19,13 +19,13 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import worst
-from msvalidate.evidence import Observed, Tolerance
-from msvalidate.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.stiffness import isotropic_moduli
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Pattern, patterns, voronoi
 from msvalidate.problem import Array
-from msvalidate.stiffness import isotropic_moduli
-from msvalidate.sweep import Setting
 
 PRINTED = (0.45, 0.90)
 """Shear and area modulus over the spring constant, moderate randomness, as printed."""

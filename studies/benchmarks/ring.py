@@ -27,14 +27,15 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
 from msvalidate.problem.material import State
-from msvalidate.sweep import Setting
-from studies.benchmarks import cases, curved, curved_drawing, models
-from studies.benchmarks.shapes import ring_quarter
+
+from . import cases, curved, curved_drawing, models
+from .shapes import ring_quarter
 
 INSIDE, OUTSIDE = 1.0, 2.0
 MODULUS, PRESSURE = 1e6, 1e3

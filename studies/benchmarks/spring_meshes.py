@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate
-from msvalidate.homogenise import homogenised
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.judging.candidate import Candidate
 from msvalidate.lattice import fill, patterns
 from msvalidate.problem import (
     Anisotropic,
@@ -24,7 +24,8 @@ from msvalidate.problem import (
     Traction,
 )
 from reference_fem.body import nodal_forces
-from studies.benchmarks import framed_plate
+
+from . import framed_plate
 
 PRINTED = {
     1: 4.8,

@@ -19,15 +19,16 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
-from msvalidate.sweep import Setting
 from reference_fem.refinement import Estimate, refine
-from studies.benchmarks import curved, strips_drawing
-from studies.benchmarks.potentials import holed_strip
-from studies.benchmarks.shapes import holed_plate
+
+from . import curved, strips_drawing
+from .potentials import holed_strip
+from .shapes import holed_plate
 
 MODULUS, TENSION = 1e6, 1.0
 OUTLINE = 16

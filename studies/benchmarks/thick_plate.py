@@ -24,16 +24,17 @@ import pandas as pd
 from scipy.special import ellipe
 
 import reference_fem
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Isotropic
-from msvalidate.sweep import Setting
 from reference_fem import Solution
 from reference_fem.elasticity import solve_on
 from reference_fem.mesh import Discretisation, Facets
-from studies.benchmarks import cases, plate_drawing
-from studies.benchmarks.shapes import INNER, OUTER, THICKNESS, Meshed, elliptic_plate
+
+from . import cases, plate_drawing
+from .shapes import INNER, OUTER, THICKNESS, Meshed, elliptic_plate
 
 MODULUS, NU, PRESSURE = 210e9, 0.3, 1e6
 PLACE = np.array([[INNER[0], 0.0, THICKNESS]])

@@ -21,15 +21,16 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.problem import Box, Isotropic, Problem, Region, Segment, Support, Traction
-from msvalidate.singularity import clamped_free_exponent
-from msvalidate.sweep import Setting
 from reference_fem.elasticity import elastic_tensor
-from studies.benchmarks import cases, models
+
+from . import cases, models
 
 LENGTH, HEIGHT, LOADED, LOAD, MODULUS = 8.0, 1.0, 1.0, 100.0, 1e5
 """m, m, m of the top, N and Pa, one metre thick; the answer is linear."""

@@ -22,12 +22,13 @@ from functools import cache, partial
 
 import pandas as pd
 
-from msvalidate.candidate import named
-from msvalidate.evidence import Evidence, answers
-from msvalidate.relax import Method
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.sweep import Setting
-from studies.convergence import dynamic_relaxation, frontier, space, spoilt, steps, strained, times
+from msvalidate.judging.candidate import named
+from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.sweep import Setting
+from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.relaxations import RELAXATIONS
+
+from . import dynamic_relaxation, frontier, space, spoilt, steps, strained, times
 
 METHODS = RELAXATIONS | {dynamic_relaxation.NAME: dynamic_relaxation.METHOD}
 FAULTS = {

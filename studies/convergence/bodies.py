@@ -6,16 +6,16 @@ from functools import cache
 
 import numpy as np
 
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import default_constants
-from msvalidate.equilibrium import equilibrium
+from msvalidate.bodies.calibrate import default_constants
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import square_tensor
+from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.lattice import Lattice, fill, patterns, square
 from msvalidate.network import Network
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.spectrum import extreme_frequencies
-from msvalidate.stiffness import square_tensor
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.equilibrium import equilibrium
 
 SIZES: dict[str, tuple[float, ...]] = {
     "plate": (1.0, 1.0),

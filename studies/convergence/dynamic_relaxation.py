@@ -23,17 +23,18 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.compare import fitted_power, worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.figures import COLOURS, new
-from msvalidate.integrators import LEAPFROG, Integrator
+from msvalidate.dynamics.integrators import LEAPFROG, Integrator
+from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output.figures import COLOURS, new
 from msvalidate.problem import SolverError
-from msvalidate.relax import Method, relax
-from msvalidate.run import Run
-from msvalidate.spectrum import extreme_frequencies
-from msvalidate.sweep import Setting
-from msvalidate.viscous import viscous
-from studies.convergence import bodies, steps
+from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.run import Run
+from msvalidate.relaxation.viscous import viscous
+
+from . import bodies, steps
 
 COUNTED = {8: 240, 16: 440, 32: 830, 64: 1590}
 """Cells along a side -> steps of an independent program, one count of ten steps apart."""

@@ -27,14 +27,15 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import reference_fem
-from msvalidate.compare import fitted_power, worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.figures import COLOURS, MARKERS, new, shared_legend
+from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.judging.sweep import Setting
+from msvalidate.output.figures import COLOURS, MARKERS, new, shared_legend
 from msvalidate.problem import Array
-from msvalidate.relax import Method, relax
-from msvalidate.singularity import clamped_free_exponent
-from msvalidate.sweep import Setting
-from studies.convergence import bodies, steps
+from msvalidate.relaxation.relax import Method, relax
+
+from . import bodies, steps
 
 FINENESSES = {"plate": (8, 16, 32, 64, 128), "beam": (4, 8, 16, 32)}
 QUICK = {"plate": (8, 16, 32), "beam": (4, 8, 16)}

@@ -23,15 +23,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import reference_fem
-from msvalidate import figures
-from msvalidate.compare import fitted_power
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.figures import COLOURS
+from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
+from msvalidate.output.figures import COLOURS
 from msvalidate.problem import Index, Mask, prescribed
-from msvalidate.sweep import Setting
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.systems.dissection import node_order
-from studies.convergence import bodies, elimination, steps
+
+from . import bodies, elimination, steps
 
 CUBE = "cube"
 EDGES, QUICK_EDGES = (8, 12, 16, 24, 32, 48), (8, 12, 16, 24)

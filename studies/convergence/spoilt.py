@@ -10,14 +10,15 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
-from msvalidate.integrators import LEAPFROG, factors_of
+from msvalidate.dynamics.integrators import LEAPFROG, factors_of
 from msvalidate.network import stretched, tangent
 from msvalidate.problem import Array
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.run import SAFETY, Run
-from msvalidate.viscous import viscous
-from studies.convergence import dynamic_relaxation
-from studies.convergence.dynamic_relaxation import METHOD, at_its_best
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.relaxation.run import SAFETY, Run
+from msvalidate.relaxation.viscous import viscous
+
+from . import dynamic_relaxation
+from .dynamic_relaxation import METHOD, at_its_best
 
 Walk = Callable[[Run], Iterator[None]]
 

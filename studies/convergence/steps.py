@@ -27,16 +27,17 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
-from msvalidate import figures
-from msvalidate.compare import fitted_power, worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.figures import COLOURS, MARKERS
+from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
+from msvalidate.output.figures import COLOURS, MARKERS
 from msvalidate.problem import Array, SolverError
-from msvalidate.relax import Method, relax
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.run import SAFETY, Run
-from msvalidate.sweep import Setting
-from studies.convergence import bodies
+from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.relaxation.run import SAFETY, Run
+
+from . import bodies
 
 FINENESSES = {
     "plate": (8, 16, 32, 64, 128),

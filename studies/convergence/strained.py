@@ -19,14 +19,15 @@ from contextlib import suppress
 import numpy as np
 import pandas as pd
 
-from msvalidate.body import lattice_network
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.network import Network, stretched
 from msvalidate.problem import Array, Box, Isotropic, Problem, SolverError, Support, Traction
-from msvalidate.relax import Method, relax
-from msvalidate.sweep import Setting
-from studies.convergence import bodies, steps
+from msvalidate.relaxation.relax import Method, relax
+
+from . import bodies, steps
 
 BOX, CELLS = Box((0.74, 0.37)), (12, 6)
 PULL = 0.07

@@ -27,14 +27,15 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 import reference_fem
-from msvalidate.compare import fitted_power
-from msvalidate.evidence import Evidence, Tables
-from msvalidate.figures import new, shared_legend
-from msvalidate.integrate import SPECTRUM_ERROR
-from msvalidate.relax import Method, relax
-from msvalidate.spectrum import extreme_frequencies
-from msvalidate.sweep import Setting
-from studies.convergence import bodies, steps
+from msvalidate.dynamics.integrate import SPECTRUM_ERROR
+from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.evidence import Evidence, Tables
+from msvalidate.judging.sweep import Setting
+from msvalidate.output.figures import new, shared_legend
+from msvalidate.relaxation.relax import Method, relax
+
+from . import bodies, steps
 
 REPEATS = 3
 DECIDED = 1.0

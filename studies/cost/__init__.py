@@ -29,13 +29,14 @@ from dataclasses import dataclass, field, replace
 from functools import cache, partial
 
 from msvalidate import kernels
-from msvalidate.candidate import of_kind
-from msvalidate.evidence import Evidence, answers
+from msvalidate.judging.candidate import of_kind
+from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
-from msvalidate.relax import Method
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.sweep import Setting
-from studies.cost import (
+from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.relaxations import RELAXATIONS
+
+from . import (
     agreement,
     fem,
     fem_ways,
@@ -50,8 +51,8 @@ from studies.cost import (
     spoilt,
     targets,
 )
-from studies.cost.fem_ways import Solve
-from studies.cost.kernel import Moving
+from .fem_ways import Solve
+from .kernel import Moving
 
 
 @dataclass(frozen=True)

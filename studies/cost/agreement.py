@@ -16,12 +16,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.cost import bodies, kernel, plain
-from studies.cost.kernel import OURS, Moving
+
+from . import bodies, kernel, plain
+from .kernel import OURS, Moving
 
 NODES = 225
 STEPS = 2000

@@ -10,11 +10,11 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import Delaunay
 
-from msvalidate.body import lattice_network
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns, square
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
-from msvalidate.run import SAFETY
+from msvalidate.relaxation.run import SAFETY
 
 SIDE = 0.1
 """Of the plate (m)."""

@@ -25,14 +25,15 @@ from scipy.sparse.linalg import spsolve
 from tqdm import tqdm
 
 import reference_fem
-from msvalidate.compare import fitted_power
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Box, Isotropic, Mask
-from msvalidate.sweep import Setting
 from reference_fem.elasticity import stiffness
-from studies.cost import fem_drawing, fem_ways, kernel, ngsolve_peer
-from studies.cost.fem_ways import Solve
-from studies.cost.timing import ABSENT, GROWTH, QUICK_ROUNDS, ROUNDS, SECONDS, in_turn, summary
+
+from . import fem_drawing, fem_ways, kernel, ngsolve_peer
+from .fem_ways import Solve
+from .timing import ABSENT, GROWTH, QUICK_ROUNDS, ROUNDS, SECONDS, in_turn, summary
 
 CELLS = {2: (22, 70, 223), 3: (9, 14, 20, 24)}
 """Along a side: 1e3 to 1e5 unknowns in the plane, 3e3 to 4.7e4 in space."""

@@ -12,7 +12,8 @@ from scipy.sparse import csr_matrix
 from msvalidate.problem import Array, Mask
 from reference_fem import Solver
 from reference_fem.systems import has_cholmod
-from studies.cost.timing import ABSENT
+
+from .timing import ABSENT
 
 NAMES = ("auto", "superlu", "cholmod", "multigrid")
 

@@ -24,11 +24,12 @@ import pandas as pd
 from tqdm import tqdm
 
 from msvalidate import kernels
-from msvalidate.evidence import Evidence
+from msvalidate.judging.evidence import Evidence
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
-from msvalidate.sweep import Setting
-from studies.cost import bodies, kernel_drawing, lammps_peer, plain
-from studies.cost.timing import ABSENT, ROUNDS, SINGLE, in_turn, summary
+
+from . import bodies, kernel_drawing, lammps_peer, plain
+from .timing import ABSENT, ROUNDS, SINGLE, in_turn, summary
 
 NODES = (1_000, 10_000, 100_000, 1_000_000)
 QUICK_NODES = (1_000, 10_000)

@@ -6,9 +6,10 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
-from studies.cost.timing import ABSENT, SINGLE
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+from .timing import ABSENT, SINGLE
 
 C = figures.COLOURS
 STYLES: dict[str, dict[str, Any]] = {

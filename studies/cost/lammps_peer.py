@@ -16,7 +16,8 @@ import numpy as np
 
 from msvalidate.network import Network
 from msvalidate.problem import SolverError
-from studies.cost.bodies import STRAIN, time_step
+
+from .bodies import STRAIN, time_step
 
 WIDTH = 0.15
 """How far, relative to the spacing, a distance may be from a bond's length and still be one."""

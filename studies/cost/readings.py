@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from msvalidate.evidence import Tables
-from studies.cost.start_up import UNMEASURED
-from studies.cost.timing import ABSENT, SINGLE, ratios
+from msvalidate.judging.evidence import Tables
+
+from .start_up import UNMEASURED
+from .timing import ABSENT, SINGLE, ratios
 
 
 class Reading(NamedTuple):

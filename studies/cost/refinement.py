@@ -18,16 +18,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.body import lattice_network
-from msvalidate.equilibrium import Equilibrium, equilibrium
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.inverse import Solver
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.network import Network, internal_force
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
-from msvalidate.sweep import Setting
-from studies.cost import bodies
-from studies.cost.timing import QUICK_ROUNDS, ROUNDS, Act, in_turn
+from msvalidate.statics.equilibrium import Equilibrium, equilibrium
+from msvalidate.tangent.inverse import Solver
+
+from . import bodies
+from .timing import QUICK_ROUNDS, ROUNDS, Act, in_turn
 
 Linear = Callable[[Network], Equilibrium]
 

@@ -24,13 +24,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import fitted_power, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.relax import Method
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.sweep import Setting
-from studies.cost import kernel, relaxation_drawing, resting
-from studies.cost.timing import GROWTH, ROUNDS, SECONDS
+from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.relaxations import RELAXATIONS
+
+from . import kernel, relaxation_drawing, resting
+from .timing import GROWTH, ROUNDS, SECONDS
 
 NODES = (1_000, 3_000, 10_000, 30_000, 100_000)
 QUICK_NODES = (200, 600, 2_000)

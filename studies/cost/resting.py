@@ -10,14 +10,15 @@ import numpy as np
 from scipy.optimize import brentq
 
 from msvalidate import kernels
-from msvalidate.equilibrium import equilibrium
+from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
-from msvalidate.relax import Method, relax
-from msvalidate.run import SAFETY, Run
-from msvalidate.spectrum import extreme_frequencies
-from studies.cost import bodies, kernel
-from studies.cost.timing import Act, in_turn
+from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.run import SAFETY, Run
+from msvalidate.statics.equilibrium import equilibrium
+
+from . import bodies, kernel
+from .timing import Act, in_turn
 
 ONCE = 20_000
 """Nodes beyond which a run is timed once."""

@@ -28,13 +28,14 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import cg, spsolve
 from tqdm import tqdm
 
-from msvalidate.equilibrium import Equilibrium
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Array, SolverError
-from msvalidate.sweep import Setting
-from studies.cost import bodies, kernel, ngsolve_peer, refinement
-from studies.cost.timing import ABSENT, QUICK_ROUNDS, SECONDS, in_turn, summary
+from msvalidate.statics.equilibrium import Equilibrium
+
+from . import bodies, kernel, ngsolve_peer, refinement
+from .timing import ABSENT, QUICK_ROUNDS, SECONDS, in_turn, summary
 
 CUBE, BAR = "cube", "bar of 100 to 1"
 CELLS = {CUBE: bodies.cube_cells, BAR: bodies.bar_cells}

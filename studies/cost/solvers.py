@@ -23,15 +23,16 @@ import numpy as np
 import pandas as pd
 from tqdm import tqdm
 
-from msvalidate.compare import fitted_power
-from msvalidate.cycles import Cycles
-from msvalidate.equilibrium import Equilibrium, equilibrium
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.inverse import Solver
+from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import Index
-from msvalidate.sweep import Setting
-from studies.cost import (
+from msvalidate.statics.equilibrium import Equilibrium, equilibrium
+from msvalidate.tangent.cycles import Cycles
+from msvalidate.tangent.inverse import Solver
+
+from . import (
     bodies,
     kernel,
     large,
@@ -40,7 +41,7 @@ from studies.cost import (
     solver_peers,
     solvers_drawing,
 )
-from studies.cost.timing import GROWTH, QUICK_ROUNDS, SECONDS, Act, Lap, in_turn, lap
+from .timing import GROWTH, QUICK_ROUNDS, SECONDS, Act, Lap, in_turn, lap
 
 Rest = solver_peers.Rest
 BODIES: dict[str, Callable[[int], Network]] = {

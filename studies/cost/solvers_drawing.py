@@ -7,9 +7,10 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
-from studies.cost.timing import ABSENT
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+from .timing import ABSENT
 
 C = figures.COLOURS
 MARKS = "os^vDP*"

@@ -9,18 +9,19 @@ from typing import Any
 import numpy as np
 
 from msvalidate import kernels
-from msvalidate.cycles import PART
-from msvalidate.equilibrium import Equilibrium, equilibrium
-from msvalidate.integrators import LEAPFROG
-from msvalidate.inverse import Choice
-from msvalidate.multigrid import conjugate_gradients, cycle_of, restrained
+from msvalidate.dynamics.integrators import LEAPFROG
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.run import SAFETY, Run
-from msvalidate.viscous import viscous
-from studies.cost import bodies, fem_ways
-from studies.cost.fem_ways import Found
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.relaxation.run import SAFETY, Run
+from msvalidate.relaxation.viscous import viscous
+from msvalidate.statics.equilibrium import Equilibrium, equilibrium
+from msvalidate.tangent.cycles import PART
+from msvalidate.tangent.inverse import Choice
+from msvalidate.tangent.multigrid import conjugate_gradients, cycle_of, restrained
+
+from . import bodies, fem_ways
+from .fem_ways import Found
 
 LEAPFROGGING = RELAXATIONS["viscous_leapfrog"]
 COARSE = 300

@@ -9,10 +9,11 @@ from typing import Any
 
 import pandas as pd
 
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import SolverError
-from msvalidate.sweep import Setting
-from studies.cost import kernel
-from studies.cost.timing import ROUNDS
+
+from . import kernel
+from .timing import ROUNDS
 
 BARE = ("-c", "pass")
 ASKED = {
@@ -26,7 +27,7 @@ from contextlib import ExitStack
 from msvalidate import kernels
 from msvalidate.kernels.cache import KernelCache
 KernelCache.load_overload = KernelCache.save_overload = lambda *given: None
-from studies.cost import bodies, kernel
+from msvalidate.studies.cost import bodies, kernel
 nets = {name: bodies.network(name, 100) for name in NAMES}
 start = time.process_time()
 for name, net in nets.items():
@@ -50,15 +51,15 @@ print(int(told.split()[0]) / 2**20)
 """
 LARGE = """
 from reference_fem.elasticity import stiffness
-from studies.cost import fem, fem_ways
+from msvalidate.studies.cost import fem, fem_ways
 given = fem.block(3, 45)
 K = stiffness(given.body, given.material)
 fem_ways.by("auto", given.body, K, given.held, given.force)
 """
 """Solves 2.9e5 unknowns of elements in space."""
 SPRINGS = """
-from msvalidate.equilibrium import equilibrium
-from studies.cost import bodies
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.studies.cost import bodies
 equilibrium(bodies.cube(100_000))
 """
 """Brings 1e5 points of springs in space to rest."""

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Literal, NamedTuple
 
-from msvalidate.evidence import Tables
-from studies.cost.readings import (
+from msvalidate.judging.evidence import Tables
+
+from .readings import (
     Measured,
     beside_steps,
     elements,

@@ -20,11 +20,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.evidence import Evidence, Tables
-from msvalidate.sweep import Setting
-from studies.cost import start_up, target_list
-from studies.cost.start_up import UNMEASURED
-from studies.cost.target_list import Target
+from msvalidate.judging.evidence import Evidence, Tables
+from msvalidate.judging.sweep import Setting
+
+from . import start_up, target_list
+from .start_up import UNMEASURED
+from .target_list import Target
 
 FROM = ("agreement", "kernel", "limits", "fem", "relaxation", "solvers", "solver_peers", "large")
 """Questions whose tables are looked at."""

@@ -13,7 +13,7 @@ a file:
 - `wave`: how fast the strain wave runs, and what the held edge returns;
 - `controls`: faulty motions, and the smallest fault that this study notices.
 
-Candidate: the motion of a network, `euler_cromer` of `msvalidate.integrate` by default. Reference:
+Candidate: the motion of a network, `euler_cromer` of `dynamics.integrate` by default. Reference:
 the damped oscillator and the waves of elasticity in closed form, and the scheme's recursion mode by
 mode.
 """
@@ -22,10 +22,11 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.candidate import moving
-from msvalidate.evidence import Evidence, answers
-from msvalidate.sweep import Setting
-from studies.damping import (
+from msvalidate.judging.candidate import moving
+from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.sweep import Setting
+
+from . import (
     advice,
     controls,
     cycles,
@@ -36,7 +37,7 @@ from studies.damping import (
     stop_rule,
     wave,
 )
-from studies.damping.bodies import MOTION, Motion
+from .bodies import MOTION, Motion
 
 ASKED = {
     "figure2": figure2.run,

@@ -17,12 +17,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.sweep import Setting
-from studies.damping import bodies, rest
-from studies.damping.bodies import Motion
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
+
+from . import bodies, rest
+from .bodies import Motion
 
 BODIES = (("plate sheared", (8, 8), "across"), ("beam bent", (20, 2), "across"))
 GUESSED = (1 / 10, 1 / 3, 1.0, 3.0, 10.0)

@@ -20,14 +20,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
-from msvalidate.body import lattice_network
-from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import network_tensor
-from msvalidate.integrate import State, euler_cromer
-from msvalidate.integrators import EULER_CROMER, stability_limit
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.dynamics.integrate import State, euler_cromer
+from msvalidate.dynamics.integrators import EULER_CROMER, stability_limit
 from msvalidate.lattice import square
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Anisotropic, Array, Box, Problem, Support, Traction
+from msvalidate.statics.equilibrium import equilibrium
 
 Motion = Callable[[Network, State, float, int, Any], State]
 """A candidate: state after so many steps of dt (s) with a damping (1/s)."""

@@ -18,12 +18,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
-from msvalidate.integrate import State, staggered
+from msvalidate.dynamics.integrate import State, staggered
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.network import Network, internal_force
-from studies.damping import direction, figure2
-from studies.damping.bodies import MOTION, Motion
+
+from . import direction, figure2
+from .bodies import MOTION, Motion
 
 PROBE = 1e-4
 """Size of the fault from which the smallest noticed one is extrapolated."""

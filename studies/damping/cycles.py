@@ -17,15 +17,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.integrate import State
+from msvalidate.dynamics.integrate import State
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import energy
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.damping import bodies
-from studies.damping.bodies import Motion
+
+from . import bodies
+from .bodies import Motion
 
 PLATE = ("plate", (3, 3), "across")
 RATIOS = (0.001, 0.01, 0.1)

@@ -17,15 +17,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
-from msvalidate.integrate import State
+from msvalidate.dynamics.integrate import State
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network, spring_network
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.damping import bodies
-from studies.damping.bodies import LOAD, Motion
+
+from . import bodies
+from .bodies import LOAD, Motion
 
 PLATE = ("plate", (4, 4), "across")
 RATIOS = (0.1, 0.2, 0.5, 2.0, 5.0, 10.0)

@@ -19,14 +19,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
-from msvalidate.integrate import State
+from msvalidate.dynamics.integrate import State
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.damping import bodies, decay
-from studies.damping.bodies import LOAD, Motion
+
+from . import bodies, decay
+from .bodies import LOAD, Motion
 
 PLATE = ("plate", (4, 4), "across")
 PRODUCTS = (0.1, 0.5, 0.9, 1.1, 1.5, 1.8, 1.95, 2.1)

@@ -19,13 +19,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.damping import bodies
-from studies.damping.bodies import Body, Motion
+
+from . import bodies
+from .bodies import Body, Motion
 
 RATIOS = (0.2, 0.5, 1.0, 2.0, 5.0)
 """Damping over the critical one, c = 2ω of the slowest mode."""

@@ -22,13 +22,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import SolverError
-from msvalidate.sweep import Setting
-from studies.damping import bodies
-from studies.damping.bodies import Body, Motion
+
+from . import bodies
+from .bodies import Body, Motion
 
 ERRORS = (1e-3, 1e-6)
 """Displacement errors that count as rest."""

@@ -23,14 +23,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import internal_force
+from msvalidate.output import figures
 from msvalidate.problem import Array, Mask, SolverError
-from msvalidate.sweep import Setting
-from studies.damping import bodies
-from studies.damping.bodies import Body, Motion
+
+from . import bodies
+from .bodies import Body, Motion
 
 QUICK_BODIES = (("plate sheared", (8, 8), "across"), ("beam bent", (4, 1), "across"))
 BODIES = (*QUICK_BODIES, ("plate pulled", (8, 8), "along"), ("beam bent", (10, 2), "across"))

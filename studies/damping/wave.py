@@ -27,18 +27,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.body import lattice_network
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.integrate import State
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import moduli, square_tensor
+from msvalidate.dynamics.integrate import State
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.network import Network, internal_force
+from msvalidate.output import figures
 from msvalidate.problem import Anisotropic, Array, Box, Problem, Support
-from msvalidate.stiffness import moduli, square_tensor
-from msvalidate.sweep import Setting
-from studies.damping import bodies
-from studies.damping.bodies import DENSITY, ISOTROPIC, Motion
+
+from . import bodies
+from .bodies import DENSITY, ISOTROPIC, Motion
 
 LENGTH = 1.0
 HEIGHT = 0.02

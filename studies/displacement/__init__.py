@@ -19,10 +19,11 @@ from __future__ import annotations
 
 from functools import cache, partial
 
-from msvalidate.candidate import Candidate, answering, springs
-from msvalidate.evidence import Evidence, answers
-from msvalidate.sweep import Setting
-from studies.displacement import (
+from msvalidate.judging.candidate import Candidate, answering, springs
+from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.sweep import Setting
+
+from . import (
     bent_bar,
     budget,
     controls,

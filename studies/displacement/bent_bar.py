@@ -24,16 +24,17 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
-from msvalidate.homogenise import network_tensor
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.stiffness import moduli, pattern_tensor
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import fill, patterns
 from msvalidate.problem import Anisotropic, Array, Box, Index, Problem, Region, Support, Traction
-from msvalidate.stiffness import moduli, pattern_tensor
-from msvalidate.sweep import Setting
-from studies.displacement import load_cases
+
+from . import load_cases
 
 HEIGHTS, FINE_SECTION = (1, 2, 3, 4), 12
 """Cells through the height of the bar, and of a cross-section from which the limit is read."""

@@ -17,16 +17,17 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.problem import Array
 from reference_fem.elasticity import elastic_tensor
-from studies.displacement import drawing, load_cases, orders
-from studies.displacement.drawing import PARTS
-from studies.displacement.elastic import Bodies
-from studies.displacement.load_cases import BAND, CASES
-from studies.displacement.measuring import WEIGHTS, Block, Measured
-from studies.displacement.models import ISOTROPIC, MODELS, homogenised
+
+from . import drawing, load_cases, orders
+from .drawing import PARTS
+from .elastic import Bodies
+from .load_cases import BAND, CASES
+from .measuring import WEIGHTS, Block, Measured
+from .models import ISOTROPIC, MODELS, homogenised
 
 
 def agreement(case: str) -> str:

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from msvalidate.problem import Array
-from studies.displacement.load_cases import CASES
+
+from .load_cases import CASES
 
 SOURCES = ("springs", "homogenised body", "target")
 NUMBERS = {case: number for number, case in enumerate(CASES, start=4)}

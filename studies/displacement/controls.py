@@ -15,16 +15,16 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate import faults
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Answer, Candidate, springs
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.network import Network
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.candidate import Answer, Candidate, springs
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem
-from studies.displacement import identities, load_cases, orders
-from studies.displacement.elastic import Bodies
-from studies.displacement.models import ISOTROPIC, homogenised
-from studies.displacement.orders import SMOOTH, SMOOTH_ERROR
+
+from . import identities, load_cases, orders
+from .elastic import Bodies
+from .models import ISOTROPIC, homogenised
+from .orders import SMOOTH, SMOOTH_ERROR
 
 Fault = Callable[[Problem, Network, float], Network]
 

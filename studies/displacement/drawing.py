@@ -6,10 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
 from msvalidate.problem import Mask
-from studies.displacement.load_cases import BAND, CASES
+
+from .load_cases import BAND, CASES
 
 PARTS = ("at_rest", "geometric", "boundary", "discretisation", "model_form")
 """Of the error budget, from the candidate's run to the target."""

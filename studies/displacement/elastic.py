@@ -8,12 +8,13 @@ from functools import cache
 import numpy as np
 
 import reference_fem
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Material, Polygon
-from msvalidate.sweep import Setting
-from studies.displacement import load_cases
-from studies.displacement.load_cases import CASES, FIFTH, HIGH, LENGTH, LOW, Body
-from studies.displacement.measuring import sizes
-from studies.displacement.models import MODELS, Model, homogenised
+
+from . import load_cases
+from .load_cases import CASES, FIFTH, HIGH, LENGTH, LOW, Body
+from .measuring import sizes
+from .models import MODELS, Model, homogenised
 
 ACCURACY = {"square": 1e-4, "triangular": 1e-3}
 """Largest accepted uncertainty at a probe, relative to the displacement there. A zigzag edge has a

@@ -17,18 +17,19 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, square
 from msvalidate.network import tangent
 from msvalidate.problem import Array, Box, Problem, Region, Support, Traction
-from msvalidate.sweep import Setting
 from reference_fem.elasticity import stiffness
-from studies.displacement import load_cases
-from studies.displacement.load_cases import CASES, MODULUS, THICKNESS
-from studies.displacement.models import CAUCHY, MODELS
+
+from . import load_cases
+from .load_cases import CASES, MODULUS, THICKNESS
+from .models import CAUCHY, MODELS
 
 TRIANGULAR = next(model for model in MODELS if model.lattice == "triangular")
 SQUARE = next(model for model in MODELS if model.lattice == "square" and model.is_target)

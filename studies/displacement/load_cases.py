@@ -27,8 +27,8 @@ from msvalidate.problem import (
     Segment,
     Support,
     Traction,
-    whole,
 )
+from msvalidate.problem.checks import whole
 
 MODULUS = 1e5
 """Young's modulus (Pa) of the target; what the lattice's axial modulus is set to."""

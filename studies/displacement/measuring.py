@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Answer, Candidate
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.candidate import Answer, Candidate
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.displacement import load_cases
-from studies.displacement.load_cases import CASES
-from studies.displacement.models import MODELS, Model, homogenised
+
+from . import load_cases
+from .load_cases import CASES
+from .models import MODELS, Model, homogenised
 
 WEIGHTS = ("shared", "equal")
 """Boundary rules of the rows: `per_cell` is another lattice inside, not another boundary."""

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.homogenise import network_tensor
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.stiffness import square_constants, triangular_constants
 from msvalidate.problem import Anisotropic, Isotropic
-from msvalidate.stiffness import square_constants, triangular_constants
-from studies.displacement import load_cases
-from studies.displacement.load_cases import DENSITY, MODULUS, THICKNESS
+
+from . import load_cases
+from .load_cases import DENSITY, MODULUS, THICKNESS
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from msvalidate.singularity import clamped_free_exponent
-from studies.displacement.load_cases import CASES
-from studies.displacement.models import MODELS, Model, homogenised
+from msvalidate.judging.singularity import clamped_free_exponent
+
+from .load_cases import CASES
+from .models import MODELS, Model, homogenised
 
 PLAUSIBLE = (0.5, 3.0)
 """Outside this, or where the error changes sign, two sizes give no order."""

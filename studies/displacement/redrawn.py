@@ -9,11 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from studies.displacement.claims import CLAIMS, CURVES, NUMBERS, SOURCES
-from studies.displacement.load_cases import CASES
+
+from .claims import CLAIMS, CURVES, NUMBERS, SOURCES
+from .load_cases import CASES
 
 EXAGGERATED = {"pressure": 10, "two-sided pressure": 10, "shear": 10, "bending": 20}
 

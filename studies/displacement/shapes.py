@@ -20,13 +20,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Answer
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.candidate import Answer
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.problem import Array
-from studies.displacement import load_cases, redrawn
-from studies.displacement.claims import (
+
+from . import load_cases, redrawn
+from .claims import (
     CLAIMS,
     CURVES,
     FREE,
@@ -41,10 +42,10 @@ from studies.displacement.claims import (
     lower_row,
     rms,
 )
-from studies.displacement.elastic import Bodies
-from studies.displacement.load_cases import CASES
-from studies.displacement.measuring import Block, Measured
-from studies.displacement.models import MODELS, Model, homogenised
+from .elastic import Bodies
+from .load_cases import CASES
+from .measuring import Block, Measured
+from .models import MODELS, Model, homogenised
 
 FINENESS = 5
 SETTING: tuple[str, Answer] = ("equal", "relaxed")

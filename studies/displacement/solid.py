@@ -22,18 +22,19 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.singularity import clamped_edge_exponent
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Isotropic
-from msvalidate.singularity import clamped_edge_exponent
-from msvalidate.sweep import Setting
 from reference_fem.elasticity import elastic_tensor
-from studies.displacement import load_cases, orders, solid_drawing, target
-from studies.displacement.bent_bar import section_stiffness
-from studies.displacement.identities import COLUMNS as IDENTITIES
-from studies.displacement.load_cases import BAND, MODULUS
-from studies.displacement.solid_bodies import (
+
+from . import load_cases, orders, solid_drawing, target
+from .bent_bar import section_stiffness
+from .identities import COLUMNS as IDENTITIES
+from .load_cases import BAND, MODULUS
+from .solid_bodies import (
     CASES,
     COARSEST,
     DRAWN,

@@ -7,23 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.singularity import clamped_edge_exponent
 from msvalidate.lattice import Constants, Lattice, Pattern, fill, patterns
-from msvalidate.problem import (
-    Anisotropic,
-    Array,
-    Box,
-    Isotropic,
-    Problem,
-    Support,
-    Traction,
-)
-from msvalidate.singularity import clamped_edge_exponent
-from msvalidate.stiffness import isotropic_moduli, moduli, pattern_tensor
+from msvalidate.problem import Anisotropic, Array, Box, Isotropic, Problem, Support, Traction
 from reference_fem.body import nodal_forces
 from reference_fem.extrapolation import extrapolated
-from studies.displacement.load_cases import MODULUS
+
+from .load_cases import MODULUS
 
 LENGTH = 4.0
 """Of the cantilever, in heights."""

@@ -7,9 +7,10 @@ import pandas as pd
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
-from studies.displacement.solid_bodies import CASES, DRAWN, MODELS, ElasticSolid, Moved, grid
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+from .solid_bodies import CASES, DRAWN, MODELS, ElasticSolid, Moved, grid
 
 MODEL = "cubic 18"
 MAGNIFIED = {"cube, shear": 15, "cube, pressure": 20, "cantilever": 8}

@@ -17,17 +17,18 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import moduli, square_tensor
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.problem import Anisotropic, Array, Box, Material, Problem, Support, Traction
-from msvalidate.singularity import clamped_free_exponent
-from msvalidate.stiffness import moduli, square_tensor
-from msvalidate.sweep import Setting
-from studies.displacement import load_cases
-from studies.displacement.models import plane_stress
+
+from . import load_cases
+from .models import plane_stress
 
 K1 = 1.0
 TENSOR = square_tensor(K1, 2 * K1)

@@ -24,10 +24,11 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.candidate import of_kind
-from msvalidate.evidence import Evidence, answers
-from msvalidate.sweep import Setting
-from studies.electrostatics import (
+from msvalidate.judging.candidate import of_kind
+from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.sweep import Setting
+
+from . import (
     controls,
     edge,
     field,
@@ -40,7 +41,7 @@ from studies.electrostatics import (
     strips,
     virtual_work,
 )
-from studies.electrostatics.common import MOMENTS, Solver
+from .common import MOMENTS, Solver
 
 ASKED = {
     "strips": strips.run,

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate import electrostatics
-from msvalidate.electrostatics import Charges, Electrodes, Moments, chains, facing_strips, strip
-from msvalidate.electrostatics.dielectric import ChargesInAir, SlabInAir, forces_in_air
-from msvalidate.electrostatics.moments import Weighting
-from msvalidate.electrostatics.patches import patch_capacitance
-from msvalidate.electrostatics.report_model import ReportModel
+from msvalidate.dielectric import charges as electrostatics
+from msvalidate.dielectric.charges import Charges, Electrodes, Moments, chains, facing_strips, strip
+from msvalidate.dielectric.charges.dielectric import ChargesInAir, SlabInAir, forces_in_air
+from msvalidate.dielectric.charges.moments import Weighting
+from msvalidate.dielectric.charges.patches import patch_capacitance
+from msvalidate.dielectric.charges.report_model import ReportModel
 from msvalidate.problem import Array
 
 VOLTAGES = (1.0, 0.0)

@@ -19,17 +19,18 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from msvalidate.compare import worst
-from msvalidate.electrostatics import Charges, Electrodes, Moments
-from msvalidate.electrostatics.moments import Weighting, complex_of
-from msvalidate.electrostatics.patches import Patches
-from msvalidate.electrostatics.report_model import ReportModel
-from msvalidate.evidence import Evidence, Tolerance
-from msvalidate.kernels import charges as integrals
+from msvalidate.dielectric.charges import Charges, Electrodes, Moments
+from msvalidate.dielectric.charges.moments import Weighting, complex_of
+from msvalidate.dielectric.charges.patches import Patches
+from msvalidate.dielectric.charges.report_model import ReportModel
+from msvalidate.dielectric.kernels import charges as integrals
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.problem import Array
-from studies.electrostatics import strips, virtual_work
-from studies.electrostatics.common import MOMENTS, VOLTAGES, Solver
-from studies.electrostatics.shortcuts import halves
+
+from . import strips, virtual_work
+from .common import MOMENTS, VOLTAGES, Solver
+from .shortcuts import halves
 
 PROBE = 0.01
 """Size of the fault from which the smallest noticed one is extrapolated."""

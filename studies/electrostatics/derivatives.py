@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from msvalidate.electrostatics import facing_strips_capacitance
+from msvalidate.dielectric.charges import facing_strips_capacitance
 from msvalidate.problem import Array
 
 STEP = 0.01

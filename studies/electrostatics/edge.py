@@ -23,16 +23,17 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.optimize import minimize_scalar
 
-from msvalidate import figures
-from msvalidate.compare import fitted_power, worst
-from msvalidate.electrostatics import Electrodes, facing_strips, strip
-from msvalidate.electrostatics.faces import slab_faces
-from msvalidate.electrostatics.moments import WEIGHTINGS
-from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.dielectric.charges import Electrodes, facing_strips, strip
+from msvalidate.dielectric.charges.faces import slab_faces
+from msvalidate.dielectric.charges.moments import WEIGHTINGS
+from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.electrostatics import common
-from studies.electrostatics.common import VOLTAGES, Solver
+
+from . import common
+from .common import VOLTAGES, Solver
 
 RADIUS = 100.0
 """Of the circle over half the strip's width."""

@@ -14,15 +14,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.electrostatics.faces import slab_faces
-from msvalidate.evidence import Evidence, Tables, Tolerance
-from msvalidate.sweep import Setting
+from msvalidate.dielectric.charges.faces import slab_faces
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from reference_fem.electric import FAR
-from studies.electrostatics import common, in_air
-from studies.electrostatics.common import Solver
-from studies.electrostatics.in_air import LENGTH, VOLTAGES, Case
+
+from . import common, in_air
+from .common import Solver
+from .in_air import LENGTH, VOLTAGES, Case
 
 CASES = (Case(1 / 3, 1.0), Case(1 / 3, 3.0))
 SEGMENTS, LAYERS = 120, 8

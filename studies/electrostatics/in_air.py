@@ -27,15 +27,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.electrostatics.faces import slab_faces
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.dielectric.charges.faces import slab_faces
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
 from reference_fem.electric import FAR, Charged, Electrode, Far, Slab, charged, slab_mesh
-from studies.electrostatics import common
-from studies.electrostatics.common import Solver
+
+from . import common
+from .common import Solver
 
 LENGTH = 6.0
 """Of the slab over its height."""

@@ -24,19 +24,20 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import worst
-from msvalidate.electrostatics import Electrodes, facing_strips, facing_strips_capacitance
-from msvalidate.electrostatics.faces import slab_faces
-from msvalidate.electrostatics.patches import Patches, conductors
-from msvalidate.electrostatics.plates import plate
-from msvalidate.electrostatics.report_model import report_forces
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.dielectric.charges import Electrodes, facing_strips, facing_strips_capacitance
+from msvalidate.dielectric.charges.faces import slab_faces
+from msvalidate.dielectric.charges.patches import Patches, conductors
+from msvalidate.dielectric.charges.plates import plate
+from msvalidate.dielectric.charges.report_model import report_forces
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.electrostatics import common
-from studies.electrostatics.common import Solver
-from studies.electrostatics.model_cases import DEPTHS, MODELS, PLANE, RATIOS, Model
-from studies.electrostatics.models_drawing import draw
+
+from . import common
+from .common import Solver
+from .model_cases import DEPTHS, MODELS, PLANE, RATIOS, Model
+from .models_drawing import draw
 
 RATIO = 6.0
 """Width over gap."""

@@ -9,9 +9,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
-from studies.electrostatics.model_cases import MODELS, Model
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+from .model_cases import MODELS, Model
 
 EDGE_SHOWN = 0.8
 """Over half the width: from where the figure shows the force along."""

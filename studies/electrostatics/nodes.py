@@ -21,22 +21,23 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import observed_order, worst
-from msvalidate.electrostatics import facing_strips_capacitance
-from msvalidate.electrostatics.pieces import PLACES
-from msvalidate.electrostatics.report_model import (
+from msvalidate.dielectric.charges import facing_strips_capacitance
+from msvalidate.dielectric.charges.pieces import PLACES
+from msvalidate.dielectric.charges.report_model import (
     ReportCharges,
     consistent_forces,
     report_forces,
 )
-from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.electrostatics import common
-from studies.electrostatics.common import VOLTAGES, Solver, pair
-from studies.electrostatics.derivatives import differences, growth, steps_of
-from studies.electrostatics.shortcuts import HALF, RATIO
+
+from . import common
+from .common import VOLTAGES, Solver, pair
+from .derivatives import differences, growth, steps_of
+from .shortcuts import HALF, RATIO
 
 SEGMENTS = (30, 60, 120, 240, 480)
 QUICK_SEGMENTS = (30, 60, 120)

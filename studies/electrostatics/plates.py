@@ -17,15 +17,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import observed_order, worst
-from msvalidate.electrostatics import disc_capacitance, square_capacitance
-from msvalidate.electrostatics.patches import Patches
-from msvalidate.electrostatics.plates import disc, plate
-from msvalidate.evidence import Evidence, Tables, Tolerance
-from msvalidate.sweep import Setting
-from studies.electrostatics import common
-from studies.electrostatics.common import Solver
+from msvalidate.dielectric.charges import disc_capacitance, square_capacitance
+from msvalidate.dielectric.charges.patches import Patches
+from msvalidate.dielectric.charges.plates import disc, plate
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
+
+from . import common
+from .common import Solver
 
 SIDE = RADIUS = 1.0
 ARCS = 256

@@ -21,16 +21,17 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.electrostatics import Moments
-from msvalidate.electrostatics.moments import coefficients
-from msvalidate.electrostatics.multipole import Multipole
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.dielectric.charges import Moments
+from msvalidate.dielectric.charges.moments import coefficients
+from msvalidate.dielectric.charges.multipole import Multipole
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array, ProblemError
-from msvalidate.sweep import Setting
-from studies.electrostatics import common
-from studies.electrostatics.common import VOLTAGES, Solver, pair
+
+from . import common
+from .common import VOLTAGES, Solver, pair
 
 SEGMENTS = (250, 500, 1000, 2000)
 QUICK_SEGMENTS = (250, 500)

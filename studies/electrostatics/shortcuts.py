@@ -23,15 +23,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.electrostatics import Charges, facing_strips
-from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.dielectric.charges import Charges, facing_strips
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.electrostatics import common
-from studies.electrostatics.common import VOLTAGES, Solver
-from studies.electrostatics.derivatives import growth
+
+from . import common
+from .common import VOLTAGES, Solver
+from .derivatives import growth
 
 RATIO = 6.0
 """Width over gap of the strips."""

@@ -19,14 +19,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import observed_order, worst
-from msvalidate.electrostatics import facing_strips, facing_strips_capacitance
-from msvalidate.electrostatics.moments import WEIGHTINGS
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.sweep import Setting
-from studies.electrostatics import common
-from studies.electrostatics.common import Solver
+from msvalidate.dielectric.charges import facing_strips, facing_strips_capacitance
+from msvalidate.dielectric.charges.moments import WEIGHTINGS
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
+
+from . import common
+from .common import Solver
 
 RATIOS = (1.0, 6.0, 10.0)
 GRADINGS = {"uniform": 1.0, "cosine": 2.0}

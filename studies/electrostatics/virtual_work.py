@@ -21,18 +21,19 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import observed_order, worst
-from msvalidate.electrostatics import Charges, facing_strips
-from msvalidate.electrostatics.dielectric import ChargesInAir
-from msvalidate.electrostatics.faces import slab_faces
-from msvalidate.electrostatics.moments import WEIGHTINGS
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.dielectric.charges import Charges, facing_strips
+from msvalidate.dielectric.charges.dielectric import ChargesInAir
+from msvalidate.dielectric.charges.faces import slab_faces
+from msvalidate.dielectric.charges.moments import WEIGHTINGS
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.electrostatics import common
-from studies.electrostatics.common import VOLTAGES, Solver, pair
-from studies.electrostatics.derivatives import differences, growth, steps_of
-from studies.electrostatics.virtual_work_drawing import draw
+
+from . import common
+from .common import VOLTAGES, Solver, pair
+from .derivatives import differences, growth, steps_of
+from .virtual_work_drawing import draw
 
 SHAPES = ("flat", "wavy")
 WIDTH = 4.0

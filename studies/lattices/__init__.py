@@ -21,16 +21,17 @@ from __future__ import annotations
 
 from functools import cache, partial
 
-from msvalidate.candidate import Candidate, answering, springs
-from msvalidate.evidence import Evidence, answers
-from msvalidate.homogenise import homogenised
-from msvalidate.sweep import Setting
-from studies.lattices import choice, clamped, controls, cost, orthotropic, solids, uniform
-from studies.lattices.cases import Solid
-from studies.lattices.ratio import any_ratio, near_half
-from studies.lattices.ratio import faults as ratio_faults
-from studies.lattices.voronoi import bodies, faults, zero
-from studies.lattices.voronoi import solids as random_solids
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.judging.candidate import Candidate, answering, springs
+from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.sweep import Setting
+
+from . import choice, clamped, controls, cost, orthotropic, solids, uniform
+from .cases import Solid
+from .ratio import any_ratio, near_half
+from .ratio import faults as ratio_faults
+from .voronoi import bodies, faults, zero
+from .voronoi import solids as random_solids
 
 FAULTS = {
     "one neighbour direction missing": {

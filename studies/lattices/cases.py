@@ -9,9 +9,9 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import eigsh
 
-from msvalidate import figures
-from msvalidate.homogenise import Homogenised, homogenised
+from msvalidate.constants.homogenise import Homogenised, homogenised
 from msvalidate.lattice import Constants, Lattice, Pattern, fill, patterns
+from msvalidate.output import figures
 from msvalidate.problem import Anisotropic, Array, Box, ProblemError, SolverError
 
 Solid = Callable[..., Homogenised]

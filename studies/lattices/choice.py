@@ -13,9 +13,10 @@ from typing import Any
 
 import pandas as pd
 
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from studies.lattices import cases, solids
-from studies.lattices.cases import Case
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+
+from . import cases, solids
+from .cases import Case
 
 NO_BODY = '"no body", "no corner point", "no box" or "mechanism", as in the column body of solids'
 TOLERANCES = (

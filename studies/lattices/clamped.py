@@ -20,14 +20,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.sweep import Setting
-from studies.lattices import cases, edges, elastic, loading
-from studies.lattices.cases import Case, Solid
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
+
+from . import cases, edges, elastic, loading
+from .cases import Case, Solid
 
 SIZES = {2: (8, 16, 32, 64), 3: (2, 4, 6, 8)}
 QUICK = {2: (8, 16, 32), 3: (2, 3, 4)}

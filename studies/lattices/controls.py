@@ -17,16 +17,16 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate import faults
-from msvalidate.candidate import Answer, Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
-from msvalidate.homogenise import Homogenised, homogenised
+from msvalidate.constants.homogenise import Homogenised, homogenised
+from msvalidate.judging.candidate import Answer, Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.lattice import Constants, Pattern
-from msvalidate.network import Network
+from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem
-from studies.lattices import cases, solids, uniform
-from studies.lattices.cases import Case, Solid
+
+from . import cases, solids, uniform
+from .cases import Case, Solid
 
 Fault = Callable[[Network, float], Network]
 PROBE = 1e-5

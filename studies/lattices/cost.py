@@ -22,20 +22,21 @@ import pandas as pd
 from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
 
-from msvalidate.body import lattice_network
-from msvalidate.compare import worst
-from msvalidate.equilibrium import equilibrium
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import fill
 from msvalidate.network import tangent
 from msvalidate.problem import Anisotropic, Array, Box
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.run import SAFETY, Run
-from msvalidate.spectrum import extreme_frequencies
-from msvalidate.sweep import Setting
-from studies.lattices import cases, edges, loading
-from studies.lattices.cases import Case, Solid
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.relaxation.run import SAFETY, Run
+from msvalidate.statics.equilibrium import equilibrium
+
+from . import cases, edges, loading
+from .cases import Case, Solid
 
 ACROSS = {2: 16, 3: 4}
 """Cells along an edge, about, by the number of axes."""

@@ -13,15 +13,16 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import lsmr
 
-from msvalidate.body import lattice_network
-from msvalidate.candidate import springs
-from msvalidate.homogenise import homogenised
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.stiffness import VOIGT, voigt_directions
+from msvalidate.judging.candidate import springs
 from msvalidate.lattice import Lattice, Pattern, fill
 from msvalidate.network import tangent
 from msvalidate.problem import Array, Box, Index, Mask, SolverError
-from msvalidate.stiffness import VOIGT, voigt_directions
-from studies.lattices import cases, loading
-from studies.lattices.cases import Case, Solid
+
+from . import cases, loading
+from .cases import Case, Solid
 
 CELLS = 3
 """Along each axis: one that meets no side, between two that do."""

@@ -7,13 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 import reference_fem
+from msvalidate.constants.stiffness import VOIGT
+from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Anisotropic, Array, Box
-from msvalidate.singularity import clamped_free_exponent
-from msvalidate.stiffness import VOIGT
-from msvalidate.sweep import Setting
 from reference_fem.body import nodal_forces
-from studies.lattices import cases, loading
-from studies.lattices.cases import Case, Solid
+
+from . import cases, loading
+from .cases import Case, Solid
 
 ELEMENT = {2: "Q2", 3: "H1"}
 MESHES = {2: (8, 16, 32), 3: (6, 12, 24)}

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import VOIGT
+from msvalidate.judging.candidate import Candidate
 from msvalidate.lattice import Constants, Lattice
 from msvalidate.network import Network
 from msvalidate.problem import Anisotropic, Array, Box, Material, Problem, Region, Support, Traction
-from msvalidate.stiffness import VOIGT
-from studies.lattices.cases import box_of
+
+from .cases import box_of
 
 STRAIN = 1e-5
 """Traction over the modulus. What is linear stays so, and a relaxation's rotations stay small."""

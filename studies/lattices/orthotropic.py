@@ -19,15 +19,16 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Pattern, fill, patterns
 from msvalidate.problem import Anisotropic, Array, Box
-from msvalidate.sweep import Setting
-from studies.lattices import loading
-from studies.lattices.cases import Solid
+
+from . import loading
+from .cases import Solid
 
 ALONG = (1.3, 0.7, 2.1)
 """Spring constants (N/m) along x, y and z."""

@@ -23,15 +23,24 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import minimize
 
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.constants.stiffness import (
+    ALIKE,
+    CAUCHY,
+    VOIGT,
+    cubic_part,
+    is_alike,
+    isotropic_part,
+    moduli,
+)
+from msvalidate.constants.waves import highest_frequency
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Constants, Pattern, repeated
 from msvalidate.problem import Array, ProblemError
-from msvalidate.stiffness import ALIKE, CAUCHY, VOIGT, cubic_part, is_alike, isotropic_part, moduli
-from msvalidate.sweep import Setting
-from msvalidate.waves import highest_frequency
-from studies.lattices import cases, loading, surfaces, theory
-from studies.lattices.cases import Case, Solid
+
+from . import cases, loading, surfaces, theory
+from .cases import Case, Solid
 
 REPEATED = {2: 3, 3: 2}
 """Cells along each axis of the repeated cell, by the number of axes."""

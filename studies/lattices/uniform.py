@@ -22,15 +22,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.candidate import Candidate
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.lattices import cases, edges, loading
-from studies.lattices.cases import Case, Solid
-from studies.lattices.solids import from_compliance, is_cubic
+
+from . import cases, edges, loading
+from .cases import Case, Solid
+from .solids import from_compliance, is_cubic
 
 SIZES = {2: (8, 16, 32), 3: (2, 3, 4, 6, 8)}
 QUICK = {2: (8, 16, 32), 3: (2, 3, 4)}

@@ -19,11 +19,12 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate import faults
-from msvalidate.candidate import Candidate, answering, springs
-from msvalidate.evidence import Evidence, merged
-from msvalidate.sweep import Setting
-from studies.poisson import (
+from msvalidate.judging.candidate import Candidate, answering, springs
+from msvalidate.judging.evidence import Evidence, merged
+from msvalidate.judging.sweep import Setting
+from msvalidate.network import faults
+
+from . import (
     algorithm1,
     controls,
     cube,

@@ -18,15 +18,17 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures, lattice
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate import lattice
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
-from msvalidate.run import Relaxation
-from msvalidate.sweep import Setting
-from msvalidate.viscous import algorithm1
-from studies.poisson import block
+from msvalidate.output import figures
+from msvalidate.relaxation.run import Relaxation
+from msvalidate.relaxation.viscous import algorithm1
+
+from . import block
 
 CELLS = 5
 WEIGHTS = "equal"

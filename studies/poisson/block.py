@@ -6,9 +6,9 @@ import numpy as np
 
 import reference_fem
 from msvalidate import lattice
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Answer
-from msvalidate.homogenise import network_tensor
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.judging.candidate import Answer
 from msvalidate.network import Network
 from msvalidate.problem import (
     Anisotropic,

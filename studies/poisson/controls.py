@@ -15,13 +15,13 @@ from functools import partial
 
 import pandas as pd
 
-from msvalidate import faults
-from msvalidate.candidate import Answer, Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
-from msvalidate.network import Network
+from msvalidate.judging.candidate import Answer, Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem
-from studies.poisson import block, finite_size
+
+from . import block, finite_size
 
 Fault = Callable[[Network, float], Network]
 PROBE = 1e-4

@@ -20,15 +20,16 @@ from functools import partial
 
 import pandas as pd
 
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.constants.stiffness import moduli, pattern_tensor
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import patterns
 from msvalidate.problem import Anisotropic, Array
-from msvalidate.stiffness import moduli, pattern_tensor
-from msvalidate.sweep import Setting
-from studies.poisson import block, cube_drawing
-from studies.poisson.cube_block import (
+
+from . import block, cube_drawing
+from .cube_block import (
     LATERAL,
     LATTICES,
     STRAIN,
@@ -37,7 +38,7 @@ from studies.poisson.cube_block import (
     ratio,
     spring_cube,
 )
-from studies.poisson.cube_layers import layers_ratio, layers_work
+from .cube_layers import layers_ratio, layers_work
 
 CELLS, QUICK_CELLS = (1, 2, 3, 5, 8), (1, 2, 3, 5)
 WHOLE = ("cubic 18", "cubic 26", "FCC, nearest")

@@ -6,8 +6,9 @@ import numpy as np
 
 import reference_fem
 from msvalidate import lattice
-from msvalidate.body import lattice_network
-from msvalidate.homogenise import network_tensor
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.stiffness import moduli
 from msvalidate.lattice import Constants, Pattern, patterns
 from msvalidate.network import Network
 from msvalidate.problem import (
@@ -21,7 +22,6 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.stiffness import moduli
 from reference_fem.refinement import HIGHEST_ORDER, Estimate, richardson, thrice
 
 SIDE = 1.0

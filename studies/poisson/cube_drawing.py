@@ -7,10 +7,11 @@ import pandas as pd
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.candidate import Candidate
-from msvalidate.evidence import Tables
-from studies.poisson.cube_block import SIDE, spring_cube
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+from .cube_block import SIDE, spring_cube
 
 MAGNIFIED = 250
 """Factor on the displacements in the picture of the cube."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.problem import Array
-from studies.poisson.cube_block import SIDE, STRAIN
+
+from .cube_block import SIDE, STRAIN
 
 
 def layers_ratio(constants: tuple[float, ...], cells: int) -> float:

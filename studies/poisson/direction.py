@@ -19,15 +19,17 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import reference_fem
-from msvalidate import figures, lattice
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.homogenise import network_tensor
+from msvalidate import lattice
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.stiffness import directional_ratio, rotated
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.stiffness import directional_ratio, rotated
-from msvalidate.sweep import Setting
-from studies.poisson import block
-from studies.poisson.block import BOX, K1, RATIOS
+
+from . import block
+from .block import BOX, K1, RATIOS
 
 ANGLES = tuple(range(0, 91, 5))
 QUICK_ANGLES = (0, 15, 30, 45, 60, 75, 90)

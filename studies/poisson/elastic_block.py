@@ -10,10 +10,11 @@ from scipy.sparse import csr_matrix
 
 import reference_fem
 from msvalidate import lattice
+from msvalidate.constants.stiffness import square_tensor
 from msvalidate.problem import Array, Problem
-from msvalidate.stiffness import square_tensor
-from studies.poisson import block
-from studies.poisson.block import BOX, DEFINITIONS
+
+from . import block
+from .block import BOX, DEFINITIONS
 
 REFERENCE_ERROR = 1e-4
 """Asked of the reference's own estimate; its true error is a fifth of that where checked."""

@@ -20,16 +20,18 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures, lattice
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.singularity import clamped_free_exponent
-from msvalidate.stiffness import square_tensor
-from msvalidate.sweep import Setting
-from studies.poisson import block
-from studies.poisson.block import DEFINITIONS, K1, LOADINGS
-from studies.poisson.elastic_block import REFERENCE_ERROR, reference
+from msvalidate import lattice
+from msvalidate.constants.stiffness import square_tensor
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
+
+from . import block
+from .block import DEFINITIONS, K1, LOADINGS
+from .elastic_block import REFERENCE_ERROR, reference
 
 CELLS = (1, 2, 5, 10, 20, 40)
 """5 cells are the report's 6 x 6 particles."""

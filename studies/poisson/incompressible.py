@@ -18,14 +18,15 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
-from msvalidate import figures
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
-from msvalidate.stiffness import directional_ratio, moduli, square_tensor
-from msvalidate.sweep import Setting
-from studies.poisson import block
-from studies.poisson.block import K1, RATIOS
+from msvalidate.constants.stiffness import directional_ratio, moduli, square_tensor
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
+
+from . import block
+from .block import K1, RATIOS
 
 CELLS = 5
 STRAINS = (0.001, 0.01, 0.05)

@@ -23,17 +23,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures, lattice
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
-from msvalidate.homogenise import network_tensor
+from msvalidate import lattice
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.stiffness import directional_ratio, rotated
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.stiffness import directional_ratio, rotated
-from msvalidate.sweep import Setting
-from studies.poisson import block, direction
-from studies.poisson.block import BOX, K1, RATIOS, SIDE
+
+from . import block, direction
+from .block import BOX, K1, RATIOS, SIDE
 
 CELLS, FINEST = (5, 10, 20, 40), 80
 """The finest size is for cut blocks in the full form."""

@@ -22,11 +22,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from msvalidate.candidate import of_kind
-from msvalidate.evidence import Evidence, answers
-from msvalidate.sweep import Setting
-from studies.pull_in import beyond, controls, instability, permittivity, sweep, which
-from studies.pull_in.way import SPRINGS, Way
+from msvalidate.judging.candidate import of_kind
+from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.sweep import Setting
+
+from . import beyond, controls, instability, permittivity, sweep, which
+from .way import SPRINGS, Way
 
 ASKED = {
     "sweep": sweep.run,

@@ -15,15 +15,16 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.actuator import Held, PulledIn, without_tips
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.dielectric.actuator import Held, PulledIn, without_tips
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.network.residual import force_scale
 from msvalidate.problem import SolverError
-from msvalidate.residual import force_scale
-from msvalidate.sweep import Setting
-from studies.pull_in import slab
-from studies.pull_in.slab import PULL_IN, REACH
-from studies.pull_in.way import Way, bonded, sliding
+
+from . import slab
+from .slab import PULL_IN, REACH
+from .way import Way, bonded, sliding
 
 QUICK_LAYERS, LAYERS = 3, 5
 QUICK_ASKED, ASKED = (1.02, 20.0), (1.02, 1.5, 20.0)

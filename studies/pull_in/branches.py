@@ -18,10 +18,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from msvalidate.actuator import Actuator, Held, PulledIn, uniform
+from msvalidate.dielectric.actuator import Actuator, Held, PulledIn, uniform
 from msvalidate.problem import Array, SolverError
-from studies.pull_in.slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN, REACH
-from studies.pull_in.way import Way, bonded, last_held
+
+from .slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN, REACH
+from .way import Way, bonded, last_held
 
 PARTS = (0.0, 0.25, 0.5, 0.7, 0.85, 0.95)
 """Of the critical voltage, at which the lowest eigenvalue is looked at, and at that voltage."""

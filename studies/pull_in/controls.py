@@ -18,15 +18,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.actuator import Actuator, Held, PulledIn, at_voltage, lowest_modes
-from msvalidate.actuator.models import electrified
-from msvalidate.equilibrium import equilibrium
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.dielectric.actuator import Actuator, Held, PulledIn, at_voltage, lowest_modes
+from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.network import internal_force
 from msvalidate.problem import Array
-from studies.pull_in import film, pressed, sweep
-from studies.pull_in.slab import PULL_IN
-from studies.pull_in.way import SPRINGS, Laws, Way, last_held, sliding
+from msvalidate.statics.equilibrium import equilibrium
+
+from . import film, pressed, sweep
+from .slab import PULL_IN
+from .way import SPRINGS, Laws, Way, last_held, sliding
 
 PROBE = 1e-3
 """Size of the fault from which the smallest noticed one is extrapolated."""

@@ -25,9 +25,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from msvalidate.actuator import uniform
+from msvalidate.dielectric.actuator import uniform
 from msvalidate.problem import Array, Mask
-from studies.pull_in.slab import AXIAL, DIAGONAL, HEIGHT, PERMITTIVITY
+
+from .slab import AXIAL, DIAGONAL, HEIGHT, PERMITTIVITY
 
 Complex = NDArray[np.complex128]
 WAVES = 100

@@ -20,15 +20,16 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.actuator import uniform
-from msvalidate.compare import fitted_power, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.dielectric.actuator import uniform
+from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.pull_in import branches, infinite, instability_drawing, slab
-from studies.pull_in.branches import FOLLOWED, Branch, closed
-from studies.pull_in.slab import HEIGHT, LENGTH, PULL_IN, REACH
-from studies.pull_in.way import Way
+
+from . import branches, infinite, instability_drawing, slab
+from .branches import FOLLOWED, Branch, closed
+from .slab import HEIGHT, LENGTH, PULL_IN, REACH
+from .way import Way
 
 QUICK_LAYERS, LAYERS = (3, 4, 6), (5, 10, 16)
 QUICK_FINER, FINER = (4, 8, 16), (5, 10, 16, 32, 64, 128)

@@ -15,17 +15,18 @@ from dataclasses import replace
 
 import pandas as pd
 
-from msvalidate.actuator import uniform
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.sweep import Setting
+from msvalidate.dielectric.actuator import uniform
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.electric import facing_slab
 from reference_fem.large_strain import square_fibres
-from studies.pull_in import slab
-from studies.pull_in.branches import closed
-from studies.pull_in.slab import AXIAL, DIAGONAL, HEIGHT, PULL_IN
-from studies.pull_in.way import Way, bonded, middle, sliding
+
+from . import slab
+from .branches import closed
+from .slab import AXIAL, DIAGONAL, HEIGHT, PULL_IN
+from .way import Way, bonded, middle, sliding
 
 OTHER = 2.7
 """F/m; the rest of the study has `slab.PERMITTIVITY`."""

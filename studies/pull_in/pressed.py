@@ -14,14 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from msvalidate.body import lattice_network
-from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import network_tensor
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import network_tensor
 from msvalidate.lattice import square
 from msvalidate.problem import Anisotropic, Box, Problem, Support, Traction
+from msvalidate.statics.equilibrium import equilibrium
 from reference_fem import box_discretisation
 from reference_fem.large_strain import Solid, deform, square_fibres
-from studies.pull_in.slab import AXIAL, DIAGONAL, HEIGHT, PERMITTIVITY
+
+from .slab import AXIAL, DIAGONAL, HEIGHT, PERMITTIVITY
 
 UP = 2
 """Cells up a column one cell wide: it stays uniform, so that few do."""

@@ -7,14 +7,14 @@ the stress
     P(l) = k1(1 - l) + 2·k2·l·[√(2/(1 + l²)) - 1]
 
 over the reference area, and a uniform field E = V/(l·h) pulls with ½εE², so V² = 2h²l²P(l)/ε. That
-is `msvalidate.actuator.uniform`; here are the numbers of the slab and nothing to solve.
+is `msvalidate.dielectric.actuator.uniform`; here are the numbers of the slab and nothing to solve.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.actuator import uniform
+from msvalidate.dielectric.actuator import uniform
 
 HEIGHT = 10.0
 """Of the slab (m)."""

@@ -24,19 +24,20 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 
-from msvalidate.actuator import Held, uniform
-from msvalidate.actuator import sweep as raised
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.sweep import Setting
+from msvalidate.dielectric.actuator import Held, uniform
+from msvalidate.dielectric.actuator import sweep as raised
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from reference_fem.actuator import SoftSlab, equilibrium_at, turning
 from reference_fem.electric import facing_slab
 from reference_fem.large_strain import square_fibres
-from studies.pull_in import branches, pressed, slab
-from studies.pull_in.branches import closed
-from studies.pull_in.slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN
-from studies.pull_in.sweep_drawing import draw
-from studies.pull_in.way import Way, bonded, last_held, middle, sliding
+
+from . import branches, pressed, slab
+from .branches import closed
+from .slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN
+from .sweep_drawing import draw
+from .way import Way, bonded, last_held, middle, sliding
 
 PARTS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.96, 0.99, 0.999)
 """Voltages of the slab between walls, over the pull-in voltage."""

@@ -7,10 +7,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.actuator import uniform
-from msvalidate.evidence import Tables
-from studies.pull_in.slab import HEIGHT, PULL_IN
+from msvalidate.dielectric.actuator import uniform
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+from .slab import HEIGHT, PULL_IN
 
 
 def draw(tables: Tables) -> Figure:

@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from msvalidate.actuator import Actuator, Held, PulledIn, at_voltage, lowest_modes, slab
+from msvalidate.dielectric.actuator import Actuator, Held, PulledIn, at_voltage, lowest_modes, slab
 from msvalidate.problem import Array
-from studies.pull_in import film, homogeneous, pressed
-from studies.pull_in.slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY
+
+from . import film, homogeneous, pressed
+from .slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY
 
 
 class Laws(NamedTuple):

@@ -3,7 +3,7 @@
 Question   Several instabilities of soft dielectrics go by one name, and their thresholds by one
            unit, √(μ/ε). Which of them can springs or elements show, and what is each worth?
 Candidate  Thresholds computed from the laws that they are of (`way.Laws`).
-Reference  Closed forms (`msvalidate.actuator.uniform`). Of creases there is the literature alone:
+Reference  Closed forms (`dielectric.actuator.uniform`). Of creases there is the literature alone:
            neither springs nor smooth elements fold by themselves, and nothing is asked of them.
 Expected   Stress linear in the thickness, area held: l = 2/3, V² = 8Ch²/27ε, the third of the gap
            of electrostatic actuators. The lattice, area held: l = 0.692. A free neo-Hookean sheet:
@@ -21,13 +21,14 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from msvalidate.actuator import uniform
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
-from msvalidate.sweep import Setting
-from studies.pull_in import homogeneous, pressed, slab
-from studies.pull_in.way import Laws, Way
-from studies.pull_in.which_drawing import draw
+from msvalidate.dielectric.actuator import uniform
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.sweep import Setting
+
+from . import homogeneous, pressed, slab
+from .way import Laws, Way
+from .which_drawing import draw
 
 QUICK_WAVES, WAVES = (0.5, 2.0, 8.0), (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 """κ = kh of the waves of a bonded film that elements are asked about."""

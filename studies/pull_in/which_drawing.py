@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.actuator import uniform
-from msvalidate.evidence import Tables
-from studies.pull_in import slab
+from msvalidate.dielectric.actuator import uniform
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+from . import slab
 
 
 def draw(tables: Tables) -> Figure:

@@ -23,11 +23,12 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from msvalidate.candidate import named
-from msvalidate.evidence import Evidence, answers
-from msvalidate.integrators import INTEGRATORS, Integrator
-from msvalidate.sweep import Setting
-from studies.stability import (
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
+from msvalidate.judging.candidate import named
+from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.sweep import Setting
+
+from . import (
     controls,
     cost,
     drift,
@@ -39,7 +40,7 @@ from studies.stability import (
     order,
     passing,
 )
-from studies.stability.common import Schemes
+from .common import Schemes
 
 ASKED = {
     "limits": limits.run,

@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.integrators import Integrator, Moving
+from msvalidate.dynamics.integrators import Integrator, Moving
 from msvalidate.problem import Array, Mask
-from studies.stability.networks import Linear
+
+from .networks import Linear
 
 CHUNK = 64
 """Steps between two looks at the energy's peak: no column overflows in so few."""

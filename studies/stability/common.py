@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from msvalidate import figures
-from msvalidate.integrators import Integrator
+from msvalidate.dynamics.integrators import Integrator
+from msvalidate.output import figures
 from msvalidate.problem import ProblemError
 
 Schemes = Mapping[str, Integrator]

@@ -20,12 +20,13 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Tolerance
-from msvalidate.integrators import INTEGRATORS, Acceleration, Integrator, Moving, Step
+from msvalidate.dynamics.integrators import INTEGRATORS, Acceleration, Integrator, Moving, Step
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.stability import cost, order, oscillator
+
+from . import cost, order, oscillator
 
 CLOSE = 1e-6
 """Relative width at which the search for the smallest fault ends."""

@@ -18,13 +18,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
-from msvalidate.integrators import INTEGRATORS, Integrator
-from msvalidate.sweep import Setting
-from studies.stability import common, oscillator
-from studies.stability.common import Schemes
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
+
+from . import common, oscillator
+from .common import Schemes
 
 ANGLE = 20.0
 """ω times the time of the motion (rad), three periods."""

@@ -21,14 +21,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import fitted_power
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.integrators import INTEGRATORS, Integrator, one_step_matrix
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator, one_step_matrix
+from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.stability import common, oscillator
-from studies.stability.common import Schemes
+
+from . import common, oscillator
+from .common import Schemes
 
 STEPS_A_PERIOD = 63
 PERIODS = 10_000

@@ -19,16 +19,17 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.equilibrium import equilibrium
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.integrators import INTEGRATORS, Integrator, stability_limit
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator, stability_limit
+from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
+from msvalidate.output import figures
 from msvalidate.problem import Array
-from msvalidate.spectrum import extreme_frequencies
-from msvalidate.sweep import Setting
-from studies.stability import common, runs
-from studies.stability.common import Schemes
+from msvalidate.statics.equilibrium import equilibrium
+
+from . import common, runs
+from .common import Schemes
 
 TRACTION = (0.1, 0.0)
 """Pull (N/m²): a strain of 6 %, springs stretch and turn."""

@@ -12,15 +12,16 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.integrators import INTEGRATORS, Integrator, Moving
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator, Moving
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.stability import common
-from studies.stability.bounded import energy
-from studies.stability.common import Schemes
-from studies.stability.networks import OSCILLATOR, linear
+
+from . import common
+from .bounded import energy
+from .common import Schemes
+from .networks import OSCILLATOR, linear
 
 SHARE = {"explicit_euler": 1.0, "euler_cromer_as_printed": 1.0, "verlet_lagged": 0.5}
 """Scheme -> what (hω)² enters the determinant of its step's matrix with: the square of |λ|, since

@@ -17,15 +17,16 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
-from msvalidate.integrators import INTEGRATORS, Integrator, stability_limit
-from msvalidate.sweep import Setting
-from studies.stability import common
-from studies.stability.bounded import Search, measured_limit
-from studies.stability.common import Schemes
-from studies.stability.networks import OSCILLATOR, Body, Linear, linear
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator, stability_limit
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
+
+from . import common
+from .bounded import Search, measured_limit
+from .common import Schemes
+from .networks import OSCILLATOR, Body, Linear, linear
 
 SEARCH = Search()
 ATLAS = tuple(float(zeta) for zeta in np.round([0, 0.05, *np.arange(0.1, 3.05, 0.1)], 2))

@@ -13,15 +13,16 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.integrate import State, motion
-from msvalidate.integrators import INTEGRATORS, Integrator, stability_limit
+from msvalidate.dynamics.integrate import State, motion
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator, stability_limit
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.sweep import Setting
-from studies.stability import common, order
-from studies.stability.common import Schemes
-from studies.stability.networks import REPORTED, Body, clamped, linear
+
+from . import common, order
+from .common import Schemes
+from .networks import REPORTED, Body, clamped, linear
 
 STEPS = 50
 RATIOS = (0.0, 0.3)

@@ -14,8 +14,9 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import eigsh
 
-from msvalidate.body import lattice_network
-from msvalidate.homogenise import network_tensor
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.lattice import Lattice, square, triangular, zigzag_block
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
@@ -29,7 +30,6 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.spectrum import extreme_frequencies
 
 CONSTANTS = {"square": (1.0, 0.5), "triangular": (1.0,)}
 """Spring constants (N/m) by kind: isotropic."""

@@ -15,15 +15,16 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.integrate import State, motion
-from msvalidate.integrators import INTEGRATORS, Integrator, stability_limit
+from msvalidate.dynamics.integrate import State, motion
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator, stability_limit
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
-from msvalidate.sweep import Setting
-from studies.stability import common
-from studies.stability.common import Schemes
-from studies.stability.networks import Body, clamped, free_components, linear
+
+from . import common
+from .common import Schemes
+from .networks import Body, clamped, free_components, linear
 
 PARTS = (0.98, 1.02)
 """Step over the limit."""

@@ -22,17 +22,18 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.compare import fitted_power
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.integrate import State, motion, staggered
-from msvalidate.integrators import INTEGRATORS, Integrator
+from msvalidate.dynamics.integrate import State, motion, staggered
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
+from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
+from msvalidate.output import figures
 from msvalidate.problem import Array, Index
-from msvalidate.sweep import Setting
-from studies.stability import common
-from studies.stability.common import Schemes
-from studies.stability.networks import Body, clamped, free_components, linear
+
+from . import common
+from .common import Schemes
+from .networks import Body, clamped, free_components, linear
 
 BODY = Body("square", 6)
 ANGLE = 2.0

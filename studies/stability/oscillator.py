@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
-from msvalidate.integrators import Integrator, Moving
+from msvalidate.dynamics.integrators import Integrator, Moving
 
 
 def states(scheme: Integrator, h: float, damping: float = 0.0) -> Iterator[tuple[float, float]]:

@@ -6,12 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.integrate import State, motion, staggered
-from msvalidate.integrators import Integrator
+from msvalidate.dynamics.integrate import State, motion, staggered
+from msvalidate.dynamics.integrators import Integrator
 from msvalidate.lattice import Lattice
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
-from studies.stability.networks import REPORTED, Body, clamped
+
+from .networks import REPORTED, Body, clamped
 
 BODY = Body("square", 6)
 

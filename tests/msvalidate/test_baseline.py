@@ -10,8 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from msvalidate import baseline, catalogue, report, stored, study
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.cli import program
+from msvalidate.judging import catalogue
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.output import baseline, report, stored
 
 TABLE = pd.DataFrame(
     {
@@ -204,7 +206,7 @@ class Checkout:
     def check(self, *arguments):
         """Run a check; its exit code and the studies that it ran."""
         self.ran = []
-        return study.main(["check", "-q", *arguments]), self.ran
+        return program.main(["check", "-q", *arguments]), self.ran
 
     def files(self):
         return {p.relative_to(self.quick): p.read_bytes() for p in self.quick.rglob("*.*")}
@@ -219,7 +221,7 @@ def checkout(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(catalogue, "names", lambda: STUDIES)
     monkeypatch.setattr(catalogue, "load", made.load)
-    monkeypatch.setattr(study.gc, "freeze", lambda: None)
+    monkeypatch.setattr(program.gc, "freeze", lambda: None)
     monkeypatch.setattr(baseline, "HOME", tmp_path / "package")
     monkeypatch.setattr(baseline, "CHECKOUT", tmp_path / "base")
     monkeypatch.setattr(baseline, "CHANGELOG", made.changelog)

@@ -5,8 +5,8 @@ import io
 import pandas as pd
 import pytest
 
-from msvalidate import baseline, stored
-from msvalidate.evidence import Evidence
+from msvalidate.judging.evidence import Evidence
+from msvalidate.output import baseline, stored
 
 LARGE_AND_SMALL = pd.DataFrame({"x": [1e6, 0.5, 1.0]})
 

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from msvalidate.body import lattice_network
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import diagonal_square, fill, patterns, square, triangular, zigzag_block
 from msvalidate.problem import (
     Anisotropic,

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.equilibrium import equilibrium
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import diagonal_square, square, trapezium, triangular, zigzag_block
 from msvalidate.network import tangent
 from msvalidate.problem import (
@@ -26,6 +25,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.body import nodal_forces
 from reference_fem.elasticity import stiffness
 

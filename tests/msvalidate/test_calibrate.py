@@ -8,22 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrate, calibrated, default_constants
-from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import follows_strain
+from msvalidate.bodies.calibrate import calibrate, calibrated, default_constants
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import follows_strain
+from msvalidate.constants.routes import ROUTES
+from msvalidate.constants.stiffness import isotropic_tensor
 from msvalidate.lattice import fill, patterns, square, triangular, voronoi, zigzag_block
-from msvalidate.problem import (
-    Anisotropic,
-    Box,
-    Isotropic,
-    Problem,
-    ProblemError,
-    Support,
-    Traction,
-)
-from msvalidate.routes import ROUTES
-from msvalidate.stiffness import isotropic_tensor
+from msvalidate.problem import Anisotropic, Box, Isotropic, Problem, ProblemError, Support, Traction
+from msvalidate.statics.equilibrium import equilibrium
 
 PLANE = {
     "square": patterns.square(),

@@ -9,9 +9,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from msvalidate.body import lattice_network
-from msvalidate.candidate import actuated, answering, moving, springs
-from msvalidate.integrate import State
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.dynamics.integrate import State
+from msvalidate.judging.candidate import actuated, answering, moving, springs
 from msvalidate.lattice import square
 from msvalidate.problem import (
     Box,
@@ -23,7 +23,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from studies import poisson
+from msvalidate.studies import poisson
 
 SIDES = (0.74, 0.37)
 """Of the body (m), 0.2 m thick."""

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from msvalidate.compare import fitted_power, observed_order, worst
-from msvalidate.evidence import Observed
+from msvalidate.judging.compare import fitted_power, observed_order, worst
+from msvalidate.judging.evidence import Observed
 from msvalidate.problem import ProblemError
 
 

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 import shapely
 
-from msvalidate.body import lattice_network
-from msvalidate.cut import cut_network
-from msvalidate.equilibrium import equilibrium
+from msvalidate.bodies.cut_network import cut_network
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import cut_lattice, fill, patterns
 from msvalidate.lattice.outline import moments, outline
 from msvalidate.network import tangent
@@ -29,6 +28,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from msvalidate.statics.equilibrium import equilibrium
 
 THIRD = Isotropic(E=3.0, nu=1 / 3, density=500.0, thickness=0.3)
 UNIT = Isotropic(E=1.0, nu=1 / 3)

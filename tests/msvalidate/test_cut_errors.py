@@ -14,21 +14,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.cut import cut_network
-from msvalidate.equilibrium import equilibrium
+from msvalidate.bodies.cut_network import cut_network
 from msvalidate.lattice import cut_lattice, patterns
 from msvalidate.network import tangent
-from msvalidate.problem import (
-    Box,
-    Isotropic,
-    Polygon,
-    Problem,
-    Region,
-    Segment,
-    Support,
-    Traction,
-)
-from msvalidate.stress import cell_stress, fitted_stress, whole_points
+from msvalidate.problem import Box, Isotropic, Polygon, Problem, Region, Segment, Support, Traction
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.statics.stress import cell_stress, fitted_stress, whole_points
 
 UNIT = Isotropic(E=1.0, nu=1 / 3)
 VOIGT = np.array([[9 / 8, 3 / 8, 0], [3 / 8, 9 / 8, 0], [0, 0, 3 / 8]])

@@ -8,8 +8,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 from scipy.spatial import Delaunay
 
-from msvalidate.dissection import dissected
 from msvalidate.lattice import fill, patterns
+from msvalidate.linear_algebra.dissection import dissected
 from msvalidate.problem import Box
 
 

@@ -10,14 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from matplotlib.path import Path
 
-from msvalidate.problem import (
-    Box,
-    Polygon,
-    ProblemError,
-    Region,
-    Segment,
-    corners_of,
-)
+from msvalidate.problem import Box, Polygon, ProblemError, Region, Segment, corners_of
 
 NAN = float("nan")
 ELL = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)))

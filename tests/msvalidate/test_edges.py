@@ -10,8 +10,8 @@ import pytest
 from scipy.spatial import Delaunay
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.equilibrium import equilibrium
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import isotropic_moduli, spring_tensor
 from msvalidate.lattice import EDGE_RULES, fill, mesh_lattice, patterns, trapezium, triangular
 from msvalidate.network import tangent
 from msvalidate.problem import (
@@ -24,7 +24,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.stiffness import isotropic_moduli, spring_tensor
+from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.elasticity import stiffness
 
 THIRD = Isotropic(E=3.0, nu=1 / 3, state="plane_stress", density=500.0, thickness=0.3)

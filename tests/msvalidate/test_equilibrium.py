@@ -8,17 +8,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import network_tensor
+from msvalidate.constants.homogenise import network_tensor
 from msvalidate.lattice import square
 from msvalidate.network import energy, spring_network
-from msvalidate.problem import (
-    Box,
-    PointForce,
-    Region,
-    Support,
-    Traction,
-)
+from msvalidate.problem import Box, PointForce, Region, Support, Traction
+from msvalidate.statics.equilibrium import equilibrium
 
 SHEET = Box((2.0, 1.0))
 SIZES = [(2, 1), (4, 2), (10, 5)]

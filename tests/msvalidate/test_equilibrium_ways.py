@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from msvalidate import equilibrium as module
-from msvalidate.equilibrium import equilibrium
 from msvalidate.network import spring_network
 from msvalidate.problem import SolverError
+from msvalidate.statics import equilibrium as module
+from msvalidate.statics.equilibrium import equilibrium
 
 STIFFNESS, TIGHT = 5.0, 0.8
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from msvalidate.compare import fitted_power, observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance, answers, held, judge, merged
+from msvalidate.judging.compare import fitted_power, observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, answers, held, judge, merged
 from msvalidate.problem import ProblemError, SolverError
 
 LIMIT = Tolerance("gap", 0.1, "m", "because")

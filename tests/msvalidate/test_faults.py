@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from msvalidate import faults
-from msvalidate.body import lattice_network
-from msvalidate.candidate import springs
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import square_constants
+from msvalidate.judging.candidate import springs
 from msvalidate.lattice import square
+from msvalidate.network import faults
 from msvalidate.problem import BodyForce, Box, Isotropic, Problem, Support, Traction
-from msvalidate.stiffness import square_constants
 
 CELLS = 4
 BOX = Box((1.0, 1.0))

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import default_constants
-from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import network_tensor
+from msvalidate.bodies.calibrate import default_constants
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.stiffness import moduli, spring_tensor
 from msvalidate.lattice import Pattern, boundary_weights, fill, patterns, repeated
 from msvalidate.lattice.pattern import by_shells
 from msvalidate.problem import (
@@ -30,7 +30,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.stiffness import moduli, spring_tensor
+from msvalidate.statics.equilibrium import equilibrium
 
 LATTICES = patterns.known()
 every = pytest.mark.parametrize("name", LATTICES)

@@ -8,21 +8,14 @@ import numpy as np
 import pytest
 
 import reference_fem
-from msvalidate import cycles, fit, inverse
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrate
-from msvalidate.equilibrium import equilibrium
-from msvalidate.fit import fitted_constants
+from msvalidate.bodies import fit
+from msvalidate.bodies.calibrate import calibrate
+from msvalidate.bodies.fit import fitted_constants
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import square, voronoi_box
-from msvalidate.problem import (
-    Box,
-    Isotropic,
-    Problem,
-    ProblemError,
-    SolverError,
-    Support,
-    Traction,
-)
+from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverError, Support, Traction
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.tangent import cycles, inverse
 
 BOX = Box((2.0, 1.0))
 GRID = square(BOX, (8, 4))
@@ -77,7 +70,7 @@ def test_large_networks_are_fitted_by_multigrid(monkeypatch):
     wanted = moves(*networks((2.3, 0.7), 0.2))
     expected = fitted_constants(networks((1.0, 1.0), 1.0), wanted, GRID.kind)
     monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
-    monkeypatch.setattr("msvalidate.linear.splu", None)
+    monkeypatch.setattr("msvalidate.linear_algebra.factor.splu", None)
     found = fitted_constants(networks((1.0, 1.0), 1.0), wanted, GRID.kind)
     assert found.constants == pytest.approx(expected.constants, rel=1e-9)
     assert found.volume == pytest.approx(0.2, rel=1e-9)

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from msvalidate.equilibrium import equilibrium
-from msvalidate.folds import count_folded, folded_cells
-from msvalidate.integrate import State, euler_cromer, motion
-from msvalidate.integrators import INTEGRATORS
+from msvalidate.dynamics.integrate import State, euler_cromer, motion
+from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.lattice import fill
 from msvalidate.lattice.patterns import cubic18
 from msvalidate.network import spring_network
+from msvalidate.network.folds import count_folded, folded_cells
+from msvalidate.network.laws.volumes import cell_volumes
 from msvalidate.problem import Box, ProblemError
-from msvalidate.volumes import cell_volumes
+from msvalidate.statics.equilibrium import equilibrium
 
 
 def quadrilateral(corners):

@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import minimize, minimize_scalar
 from scipy.spatial import Delaunay
 
-from msvalidate.equilibrium import equilibrium
 from msvalidate.network import spring_network
 from msvalidate.problem import Box, PointForce, Region, SolverError, Support
+from msvalidate.statics.equilibrium import equilibrium
 
 HALF, RISE, STIFFNESS = 0.37, 0.037, 3.0
 """Half span (m), rise (m) and spring (N/m) of a von Mises truss."""

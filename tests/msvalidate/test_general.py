@@ -11,15 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msvalidate import kernels
-from msvalidate.integrate import State, euler_cromer
+from msvalidate.dynamics.integrate import State, euler_cromer
 from msvalidate.kernels import general
 from msvalidate.kernels.general import Sweep, Threads
 from msvalidate.network import Network, energy, internal_force, spring_network
+from msvalidate.network.laws.volumes import Volumes
+from msvalidate.network.residual import force_scale
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.residual import force_scale
-from msvalidate.volumes import Volumes
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
 
 examples = settings(max_examples=25, deadline=None)
 EVERY_WAY = [("general", 1), ("general", 2), ("general", 3), ("lattice", 1)]

@@ -7,11 +7,11 @@ from functools import partial
 import numpy as np
 import pytest
 
-from msvalidate.integrate import State, euler_cromer, motion, staggered
-from msvalidate.integrators import EULER_CROMER, INTEGRATORS
+from msvalidate.dynamics.integrate import State, euler_cromer, motion, staggered
+from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
 from msvalidate.network import spring_network
+from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import SolverError
-from msvalidate.volumes import Volumes
 
 DT, STEPS = 0.01, 250
 FORMS = {

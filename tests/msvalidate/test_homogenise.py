@@ -14,15 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from msvalidate.cell_at_rest import DENSE
-from msvalidate.homogenise import (
-    homogenised,
-    network_tensor,
-    periodic,
-)
+from msvalidate.constants.cell_at_rest import DENSE
+from msvalidate.constants.homogenise import homogenised, network_tensor, periodic
+from msvalidate.constants.stiffness import VOIGT, isotropic_moduli, moduli, pattern_tensor
 from msvalidate.lattice import patterns, repeated, turned, voronoi, voronoi_box
 from msvalidate.problem import Box, ProblemError, SolverError
-from msvalidate.stiffness import VOIGT, isotropic_moduli, moduli, pattern_tensor
 
 LATTICES = patterns.known()
 CASES = [
@@ -130,7 +126,7 @@ def test_small_and_large_networks_are_solved_alike(oracle, monkeypatch):
     pairs, vectors = springs_of(oracle)
     arguments = (len(oracle["points"]), pairs, vectors, oracle["stiffness"], 1.0)
     dense = periodic(*arguments)
-    monkeypatch.setattr("msvalidate.cell_at_rest.DENSE", 10)
+    monkeypatch.setattr("msvalidate.constants.cell_at_rest.DENSE", 10)
     sparse = periodic(*arguments)
     assert (dense.floppy, sparse.floppy) == (0, None)
     np.testing.assert_allclose(sparse.tensor, dense.tensor, rtol=1e-11, atol=1e-12 * DENSE)

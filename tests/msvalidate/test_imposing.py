@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from msvalidate.imposing import imposed
 from msvalidate.network import spring_network
 from msvalidate.problem import Box, SolverError, Support
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.imposing import imposed
 
 SIDE = 0.37
 """m"""

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import eigvals
 
-from msvalidate.integrate import State, damping_rate, euler_cromer
-from msvalidate.integrators import EULER_CROMER, stability_limit
+from msvalidate.dynamics.integrate import State, damping_rate, euler_cromer
+from msvalidate.dynamics.integrators import EULER_CROMER, stability_limit
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
 

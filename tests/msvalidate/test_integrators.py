@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 import pytest
 
-from msvalidate.integrators import (
+from msvalidate.dynamics.integrators import (
     INTEGRATORS,
     factors_of,
     growth,

@@ -7,23 +7,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate import integrate
-from msvalidate.integrate import (
+from msvalidate.dynamics import integrate
+from msvalidate.dynamics.integrate import (
     StabilityWarning,
     State,
     motion,
     recommended_time_step,
     staggered,
 )
-from msvalidate.integrators import (
-    EULER_CROMER,
-    INTEGRATORS,
-    Moving,
-)
+from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS, Moving
+from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import energy, spring_network, tangent
+from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.spectrum import extreme_frequencies
-from msvalidate.volumes import Volumes
 
 TRUE = {name: scheme for name, scheme in INTEGRATORS.items() if not scheme.variant}
 every_scheme = pytest.mark.parametrize("name", INTEGRATORS)

@@ -7,12 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate import cycles, inverse
-from msvalidate.body import lattice_network
-from msvalidate.equilibrium import equilibrium
-from msvalidate.inverse import SOLVERS, Solver, order_of
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns
-from msvalidate.linear import factorised
+from msvalidate.linear_algebra.factor import factorised
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import (
     Box,
@@ -24,6 +21,9 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.tangent import cycles, inverse
+from msvalidate.tangent.inverse import SOLVERS, Solver, order_of
 
 CUBE = (1.0, 1.0, 1.0)
 
@@ -191,7 +191,7 @@ def test_where_multigrid_cannot_tell_stability_under_load_a_factor_does(where, m
     """The loaded tangent's softest motion may be rounding where that at the start is not."""
     monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
     monkeypatch.setattr(f"msvalidate.{where}.DOUBTFUL", 0.0)
-    monkeypatch.setattr("msvalidate.stability.DOUBTFUL", 0.0)
+    monkeypatch.setattr("msvalidate.tangent.stability.DOUBTFUL", 0.0)
     network = BODIES["cube"]()
     assert equilibrium(network, "nonlinear").solver.name == "direct"
     with pytest.raises(SolverError, match=r"^multigrid: whether .*; take solver 'direct'$"):
@@ -199,7 +199,7 @@ def test_where_multigrid_cannot_tell_stability_under_load_a_factor_does(where, m
 
 
 def test_large_factors_are_judged_without_their_pivots(monkeypatch):
-    monkeypatch.setattr("msvalidate.linear.MOST_SIGNED", 0)
+    monkeypatch.setattr("msvalidate.linear_algebra.factor.MOST_SIGNED", 0)
     network = BODIES["cube"]()
     assert equilibrium(network, solver="direct").error < 1e-12
     squeezed = replace(network, rest_length=1.3 * network.rest_length)

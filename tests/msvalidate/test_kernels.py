@@ -14,12 +14,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msvalidate import kernels
-from msvalidate.integrate import State, euler_cromer
+from msvalidate.dynamics.integrate import State, euler_cromer
 from msvalidate.kernels.cells import push
 from msvalidate.network import energy, internal_force, spring_network, tangent
-from msvalidate.residual import force_scale
-from msvalidate.volumes import Volumes, force, force_met, growth
-from msvalidate.volumes import energy as volume_energy
+from msvalidate.network.laws.volumes import Volumes, force, force_met, growth
+from msvalidate.network.laws.volumes import energy as volume_energy
+from msvalidate.network.residual import force_scale
 
 examples = settings(max_examples=25, deadline=None)
 

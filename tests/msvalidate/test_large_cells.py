@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate import cell_at_rest, cell_multigrid
-from msvalidate.homogenise import homogenised, periodic
+from msvalidate.constants import cell_at_rest, cell_multigrid
+from msvalidate.constants.homogenise import homogenised, periodic
 from msvalidate.lattice import patterns, repeated, voronoi
 from msvalidate.problem import ProblemError, SolverError
 

@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
+from msvalidate.constants.stiffness import rotated, spring_tensor, square_tensor
 from msvalidate.lattice import WEIGHTS, boundary_weights, diagonal_square, square, trapezium
 from msvalidate.problem import Box, ProblemError
-from msvalidate.stiffness import rotated, spring_tensor, square_tensor
 
 SIZES = [(1, 1), (1, 3), (4, 1), (5, 4)]
 SPACING = 0.25

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.layout import BLOCK, TOGETHER, laid_out
+from msvalidate.network.layout import BLOCK, TOGETHER, laid_out
 
 examples = settings(max_examples=40, deadline=None)
 

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate import local_shear, volumes
-from msvalidate.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.stiffness import isotropic_moduli, moduli
 from msvalidate.lattice import patterns
-from msvalidate.local_shear import LocalShear
 from msvalidate.network import energy, mode_energy, spring_network, tangent
-from msvalidate.residual import force_scale
-from msvalidate.stiffness import isotropic_moduli, moduli
-from msvalidate.volumes import Volumes
+from msvalidate.network.laws import local_shear, volumes
+from msvalidate.network.laws.local_shear import LocalShear
+from msvalidate.network.laws.volumes import Volumes
+from msvalidate.network.residual import force_scale
 
 SIDE = 0.37
 SQUARE = SIDE * np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]]) + 2.0

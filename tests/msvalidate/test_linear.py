@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array, diags_array, eye_array, kron
 
-from msvalidate.linear import factorised, softest_mode
+from msvalidate.linear_algebra.factor import factorised, softest_mode
 from msvalidate.problem import SolverError
 
 

@@ -8,7 +8,7 @@ import meshio
 import numpy as np
 import pytest
 
-from msvalidate.mesh_file import read_mesh
+from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.problem import SHAPES, Box, Mesh, ProblemError
 from reference_fem import box_discretisation
 

@@ -9,12 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.problem import (
-    SHAPES,
-    Boundary,
-    Mesh,
-    ProblemError,
-)
+from msvalidate.problem import SHAPES, Boundary, Mesh, ProblemError
 
 BENT = [name for name, shape in SHAPES.items() if shape.dim > 1 and shape.degree == 2]
 examples = settings(max_examples=25, deadline=None)

@@ -8,15 +8,22 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from msvalidate import inverse, linear
-from msvalidate.equilibrium import equilibrium
-from msvalidate.linear import factorised
-from msvalidate.multigrid import MOST_CYCLES, conjugate_gradients, cycle_of, is_positive, restrained
+from msvalidate.linear_algebra import factor
+from msvalidate.linear_algebra.factor import factorised
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import Box, Region, SolverError, Support, Traction
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.tangents import is_stable, refuse_mechanism
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.statics.tangents import is_stable, refuse_mechanism
+from msvalidate.tangent import inverse
+from msvalidate.tangent.multigrid import (
+    MOST_CYCLES,
+    conjugate_gradients,
+    cycle_of,
+    is_positive,
+    restrained,
+)
 
 SHEET = Box((2.0, 1.0))
 PUSH = Traction(SHEET.side("top"), (0.004, -0.01))
@@ -184,7 +191,7 @@ def test_methods_take_the_same_steps_without_factors(lattice_body, monkeypatch, 
     network = sheet(lattice_body, 20)  # too large for dense frequencies as well
     by_factor = relax(network, RELAXATIONS[name], tolerance=1e-8)
     monkeypatch.setattr(inverse, "MOST_PRODUCTS", 0)
-    monkeypatch.setattr(linear, "splu", None)
+    monkeypatch.setattr(factor, "splu", None)
     by_multigrid = relax(network, RELAXATIONS[name], tolerance=1e-8)
     assert by_multigrid.steps == pytest.approx(by_factor.steps, rel=0.01)
     np.testing.assert_allclose(

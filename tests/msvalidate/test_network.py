@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msvalidate.network import energy, internal_force, spring_network, tangent, tangent_blocks
+from msvalidate.network.laws.volumes import Volumes
+from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import ProblemError
-from msvalidate.residual import force_roundoff, force_scale
-from msvalidate.volumes import Volumes
 
 NAN = float("nan")
 STEP = 1e-5

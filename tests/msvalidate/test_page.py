@@ -7,8 +7,8 @@ from html.parser import HTMLParser
 import pandas as pd
 import pytest
 
-from msvalidate import page
-from msvalidate.stored import NUMBERS, Stored
+from msvalidate.output import page
+from msvalidate.output.stored import NUMBERS, Stored
 
 VOID = {"meta", "link", "img"}
 APART = {"dt", "li", "p", "td", "th"}

@@ -8,10 +8,10 @@ from datetime import UTC, datetime
 import pandas as pd
 import pytest
 
-from msvalidate import page, stored
-from msvalidate.evidence import judge
-from msvalidate.provenance import provenance
-from studies import poisson
+from msvalidate.judging.evidence import judge
+from msvalidate.output import page, stored
+from msvalidate.output.provenance import provenance
+from msvalidate.studies import poisson
 
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), ""

@@ -8,11 +8,11 @@ from functools import partial
 import numpy as np
 import pytest
 
-from msvalidate.equilibrium import equilibrium
 from msvalidate.network import spring_network
 from msvalidate.problem import Box, ProblemError, SolverError, Support, Traction
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.equilibrium import equilibrium
 
 LENGTH, HEIGHT, CELLS = 2.22, 0.37, (24, 4)
 ANGLE = 3.5

@@ -20,9 +20,8 @@ from msvalidate.problem import (
     Support,
     Traction,
     corners_of,
-    finite,
-    positive,
 )
+from msvalidate.problem.checks import finite, positive
 
 NAN = float("nan")
 PLATE = Box((2.0, 1.0))

@@ -13,18 +13,18 @@ from decimal import Decimal, localcontext
 import numpy as np
 import pytest
 
-from msvalidate.accurate import State
-from msvalidate.double_double import Pair, added, pair
-from msvalidate.equilibrium import equilibrium
-from msvalidate.inverse import Solver
-from msvalidate.local_shear import LocalShear
+from msvalidate.dynamics.spectrum import natural_frequencies
+from msvalidate.linear_algebra.double_double import Pair, added, pair
+from msvalidate.linear_algebra.refine import LARGEST_ERROR
 from msvalidate.network import internal_force, spring_network
-from msvalidate.polish import error_of, polished
+from msvalidate.network.accurate import State
+from msvalidate.network.laws.local_shear import LocalShear
+from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Region, SolverError, Traction
-from msvalidate.refine import LARGEST_ERROR
-from msvalidate.spectrum import natural_frequencies
-from msvalidate.tangents import is_stable
-from msvalidate.volumes import Volumes
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.statics.polish import error_of, polished
+from msvalidate.statics.tangents import is_stable
+from msvalidate.tangent.inverse import Solver
 
 GEOMETRIES = ["linear", "nonlinear"]
 DIGITS = 60

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from msvalidate import kernels
-from msvalidate.equilibrium import equilibrium
-from msvalidate.integrators import INTEGRATORS, LEAPFROG
+from msvalidate.dynamics.integrators import INTEGRATORS, LEAPFROG
+from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import internal_force, spring_network, tangent
+from msvalidate.network.residual import force_scale
 from msvalidate.problem import Box, PointForce, ProblemError, Region, SolverError, Support, Traction
-from msvalidate.relax import Method, relax
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.residual import force_scale
-from msvalidate.spectrum import extreme_frequencies
-from msvalidate.tangents import is_stable
-from msvalidate.viscous import viscous
+from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.relaxation.viscous import viscous
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.statics.tangents import is_stable
 
 SHEET = Box((2.0, 1.0))
 PUSH = Traction(SHEET.side("top"), (0.004, -0.01))

@@ -11,8 +11,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from msvalidate import figures, provenance, report, stored
-from msvalidate.evidence import Evidence, Observed, Tolerance, judge
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
+from msvalidate.output import figures, provenance, report, stored
 from msvalidate.problem import ProblemError
 
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from msvalidate import report, stored
-from msvalidate.evidence import Evidence, Observed, Tolerance, judge
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
+from msvalidate.output import report, stored
 
 ROOT = Path(__file__).parents[2]
 

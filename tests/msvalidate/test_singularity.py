@@ -12,9 +12,9 @@ from numpy.polynomial import legendre
 from scipy.interpolate import BSpline
 from scipy.optimize import brentq
 
+from msvalidate.constants.stiffness import rotated
+from msvalidate.judging.singularity import clamped_free_exponent, free_free_exponent
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.singularity import clamped_free_exponent, free_free_exponent
-from msvalidate.stiffness import rotated
 
 TURN = 2 * np.pi
 # No symmetry at all; a cubic one far from isotropy; fibres along x.

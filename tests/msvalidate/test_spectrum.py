@@ -10,11 +10,12 @@ import pytest
 from scipy.linalg import eigvalsh
 from scipy.spatial import Delaunay
 
-from msvalidate import inverse, spectrum
-from msvalidate.equilibrium import equilibrium
+from msvalidate.dynamics import spectrum
+from msvalidate.dynamics.spectrum import extreme_frequencies, natural_frequencies
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.spectrum import extreme_frequencies, natural_frequencies
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.tangent import inverse
 
 
 @pytest.fixture(params=["dense", "factor", "multigrid"], autouse=True)

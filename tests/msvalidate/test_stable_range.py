@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvalsh
 
-from msvalidate import local_shear
+from msvalidate.constants.stable_range import least_ratio, least_volume
 from msvalidate.lattice import fill, patterns, repeated
 from msvalidate.lattice.pattern import by_shells
-from msvalidate.local_shear import LocalShear
 from msvalidate.network import spring_network, tangent
+from msvalidate.network.laws import local_shear
+from msvalidate.network.laws.local_shear import LocalShear
 from msvalidate.problem import Box, ProblemError
-from msvalidate.stable_range import least_ratio, least_volume
 
 ISOTROPIC = {
     "square": (1.0, 0.5),

@@ -10,15 +10,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.body import lattice_network
-from msvalidate.equilibrium import equilibrium
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.kernels import Motion, grid, stencil
 from msvalidate.kernels.general import Sweep
 from msvalidate.lattice import WEIGHTS, fill, patterns
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.equilibrium import equilibrium
 
 examples = settings(max_examples=40, deadline=None)
 STEPS = 20

@@ -11,18 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.calibrate import default_constants
-from msvalidate.homogenise import network_tensor
-from msvalidate.lattice import (
-    WEIGHTS,
-    diagonal_square,
-    square,
-    trapezium,
-    triangular,
-    zigzag_block,
-)
-from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError
-from msvalidate.stiffness import (
+from msvalidate.bodies.calibrate import default_constants
+from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.stiffness import (
     cubic_part,
     directional_modulus,
     directional_ratio,
@@ -34,6 +25,8 @@ from msvalidate.stiffness import (
     square_tensor,
     triangular_constants,
 )
+from msvalidate.lattice import WEIGHTS, diagonal_square, square, trapezium, triangular, zigzag_block
+from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError
 
 THIRD = Isotropic(E=2.5, nu=1 / 3, state="plane_stress", thickness=0.4)
 QUARTER = Isotropic(E=2.5, nu=1 / 4, state="plane_strain", thickness=0.4)

@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
-from msvalidate.body import lattice_network
-from msvalidate.cut import cut_network
-from msvalidate.equilibrium import Equilibrium, equilibrium
+from msvalidate.bodies.cut_network import cut_network
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import pattern_tensor
 from msvalidate.lattice import cut_lattice, fill, mesh_lattice, patterns, trapezium, triangular
 from msvalidate.lattice.corners import corner_volumes
 from msvalidate.network import internal_force, spring_network
@@ -23,8 +23,8 @@ from msvalidate.problem import (
     Region,
     Support,
 )
-from msvalidate.stiffness import pattern_tensor
-from msvalidate.stress import (
+from msvalidate.statics.equilibrium import Equilibrium, equilibrium
+from msvalidate.statics.stress import (
     cell_stress,
     cell_volume,
     fitted_stress,

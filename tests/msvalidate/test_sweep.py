@@ -5,9 +5,9 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
 import pytest
+from msvalidate.studies.poisson import direction
 
-from msvalidate.sweep import Setting
-from studies.poisson import direction
+from msvalidate.judging.sweep import Setting
 
 CASES = list(range(20))
 

@@ -15,35 +15,23 @@ from hypothesis import strategies as st
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
-from msvalidate.cut import cut_network
-from msvalidate.equilibrium import equilibrium
-from msvalidate.fit import fitted_constants
-from msvalidate.homogenise import homogenised
+from msvalidate.bodies.cut_network import cut_network
+from msvalidate.bodies.fit import fitted_constants
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.spring_constants import isotropic_constants
+from msvalidate.constants.waves import highest_frequency
 from msvalidate.kernels.grid import recognised
 from msvalidate.lattice import cut_lattice, fill, patterns, turned
 from msvalidate.lattice.pattern import by_shells, repeated
 from msvalidate.lattice.point_sets import POINT_SETS, box_points, periodic_points
-from msvalidate.lattice.tessellation import (
-    bounded_tessellation,
-    periodic_tessellation,
-    simplices,
-)
+from msvalidate.lattice.tessellation import bounded_tessellation, periodic_tessellation, simplices
 from msvalidate.lattice.ties import levels
 from msvalidate.lattice.voronoi import voronoi_box
-from msvalidate.layout import cuthill_mckee
 from msvalidate.network import spring_network
-from msvalidate.problem import (
-    Box,
-    Isotropic,
-    Polygon,
-    Problem,
-    Segment,
-    Support,
-    Traction,
-)
-from msvalidate.spring_constants import isotropic_constants
-from msvalidate.stress import fitted_stress
-from msvalidate.waves import highest_frequency
+from msvalidate.network.layout import cuthill_mckee
+from msvalidate.problem import Box, Isotropic, Polygon, Problem, Segment, Support, Traction
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.statics.stress import fitted_stress
 
 EPS = float(np.finfo(float).eps)
 LATTICES = patterns.known()

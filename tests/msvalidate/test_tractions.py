@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-from msvalidate.body import lattice_network
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns, repeated, turned, voronoi_box
 from msvalidate.lattice.point_sets import POINT_SETS
 from msvalidate.problem import (

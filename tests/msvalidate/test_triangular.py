@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from msvalidate.constants.stiffness import spring_tensor
 from msvalidate.lattice import boundary_weights, trapezium, triangular, zigzag_block
 from msvalidate.problem import Box, Polygon, ProblemError
-from msvalidate.stiffness import spring_tensor
 
 NAN = float("nan")
 SPACING = 0.25

@@ -10,11 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from msvalidate.body import lattice_network
-from msvalidate.equilibrium import equilibrium
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.stiffness import (
+    directional_modulus,
+    directional_ratio,
+    pattern_tensor,
+    rotated,
+)
 from msvalidate.lattice import fill, patterns, turned
 from msvalidate.problem import Anisotropic, Box, Problem, ProblemError, Region, Support, Traction
-from msvalidate.stiffness import directional_modulus, directional_ratio, pattern_tensor, rotated
+from msvalidate.statics.equilibrium import equilibrium
 
 LATTICES = patterns.known()
 PLANE, SPACE = Box((1.0, 0.75)), Box((1.0, 0.75, 0.5))

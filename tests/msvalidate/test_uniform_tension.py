@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrate, calibrated
-from msvalidate.equilibrium import equilibrium
+from msvalidate.bodies.calibrate import calibrate, calibrated
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns, square, triangular, zigzag_block
 from msvalidate.problem import SIDES, Box, Isotropic, Problem, SolverError, Support, Traction
+from msvalidate.statics.equilibrium import equilibrium
 
 SHEET = Isotropic(E=2e6, nu=1 / 3, state="plane_stress", thickness=0.2)
 TENSION = 3e3

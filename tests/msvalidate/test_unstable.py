@@ -8,16 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.equilibrium import equilibrium
 from msvalidate.network import internal_force, spring_network, tangent
-from msvalidate.problem import (
-    Box,
-    ProblemError,
-    Region,
-    SolverError,
-    Support,
-    Traction,
-)
+from msvalidate.problem import Box, ProblemError, Region, SolverError, Support, Traction
+from msvalidate.statics.equilibrium import equilibrium
 
 GEOMETRIES = ["linear", "nonlinear"]
 

@@ -11,8 +11,8 @@ import pandas as pd
 import pytest
 
 from msvalidate.network import energy, internal_force, spring_network
+from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Mesh, ProblemError
-from msvalidate.volumes import Volumes
 from reference_fem.mesh.discretisation import discretise
 
 CORNERS = 0.37 * np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]]) + 4.3

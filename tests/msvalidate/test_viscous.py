@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.equilibrium import equilibrium
-from msvalidate.imposing import imposed
-from msvalidate.integrate import StabilityWarning
+from msvalidate.dynamics.integrate import StabilityWarning
 from msvalidate.network import energy, internal_force, spring_network
+from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import (
     BodyForce,
     Box,
@@ -22,8 +21,9 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.residual import force_roundoff, force_scale
-from msvalidate.viscous import algorithm1
+from msvalidate.relaxation.viscous import algorithm1
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.statics.imposing import imposed
 
 NAN = float("nan")
 SHEET = Box((2.0, 1.0))

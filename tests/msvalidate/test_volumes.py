@@ -9,15 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate import kernels, volumes
-from msvalidate.body import lattice_network
-from msvalidate.equilibrium import equilibrium
+from msvalidate import kernels
+from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns
 from msvalidate.network import energy, internal_force, spring_network
+from msvalidate.network.laws import volumes
+from msvalidate.network.laws.volumes import SURFACES, Volumes, cell_volumes
 from msvalidate.problem import Anisotropic, Box, Isotropic, Problem, ProblemError, Support
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.volumes import SURFACES, Volumes, cell_volumes
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.equilibrium import equilibrium
 
 examples = settings(max_examples=25, deadline=None)
 CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)

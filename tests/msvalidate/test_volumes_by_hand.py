@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from msvalidate import volumes
+from msvalidate.network.laws import volumes
+from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import ProblemError
-from msvalidate.volumes import Volumes
 
 SIDE, KAPPA = 0.37, 5.0
 CORNERS = SIDE * np.array([[0.0, 0], [1, 0], [0, 1]])

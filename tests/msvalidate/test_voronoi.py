@@ -7,10 +7,11 @@ import re
 import numpy as np
 import pytest
 
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import default_constants
-from msvalidate.equilibrium import equilibrium
-from msvalidate.homogenise import homogenised
+from msvalidate.bodies.calibrate import default_constants
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.stiffness import isotropic_moduli
+from msvalidate.dynamics.spectrum import natural_frequencies
 from msvalidate.lattice import STIFFNESS_RULES, boundary_weights, voronoi, voronoi_box
 from msvalidate.lattice.point_sets import POINT_SETS
 from msvalidate.lattice.tessellation import bounded_tessellation
@@ -25,8 +26,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.spectrum import natural_frequencies
-from msvalidate.stiffness import isotropic_moduli
+from msvalidate.statics.equilibrium import equilibrium
 
 BOXES = {2: Box((2.0, 1.5)), 3: Box((1.0, 0.8, 1.2))}
 SPACING = {2: 0.1, 3: 0.2}

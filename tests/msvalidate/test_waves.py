@@ -6,10 +6,10 @@ import re
 
 import pytest
 
+from msvalidate.constants.waves import highest_frequency
 from msvalidate.lattice import patterns, repeated
 from msvalidate.lattice.pattern import by_shells
 from msvalidate.problem import ProblemError
-from msvalidate.waves import highest_frequency
 
 LATTICES = patterns.known()
 

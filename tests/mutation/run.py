@@ -48,41 +48,45 @@ NETWORKS = [
 MODULES: dict[str, tuple[list[str], list[str], int]] = {
     # name: files, tests, faults
     "integrators": (
-        ["msvalidate/integrators.py"],
+        ["msvalidate/dynamics/integrators.py"],
         [f"{T}/test_{n}.py" for n in ("integrators", "integrators_on_networks", "integrate")],
         28,
     ),
-    "homogenise": (["msvalidate/homogenise.py"], [f"{T}/test_homogenise.py"], 28),
+    "homogenise": (["msvalidate/constants/homogenise.py"], [f"{T}/test_homogenise.py"], 28),
     "calibrate": (
-        ["msvalidate/calibrate.py", "msvalidate/routes.py"],
+        ["msvalidate/bodies/calibrate.py", "msvalidate/constants/routes.py"],
         [f"{T}/test_calibrate.py", f"{T}/test_uniform_tension.py"],
         28,
     ),
     "volumes": (
-        ["msvalidate/volumes.py"],
+        ["msvalidate/network/laws/volumes.py"],
         [
             f"{T}/test_{n}.py"
             for n in ("volumes", "volumes_by_hand", "network", "spectrum", "lengths")
         ],
         25,
     ),
-    "compare": (["msvalidate/compare.py"], [f"{T}/test_evidence.py", f"{T}/test_compare.py"], 25),
+    "compare": (
+        ["msvalidate/judging/compare.py"],
+        [f"{T}/test_evidence.py", f"{T}/test_compare.py"],
+        25,
+    ),
     "baseline": (
-        ["msvalidate/baseline.py"],
+        ["msvalidate/output/baseline.py"],
         [f"{T}/test_baseline.py", f"{T}/test_baseline_limits.py"],
         25,
     ),
     "stiffness": (
-        ["msvalidate/stiffness.py"],
+        ["msvalidate/constants/stiffness.py"],
         [f"{T}/test_{n}.py" for n in ("stiffness", "calibrate")],
         25,
     ),
-    "network": (["msvalidate/network.py"], NETWORKS, 25),
+    "network": (["msvalidate/network/network.py"], NETWORKS, 25),
     "electrostatics": (["msvalidate/electrostatics/*.py"], [f"{T}/electrostatics"], 25),
     "kernels": (["msvalidate/kernels/*.py"], [], 25),
     "reference_fem": (["reference_fem/**/*.py"], [F], 25),
     "equilibrium": (
-        ["msvalidate/equilibrium.py", "msvalidate/linear*.py"],
+        ["msvalidate/statics/equilibrium.py", "msvalidate/linear_algebra/factor*.py"],
         [f"{T}/test_{n}.py" for n in ("equilibrium*", "linear", "unstable", "path", "refinement")],
         25,
     ),
@@ -373,9 +377,9 @@ def asked_of_questions(one: Mutant, module: str, tree: Path, out: Path) -> tuple
 
 
 def _question(study: str, questions: tuple[str, ...]) -> int:
-    from msvalidate import catalogue  # noqa: PLC0415
-    from msvalidate.evidence import held, judge  # noqa: PLC0415
-    from msvalidate.sweep import Setting  # noqa: PLC0415
+    from msvalidate.judging.evidence import held, judge  # noqa: PLC0415
+    from msvalidate.judging.sweep import Setting  # noqa: PLC0415
+    from msvalidate.output import catalogue  # noqa: PLC0415
 
     given = {"questions": questions} if questions else {}
     evidence = catalogue.load(study).run(setting=Setting(quick=True), **given)

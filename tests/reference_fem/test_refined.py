@@ -13,15 +13,7 @@ import numpy as np
 import pytest
 
 import reference_fem
-from msvalidate.problem import (
-    Box,
-    Isotropic,
-    Problem,
-    ProblemError,
-    SolverError,
-    Support,
-    Traction,
-)
+from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverError, Support, Traction
 from reference_fem.elasticity import solver_of, stiffness
 from reference_fem.systems import Solver
 

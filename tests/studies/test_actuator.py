@@ -4,13 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-
-import reference_fem
-from msvalidate.evidence import held, judge
-from msvalidate.problem import Box, Isotropic, SolverError
-from msvalidate.sweep import Setting
-from studies import actuator
-from studies.actuator import (
+from msvalidate.studies.actuator import (
     bodies,
     controls,
     edges,
@@ -20,6 +14,12 @@ from studies.actuator import (
     prestretched,
     profile,
 )
+
+import reference_fem
+from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.sweep import Setting
+from msvalidate.problem import Box, Isotropic, SolverError
+from msvalidate.studies import actuator
 
 QUICK = Setting(quick=True)
 

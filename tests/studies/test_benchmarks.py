@@ -3,14 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.integrate import quad
-
-import reference_fem
-from msvalidate.candidate import springs
-from msvalidate.problem import Isotropic, Mesh, ProblemError
-from msvalidate.stiffness import CAUCHY
-from reference_fem.elasticity import elastic_tensor
-from studies.benchmarks import (
+from msvalidate.studies.benchmarks import (
     bending,
     cantilever,
     cases,
@@ -20,7 +13,14 @@ from studies.benchmarks import (
     patch,
     patch_bodies,
 )
-from studies.benchmarks import three_point as beam
+from msvalidate.studies.benchmarks import three_point as beam
+from scipy.integrate import quad
+
+import reference_fem
+from msvalidate.constants.stiffness import CAUCHY
+from msvalidate.judging.candidate import springs
+from msvalidate.problem import Isotropic, Mesh, ProblemError
+from reference_fem.elasticity import elastic_tensor
 
 QUANTITY = cases.Quantity("a benchmark", "a length", "m", 2.0, "by hand", 0.3)
 

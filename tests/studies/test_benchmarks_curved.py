@@ -2,14 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
-from scipy.special import ellipe
-
-import reference_fem
-from msvalidate.candidate import springs
-from msvalidate.problem import Isotropic, Problem, Support
-from reference_fem.elasticity import stiffness
-from studies.benchmarks import (
+from msvalidate.studies.benchmarks import (
     controls,
     curved,
     curved_drawing,
@@ -21,6 +14,13 @@ from studies.benchmarks import (
     shapes,
     thick_plate,
 )
+from scipy.integrate import quad
+from scipy.special import ellipe
+
+import reference_fem
+from msvalidate.judging.candidate import springs
+from msvalidate.problem import Isotropic, Problem, Support
+from reference_fem.elasticity import stiffness
 
 BODIES = {
     "ellipses": (shapes.elliptic_quarter, np.pi / 4 * (3.25 * 2.75 - 2)),

@@ -3,15 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.sparse import csr_matrix
-
-from msvalidate.baseline import files
-from msvalidate.evidence import UNGATED
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.sweep import Setting
-from reference_fem.systems.dissection import node_order
-from studies.convergence import (
+from msvalidate.studies.convergence import (
     bodies,
     dynamic_relaxation,
     elimination,
@@ -21,6 +13,14 @@ from studies.convergence import (
     steps,
     times,
 )
+from scipy.sparse import csr_matrix
+
+from msvalidate.judging.evidence import UNGATED
+from msvalidate.judging.sweep import Setting
+from msvalidate.output.baseline import files
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from reference_fem.systems.dissection import node_order
 
 QUICK = Setting(quick=True)
 

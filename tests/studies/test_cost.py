@@ -7,15 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-
-from msvalidate import kernels
-from msvalidate.baseline import compare_tables, files
-from msvalidate.evidence import UNGATED, held, judge
-from msvalidate.network import internal_force
-from msvalidate.stored import csv, read_csv
-from msvalidate.sweep import Setting
-from studies import cost
-from studies.cost import (
+from msvalidate.studies.cost import (
     agreement,
     bodies,
     fem,
@@ -35,9 +27,17 @@ from studies.cost import (
     targets,
     timing,
 )
-from studies.cost.readings import Reading
-from studies.cost.target_list import Target
-from studies.cost.timing import ABSENT, SINGLE
+from msvalidate.studies.cost.readings import Reading
+from msvalidate.studies.cost.target_list import Target
+from msvalidate.studies.cost.timing import ABSENT, SINGLE
+
+from msvalidate import kernels
+from msvalidate.judging.evidence import UNGATED, held, judge
+from msvalidate.judging.sweep import Setting
+from msvalidate.network import internal_force
+from msvalidate.output.baseline import compare_tables, files
+from msvalidate.output.stored import csv, read_csv
+from msvalidate.studies import cost
 
 QUICK = Setting(quick=True)
 

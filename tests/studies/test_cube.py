@@ -5,17 +5,18 @@ from functools import partial
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from msvalidate.studies.poisson import controls, cube, cube_block, cube_layers
 
 import reference_fem
-from msvalidate import faults, figures
-from msvalidate.candidate import springs
-from msvalidate.evidence import judge
+from msvalidate.judging.candidate import springs
+from msvalidate.judging.evidence import judge
+from msvalidate.judging.singularity import clamped_edge_exponent
+from msvalidate.judging.sweep import Setting
+from msvalidate.network import faults
+from msvalidate.output import figures
 from msvalidate.problem import ProblemError
-from msvalidate.singularity import clamped_edge_exponent
-from msvalidate.sweep import Setting
+from msvalidate.studies import poisson
 from reference_fem.extrapolation import extrapolated
-from studies import poisson
-from studies.poisson import controls, cube, cube_block, cube_layers
 
 QUICK = Setting(quick=True)
 

@@ -6,15 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.linalg import eigh
-
-from msvalidate.equilibrium import equilibrium
-from msvalidate.integrate import State, euler_cromer, motion
-from msvalidate.integrators import EULER_CROMER, INTEGRATORS, one_step_matrix
-from msvalidate.problem import SolverError
-from msvalidate.sweep import Setting
-from studies.damping import (
+from msvalidate.studies.damping import (
     advice,
     bodies,
     controls,
@@ -26,6 +18,14 @@ from studies.damping import (
     stop_rule,
     wave,
 )
+from scipy.integrate import solve_ivp
+from scipy.linalg import eigh
+
+from msvalidate.dynamics.integrate import State, euler_cromer, motion
+from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS, one_step_matrix
+from msvalidate.judging.sweep import Setting
+from msvalidate.problem import SolverError
+from msvalidate.statics.equilibrium import equilibrium
 
 QUICK = Setting(quick=True)
 FIGURE2 = ["c_over_critical", "step", "time_s", "x_particle", "x_mode", "x_predicted"]

@@ -5,18 +5,18 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from msvalidate.studies.displacement import budget, controls, load_cases, measuring, orders, target
+from msvalidate.studies.displacement.drawing import PARTS
+from msvalidate.studies.displacement.load_cases import CASES
+from msvalidate.studies.displacement.measuring import WEIGHTS, Block, Measured
+from msvalidate.studies.displacement.models import ISOTROPIC, MODELS, homogenised
 
-from msvalidate.candidate import springs
-from msvalidate.evidence import held, judge
+from msvalidate.judging.candidate import springs
+from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
-from msvalidate.singularity import clamped_free_exponent
-from msvalidate.sweep import Setting
-from studies import displacement
-from studies.displacement import budget, controls, load_cases, measuring, orders, target
-from studies.displacement.drawing import PARTS
-from studies.displacement.load_cases import CASES
-from studies.displacement.measuring import WEIGHTS, Block, Measured
-from studies.displacement.models import ISOTROPIC, MODELS, homogenised
+from msvalidate.studies import displacement
 
 PUBLIC = [
     *("case", "lattice", "weights", "k1", "k2", "cells_x", "cells_y", "probe", "component"),

@@ -5,18 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-
-from msvalidate.electrostatics import (
-    capacitance,
-    facing_strips,
-    facing_strips_capacitance,
-    strip,
-)
-from msvalidate.evidence import held, judge
-from msvalidate.problem import ProblemError
-from msvalidate.sweep import Setting
-from studies import electrostatics
-from studies.electrostatics import (
+from msvalidate.studies.electrostatics import (
     common,
     controls,
     derivatives,
@@ -30,7 +19,18 @@ from studies.electrostatics import (
     strips,
     virtual_work,
 )
-from studies.electrostatics.common import MOMENTS
+from msvalidate.studies.electrostatics.common import MOMENTS
+
+from msvalidate.dielectric.charges import (
+    capacitance,
+    facing_strips,
+    facing_strips_capacitance,
+    strip,
+)
+from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.sweep import Setting
+from msvalidate.problem import ProblemError
+from msvalidate.studies import electrostatics
 
 QUICK = Setting(quick=True)
 COLUMNS = {

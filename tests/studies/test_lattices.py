@@ -8,19 +8,7 @@ from math import sqrt
 import numpy as np
 import pandas as pd
 import pytest
-
-from msvalidate import lattice
-from msvalidate.candidate import springs
-from msvalidate.evidence import held, judge
-from msvalidate.homogenise import homogenised
-from msvalidate.lattice import Pattern, fill, patterns
-from msvalidate.lattice.pattern import by_shells
-from msvalidate.problem import Anisotropic, Box, ProblemError, SolverError
-from msvalidate.singularity import clamped_free_exponent
-from msvalidate.stiffness import directional_modulus
-from msvalidate.sweep import Setting
-from studies import lattices
-from studies.lattices import (
+from msvalidate.studies.lattices import (
     cases,
     clamped,
     controls,
@@ -31,7 +19,19 @@ from studies.lattices import (
     solids,
     uniform,
 )
-from studies.lattices.cases import Case
+from msvalidate.studies.lattices.cases import Case
+
+from msvalidate import lattice
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.stiffness import directional_modulus
+from msvalidate.judging.candidate import springs
+from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.judging.sweep import Setting
+from msvalidate.lattice import Pattern, fill, patterns
+from msvalidate.lattice.pattern import by_shells
+from msvalidate.problem import Anisotropic, Box, ProblemError, SolverError
+from msvalidate.studies import lattices
 
 QUICK = Setting(quick=True)
 EXACT = [

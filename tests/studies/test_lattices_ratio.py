@@ -7,19 +7,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
-
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrate
-from msvalidate.candidate import springs
-from msvalidate.compare import observed_order
-from msvalidate.evidence import held, judge
-from msvalidate.faults import every_spring
-from msvalidate.lattice import patterns
-from msvalidate.problem import Isotropic
-from msvalidate.sweep import Setting
-from msvalidate.waves import highest_frequency
-from studies import lattices
-from studies.lattices.ratio import (
+from msvalidate.studies.lattices.ratio import (
     bent,
     bodies,
     faults,
@@ -30,9 +18,21 @@ from studies.lattices.ratio import (
     stretch,
     waves,
 )
-from studies.lattices.ratio.bent import Bent
-from studies.lattices.ratio.routes import Way
-from studies.lattices.ratio.stretch import Block
+from msvalidate.studies.lattices.ratio.bent import Bent
+from msvalidate.studies.lattices.ratio.routes import Way
+from msvalidate.studies.lattices.ratio.stretch import Block
+
+from msvalidate.bodies.calibrate import calibrate
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.waves import highest_frequency
+from msvalidate.judging.candidate import springs
+from msvalidate.judging.compare import observed_order
+from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.sweep import Setting
+from msvalidate.lattice import patterns
+from msvalidate.network.faults import every_spring
+from msvalidate.problem import Isotropic
+from msvalidate.studies import lattices
 
 QUICK = Setting(quick=True)
 

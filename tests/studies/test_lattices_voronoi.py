@@ -6,21 +6,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.optimize import minimize
-from scipy.spatial import KDTree, Voronoi
-from scipy.stats import t as student
-from scipy.stats import ttest_rel
-
-import reference_fem
-from msvalidate.candidate import springs
-from msvalidate.evidence import judge
-from msvalidate.homogenise import homogenised
-from msvalidate.lattice import STIFFNESS_RULES
-from msvalidate.lattice.voronoi import tessellated
-from msvalidate.problem import Box
-from msvalidate.stiffness import cubic_part, isotropic_moduli, isotropic_part, rotated
-from msvalidate.sweep import Setting
-from studies.lattices.voronoi import (
+from msvalidate.studies.lattices.voronoi import (
     best,
     bodies,
     early,
@@ -32,6 +18,20 @@ from studies.lattices.voronoi import (
     surfaces,
     trials,
 )
+from scipy.optimize import minimize
+from scipy.spatial import KDTree, Voronoi
+from scipy.stats import t as student
+from scipy.stats import ttest_rel
+
+import reference_fem
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.stiffness import cubic_part, isotropic_moduli, isotropic_part, rotated
+from msvalidate.judging.candidate import springs
+from msvalidate.judging.evidence import judge
+from msvalidate.judging.sweep import Setting
+from msvalidate.lattice import STIFFNESS_RULES
+from msvalidate.lattice.voronoi import tessellated
+from msvalidate.problem import Box
 
 QUICK = Setting(quick=True)
 

@@ -5,15 +5,22 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from msvalidate.studies.poisson import (
+    algorithm1,
+    block,
+    controls,
+    elastic_block,
+    finite_size,
+    rotated,
+)
 
 import reference_fem
-from msvalidate import faults
-from msvalidate.candidate import springs
-from msvalidate.evidence import judge
-from msvalidate.stiffness import square_tensor
-from msvalidate.sweep import Setting
-from studies import poisson
-from studies.poisson import algorithm1, block, controls, elastic_block, finite_size, rotated
+from msvalidate.constants.stiffness import square_tensor
+from msvalidate.judging.candidate import springs
+from msvalidate.judging.evidence import judge
+from msvalidate.judging.sweep import Setting
+from msvalidate.network import faults
+from msvalidate.studies import poisson
 
 QUICK = Setting(quick=True)
 FINITE_SIZE = [

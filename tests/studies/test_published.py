@@ -6,14 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-
-from msvalidate import faults
-from msvalidate.candidate import springs
-from msvalidate.evidence import Evidence, held, judge
-from msvalidate.problem import Box, SolverError
-from msvalidate.sweep import Setting
-from reference_fem import box_discretisation, refine
-from studies.benchmarks import (
+from msvalidate.studies.benchmarks import (
     controls,
     framed_plate,
     published,
@@ -21,6 +14,13 @@ from studies.benchmarks import (
     published_sources,
     spring_meshes,
 )
+
+from msvalidate.judging.candidate import springs
+from msvalidate.judging.evidence import Evidence, held, judge
+from msvalidate.judging.sweep import Setting
+from msvalidate.network import faults
+from msvalidate.problem import Box, SolverError
+from reference_fem import box_discretisation, refine
 
 
 @pytest.fixture(scope="module")

@@ -7,15 +7,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 import pytest
-
-from msvalidate.actuator import PulledIn, at_voltage, uniform
-from msvalidate.electrostatics import Moments, facing_strips, tangent
-from msvalidate.evidence import held, judge
-from msvalidate.network import tangent as springs_tangent
-from msvalidate.problem import ProblemError
-from msvalidate.sweep import Setting
-from studies import pull_in
-from studies.pull_in import (
+from msvalidate.studies.pull_in import (
     beyond,
     branches,
     controls,
@@ -27,8 +19,16 @@ from studies.pull_in import (
     sweep,
     which,
 )
-from studies.pull_in.slab import HEIGHT, PERMITTIVITY, PULL_IN
-from studies.pull_in.way import SPRINGS, Way, bonded, sliding
+from msvalidate.studies.pull_in.slab import HEIGHT, PERMITTIVITY, PULL_IN
+from msvalidate.studies.pull_in.way import SPRINGS, Way, bonded, sliding
+
+from msvalidate.dielectric.actuator import PulledIn, at_voltage, uniform
+from msvalidate.dielectric.charges import Moments, facing_strips, tangent
+from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.sweep import Setting
+from msvalidate.network import tangent as springs_tangent
+from msvalidate.problem import ProblemError
+from msvalidate.studies import pull_in
 
 QUICK = Setting(quick=True)
 COLUMNS = {

@@ -4,12 +4,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from msvalidate.studies.displacement import claims, load_cases, shapes
+from msvalidate.studies.displacement.load_cases import CASES
+from msvalidate.studies.displacement.measuring import Block, Measured
 
-from msvalidate.evidence import held, judge
+from msvalidate.judging.evidence import held, judge
 from msvalidate.problem import SolverError
-from studies.displacement import claims, load_cases, shapes
-from studies.displacement.load_cases import CASES
-from studies.displacement.measuring import Block, Measured
 
 FINER = 10
 BULGE = 0.004

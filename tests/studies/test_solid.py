@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
+from msvalidate.studies.displacement import bent_bar, controls, solid, solid_bodies
+from msvalidate.studies.displacement.solid_bodies import CASES, MODELS
 
 import reference_fem
-from msvalidate.candidate import springs
-from msvalidate.evidence import held, judge
+from msvalidate.constants.stiffness import moduli
+from msvalidate.judging.candidate import springs
+from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.singularity import clamped_edge_exponent, clamped_free_exponent
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
-from msvalidate.singularity import clamped_edge_exponent, clamped_free_exponent
-from msvalidate.stiffness import moduli
-from msvalidate.sweep import Setting
 from reference_fem.extrapolation import extrapolated
-from studies.displacement import bent_bar, controls, solid, solid_bodies
-from studies.displacement.solid_bodies import CASES, MODELS
 
 QUICK = Setting(quick=True)
 

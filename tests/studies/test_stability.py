@@ -6,15 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-
-from msvalidate.evidence import held, judge
-from msvalidate.integrators import INTEGRATORS, Moving, growth
-from msvalidate.network import tangent
-from msvalidate.problem import ProblemError
-from msvalidate.spectrum import extreme_frequencies
-from msvalidate.sweep import Setting
-from studies import stability
-from studies.stability import (
+from msvalidate.studies.stability import (
     bounded,
     controls,
     cost,
@@ -28,10 +20,18 @@ from studies.stability import (
     passing,
     runs,
 )
-from studies.stability import (
+from msvalidate.studies.stability import (
     growth as growing,
 )
-from studies.stability.networks import OSCILLATOR, Body, clamped, linear
+from msvalidate.studies.stability.networks import OSCILLATOR, Body, clamped, linear
+
+from msvalidate.dynamics.integrators import INTEGRATORS, Moving, growth
+from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.sweep import Setting
+from msvalidate.network import tangent
+from msvalidate.problem import ProblemError
+from msvalidate.studies import stability
 
 QUICK = Setting(quick=True)
 TRUE = [name for name, scheme in INTEGRATORS.items() if not scheme.variant]

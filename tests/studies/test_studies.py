@@ -3,10 +3,10 @@
 import pytest
 from matplotlib.figure import Figure
 
-from msvalidate import catalogue
-from msvalidate.evidence import held, judge
+from msvalidate.judging import catalogue
+from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
-from msvalidate.sweep import Setting
 
 QUICK = Setting(quick=True)
 FAULTS = [(name, fault) for name in catalogue.names() for fault in catalogue.load(name).FAULTS]

@@ -13,12 +13,15 @@ import pytest
 
 import reference_fem.body
 import reference_fem.elasticity
-from msvalidate import body, catalogue, mesh_file, network, stiffness
-from msvalidate.actuator import Actuator
-from msvalidate.evidence import judge
+from msvalidate.bodies import lattice_network, mesh_file
+from msvalidate.constants import stiffness
+from msvalidate.dielectric.actuator import Actuator
+from msvalidate.judging import catalogue
+from msvalidate.judging.evidence import judge
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import filled
+from msvalidate.network import network
 from msvalidate.problem import Isotropic
-from msvalidate.sweep import Setting
 
 OURS = ("msvalidate", "reference_fem", "studies")
 
@@ -102,12 +105,12 @@ def permittivity_dropped(patch):
 
 
 def equal_masses(patch):
-    true = body._nodal_mass
-    patch.setattr(body, "_nodal_mass", lambda *asked: true(*asked[:2], "equal"))
+    true = lattice_network._nodal_mass
+    patch.setattr(lattice_network, "_nodal_mass", lambda *asked: true(*asked[:2], "equal"))
 
 
 def longer_diagonals(patch):
-    true = body.lattice_network
+    true = lattice_network.lattice_network
 
     def longer(*arguments, **named):
         net = true(*arguments, **named)

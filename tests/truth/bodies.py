@@ -9,8 +9,8 @@ import numpy as np
 from scipy.spatial import Delaunay
 
 from msvalidate.network import Network, spring_network
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.volumes import Volumes
+from msvalidate.network.laws.volumes import Volumes
+from msvalidate.relaxation.relaxations import RELAXATIONS
 from tests.truth import exact
 
 FEW_DECADES = 3.0

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from tqdm import tqdm
 
-from msvalidate.equilibrium import equilibrium
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.equilibrium import equilibrium
 from tests.truth import exact
 from tests.truth.bodies import Body, body
 

@@ -13,10 +13,11 @@
 
 from __future__ import annotations
 
-from msvalidate.candidate import Candidate
-from msvalidate.evidence import Evidence, merged
-from msvalidate.sweep import Setting
-from studies.lattices.ratio import (
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.evidence import Evidence, merged
+from msvalidate.judging.sweep import Setting
+
+from . import (
     bodies,
     faults,
     fitted,

@@ -9,17 +9,18 @@ from typing import NamedTuple
 import numpy as np
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrated
-from msvalidate.candidate import Candidate
+from msvalidate.bodies.calibrate import calibrated
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.candidate import Candidate
 from msvalidate.lattice import fill, patterns
 from msvalidate.network import Network
+from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, prescribed
 from msvalidate.problem.material import State
-from msvalidate.volumes import Volumes
 from reference_fem.body import nodal_forces
 from reference_fem.mixed import solve_mixed_on
-from studies.lattices import elastic, loading
+
+from .. import elastic, loading
 
 BOX = {2: (2.0, 1.0), 3: (1.0, 1.0, 1.0)}
 """Edges (m): of the plane body twice as long as high, so that it bends."""

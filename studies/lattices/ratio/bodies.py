@@ -19,22 +19,23 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrate
-from msvalidate.candidate import Candidate
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Tables, Tolerance
+from msvalidate.bodies.calibrate import calibrate
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.routes import ROUTES
+from msvalidate.constants.stiffness import CAUCHY
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice
+from msvalidate.output import figures
 from msvalidate.problem import Anisotropic, Array
 from msvalidate.problem.material import State
-from msvalidate.routes import ROUTES
-from msvalidate.stiffness import CAUCHY
-from msvalidate.sweep import Setting
-from studies.lattices import cases, loading
-from studies.lattices.cases import Case
-from studies.lattices.ratio import routes
-from studies.lattices.ratio.routes import ADDED, ALIGNED, Way
+
+from .. import cases, loading
+from ..cases import Case
+from . import routes
+from .routes import ADDED, ALIGNED, Way
 
 LATTICES = {2: ("square", "triangular"), 3: ("cubic18", "bcc")}
 PLANE = ("square", "triangular")

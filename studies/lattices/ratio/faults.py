@@ -18,17 +18,18 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.candidate import Answer, Candidate, springs
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
-from msvalidate.faults import every_spring
+from msvalidate.judging.candidate import Answer, Candidate, springs
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
+from msvalidate.network.faults import every_spring
+from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Array, Problem
-from msvalidate.sweep import Setting
-from msvalidate.volumes import Volumes
-from studies.lattices.ratio import bent, stretch
-from studies.lattices.ratio.bent import Bent
-from studies.lattices.ratio.stretch import Block
+
+from . import bent, stretch
+from .bent import Bent
+from .stretch import Block
 
 PROBE = 1e-3
 """Size of the fault, either way, from which the smallest that is noticed is extrapolated: what it

@@ -24,20 +24,21 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.compare import worst
-from msvalidate.equilibrium import equilibrium
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.fit import fitted_constants
-from msvalidate.homogenise import homogenised
+from msvalidate.bodies.fit import fitted_constants
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.stiffness import Moduli, isotropic_moduli
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, voronoi_box
 from msvalidate.lattice.voronoi import tessellated
 from msvalidate.network import Network
 from msvalidate.problem import Array, Box, Isotropic, Problem, SolverError, Support, Traction
-from msvalidate.stiffness import Moduli, isotropic_moduli
-from msvalidate.sweep import Setting
-from studies.lattices import loading
-from studies.lattices.voronoi.networks import drawn, seeds
+from msvalidate.statics.equilibrium import equilibrium
+
+from .. import loading
+from ..voronoi.networks import drawn, seeds
 
 BOX = Box((2.0, 1.0))
 LOADS = {

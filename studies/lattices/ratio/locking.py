@@ -16,15 +16,16 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrated
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.bodies.calibrate import calibrated
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.network import tangent
 from msvalidate.problem import Isotropic
 from reference_fem.elasticity import stiffness
-from studies.lattices.ratio import stretch
-from studies.lattices.ratio.bent import HALVES, RATIOS, SPRINGS
+
+from . import stretch
+from .bent import HALVES, RATIOS, SPRINGS
 
 FINE = {2: 16, 3: 4}
 """Cells through the height, at which models are told apart."""

@@ -23,20 +23,21 @@ from matplotlib.figure import Figure
 from scipy.linalg import eigh
 
 import reference_fem
-from msvalidate import figures
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrate
-from msvalidate.candidate import Candidate
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.bodies.calibrate import calibrate
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import fill, patterns
 from msvalidate.network import Network, tangent
+from msvalidate.network.laws.volumes import cell_volumes
+from msvalidate.output import figures
 from msvalidate.problem import Array, Box, Isotropic, Problem, ProblemError, Support, prescribed
-from msvalidate.sweep import Setting
-from msvalidate.volumes import cell_volumes
 from reference_fem.body import nodal_forces
 from reference_fem.mixed import solve_mixed_on
-from studies.lattices.ratio.bent import bent, box_of, counts, springs_of
+
+from .bent import bent, box_of, counts, springs_of
 
 HELD = {"left": ("left",), "all round": ("left", "right", "bottom", "top")}
 LABELS = {"left": "held at the left", "all round": "held all round"}

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
-from msvalidate.routes import ROUTES
+from msvalidate.constants.routes import ROUTES
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
 
 
 def draw(tables: Tables) -> Figure:

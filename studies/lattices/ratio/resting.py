@@ -18,16 +18,17 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.compare import worst
-from msvalidate.equilibrium import equilibrium
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Box, Isotropic
-from msvalidate.relax import relax
-from msvalidate.relaxations import RELAXATIONS
-from msvalidate.spectrum import extreme_frequencies
-from msvalidate.sweep import Setting
-from studies.lattices import cost, loading
-from studies.lattices.ratio.bent import BOX, counts, springs_of
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.equilibrium import equilibrium
+
+from .. import cost, loading
+from .bent import BOX, counts, springs_of
 
 RATIOS, QUICK = (0.3, 0.45, 0.49, 0.499, 0.4999), (0.3, 0.485, 0.495)
 CELLS = 8

@@ -27,21 +27,22 @@ import pandas as pd
 from scipy.linalg import eigh, eigvalsh
 from scipy.sparse import csr_array
 
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrate
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
+from msvalidate.bodies.calibrate import calibrate
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.routes import ROUTES, Calibration
+from msvalidate.constants.stable_range import least_ratio, least_volume
+from msvalidate.constants.stiffness import CAUCHY
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, Pattern, fill, patterns
 from msvalidate.network import tangent
 from msvalidate.problem import Anisotropic, Box
 from msvalidate.problem.material import State
-from msvalidate.routes import ROUTES, Calibration
-from msvalidate.stable_range import least_ratio, least_volume
-from msvalidate.stiffness import CAUCHY
-from msvalidate.sweep import Setting
-from studies.lattices import cases, loading
-from studies.lattices.ratio import waves
-from studies.lattices.ratio.ranges import draw
+
+from .. import cases, loading
+from . import waves
+from .ranges import draw
 
 LATTICES = ("square", "triangular", "cubic18", "cubic26", "bcc")
 QUICK = ("square", "triangular", "cubic18")

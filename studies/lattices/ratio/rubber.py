@@ -19,18 +19,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.candidate import Candidate
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Tables, Tolerance, merged
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, merged
+from msvalidate.judging.singularity import clamped_free_exponent
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import figures
 from msvalidate.problem import Isotropic
 from msvalidate.problem.material import State
-from msvalidate.singularity import clamped_free_exponent
-from msvalidate.sweep import Setting
 from reference_fem.elasticity import elastic_tensor
-from studies.lattices import cases, elastic
-from studies.lattices.ratio import locking
-from studies.lattices.ratio.bent import (
+
+from .. import cases, elastic
+from . import locking
+from .bent import (
     ELEMENTS,
     HALVES,
     LATTICES,
@@ -40,7 +41,7 @@ from studies.lattices.ratio.bent import (
     deflection,
     reference,
 )
-from studies.lattices.ratio.locking import FINE
+from .locking import FINE
 
 QUICK_RATIOS: dict[State, tuple[float, ...]] = {
     "plane_strain": (0.45, 0.499),

@@ -17,11 +17,12 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from msvalidate.body import lattice_network
-from msvalidate.calibrate import calibrate
-from msvalidate.candidate import Candidate
-from msvalidate.compare import worst
-from msvalidate.evidence import Evidence, Tolerance
+from msvalidate.bodies.calibrate import calibrate
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, fill, patterns, triangular
 from msvalidate.problem import (
     Array,
@@ -37,8 +38,8 @@ from msvalidate.problem import (
     Traction,
 )
 from msvalidate.problem.material import State
-from msvalidate.sweep import Setting
-from studies.lattices import cases, loading
+
+from .. import cases, loading
 
 PLANE = (-0.5, 0.0, 0.2, 1 / 3, 0.45, 0.499)
 SOLID = (0.0, 0.25, 0.4, 0.49)

@@ -16,9 +16,9 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtr
 
-from msvalidate.compare import CONFIDENCE
+from msvalidate.constants.stiffness import CAUCHY
+from msvalidate.judging.compare import CONFIDENCE
 from msvalidate.problem import Array
-from msvalidate.stiffness import CAUCHY
 
 RULES = {"1": "k = 1", "1/L": "k = 1/L", "A/L": "k = A/L"}
 """How tables and figures call rules of stiffness."""

@@ -21,11 +21,13 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.body import lattice_network
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.homogenise import homogenised
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.stiffness import AXES_OF, cubic_part, isotropic_part
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import STIFFNESS_RULES, voronoi_box
 from msvalidate.lattice.point_sets import POINT_SETS
 from msvalidate.network import Network
@@ -39,11 +41,10 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.stiffness import AXES_OF, cubic_part, isotropic_part
-from msvalidate.sweep import Setting
-from studies.lattices.cases import Solid
-from studies.lattices.voronoi import drawing, networks, solids, surfaces
-from studies.lattices.voronoi.networks import seeds
+
+from ..cases import Solid
+from . import drawing, networks, solids, surfaces
+from .networks import seeds
 
 CELLS, QUICK_CELLS = (8, 16, 32), (5, 10, 20)
 """Spacings to a side of the box."""

@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.constants.stiffness import CAUCHY
+from msvalidate.judging.evidence import Tables
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.point_sets import POINT_SETS
-from msvalidate.stiffness import CAUCHY
+from msvalidate.output import figures
 
 LINES = ("-", "--", ":")
 DRAWN_STRAIN = 0.2

@@ -14,21 +14,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.candidate import AT_REST
-from msvalidate.compare import worst
-from msvalidate.equilibrium import equilibrium
-from msvalidate.evidence import Observed
-from msvalidate.integrators import EULER_CROMER
+from msvalidate.dynamics.integrators import EULER_CROMER
+from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging.candidate import AT_REST
+from msvalidate.judging.compare import worst
+from msvalidate.judging.evidence import Observed
+from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.relax import relax
-from msvalidate.run import Run
-from msvalidate.spectrum import extreme_frequencies
-from msvalidate.sweep import Setting
-from msvalidate.viscous import viscous
-from studies.lattices.voronoi.networks import seeds
-from studies.lattices.voronoi.rows import only, records
-from studies.lattices.voronoi.strewn import STRAIN, Strewn, gauge, ratio, stretched, strewn
+from msvalidate.relaxation.relax import relax
+from msvalidate.relaxation.run import Run
+from msvalidate.relaxation.viscous import viscous
+from msvalidate.statics.equilibrium import equilibrium
+
+from .networks import seeds
+from .rows import only, records
+from .strewn import STRAIN, Strewn, gauge, ratio, stretched, strewn
 
 COUNT = 100
 LOADS = ("moved", "pulled")

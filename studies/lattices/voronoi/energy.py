@@ -11,14 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.evidence import Tolerance
+from msvalidate.constants.stiffness import VOIGT
+from msvalidate.judging.evidence import Tolerance
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.tessellation import Tessellation
 from msvalidate.lattice.voronoi import tessellated
 from msvalidate.problem import Array
-from msvalidate.stiffness import VOIGT
-from studies.lattices.cases import Solid
-from studies.lattices.voronoi.networks import drawn
+
+from ..cases import Solid
+from .networks import drawn
 
 COUNTS = {2: 64, 3: 30}
 """Few points, as the least squares are dense."""

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from msvalidate.homogenise import Homogenised, homogenised
+from msvalidate.constants.homogenise import Homogenised, homogenised
+from msvalidate.constants.stiffness import pattern_tensor
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.problem import Mask
-from msvalidate.stiffness import pattern_tensor
 
 
 def unrelaxed(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Homogenised:

@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.constants.stiffness import AXES_OF, CAUCHY, isotropic_moduli, isotropic_part
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import STIFFNESS_RULES, Pattern
 from msvalidate.lattice.point_sets import periodic_points
 from msvalidate.lattice.tessellation import Tessellation, periodic_tessellation
 from msvalidate.lattice.voronoi import tessellated
 from msvalidate.problem import Array
-from msvalidate.stiffness import AXES_OF, CAUCHY, isotropic_moduli, isotropic_part
-from msvalidate.sweep import Setting
-from studies.lattices.cases import Solid
+
+from ..cases import Solid
 
 Case = tuple[int, str, int, int]
 """Axes, kind of point set, number of points, seed."""

@@ -27,18 +27,19 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from msvalidate.compare import CONFIDENCE, observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.stiffness import isotropic_moduli
+from msvalidate.judging.compare import CONFIDENCE, observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.point_sets import POINT_SETS
-from msvalidate.stiffness import isotropic_moduli
-from msvalidate.sweep import Setting
-from studies.lattices.cases import Solid
-from studies.lattices.voronoi import best, drawing, energy
-from studies.lattices.voronoi.best import RULES
-from studies.lattices.voronoi.networks import anisotropy, measure, seeds
-from studies.lattices.voronoi.rows import records
+
+from ..cases import Solid
+from . import best, drawing, energy
+from .best import RULES
+from .networks import anisotropy, measure, seeds
+from .rows import records
 
 COUNTS = {2: (100, 400, 1600), 3: (64, 216, 1000)}
 QUOTED = {

@@ -9,22 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msvalidate.constants.stiffness import square_tensor
 from msvalidate.lattice.point_sets import periodic_points
 from msvalidate.lattice.tessellation import BoundedTessellation, bounded_tessellation
 from msvalidate.lattice.voronoi import relative_stiffness
 from msvalidate.network import Network, spring_network
-from msvalidate.problem import (
-    SIDES,
-    Anisotropic,
-    Array,
-    Box,
-    Index,
-    Mask,
-    Problem,
-    Region,
-    Support,
-)
-from msvalidate.stiffness import square_tensor
+from msvalidate.problem import SIDES, Anisotropic, Array, Box, Index, Mask, Problem, Region, Support
 
 STRAIN = 1e-3
 """Of a stretched body; a linear answer is in proportion to it."""

@@ -20,14 +20,15 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from msvalidate.candidate import Candidate
-from msvalidate.evidence import Observed, Tolerance
+from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.evidence import Observed, Tolerance
+from msvalidate.judging.sweep import Setting
 from msvalidate.lattice.point_sets import POINT_SETS, periodic_points
 from msvalidate.lattice.tessellation import bounded_tessellation
 from msvalidate.problem import Array, Box
-from msvalidate.sweep import Setting
-from studies.lattices.voronoi.networks import seeds
-from studies.lattices.voronoi.strewn import STRAIN, stretched, strewn
+
+from .networks import seeds
+from .strewn import STRAIN, stretched, strewn
 
 COUNTS = {2: (100, 400, 1600), 3: (125, 343, 1000)}
 AWAY = {2: 2.0, 3: 1.5}

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 
 import reference_fem
-from msvalidate.candidate import Candidate
+from msvalidate.constants.stiffness import cubic_part, moduli
+from msvalidate.judging.candidate import Candidate
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.tessellation import periodic_tessellation
 from msvalidate.lattice.voronoi import tessellated
 from msvalidate.problem import Anisotropic, Array, Box, Problem, SolverError, Support
-from msvalidate.stiffness import cubic_part, moduli
-from studies.lattices.cases import Solid
-from studies.lattices.voronoi.strewn import (
+
+from ..cases import Solid
+from .strewn import (
     PLACES,
     STRAIN,
     from_points,

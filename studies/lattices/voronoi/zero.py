@@ -21,17 +21,18 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.candidate import Candidate, springs
-from msvalidate.compare import observed_order, worst
-from msvalidate.evidence import Evidence, Observed, Tolerance
-from msvalidate.homogenise import homogenised
-from msvalidate.sweep import Setting
-from studies.lattices.cases import Solid
-from studies.lattices.voronoi import bodies, early, zero_figures
-from studies.lattices.voronoi.networks import seeds
-from studies.lattices.voronoi.rows import only
-from studies.lattices.voronoi.strewn import PLACES
-from studies.lattices.voronoi.trials import (
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
+
+from ..cases import Solid
+from . import bodies, early, zero_figures
+from .networks import seeds
+from .rows import only
+from .strewn import PLACES
+from .trials import (
     GRID,
     SLACK_COUNT,
     clamped,

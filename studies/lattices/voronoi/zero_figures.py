@@ -7,9 +7,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from msvalidate import figures
-from msvalidate.evidence import Tables
+from msvalidate.judging.evidence import Tables
 from msvalidate.lattice import STIFFNESS_RULES
+from msvalidate.output import figures
 
 
 def causes(tables: Tables) -> Figure:

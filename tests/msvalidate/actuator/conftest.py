@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from msvalidate.actuator import slab
+from msvalidate.dielectric.actuator import slab
 
 
 @pytest.fixture(scope="session", params=["plane", "parallel_plates", "in_air"])

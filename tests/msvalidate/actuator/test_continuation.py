@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.actuator import lowest_modes, slab, sweep, uniform
+from msvalidate.dielectric.actuator import lowest_modes, slab, sweep, uniform
 from msvalidate.problem import ProblemError
 
 

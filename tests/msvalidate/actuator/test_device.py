@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.actuator import Actuator, slab, without_tips
-from msvalidate.actuator.uniform import relaxed_thickness
+from msvalidate.dielectric.actuator import Actuator, slab, without_tips
+from msvalidate.dielectric.actuator.uniform import relaxed_thickness
 from msvalidate.network import internal_force, spring_network
 from msvalidate.problem import ProblemError
 

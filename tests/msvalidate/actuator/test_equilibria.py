@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.actuator import Held, PulledIn, at_voltage, slab, uniform
+from msvalidate.dielectric.actuator import Held, PulledIn, at_voltage, slab, uniform
 from msvalidate.problem import ProblemError, SolverError
 
 

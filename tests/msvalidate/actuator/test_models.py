@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.actuator import PulledIn, at_voltage, lowest_modes, slab
-from msvalidate.actuator.balance import out_of_balance, stiffness
-from msvalidate.actuator.models import electrified
+from msvalidate.dielectric.actuator import PulledIn, at_voltage, lowest_modes, slab
+from msvalidate.dielectric.actuator.balance import out_of_balance, stiffness
+from msvalidate.dielectric.actuator.models import electrified
 from msvalidate.network import energy
 
 

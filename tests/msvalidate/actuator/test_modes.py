@@ -7,9 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.actuator import at_voltage, lowest_modes, slab, sweep, uniform, without_tips
-from msvalidate.actuator.balance import stiffness
-from msvalidate.actuator.models import electrified
+from msvalidate.dielectric.actuator import (
+    at_voltage,
+    lowest_modes,
+    slab,
+    sweep,
+    uniform,
+    without_tips,
+)
+from msvalidate.dielectric.actuator.balance import stiffness
+from msvalidate.dielectric.actuator.models import electrified
 from msvalidate.problem import ProblemError, SolverError
 
 

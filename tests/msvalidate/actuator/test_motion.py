@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.actuator import at_voltage, moving, slab
+from msvalidate.dielectric.actuator import at_voltage, moving, slab
 from msvalidate.problem import ProblemError, SolverError
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from msvalidate.actuator.surface import off_surface, outline
+from msvalidate.dielectric.actuator.surface import off_surface, outline
 from msvalidate.lattice import square
 from msvalidate.network import spring_network
 from msvalidate.problem import Box, ProblemError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.actuator import uniform
+from msvalidate.dielectric.actuator import uniform
 from msvalidate.lattice import square
 from msvalidate.network import energy, spring_network
 from msvalidate.problem import Box, ProblemError, SolverError

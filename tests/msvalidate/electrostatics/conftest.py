@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.electrostatics import chains
+from msvalidate.dielectric.charges import chains
 
 
 def waves(n, *, tall=0.12):

@@ -18,16 +18,16 @@ from skfem import (
 )
 from skfem.helpers import dot, grad
 
-from msvalidate.electrostatics import chains, forces, tangent
-from msvalidate.electrostatics.dielectric import (
+from msvalidate.dielectric.charges import chains, forces, tangent
+from msvalidate.dielectric.charges.dielectric import (
     SlabInAir,
     capacitance_in_air,
     covered_edge_exponent,
     forces_in_air,
 )
-from msvalidate.electrostatics.faces import Faces, slab_faces
-from msvalidate.electrostatics.moments import Moments
-from msvalidate.electrostatics.tangent_in_air import tangent_in_air
+from msvalidate.dielectric.charges.faces import Faces, slab_faces
+from msvalidate.dielectric.charges.moments import Moments
+from msvalidate.dielectric.charges.tangent_in_air import tangent_in_air
 from msvalidate.problem import ProblemError
 
 EXACT = 1e-9  # rounding of 1e-16, times condition numbers of up to 1e6

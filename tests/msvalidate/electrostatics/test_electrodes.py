@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from msvalidate.electrostatics import (
+from msvalidate.dielectric.charges import (
     Electrodes,
     Moments,
     PatchMoments,

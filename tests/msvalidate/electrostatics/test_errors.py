@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 
-from msvalidate.electrostatics import (
+from msvalidate.dielectric.charges import (
     Faces,
     Moments,
     PatchMoments,

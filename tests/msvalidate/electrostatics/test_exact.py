@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from msvalidate.electrostatics import (
+from msvalidate.dielectric.charges import (
     capacitance,
     disc_capacitance,
     facing_strips,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.electrostatics.faces import Faces, faces_of, slab_faces
+from msvalidate.dielectric.charges.faces import Faces, faces_of, slab_faces
 from msvalidate.problem import ProblemError
 
 SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.electrostatics import (
+from msvalidate.dielectric.charges import (
     Moments,
     chains,
     facing_strips,

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import null_space
 
-from msvalidate.electrostatics import (
+from msvalidate.dielectric.charges import (
     Electrodes,
     Moments,
     capacitance,
@@ -18,9 +18,9 @@ from msvalidate.electrostatics import (
     forces,
     strip,
 )
-from msvalidate.electrostatics import moments as method
-from msvalidate.electrostatics.moments import WEIGHTINGS, coefficients
-from msvalidate.electrostatics.neutral import factorised
+from msvalidate.dielectric.charges import moments as method
+from msvalidate.dielectric.charges.moments import WEIGHTINGS, coefficients
+from msvalidate.dielectric.charges.neutral import factorised
 from msvalidate.problem import SolverError
 
 X, W = np.polynomial.legendre.leggauss(20)

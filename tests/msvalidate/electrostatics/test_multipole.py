@@ -7,9 +7,9 @@ import sys
 import numpy as np
 import pytest
 
-from msvalidate.electrostatics import Moments, Multipole, facing_strips, forces
-from msvalidate.electrostatics.moments import coefficients, lines
-from msvalidate.electrostatics.two_levels import TwoLevels
+from msvalidate.dielectric.charges import Moments, Multipole, facing_strips, forces
+from msvalidate.dielectric.charges.moments import coefficients, lines
+from msvalidate.dielectric.charges.two_levels import TwoLevels
 from msvalidate.problem import ProblemError
 
 VOLTAGES = (0.7, -0.4)

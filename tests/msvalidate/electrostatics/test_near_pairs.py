@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.electrostatics import multipole
-from msvalidate.electrostatics.moments import coefficients, lines
+from msvalidate.dielectric.charges import multipole
+from msvalidate.dielectric.charges.moments import coefficients, lines
 
 
 def test_near_pairs_are_all_those_within_reach_of_both_lengths_once():

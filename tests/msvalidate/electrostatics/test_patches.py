@@ -10,16 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial.legendre import leggauss
 
-from msvalidate.electrostatics.exact import disc_capacitance, square_capacitance
-from msvalidate.electrostatics.patches import (
+from msvalidate.dielectric.charges.exact import disc_capacitance, square_capacitance
+from msvalidate.dielectric.charges.patches import (
     Patches,
     PatchMoments,
     conductors,
     patch_capacitance,
 )
-from msvalidate.electrostatics.plates import disc, plate
-from msvalidate.electrostatics.views import corner_potential
-from msvalidate.kernels.polygons import seen
+from msvalidate.dielectric.charges.plates import disc, plate
+from msvalidate.dielectric.charges.views import corner_potential
+from msvalidate.dielectric.kernels.polygons import seen
 from msvalidate.problem import ProblemError
 
 EXACT = 1e-11  # rounding of 1e-16, lost to cancellation over distances of up to 1e3 sizes

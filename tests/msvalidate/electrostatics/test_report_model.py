@@ -7,11 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.electrostatics import chains, facing_strips, facing_strips_capacitance, strip
-from msvalidate.electrostatics.moments import Moments
-from msvalidate.electrostatics.patches import Patches, PatchMoments, conductors, patch_capacitance
-from msvalidate.electrostatics.plates import plate
-from msvalidate.electrostatics.report_model import (
+from msvalidate.dielectric.charges import chains, facing_strips, facing_strips_capacitance, strip
+from msvalidate.dielectric.charges.moments import Moments
+from msvalidate.dielectric.charges.patches import (
+    Patches,
+    PatchMoments,
+    conductors,
+    patch_capacitance,
+)
+from msvalidate.dielectric.charges.plates import plate
+from msvalidate.dielectric.charges.report_model import (
     KERNELS,
     PLACES,
     ReportCharges,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from msvalidate.kernels import charges as integrals
+from msvalidate.dielectric.kernels import charges as integrals
 
 B = 0.6 - 0.3j
 

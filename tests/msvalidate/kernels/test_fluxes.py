@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial.legendre import leggauss
 
-from msvalidate.kernels.fluxes import crossed, dragged, twisted
+from msvalidate.dielectric.kernels.fluxes import crossed, dragged, twisted
 
 examples = settings(max_examples=25, deadline=None)
 NODES, WEIGHTS = leggauss(40)

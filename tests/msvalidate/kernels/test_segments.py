@@ -15,7 +15,7 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from msvalidate.kernels import segments as integrals
+from msvalidate.dielectric.kernels import segments as integrals
 
 X, W = np.polynomial.legendre.leggauss(20)
 PANELS = 0.5 ** np.arange(1, 40)

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.electrostatics import Moments, chains
-from msvalidate.electrostatics.exact import facing_strips_capacitance
+from msvalidate.dielectric.charges import Moments, chains
+from msvalidate.dielectric.charges.exact import facing_strips_capacitance
 from msvalidate.problem import Isotropic, ProblemError, SolverError, place_name
 from reference_fem import (
     Electrode,

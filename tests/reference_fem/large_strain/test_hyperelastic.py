@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.actuator import slab
+from msvalidate.dielectric.actuator import slab
 from msvalidate.network import energy
 from msvalidate.problem import Anisotropic, Isotropic, ProblemError
 from reference_fem.elasticity import elastic_tensor, full_tensor

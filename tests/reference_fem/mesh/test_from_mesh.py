@@ -9,9 +9,9 @@ import meshio
 import numpy as np
 import pytest
 
-from msvalidate.body import lattice_network
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.lattice import square
-from msvalidate.mesh_file import read_mesh
 from msvalidate.problem import (
     BodyForce,
     Box,

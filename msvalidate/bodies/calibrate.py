@@ -1,0 +1,83 @@
+"""The constants that make a body's lattice an isotropic material, or why there are none.
+
+What a body made of the lattice will do under uniform tension is told with them: see
+`msvalidate.bodies.uniform_tension`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from msvalidate.bodies.uniform_tension import tried
+from msvalidate.constants.lattice_constants import by_route, default_constants
+from msvalidate.constants.routes import Calibration
+from msvalidate.lattice import Lattice, Pattern
+from msvalidate.problem import Isotropic
+from msvalidate.problem.material import State
+
+__all__ = ["calibrate", "calibrated", "default_constants"]
+
+
+def calibrate(
+    E: float,
+    nu: float,
+    lattice: Pattern | Lattice,
+    plane: State = "plane_stress",
+    *,
+    thickness: float = 1.0,
+    spacing: float | None = None,
+    route: str | None = None,
+) -> Calibration:
+    """Constants that make a lattice an isotropic material.
+
+    Parameters
+    ----------
+    E, nu
+        Young's modulus (Pa) and Poisson's ratio of the three-dimensional material.
+    lattice
+        What repeats, or a body made of it.
+    plane
+        "plane_stress" or "plane_strain" for a plane lattice, "solid" for one in space.
+    thickness
+        Out-of-plane thickness (m) of a plane body.
+    spacing, route
+        As for `calibrated`.
+
+    Raises
+    ------
+    ProblemError
+        As for `calibrated`, or if there is no such material.
+    """
+    material = Isotropic(E=E, nu=nu, state=plane, thickness=thickness)
+    return calibrated(material, lattice, spacing=spacing, route=route)
+
+
+def calibrated(
+    material: Isotropic,
+    lattice: Pattern | Lattice,
+    *,
+    spacing: float | None = None,
+    route: str | None = None,
+) -> Calibration:
+    """Constants that make a lattice a material, by one route or by the first that leads there.
+
+    The endless lattice is that material. Of a body, `Calibration.body` says how far it is.
+
+    Parameters
+    ----------
+    material, lattice
+        What is to be, and of what.
+    spacing
+        Length (m) of a pattern's unit, by default 1; a body has its own.
+    route
+        One of `ROUTES`; None takes springs alone where they will do, or else a volume energy.
+
+    Raises
+    ------
+    ProblemError
+        With the reason and the nearest that there is, if there is no way.
+    """
+    found = by_route(material, lattice, spacing, route)
+    if isinstance(lattice, Pattern):
+        return found
+    return replace(found, body=tried(material, lattice, found))

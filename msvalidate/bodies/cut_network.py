@@ -1,0 +1,269 @@
+"""From a `Problem` to a network on a lattice cut to its body's outline.
+
+Supports and loads meet the outline, which is not where the lattice's points are.
+
+**Loads** do the work that they do on the motion interpolated in the cells, linear along each axis:
+their resultants are exact. A lattice cut along its own lines gets what `lattice_network` gives.
+The other way that offers itself, a pressure on the area vectors Σ f ∫∇N dA of the points with f the
+part of a cell inside, makes a uniform pressure exact, but no other stress; in a ring under pressure
+its displacements were no better, and it can do pressures only.
+
+**Supports** along a lattice line hold the line's points, as far as its cells reach. Supports along
+any other line hold every point of the cells that it runs through. A displacement prescribed as a
+field that goes on to both sides of the outline as the body's own does is then met to second order,
+a linear one exactly; one number all along it, such as a clamp's 0, to first order in the spacing.
+
+The diagonals of a cut cell pull at points on both sides of the outline, which no rule for their
+stiffness mends: uniform stress leaves forces of the order of stress × spacing at the points of cut
+cells. Their sum and their moment are zero in each cell, so most of what they do dies out within a
+few cells. What is left acts as an outline moved by a small part of the spacing: displacements err
+by the lattice's own second order plus a first order that is small (relative, of a ring of radius 1
+under pressure some 0.2 h² + 0.006 h; of a unit square turned against the lattice and pulled, where
+nothing else errs, 0.05 h^1.26), and unevenly, for outline and cells meet anew at each spacing.
+Strains of the cells at the outline are wrong by up to a tenth and stay so: stresses there are to be
+found from the displacements of points of whole cells (`stress.fitted_stress`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from msvalidate.constants.lattice_constants import stiffnesses
+from msvalidate.constants.routes import Calibration
+from msvalidate.lattice import Constants
+from msvalidate.lattice.cut import CutLattice
+from msvalidate.lattice.outline import crossed, outline, outside, straight_pieces
+from msvalidate.network import Network, spring_network
+from msvalidate.network.laws.volumes import Volumes
+from msvalidate.problem import (
+    Array,
+    BodyForce,
+    Mask,
+    Part,
+    PointForce,
+    Problem,
+    ProblemError,
+    Region,
+    Support,
+    Traction,
+    corners_of,
+    measure_of,
+    prescribed_where,
+    vectors_at,
+)
+from msvalidate.problem.checks import instance, number
+
+GAUSS = (0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3))
+"""Places on a piece within one cell: exact for a traction that is linear along it."""
+
+
+def cut_network(
+    problem: Problem,
+    lattice: CutLattice,
+    constants: Constants | Calibration | None = None,
+    *,
+    volume: float = 0.0,
+) -> Network:
+    """Network that stands for a problem on a cut lattice.
+
+    Parameters
+    ----------
+    problem, lattice
+        The lattice must be cut to the problem's domain.
+    constants
+        Spring constants (N/m) per kind of spring of a lattice without end, or a calibration by
+        springs or a volume energy; by default those of the problem's isotropic material, if the
+        lattice can be it by springs alone.
+    volume
+        κ of a whole cell, in N/m with the thickness in the plane, in Pa in space: see
+        `msvalidate.network.laws.volumes`. A cut cell has the part of it that it has of the body.
+
+    Raises
+    ------
+    ProblemError
+        If the lattice cannot be the material, or a support does not meet its points or holds all.
+    """
+    instance("problem", problem, Problem)
+    instance("lattice", lattice, CutLattice)
+    if lattice.domain != problem.domain:
+        raise ProblemError(
+            f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
+            "build it from the problem's own"
+        )
+    k, kappa, k_t = stiffnesses(problem.material, lattice, constants, volume)
+    if k_t.any():
+        raise ProblemError(
+            "shear springs: strains of points at a cut outline are not the body's; calibrate by "
+            "route 'volume energy'"
+        )
+    held, displacement = prescribed_where(problem, lattice.points, _held_by(lattice))
+    if held.all():
+        raise ProblemError(
+            f"cut network: its supports hold every point at a spacing of {lattice.spacing:g} m; "
+            "choose a smaller one"
+        )
+    material = problem.material
+    with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
+        force = _nodal_force(problem, lattice)
+        mass = material.density * material.thickness * lattice.point_volume
+    return spring_network(
+        lattice.points,
+        lattice.springs,
+        k[lattice.kind] * lattice.factor,
+        mass=mass,
+        held=held,
+        displacement=displacement,
+        force=force,
+        volumes=_volumes(lattice, kappa),
+        cells=lattice.cells,
+    )
+
+
+def _volumes(lattice: CutLattice, stiffness: float) -> Volumes | None:
+    """The lattice's cells, where they resist a change of volume."""
+    kappa = number("volume stiffness", stiffness)
+    if not kappa:
+        return None
+    return Volumes(lattice.points, lattice.cells, kappa * lattice.fraction)
+
+
+# Supports -----------------------------------------------------------------------------------------
+
+
+def _held_by(lattice: CutLattice) -> Callable[[Support], Mask]:
+    """Which points a support holds, as a function of the support."""
+
+    def held(support: Support) -> Mask:
+        region = support.region
+        corners = corners_of(region, lattice.domain)
+        flat = np.flatnonzero(np.ptp(corners, axis=0) <= lattice.domain.tolerance)
+        if isinstance(region, Region) and len(flat) != 1:
+            return np.asarray(region.select(lattice.points, lattice.domain.tolerance))
+        if len(flat):
+            return _on_lattice_line(support, lattice, corners, int(flat[0]))
+        return _around(region, lattice)
+
+    return held
+
+
+def _on_lattice_line(support: Support, lattice: CutLattice, corners: Array, axis: int) -> Mask:
+    """Points of a lattice line or plane across an axis, of all cells that have body at the part."""
+    x, room = lattice.points, lattice.domain.tolerance
+    on = np.abs(x[:, axis] - corners[0, axis]) <= room
+    if not on.any():
+        place = f"{'xyz'[axis]} = {corners[0, axis]:g} m"
+        raise ProblemError(
+            f"support on {support.region}: no line of the cut lattice runs along {place}; choose "
+            "its origin and spacing so that one does"
+        )
+    past = np.maximum(corners.min(axis=0) - x, x - corners.max(axis=0))
+    past[:, axis] = 0.0
+    furthest = past.max(axis=1)
+    # Points of cells along the part; past the outline a whole cell more, for one that ends at a
+    # point of the lattice there may be cut too.
+    near = furthest < lattice.spacing - room
+    beyond = (furthest <= lattice.spacing + room) & ~near & on
+    beyond[beyond] = outside(outline(lattice.domain), x[beyond, :2], room)
+    return np.asarray(on & (near | beyond))
+
+
+def _around(region: Part, lattice: CutLattice) -> Mask:
+    """Points of the cells that a part of the outline runs through."""
+    pieces = straight_pieces(region, lattice.domain)
+    cells = crossed(pieces, lattice.points[lattice.cells[:, 0], :2], lattice.spacing)
+    held = np.zeros(len(lattice.points), dtype=bool)
+    held[lattice.cells[cells]] = True
+    if lattice.points.shape[1] == 3:  # a wall may not reach from the bottom to the top
+        z = corners_of(region, lattice.domain)[:, 2]
+        room = lattice.domain.tolerance
+        held &= (lattice.points[:, 2] > z.min() - room) & (lattice.points[:, 2] < z.max() + room)
+    return held
+
+
+# Loads --------------------------------------------------------------------------------------------
+
+
+def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
+    """Loads as forces (n, d) in N on the lattice's points; the thickness enters here."""
+    force = np.zeros(lattice.points.shape)
+    thickness = problem.material.thickness
+    for load in problem.loads:
+        if isinstance(load, PointForce):
+            places, vectors = _in_body(load, lattice), np.array([load.force])
+        elif isinstance(load, BodyForce):
+            volume = thickness * lattice.point_volume[:, None]
+            force += volume * vectors_at("body force", load.force, lattice.points)
+            continue
+        else:
+            places, vectors = _traction_forces(load, lattice)
+            vectors = thickness * vectors
+        points, weights = lattice.weights_at(places)
+        np.add.at(force, points, weights[..., None] * vectors[:, None])
+    return force
+
+
+def _in_body(load: PointForce, lattice: CutLattice) -> Array:
+    """The place (1, d) in m of a point force: beyond the body a cell's motion means nothing."""
+    place, domain = np.array([load.at]), lattice.domain
+    if outside(outline(domain), place[:, :2], domain.tolerance).any():
+        raise ProblemError(
+            f"point force at {load.region}: outside the body, as in a hole; choose a place in it"
+        )
+    return place
+
+
+def _traction_forces(load: Traction, lattice: CutLattice) -> tuple[Array, Array]:
+    """Places (q, 2) in m and forces (q, 2) in N per thickness that a traction amounts to."""
+    if lattice.points.shape[1] == 3:
+        return _face_forces(load, lattice)
+    ends = _split(straight_pieces(load.region, lattice.domain), lattice)
+    along = ends[:, 1] - ends[:, 0]
+    places = np.concatenate([ends[:, 0] + s * along for s in GAUSS])
+    length = np.tile(np.linalg.norm(along, axis=1) / 2, 2)
+    traction = vectors_at(f"traction on {load.region}", load.traction, places)
+    return places, length[:, None] * traction
+
+
+def _face_forces(load: Traction, lattice: CutLattice) -> tuple[Array, Array]:
+    """Places (q, 3) in m and forces (q, 3) in N that a traction on a face across z amounts to.
+
+    Exact in sum for one that is linear, evaluated at the lattice's points.
+    """
+    corners, span = corners_of(load.region, lattice.domain), lattice.domain.span
+    z = corners[:, 2].mean()
+    whole = measure_of(load.region, lattice.domain) >= (1 - 1e-9) * outline(lattice.domain).area
+    if np.ptp(corners[:, 2]) > lattice.domain.tolerance or not whole:
+        raise ProblemError(
+            f"traction on {load.region}: a cut lattice in space takes tractions on its whole face "
+            f"at z = {span[2][0]:g} or {span[2][1]:g} m only; load one of these"
+        )
+    x = lattice.points
+    there = np.abs(x[lattice.cells, 2] - z) <= lattice.domain.tolerance
+    # A cell's part of the face: each corner's volume twice over the height.
+    area = np.where(there, 2 * lattice.corner_volume / lattice.spacing, 0.0)
+    of_point = np.bincount(lattice.cells.ravel(), area.ravel())
+    (taking,) = np.nonzero(of_point)
+    traction = vectors_at(f"traction on {load.region}", load.traction, x[taking])
+    return x[taking], of_point[taking, None] * traction
+
+
+def _split(pieces: Array, lattice: CutLattice) -> Array:
+    """Ends (p, 2, 2) in m of the parts of straight lines (q, 2, 2) between lines of the lattice."""
+    low, high = np.moveaxis((pieces - lattice.points[0]) / lattice.spacing, 1, 0)
+    each = np.arange(len(pieces))
+    piece, at = [each, each], [np.zeros(len(pieces)), np.ones(len(pieces))]
+    for a, b in zip(low.T, high.T, strict=True):
+        first, last = np.ceil(np.minimum(a, b)), np.floor(np.maximum(a, b))
+        count = np.where(a != b, np.maximum(last - first + 1, 0), 0).astype(int)
+        of = np.repeat(each, count)
+        line = first[of] + np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)
+        piece.append(of)
+        at.append((line - a[of]) / (b - a)[of])
+    owner, part = np.concatenate(piece), np.clip(np.concatenate(at), 0, 1)
+    order = np.lexsort([part, owner])
+    owner, part = owner[order], part[order][:, None]
+    places = (1 - part) * pieces[owner, 0] + part * pieces[owner, 1]
+    (start,) = np.nonzero((owner[1:] == owner[:-1]) & (part[1:, 0] > part[:-1, 0]))
+    return np.stack([places[start], places[start + 1]], axis=1)

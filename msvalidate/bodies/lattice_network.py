@@ -1,0 +1,254 @@
+"""From a `Problem` to a network on a lattice: its springs, masses, supports and loads."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msvalidate.constants.lattice_constants import stiffnesses
+from msvalidate.constants.routes import Calibration
+from msvalidate.lattice import Constants, CutLattice, Lattice, boundary_weights
+from msvalidate.lattice.corners import quadrilateral_shares
+from msvalidate.network import Network, spring_network
+from msvalidate.network.laws.local_shear import LocalShear
+from msvalidate.network.laws.volumes import Volumes
+from msvalidate.problem import (
+    SIDES,
+    Array,
+    BodyForce,
+    Box,
+    Index,
+    Mesh,
+    PointForce,
+    Problem,
+    ProblemError,
+    Traction,
+    measure_of,
+    prescribed,
+    vectors_at,
+)
+from msvalidate.problem.checks import chosen, instance, number
+
+RIGHT = 1e-9
+"""Cotangent down to which an angle beyond 90° counts as right: rounding of coordinates is 1e-16."""
+
+
+def lattice_network(
+    problem: Problem,
+    lattice: Lattice,
+    constants: Constants | Calibration | None = None,
+    *,
+    volume: float = 0.0,
+    weights: str = "shared",
+    mass: str = "shared",
+) -> Network:
+    """Network that stands for a problem on a lattice.
+
+    Parameters
+    ----------
+    problem, lattice
+        The lattice must fill the problem's domain.
+    constants
+        Spring constants (N/m) per kind of spring, or a calibration, which brings what stands
+        beside the springs too; by default those of the problem's isotropic material, if the
+        lattice can be it by springs alone.
+    volume
+        κ of every cell, in N/m with the thickness in the plane, in Pa in space: see
+        `msvalidate.network.laws.volumes`. By default none resists a change of volume.
+    weights
+        Boundary rule, one of `msvalidate.lattice.WEIGHTS`.
+    mass
+        "shared": density × thickness × the point's share of its cells; "equal": the same total,
+        evenly over the points.
+
+    Raises
+    ------
+    ProblemError
+        If the lattice cannot be the material, or a support or load does not meet its points.
+    """
+    instance("problem", problem, Problem)
+    instance("lattice", lattice, Lattice)
+    if isinstance(lattice, CutLattice):
+        raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
+    if lattice.domain != problem.domain:
+        raise ProblemError(
+            f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
+            "build it from the problem's own"
+        )
+    k, kappa, k_t = stiffnesses(problem.material, lattice, constants, volume)
+    weight = boundary_weights(lattice, weights)
+    held, displacement = prescribed(problem, lattice.points)
+    with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
+        force, masses = _nodal_force(problem, lattice), _nodal_mass(problem, lattice, mass)
+    return spring_network(
+        lattice.points,
+        lattice.springs,
+        k[lattice.kind] * lattice.factor * weight,
+        mass=masses,
+        held=held,
+        displacement=displacement,
+        force=force,
+        volumes=_volumes(lattice, kappa),
+        shear=_shear(lattice, k_t[lattice.kind] * lattice.factor * weight),
+        cells=lattice.cells,
+    )
+
+
+def _shear(lattice: Lattice, stiffness: Array) -> LocalShear | None:
+    """Springs that resist shear, where there are any; strains count each by its share."""
+    if not stiffness.any():
+        return None
+    return LocalShear(lattice.points, lattice.springs, stiffness, lattice.share)
+
+
+def _volumes(lattice: Lattice, stiffness: float) -> Volumes | None:
+    """The lattice's cells, where they resist a change of volume."""
+    kappa = number("volume stiffness", stiffness)
+    if not kappa:
+        return None
+    cells = Volumes(lattice.points, lattice.cells, np.full(len(lattice.cells), kappa))
+    covered, whole = cells.rest_volume.sum(), lattice.domain.volume
+    if abs(covered - whole) > 1e-9 * whole:
+        raise ProblemError(
+            f"volume stiffness: the cells of the {lattice.name} lattice cover {covered:.6g} of "
+            f"{whole:.6g}; take a lattice whose cells fill the body, or leave it at 0"
+        )
+    return cells
+
+
+def _nodal_mass(problem: Problem, lattice: Lattice, rule: str) -> Array:
+    total = problem.material.density * problem.material.thickness
+    chosen("mass", rule, ("shared", "equal"))
+    if rule == "shared":
+        return total * lattice.point_volume
+    return np.full(len(lattice.points), total * lattice.domain.volume / len(lattice.points))
+
+
+def _nodal_force(problem: Problem, lattice: Lattice) -> Array:
+    """Loads as forces (n, d) in N on the lattice points; the thickness enters here."""
+    force = np.zeros(lattice.points.shape)
+    thickness = problem.material.thickness
+    for load in problem.loads:
+        if isinstance(load, PointForce):
+            at = load.region.select(lattice.points, lattice.domain.tolerance)
+            if not at.any():
+                raise ProblemError(
+                    f"point force at {load.region}: no lattice point there; "
+                    "choose cells that put one there"
+                )
+            force[at] += load.force
+        elif isinstance(load, Traction):
+            force += thickness * _traction_force(load, lattice)
+        elif isinstance(load, BodyForce):
+            volume = thickness * lattice.point_volume[:, None]
+            force += volume * vectors_at("body force", load.force, lattice.points)
+    return force
+
+
+def _traction_force(load: Traction, lattice: Lattice) -> Array:
+    """Forces (n, d) per thickness of a traction."""
+    body = lattice.domain
+    if isinstance(body, Box) and lattice.side_area is not None:
+        for area, (name, (axis, end)) in zip(lattice.side_area.T, SIDES.items(), strict=False):
+            corners = body.side(name).corners(body.span)
+            if load.region.select(corners, body.tolerance).all():
+                return _force_by_points(load, lattice.points, area, axis, body.span[axis][end])
+    return _force_by_facets(load, lattice)
+
+
+def _force_by_points(load: Traction, points: Array, area: Array, axis: int, place: float) -> Array:
+    """Forces of a traction on a whole side at `place` (m), of which each point has an area (n,).
+
+    They sum to a uniform traction's own force, and springs as facet area over length need just
+    these to carry a hydrostatic strain. But a point is not in the middle of its part of a side, and
+    may lie behind it: moments, and sums of a linear traction, are off by the square of the spacing,
+    and a tangential traction's moment by how deep points that have a part lie on average.
+    """
+    (taking,) = np.nonzero(area)
+    on_side = points[taking]
+    on_side[:, axis] = place  # tractions need not be known inside the body
+    force = np.zeros(points.shape)
+    traction = vectors_at(f"traction on {load.region}", load.traction, on_side)
+    force[taking] = area[taking, None] * traction
+    return force
+
+
+def _force_by_facets(load: Traction, lattice: Lattice) -> Array:
+    """Forces of a traction that varies linearly along each of the facets that it covers."""
+    body, points, name = lattice.domain, lattice.points, f"traction on {load.region}"
+    inside = load.region.select(points, body.tolerance)
+    facets = lattice.facets[inside[lattice.facets].all(axis=1)]
+    # Both ends of a facet may be on parts that it joins, as on two sides of a mesh's corner.
+    facets = facets[load.region.select(points[facets].mean(axis=1), body.tolerance)]
+    corners = points[facets]
+    edges = corners[:, [2**axis for axis in range(body.dim - 1)]] - corners[:, [0]]
+    twisted = isinstance(body, Mesh) and facets.shape[1] == 4  # no rectangles, perhaps not flat
+    if facets.shape[1] == 3:
+        area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1) / 2
+    elif twisted:
+        parts = quadrilateral_shares(corners)
+        area = parts.sum(axis=(1, 2))
+        parts /= area[:, None, None]
+    else:
+        area = np.linalg.norm(edges, axis=2).prod(axis=1)
+    wanted = measure_of(load.region, body)
+    if abs(area.sum() - wanted) > 1e-9 * wanted:
+        raise ProblemError(
+            f"{name}: covers no whole number of cell edges; "
+            "choose cells whose edges end where the loaded part ends"
+            if lattice.regular
+            else f"{name}: an irregular lattice ({lattice.name}) has no facets that "
+            "end where it does; load a whole side"
+        )
+    traction = vectors_at(name, load.traction, corners.reshape(-1, body.dim)).reshape(corners.shape)
+    if facets.shape[1] == 3:
+        parts = _triangle_shares(facets, corners, area, regular=lattice.regular)
+    elif not twisted:
+        parts = _facet_shares(facets.shape[1])
+    shares = area[:, None, None] * np.einsum("fab,fbc->fac", parts, traction)
+    force = np.zeros(points.shape)
+    np.add.at(force, facets, shares)
+    return force
+
+
+def _facet_shares(corners: int) -> Array:
+    """Parts (1, corners, corners) of tractions at a facet's corners that go to each of them.
+
+    The consistent ones of a traction that varies linearly along an edge, or over a rectangle along
+    both of its edges.
+    """
+    line = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
+    return np.asarray(line if corners == 2 else np.kron(line, line))[None]
+
+
+def _triangle_shares(facets: Index, corners: Array, area: Array, *, regular: bool) -> Array:
+    """Parts (f, 3, 3) of tractions at triangles' corners that go to each of them.
+
+    The consistent parts, (1 + δ)/12, give corners a third of a uniform traction each, so that
+    points with more triangles get more, though they be alike in the lattice. What is alike is the
+    area nearest to a point. Its parts of a triangle meet at the circumcentre, a height h above each
+    edge, and from thirds to them the resultant on an area A moves by Δ, the sum of - L h² n/(6 A)
+    over edges of length L and inward normal n. That is done with the traction in the middle of the
+    edge, and with the lesser h of the two triangles that meet there: the moves cancel, and neither
+    force nor moment of a linear traction changes. Triangles with an obtuse angle keep thirds, for
+    their circumcentre is outside and parts would be negative. At the loaded part's rim a regular
+    lattice goes on as its mirror image; another has no neighbour to cancel a move, and makes none.
+    """
+    following, last = np.roll(np.arange(3), -1), np.roll(np.arange(3), -2)
+    edge = corners[:, last] - corners[:, following]  # opposite to each corner, all one way round
+    product = np.einsum("fac,fbc->fab", edge, edge)
+    square = np.einsum("faa->fa", product)
+    cotangent = (square.sum(axis=1, keepdims=True) - 2 * square) / (4 * area[:, None])
+    acute = (cotangent >= -RIGHT).all(axis=1, keepdims=True)
+    height = np.where(acute, square * cotangent**2 / 4, 0.0)  # h²
+    ends = np.sort(np.stack([facets[:, following], facets[:, last]], axis=2).reshape(-1, 2))
+    _, which, times = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+    which = which.ravel()
+    least = np.full(len(times), np.inf)
+    np.minimum.at(least, which, height.ravel())
+    if not regular:
+        least[times == 1] = 0.0
+    # A resultant moves by Δ with forces A Δ·∇λ at the corners, where ∇λ is n L/(2A) of the edge
+    # opposite, and n L n' L' is the product of the edges: Δ·∇λ = -(edge·edge') h²/(12 A²).
+    move = product * least[which].reshape(-1, 1, 3) / (12 * area[:, None, None] ** 2)
+    middle = (1 - np.eye(3)) / 2
+    return np.asarray((1 + np.eye(3)) / 12 - move @ middle)

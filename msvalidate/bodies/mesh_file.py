@@ -1,0 +1,246 @@
+"""A `Mesh` from a file of Gmsh, VTK or Abaqus. The only module that knows meshio.
+
+Names of boundaries are what the file holds for them:
+
+- Gmsh: physical groups of lines or surfaces, by name, or by number where they have none.
+- Abaqus: element sets of line or surface elements, and node sets. `*SURFACE` is not read, nor are
+  hexahedra of 27 nodes.
+- VTK: lines or surface cells by any array of whole numbers in the cell data, as ``ARRAY:VALUE``;
+  and arrays of point data that hold 0 and 1 alone, as sets of points.
+
+A set of points stands for the facets of the surface all of whose nodes are in it. Sets of the
+body's own cells, and of points that make no facet, name no boundary.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+
+from msvalidate.problem import SHAPES, Array, Index, Mesh, ProblemError
+from msvalidate.problem.checks import coordinates, finite, positive, shown
+
+FORMATS = {".msh": "gmsh", ".vtu": "vtu", ".vtk": "vtk", ".inp": "abaqus"}
+"""Suffix -> meshio's name of the format."""
+PLANE = 1e-9
+"""Part of a plane mesh's size within which its third coordinate is one: the placement of a body."""
+REMEDIES = {
+    "quad8": "its middles are missing; write quad9 (Gmsh: Mesh.SecondOrderIncomplete = 0)",
+    "hexahedron20": "its middles are missing; write hexahedron27 (Gmsh: "
+    "Mesh.SecondOrderIncomplete = 0)",
+}
+
+
+def read_mesh(path: str | Path, unit: float = 1.0) -> Mesh:
+    """Mesh in a file, with the boundaries that it names.
+
+    Cells of one kind make the body; lower ones serve as names of its sides. A plane mesh may have a
+    third coordinate, the same at all points, which is dropped; if all its cells run clockwise, as
+    seen from there, they are turned.
+
+    Parameters
+    ----------
+    path
+        A .msh (2.2 or 4.1), .vtu, .vtk or .inp file.
+    unit
+        Length (m) that the file's coordinates are multiples of: 1e-3 if they are in mm.
+
+    Raises
+    ------
+    ProblemError
+        If the file is missing, unreadable, incomplete or of another format, its cells are of
+        several kinds or of one that is not known, or they are no mesh (see `Mesh`).
+    """
+    positive("mesh file: unit", unit, "m")
+    file = _checked_path(path)
+    said = f"mesh file {shown(file.name)}"
+    content = _read(file, said)
+    shape, cells = _body_cells(content, said)
+    try:
+        points = _coordinates(content.points, SHAPES[shape].dim, unit)
+        cells = _turned(points, cells, shape)
+        mesh = Mesh(points, cells, shape)
+        return mesh.named(_boundaries(content, file, mesh))
+    except ProblemError as error:
+        raise ProblemError(f"{said}: {error}") from error
+
+
+def _checked_path(path: object) -> Path:
+    if not isinstance(path, str | Path):
+        raise ProblemError(f"mesh file: {shown(path)}; give a path")
+    file = Path(path)
+    if file.suffix.lower() not in FORMATS:
+        raise ProblemError(f"mesh file {shown(file.name)}: give one of {', '.join(FORMATS)}")
+    try:
+        with file.open("rb") as opened:
+            empty = not opened.read(1)
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or str(error)
+        raise ProblemError(f"mesh file {shown(str(path))}: {why}; give a file to read") from error
+    if empty:
+        raise ProblemError(f"mesh file {shown(file.name)}: empty; write it again")
+    return file
+
+
+def _read(file: Path, said: str) -> Any:
+    """What meshio finds in a file; it prints what it thinks, and leaves the program on an error."""
+    form = FORMATS[file.suffix.lower()]
+    heard = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(heard), contextlib.redirect_stderr(heard):
+            content = meshio.read(file, file_format=form)
+    except (Exception, SystemExit) as error:  # whatever its parsers stumble over
+        lines = [line for line in heard.getvalue().splitlines() if "Couldn't read" not in line]
+        why = str(error) if isinstance(error, meshio.ReadError) else "".join(lines[:1])
+        what = shown(why).strip("'\"") or "it ends too soon, or is of another format"
+        raise ProblemError(f"{said}: not a whole {form} file: {what}; write it again") from error
+    if "not closed" in heard.getvalue() or _announced(file, form) > sum(map(len, content.cells)):
+        raise ProblemError(f"{said}: it ends too soon; write it again")
+    if not len(content.points) or not len(content.cells):
+        raise ProblemError(f"{said}: no {'cells' if len(content.points) else 'points'} in it")
+    return content
+
+
+def _announced(file: Path, form: str) -> int:
+    """Number of cells that a VTK file of the old kind promises; meshio may come back with less."""
+    if form != "vtk":
+        return 0
+    counts = re.findall(rb"^CELL_TYPES\s+(\d+)", file.read_bytes(), re.MULTILINE)
+    return int(counts[0]) if counts else 0
+
+
+def _body_cells(content: Any, said: str) -> tuple[str, Index]:
+    """Shape and nodes (c, k) of the cells of most axes, which must be of one kind."""
+    dim = max(block.dim for block in content.cells)
+    blocks = [block for block in content.cells if block.dim == dim and len(block.data)]
+    count: Counter[str] = Counter()
+    for block in blocks:
+        count[block.type] += len(block.data)
+    found = ", ".join(f"{number} {name}" for name, number in count.items())
+    if dim < 2:
+        raise ProblemError(f"{said}: {found or 'no'} cells; give cells with an area or a volume")
+    if len(count) != 1:
+        raise ProblemError(f"{said}: cells of several kinds, {found}; mesh the body with one kind")
+    (name,) = count
+    if name not in SHAPES:
+        known = [shape.name for shape in SHAPES.values() if shape.dim == dim]
+        remedy = REMEDIES.get(name, f"write {', '.join(known[:-1])} or {known[-1]}")
+        raise ProblemError(f"{said}: {found} cells; {remedy}")
+    return name, np.concatenate([block.data for block in blocks]).astype(np.intp)
+
+
+def _coordinates(points: Any, dim: int, unit: float) -> Array:
+    """Coordinates (n, dim) in m."""
+    with np.errstate(over="ignore"):  # what is too long is refused
+        given = coordinates("mesh points", finite("mesh points", points) * unit)
+    if given.ndim != 2 or given.shape[1] < dim:
+        raise ProblemError(f"points: shape {given.shape}; give {dim} coordinates each")
+    if dim == 2 and given.shape[1] == 3:
+        off = np.abs(given[:, 2] - given[0, 2])
+        if off.max() > PLANE * np.ptp(given[:, :2], axis=0).max():
+            raise ProblemError(
+                f"plane cells, but z = {given[off.argmax(), 2]:g} at point {off.argmax()} and "
+                f"{given[0, 2]:g} at point 0; give solid cells, or one z"
+            )
+    return np.ascontiguousarray(given[:, :dim])
+
+
+def _turned(points: Array, cells: Index, shape: str) -> Index:
+    """Plane cells counter-clockwise, if all of them were clockwise: seen from the other side."""
+    kind = SHAPES[shape]
+    if kind.dim != 2:
+        return cells
+    if cells.min() < 0 or cells.max() >= len(points):  # which `Mesh` refuses
+        return cells
+    x, y = np.moveaxis(points[cells[:, : kind.corners]], 2, 0)
+    area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    if not (area < 0).all():
+        return cells
+    swapped = kind.nodes[:, ::-1]
+    mirror = [int(np.abs(kind.nodes - node).sum(axis=1).argmin()) for node in swapped]
+    return np.ascontiguousarray(cells[:, mirror])
+
+
+def _boundaries(content: Any, file: Path, mesh: Mesh) -> dict[str, Index]:
+    """Facets (f, k) by name."""
+    found: dict[str, list[Index]] = {}
+    for name, block, chosen in _cell_groups(content, file):
+        if block.dim != mesh.dim - 1 or not len(chosen):
+            continue
+        if block.data.shape[1] != mesh.surface.shape[1]:
+            raise ProblemError(
+                f"boundary {shown(name)}: {block.type} cells on sides of {mesh.shape} cells; mesh "
+                "both to one order"
+            )
+        found.setdefault(name, []).append(np.asarray(block.data[chosen], dtype=np.intp))
+    for name, points in _point_groups(content):
+        inside = np.zeros(len(mesh.points), dtype=bool)
+        inside[points] = True
+        facets = mesh.surface[inside[mesh.surface].all(axis=1)]
+        if len(facets) and name not in found:
+            found[name] = [facets]
+    return {name: np.concatenate(parts) for name, parts in found.items()}
+
+
+def _cell_groups(content: Any, file: Path) -> Iterator[tuple[str, Any, Index]]:
+    """Name, block of cells, and which of them (k,)."""
+    gmsh = FORMATS[file.suffix.lower()] == "gmsh"
+    names = content.field_data.items() if gmsh else ()
+    physical = {(int(tag), int(dim)): name for name, (tag, dim) in names}
+    for array, blocks in content.cell_data.items():
+        for block, values in zip(content.cells, blocks, strict=True):
+            if values.ndim != 1 or values.dtype.kind not in "iu" or (gmsh and "phys" not in array):
+                continue
+            for value in np.unique(values[values > 0]).tolist():
+                name = f"{value}" if gmsh else f"{array}:{value}"
+                yield physical.get((value, block.dim), name), block, np.flatnonzero(values == value)
+    sets = dict(content.cell_sets)
+    if FORMATS[file.suffix.lower()] == "abaqus":
+        sets |= _element_sets(content, file)
+    for name, given in sets.items():
+        members = [[] if each is None else each for each in given]
+        flat = all(np.ndim(each) == 1 for each in members)
+        if len(members) != len(content.cells) or not flat or name.startswith("gmsh:"):
+            continue
+        for block, chosen in zip(content.cells, members, strict=True):
+            yield name, block, np.asarray(chosen, dtype=np.intp)
+
+
+def _element_sets(content: Any, file: Path) -> dict[str, list[Index]]:
+    """Sets that `*ELEMENT` lines name, with all cells of their blocks.
+
+    meshio puts the first such set in the first block, and so on, whichever blocks they name.
+    """
+    named: list[str | None] = []
+    for line in file.read_text(encoding="utf-8", errors="replace").splitlines():
+        if line.partition(",")[0].strip().upper() == "*ELEMENT":
+            options = [option.partition("=") for option in line.split(",")]
+            sets = [value.strip() for key, _, value in options if key.strip().upper() == "ELSET"]
+            named.append(sets[0] if sets else None)
+    if any(named) and len(named) != len(content.cells):
+        raise ProblemError("element sets in a file that includes others; join the files into one")
+    return {
+        name: [
+            np.arange(len(block.data) if name == own else 0)
+            for own, block in zip(named, content.cells, strict=True)
+        ]
+        for name in named
+        if name
+    }
+
+
+def _point_groups(content: Any) -> Iterator[tuple[str, Index]]:
+    """Name and points (k,): sets, and arrays of whole numbers that are 0 or 1."""
+    for name, members in content.point_sets.items():
+        yield name, np.asarray(members, dtype=np.intp)
+    for name, values in content.point_data.items():
+        if values.ndim == 1 and values.dtype.kind in "iub" and np.isin(values, (0, 1)).all():
+            yield name, np.flatnonzero(values)

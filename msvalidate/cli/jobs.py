@@ -1,0 +1,130 @@
+"""Studies run one after another or side by side, each in a process of its own.
+
+Each worker has an executor to itself: if its process dies, that costs the study that it was at, and
+no other. What a study finds does not depend on which worker it ran on, or beside what.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import multiprocessing
+import os
+import signal
+import threading
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
+
+from msvalidate.cli.outcome import Clock, Outcome, Task, crashed, unfinished, work
+from msvalidate.judging import catalogue
+
+DIED = "crashed: its process died"
+WHY = f"{DIED}, killed or out of memory; run it with --jobs 1"
+ORPHANED = 1
+"""Exit code of a worker that nobody waits for any more."""
+
+
+def ended(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) -> Generator[Outcome]:
+    """Outcomes of studies as they end, in any order; with one job in the order given.
+
+    Close it to leave the rest: what is running is then stopped.
+
+    Parameters
+    ----------
+    tasks
+        The studies.
+    jobs
+        How many processes run at once, 1 or more; 1 is this process itself. Those that stand alone
+        (see `catalogue.alone`) run after the others, with none beside them.
+    began
+        Told the name of each study as it begins.
+    """
+    if jobs == 1 or len(tasks) < 2:
+        for task in tasks:
+            began(task.name)
+            yield work(task)
+        return
+    # Workers have no terminal to themselves: bars would write over each other.
+    quiet = [replace(task, setting=replace(task.setting, progress=False)) for task in tasks]
+    alone = [task for task in quiet if catalogue.alone(task.name)]
+    yield from _side_by_side([task for task in quiet if task not in alone], jobs, began)
+    yield from _side_by_side(alone, 1, began)
+
+
+def _side_by_side(
+    tasks: Sequence[Task], jobs: int, began: Callable[[str], None]
+) -> Generator[Outcome]:
+    todo = deque(tasks)
+    names = tuple(task.name for task in tasks)
+    idle = [_worker(names) for _ in range(min(jobs, len(todo)))]
+    busy: dict[Future[Outcome], tuple[Task, Clock, ProcessPoolExecutor]] = {}
+    try:
+        while todo or busy:
+            while todo and idle:
+                task, worker = todo.popleft(), idle.pop()
+                began(task.name)
+                with _uninterrupted():
+                    busy[worker.submit(work, task)] = task, Clock(), worker
+            for future in wait(busy, return_when=FIRST_COMPLETED).done:
+                task, clock, worker = busy.pop(future)
+                died = isinstance(future.exception(), BrokenProcessPool)
+                if died:
+                    worker.shutdown()
+                idle.append(_worker(names) if died else worker)
+                yield _outcome(task, clock, future)
+    except BaseException:  # an interrupt, or nobody asks for the rest
+        for process in multiprocessing.active_children():
+            process.terminate()
+        raise
+    finally:
+        for worker in [*idle, *(worker for _, _, worker in busy.values())]:
+            worker.shutdown()
+
+
+def _outcome(task: Task, clock: Clock, future: Future[Outcome]) -> Outcome:
+    """What a worker sent, or what kept it from that."""
+    error = future.exception()
+    if error is None:
+        return future.result()
+    if isinstance(error, BrokenProcessPool):
+        return unfinished(task, clock, "crash", DIED, WHY)
+    return crashed(task, clock, error)
+
+
+def _worker(names: Sequence[str]) -> ProcessPoolExecutor:
+    """An executor of one process, which starts with its first study."""
+    # Spawned: a fork would copy locks of libraries that other threads hold.
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(1, context, initializer=_prepare, initargs=(tuple(names),))
+
+
+def _prepare(names: Sequence[str]) -> None:
+    """Make a process a worker: it loads the studies, and ends with the process that started it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # which is told, and ends the workers
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    for name in names:
+        catalogue.load(name)
+    gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(ORPHANED)
+
+
+@contextlib.contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Hold an interrupt back; processes that are started meanwhile never hear of any."""
+    if not hasattr(signal, "pthread_sigmask"):  # not a Unix
+        yield
+        return
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

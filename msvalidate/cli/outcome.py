@@ -1,0 +1,159 @@
+"""One study from its run to its files: judged, compared with the baseline, drawn.
+
+What comes of it can be sent from one process to another, so that studies may run side by side.
+"""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from typing import Literal
+
+import pandas as pd
+
+from msvalidate.judging import catalogue
+from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.sweep import Setting
+from msvalidate.output import baseline, stored
+from msvalidate.output.junit import printable
+from msvalidate.output.provenance import provenance
+from msvalidate.output.stored import Result
+from msvalidate.problem import ProblemError, SolverError
+
+Fault = Literal["", "problem", "solver", "crash"]
+"""Why a study did not finish: an ill-posed question, no trustworthy answer, anything else."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A study to be run.
+
+    Parameters
+    ----------
+    name
+        Of the study.
+    setting
+        How it is run.
+    command
+        The command line in words, for the report.
+    plots
+        Whether its figures are drawn.
+    against
+        Form of the baseline that its tables are held to, "quick" or "full"; "" for none.
+    """
+
+    name: str
+    setting: Setting
+    command: tuple[str, ...] = ()
+    plots: bool = True
+    against: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """How a study ended.
+
+    Parameters
+    ----------
+    name, question
+        Its name and its whole docstring.
+    seconds
+        That the study itself took, by the clock, its figures not among them.
+    origin
+        Provenance, label -> value.
+    result
+        What it found, with its judgement and without its figures; None if it did not finish.
+    files
+        Name -> content, of a study that finished.
+    error, said, trace
+        Why it did not finish, or "": for the report, for the terminal, and where that was.
+    fault
+        The kind of that.
+    compared
+        Whether its tables were held to a baseline.
+    """
+
+    name: str
+    question: str
+    seconds: float
+    origin: Mapping[str, str]
+    result: Result | None = None
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    error: str = ""
+    said: str = ""
+    trace: str = ""
+    fault: Fault = ""
+    compared: bool = False
+
+    @property
+    def verdict(self) -> pd.DataFrame:
+        """Its judgement; without rows if it did not finish."""
+        return stored.nothing_judged() if self.result is None else self.result.verdict
+
+    @property
+    def held(self) -> bool:
+        """Whether it finished, judged something, and all that it judged passed."""
+        return not self.error and held(self.verdict)
+
+
+class Clock:
+    """When a study began, and how many seconds it has taken since."""
+
+    def __init__(self) -> None:
+        self.started, self._began = datetime.now(UTC), time.perf_counter()
+
+    @property
+    def seconds(self) -> float:
+        """Since the beginning (s)."""
+        return time.perf_counter() - self._began
+
+
+def work(task: Task) -> Outcome:
+    """Run a study, judge it, compare its tables, draw its figures. What goes wrong is told.
+
+    A study that ends the program, as libraries may, has crashed; an interrupt comes through.
+    """
+    clock = Clock()
+    try:
+        evidence = catalogue.load(task.name).run(setting=task.setting)
+        seconds = clock.seconds
+        verdict, rows = judge(evidence), []
+        if task.against:
+            rows = baseline.compare(evidence, baseline.home(task.against) / task.name)
+            verdict = pd.concat([verdict, pd.DataFrame(rows)], ignore_index=True)
+        result = Result(task.name, catalogue.docstring(task.name), evidence, verdict)
+        origin = provenance(task.command, task.setting.seed, clock.started, seconds)
+        files = stored.files(result, origin, seconds=seconds, plots=task.plots)
+    except (ProblemError, SolverError) as error:
+        said = printable(str(error))
+        kind: Fault = "problem" if isinstance(error, ProblemError) else "solver"
+        return unfinished(task, clock, kind, said, said, traceback.format_exc())
+    except (Exception, SystemExit) as error:  # noqa: BLE001
+        return crashed(task, clock, error)
+    # Functions that draw may be of any kind, and not all can be sent to another process.
+    found = replace(result, evidence=replace(evidence, figures={}))
+    return Outcome(task.name, found.question, seconds, origin, found, files, compared=bool(rows))
+
+
+def crashed(task: Task, clock: Clock, error: BaseException) -> Outcome:
+    """The outcome of a study in which something went wrong that nobody foresaw."""
+    kind = type(error).__name__
+    # What a crash says may hold paths of this machine: for the terminal, not the report.
+    said = f"crashed: {kind}: {printable(str(error))}"
+    trace = "".join(traceback.format_exception(error))
+    return unfinished(task, clock, "crash", f"crashed: {kind}", said, trace)
+
+
+def unfinished(
+    task: Task, clock: Clock, fault: Fault, error: str, said: str, trace: str = ""
+) -> Outcome:
+    """The outcome of a study that did not finish."""
+    seconds = clock.seconds
+    origin = provenance(task.command, task.setting.seed, clock.started, seconds)
+    question = catalogue.docstring(task.name)
+    return Outcome(
+        task.name, question, seconds, origin, error=error, said=said, trace=trace, fault=fault
+    )

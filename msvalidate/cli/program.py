@@ -1,0 +1,371 @@
+"""The command line, ``python -m msvalidate.study NAME``.
+
+It defines no types and is imported by nobody: run as a module it is ``__main__``, and whatever it
+defined would exist twice. Heavy imports wait until a study is really run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import difflib
+import gc
+import os
+import sys
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any, NoReturn, TextIO
+
+from msvalidate.cli.arguments import (
+    FAILED,
+    HELD,
+    INTERRUPTED,
+    MISSED,
+    NOTHING,
+    PROGRAM,
+    USAGE,
+    as_shown,
+    parse,
+)
+from msvalidate.judging import catalogue
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from msvalidate.cli.outcome import Outcome
+    from msvalidate.output.stored import Result, Stored
+
+ROWS_SHOWN = 40
+"""Longer tables are shown by their first rows; the CSV has them all."""
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run what the command line asks for; return the exit code."""
+    args = parse(arguments)
+    if args.verb == "list":
+        return _guarded(_list, args)
+    if args.verb == "report":
+        return _guarded(lambda: _report(args), args)
+    return _guarded(lambda: _run(args, arguments), args)
+
+
+def _list() -> int:
+    width = max(map(len, catalogue.names()))
+    return _printed([f"{name:<{width}}  {catalogue.question(name)}" for name in catalogue.names()])
+
+
+def _guarded(act: Callable[[], int], args: argparse.Namespace) -> int:
+    """Act; what goes wrong outside the studies is said in one line."""
+    # One thread for dense algebra: the sparse solves here gain nothing from more, and sums come out
+    # the same on any number of cores. Who asks for more has them, but not in each of several jobs.
+    for library in ("OPENBLAS", "MKL", "OMP"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+        if args.jobs > 1:
+            os.environ[f"{library}_NUM_THREADS"] = "1"
+    # Figures are made without a window; the library refuses to start with one that is not there.
+    os.environ["MPLBACKEND"] = "agg"
+    try:
+        return act()
+    except ImportError as error:
+        return _error(str(error), USAGE)
+    except OSError as error:
+        what = f"{error.strerror}: {error.filename}" if error.filename else str(error)
+        return _error(f"writing results: {what}", USAGE)
+    except Exception as error:  # noqa: BLE001  a fault of ours: one line, and a code of its own
+        from msvalidate.problem import ProblemError
+
+        if isinstance(error, ProblemError):
+            return _error(str(error), USAGE)
+        if args.verbose:
+            _tell(traceback.format_exc())
+        said = " ".join(f"{type(error).__name__}: {error}".split())
+        return _error(f"a fault of the program itself: {said}; -v shows where", FAILED)
+
+
+def _tell(message: str) -> None:
+    """A line to stderr; one that cannot be read any more is not missed."""
+    with contextlib.suppress(OSError):
+        print(message, file=sys.stderr, flush=True)  # a killed run has said all that it could
+        return
+    sys.stderr = _nowhere()
+
+
+def _printed(lines: Sequence[str]) -> int:
+    """Lines to stdout; the exit code of a place where they do not fit."""
+    try:
+        for line in lines:
+            print(line)
+        print(end="", flush=True)
+    except BrokenPipeError:  # the reader left; the verdict stands
+        sys.stdout = _nowhere()
+    except OSError as error:  # a full disk; results are in files
+        sys.stdout = _nowhere()
+        return _error(f"stdout: {error.strerror}", USAGE)
+    return HELD
+
+
+def _nowhere() -> TextIO:
+    return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123  as long as the process
+
+
+def _report(args: argparse.Namespace) -> int:
+    """Make the pages again from stored results."""
+    from msvalidate.output import report
+
+    studies = report.rebuild(args.out)
+    for study in studies:
+        _say(study, args)
+    if not args.quiet:
+        _tell(f"report in {args.out / 'report.html'}")
+    if any(study.error for study in studies):
+        return FAILED
+    return HELD if all(study.held for study in studies) else MISSED
+
+
+def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
+    """Run and judge studies, saying how each ended, and write what they found."""
+    from msvalidate.output import report
+
+    report.refuse_unwritable(args.out, args.studies)
+    if args.junit:
+        report.refuse_place("--junit", args.junit, args.out)
+    if args.update:
+        _changelog(args)  # refuses, if there is none, before the work
+    _refuse_unknown_tables(args)
+    for name in args.studies:
+        catalogue.load(name)
+    gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
+    codes = _strangers(args)
+    clock = time.perf_counter()
+    outcomes, told = _ended(args, arguments)
+    codes += told
+    _written(outcomes, args)
+    results = [outcome.result for outcome in outcomes if outcome.result]
+    codes.append(_printed([line for result in results for line in _shown(result, args)]))
+    codes += _tables_there(results, args)
+    failed = [outcome.name for outcome in outcomes if not outcome.held]
+    if args.update:
+        codes.append(_update(results, args, failed))
+    if not args.quiet:
+        _say_all(outcomes, time.perf_counter() - clock)
+        _tell(f"results in {args.out}, to read in {args.out / 'report.html'}")
+    return max([*codes, HELD])
+
+
+def _strangers(args: argparse.Namespace) -> list[int]:
+    """Exit codes of what is in the baseline and no study: nothing is compared with it."""
+    if args.verb != "check" or args.update or args.named:
+        return []
+    from msvalidate.output import baseline
+
+    return [
+        _error(f"{args.form} baseline: {name} is no study; check --update leaves it out", NOTHING)
+        for name in baseline.strangers(args.form, catalogue.names())
+    ]
+
+
+def _ended(args: argparse.Namespace, arguments: Sequence[str]) -> tuple[list[Outcome], list[int]]:
+    """How each study ended, in the order asked, and exit codes; said of each as it ends.
+
+    One that fails does not keep the others from running.
+    """
+    from msvalidate.cli import jobs
+    from msvalidate.cli.outcome import Task
+    from msvalidate.judging.sweep import Setting
+
+    setting = Setting(quick=args.form == "quick", seed=args.seed, progress=not args.quiet)
+    against = args.form if args.verb == "check" and not args.update else ""
+    command = tuple(as_shown(arguments))
+    tasks = [Task(name, setting, command, args.plots, against) for name in args.studies]
+
+    def began(name: str) -> None:
+        if args.verbose:
+            _tell(f"{name}: {catalogue.question(name)}")
+
+    found, codes = {}, []
+    with contextlib.closing(jobs.ended(tasks, args.jobs, began)) as outcomes:
+        for outcome in outcomes:
+            found[outcome.name] = outcome
+            codes += _told(outcome, args)
+            if against and outcome.result and not outcome.compared:
+                message = f"study {outcome.name}: no {against} baseline, nothing compared; make "
+                message += f"one with check {outcome.name} --update"
+                codes.append(_error(message, NOTHING))
+    return [found[name] for name in args.studies], codes
+
+
+def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
+    """Say how a study ended; its exit code if that was not with all held."""
+    codes = []
+    if outcome.fault:
+        code = USAGE if outcome.fault == "problem" else FAILED
+        codes.append(_error(f"study {outcome.name}: {outcome.said}", code))
+        if args.verbose and outcome.fault == "crash":
+            _tell(outcome.trace)
+    elif not outcome.held:
+        codes.append(MISSED)
+    _say(outcome, args)
+    return codes
+
+
+def _written(outcomes: list[Outcome], args: argparse.Namespace) -> None:
+    """Write what was found."""
+    from msvalidate.output import report, stored
+    from msvalidate.output.junit import junit
+
+    files = {each.name: each.files for each in outcomes if each.result}
+    late = {
+        each.name: partial(
+            stored.unfinished,
+            question=each.question,
+            origin=each.origin,
+            error=each.error,
+            seconds=each.seconds,
+        )
+        for each in outcomes
+        if not each.result
+    }
+    studies = report.publish(files, args.out, late)
+    if args.junit:
+        report.replace_file(args.junit, lambda: junit(studies))
+
+
+def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) -> int:
+    """Make these results the baseline, that of other studies staying, and say why."""
+    from msvalidate.output import baseline, report
+
+    if failed:
+        return _error(
+            f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
+        )
+    tables = {result.name: baseline.files(result.evidence) for result in results}
+    # The reason first: a number never moves without one. It follows at once.
+    reason = baseline.CHANGELOG, lambda: _changelog(args)
+    report.replace_folder(baseline.home(args.form), tables, keep=args.named, beside=reason)
+    whose = f" of {', '.join(args.studies)}" if args.named else ""
+    _tell(f"{args.form} baseline{whose} renewed; CHANGELOG.md says why")
+    return HELD
+
+
+def _changelog(args: argparse.Namespace) -> bytes:
+    from msvalidate.output import baseline
+
+    return baseline.changelog(args.form, args.reason, args.studies if args.named else ())
+
+
+def _shown(result: Result, args: argparse.Namespace) -> list[str]:
+    """A study's tables and findings as stdout has them."""
+    if args.quiet or args.verb == "check":
+        return []
+    tables: dict[str, Any] = {**result.evidence.tables}
+    tables["verdict"] = result.verdict.drop(columns="because")
+    asked = [name for name in args.tables if name in tables] if args.tables else list(tables)
+    whole = args.tables or args.verbose
+    lines = [
+        f"\n{result.name}/{name}\n{_aligned(tables[name], None if whole else ROWS_SHOWN)}"
+        for name in asked
+    ]
+    findings = [] if args.tables else [f"- {finding}" for finding in result.evidence.findings]
+    return [*lines, *([] if args.tables else [""]), *findings]
+
+
+def _refuse_unknown_tables(args: argparse.Namespace) -> None:
+    """Raise `ProblemError`, before the work, for a table that none of the studies makes.
+
+    What they may make is in their baseline, or named in their sources.
+    """
+    if not args.tables:
+        return
+    from msvalidate.output import baseline
+    from msvalidate.problem import ProblemError
+    from msvalidate.problem.checks import shown
+
+    known = {"verdict"}.union(*map(baseline.tables, args.studies))
+    if len(known) == 1:
+        return  # nothing to go by
+    words = known.union(*map(catalogue.words, args.studies))
+    for name in args.tables:
+        if name not in words:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"choose from {', '.join(sorted(known))}"
+            raise ProblemError(f"--table {shown(name)}: no such table; {hint}")
+
+
+def _tables_there(results: list[Result], args: argparse.Namespace) -> list[int]:
+    """An exit code if a table was asked for that no study made; which, is said."""
+    made = {"verdict"}.union(*(result.evidence.tables for result in results))
+    unknown = [name for name in args.tables if name not in made]
+    if not (results and unknown):
+        return []
+    known = ", ".join(sorted(made))
+    return [_error(f"--table {unknown[0]}: no such table; choose from {known}", USAGE)]
+
+
+def _aligned(table: pd.DataFrame, most: int | None) -> str:
+    """Aligned text of a table's first rows, and how many more there are; None is all."""
+    rows = len(table) if most is None else most
+    text = table.head(rows).to_string(index=False, float_format=lambda value: f"{value:.6g}")
+    return text + (f"\n… {len(table) - rows} more rows" if len(table) > rows else "")
+
+
+def _say(study: Stored | Outcome, args: argparse.Namespace) -> None:
+    """What a study missed, a line each, and in one how it ended, to stderr."""
+    from msvalidate.output.junit import line
+
+    rows = [] if study.error else study.verdict.to_dict("records")
+    missed = [row for row in rows if row["verdict"] != "pass"]
+    for row in missed:
+        why = f" ({row['because']})" if row["layer"] == "baseline" else ""
+        _tell(f"{study.name}: FAIL {line(row)}{why}")
+    if args.quiet:
+        return
+    held = f"{len(rows) - len(missed)} of {len(rows)} held"
+    said = "not finished" if study.error else held if study.held else f"FAILED, {held}"
+    _tell(f"{study.name}: {said}" + (f", {study.seconds:.1f} s" if study.seconds else ""))
+
+
+def _say_all(outcomes: Sequence[Outcome], seconds: float) -> None:
+    """How several studies ended together, layer by layer, to stderr."""
+    if len(outcomes) < 2:
+        return
+    judged, held = Counter[str](), Counter[str]()
+    for outcome in outcomes:
+        judged.update(outcome.verdict["layer"])
+        held.update(outcome.verdict.loc[outcome.verdict["verdict"] == "pass", "layer"])
+    layers = [f"{layer} {held[layer]} of {many}" for layer, many in judged.items()]
+    whole = f"{sum(each.held for each in outcomes)} of {len(outcomes)} studies held"
+    _tell(f"{', '.join([whole, *layers])}, {seconds:.1f} s")
+
+
+def _error(message: str, code: int) -> int:
+    _tell(f"{PROGRAM}: error: {message}")
+    return code
+
+
+def _prepare_streams() -> None:
+    """Streams that take any letter; what was closed (``>&-``, cron) leads nowhere.
+
+    The numbers of closed ones are taken, else the first file that is opened would be stdout.
+    """
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(number)
+    for name in ("stdout", "stderr"):
+        stream: Any = getattr(sys, name) or _nowhere()
+        stream.reconfigure(errors="replace")
+        setattr(sys, name, stream)
+
+
+def run() -> NoReturn:
+    """Run the command line as a program: streams that take any letter, and an exit code."""
+    _prepare_streams()
+    try:
+        code = main(sys.argv[1:])
+    except SystemExit as end:  # --help, or wrong usage
+        code = end.code if isinstance(end.code, int) else HELD
+    except KeyboardInterrupt:
+        code = _error("interrupted; results are as they were", INTERRUPTED)
+    sys.exit(max(code, _printed([])))  # what --help left unwritten

@@ -1,0 +1,1 @@
+"""From a material to the constants of an endless lattice, and back."""

@@ -1,0 +1,297 @@
+"""Elongations of a periodic cell's springs at rest, and the ways to find them.
+
+Of all motions of the points those at rest leave the least energy, so an energy is off by the square
+of what the elongations are: a way to relax them need not be exact, only known to be near. It is
+asked again until it finds nothing more, and tried on a motion that is known.
+
+Small cells have all their motions looked at, large ones a factor of their stiffness, or conjugate
+gradients (`cell_multigrid`), whose work is in proportion to the points: a factor's grows with the
+power 2 of them in space, 1.3 in the plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_solve, cholesky, eigh, qr, solve_triangular
+from scipy.linalg.lapack import dpocon
+from scipy.sparse import csr_array, diags_array
+
+from msvalidate.constants.cell_multigrid import Loose, Unsettled, relieved
+from msvalidate.linear_algebra.factor import factorised, softest_mode
+from msvalidate.linear_algebra.refine import EPS, LARGEST_ERROR
+from msvalidate.problem import Array, Index, SolverError
+from msvalidate.tangent.mechanism import NO_STIFFNESS as NO_ENERGY
+
+SOLVERS = ("auto", "direct", "multigrid")
+DENSE = 300
+"""Motions of a cell up to which those without stiffness are counted: dense matrices."""
+MULTIGRID = {2: 200_000, 3: 6_000}
+"""Motions, by axes, above which conjugate gradients take less time than a factor."""
+AFFORDED = {2: 600_000, 3: 15_000}
+"""Motions, by axes, up to which a factor is made where conjugate gradients do not answer: half
+a minute of work."""
+NO_STIFFNESS = 1e-10
+"""Stiffness of a motion, relative to the stiffest, below which it has none."""
+WELL_POSED = 1e-6
+"""Reciprocal condition, as LAPACK estimates it, above which no motion is without stiffness: it
+is `DENSE` times off at the most, and the estimate some tens."""
+NEAR = 1e4
+"""Times that stiffnesses may be apart for the cheapest way: rounding is 1e-12 of the softest."""
+SOFTEST = 1e-6
+"""Root of a motion's stiffness over the softest spring's, below which it has none."""
+CORRECTIONS = 8
+ENOUGH = 1e-15
+"""Part of an energy that a correction takes, at which it was the last."""
+LEAST_PART = 1e-24
+"""Energy over the largest strain's, below which a strain has none."""
+ROUNDING = 1e-13
+"""Of sums over springs."""
+BLIND = 1e-3
+"""Part of a known motion's elongations that may be missed."""
+
+Relieve = Callable[[Array], Array]
+"""Motions (f, v) that relieve elongations (m, v): the least energy that is left, or nearly."""
+
+
+class AtRest(NamedTuple):
+    """Springs of a cell at rest under the unit strains.
+
+    Parameters
+    ----------
+    elongation
+        (m, v) in m.
+    floppy
+        Number of motions without stiffness, translations apart; None where they were not counted.
+    error
+        Of two strains' common energy, over the root of their own ones'.
+    solver
+        The way taken, "direct" or "multigrid".
+    """
+
+    elongation: Array
+    floppy: int | None
+    error: float
+    solver: str
+
+
+def at_rest(
+    count: int, springs: Index, normal: Array, stiffness: Array, stretch: Array, solver: str
+) -> AtRest:
+    """The least energy of a cell's springs.
+
+    Parameters
+    ----------
+    count
+        Points n.
+    springs, normal, stiffness
+        (m, 2), directions (m, d), and (m,) in N/m.
+    stretch
+        Elongations (m, v) in m with the points held.
+    solver
+        One of `SOLVERS`.
+
+    Raises
+    ------
+    SolverError
+        If a large cell has a motion without stiffness, or what is found is not known to
+        `refine.LARGEST_ERROR`.
+    """
+    dim, k = normal.shape[1], stiffness
+    B = _elongations(count, springs, normal)
+    large = solver == "multigrid" or (solver == "auto" and (count - 1) * dim > MULTIGRID[dim])
+    if large and count > 1:  # a single point has no motion to look for
+        try:
+            relieve = relieved(_stiffness(B, k), B, k, dim, least_energy(k))
+            elongation, error = _relaxed(relieve, B, k, stretch)
+            return AtRest(elongation, None, error, "multigrid")
+        except Loose as loose:
+            raise SolverError(FLOPPY) from loose
+        except Unsettled as why:
+            if solver == "multigrid" or (count - 1) * dim > AFFORDED[dim]:
+                raise SolverError(
+                    f"periodic network: {why}; the points may move without stretching a spring, "
+                    "or stiffnesses be too far apart: solver='direct' tells, if it has the memory"
+                ) from why
+    B = B[:, dim:]  # the first point held
+    relieve, floppy = _by_motions(B, k) if B.shape[1] <= DENSE else _by_factor(B, k)
+    elongation, error = _relaxed(relieve, B, k, stretch)
+    return AtRest(elongation, floppy, error, "direct")
+
+
+def _elongations(n: int, pairs: Index, normal: Array) -> csr_array:
+    """Elongations (m, n·d) of springs by motions of the points: none of one to its own image."""
+    m, d = normal.shape
+    column = pairs[:, :, None] * d + np.arange(d)
+    value = np.stack([-normal, normal], axis=1)
+    row = np.broadcast_to(np.arange(m)[:, None, None], column.shape)
+    return csr_array((value.ravel(), (row.ravel(), column.ravel())), shape=(m, n * d))
+
+
+def _stiffness(B: csr_array, k: Array) -> csr_array:
+    """Stiffness (f, f) of motions; by roots, so that it is symmetric to the last digit."""
+    rows = csr_array(diags_array(np.sqrt(k)) @ B)
+    return csr_array(rows.T @ rows)
+
+
+def apart(k: Array) -> float:
+    """Largest stiffness over the least that is one."""
+    there = k[k > 0]
+    return float(there.max() / there.min()) if len(there) else 1.0
+
+
+def least_energy(k: Array) -> float:
+    """Energy of a motion, over what its components would cost one by one, below which it has none.
+
+    By the springs' own elongations, which rounding of a stiffness's entries does not hide.
+    """
+    return NO_ENERGY if apart(k) > NEAR else NO_STIFFNESS
+
+
+def _relaxed(relieve: Relieve, B: csr_array, k: Array, stretch: Array) -> tuple[Array, float]:
+    """Elongations (m, v) with the least energy, from those of the points held, and an error.
+
+    What a correction takes from an energy bounds what the next one would.
+    """
+    total = stretch + B @ relieve(stretch)
+    left = np.inf
+    for _ in range(CORRECTIONS):
+        move = B @ relieve(total)
+        total, before = total + move, left
+        energy = np.einsum("m,mv,mv->v", k, total, total)
+        taken = np.einsum("m,mv,mv->v", k, move, move)
+        floor = LEAST_PART * energy.max(initial=0.0)
+        left = float((taken / np.maximum(energy, max(floor, np.finfo(float).tiny))).max())
+        if left <= ENOUGH or left > before / 2:
+            break
+    error = left + ROUNDING + _rounded(k, total, stretch)
+    if not error <= LARGEST_ERROR:
+        raise SolverError(
+            f"periodic network: its tensor is known to {error:.1g} only, more than "
+            f"{LARGEST_ERROR:g}: {_remedy(k)}"
+        )
+    _refuse_blind(relieve, B, k)
+    return total, error
+
+
+def _rounded(k: Array, total: Array, stretch: Array) -> float:
+    """Error of two strains' common energy, over the root of their own ones', by rounding.
+
+    An elongation (m, v) at rest is rounded as the one that it was (`stretch`). Where a strain is
+    stiff and another soft, stiff springs make much of what the latter's have of that.
+    """
+    energy = np.einsum("mv,mv->v", k[:, None] * total, total)
+    there = energy > LEAST_PART * energy.max(initial=0.0)
+    left = np.einsum("mv,mw->vw", k[:, None] * np.abs(total), np.abs(stretch))[there][:, there]
+    root = np.sqrt(energy[there])
+    return 2 * EPS * float((left / root / root[:, None]).max(initial=0.0))
+
+
+def _refuse_blind(relieve: Relieve, B: csr_array, k: Array) -> None:
+    """Raise `SolverError` unless the elongations of a random motion are found, asked as often."""
+    known = B @ np.random.default_rng(0).normal(size=(B.shape[1], 1))
+    known[k == 0] = 0.0
+    most = BLIND * np.linalg.norm(known)
+    for _ in range(CORRECTIONS):
+        known = np.where(k[:, None] > 0, known + B @ relieve(known), 0.0)
+        if np.linalg.norm(known) <= most:
+            return
+    if known.size:
+        raise SolverError(
+            f"periodic network: of a motion that is known more than {BLIND:g} is not found, so "
+            f"the tensor is not to be believed: {_remedy(k)}"
+        )
+
+
+def _remedy(k: Array) -> str:
+    return (
+        f"stiffnesses are {apart(k):.1g} times apart; bring them closer together, or take a cell "
+        f"of {DENSE} components at the most, which is solved by least squares at any ratio"
+    )
+
+
+def _by_motions(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
+    """By dense matrices; and the number of motions without stiffness."""
+    if not B.shape[1]:
+        return lambda stretch: np.zeros((0, stretch.shape[1])), 0
+    K = _stiffness(B, k).toarray()
+    solve, floppy = _by_pivots(K), 0
+    if solve is None and apart(k) > NEAR:
+        return _by_least_squares(B.toarray(), k)
+    if solve is None:
+        solve, floppy = _by_modes(K)
+    return lambda stretch: -solve(B.T @ (k[:, None] * stretch)), floppy
+
+
+Solve = Callable[[Array], Array]
+"""Motions (f, v) for forces (f, v)."""
+
+
+def _by_pivots(K: Array) -> Solve | None:
+    """By Cholesky's factor of a dense stiffness; None if a motion may be without any."""
+    try:
+        factor = cholesky(K)
+    except LinAlgError:
+        return None
+    if not dpocon(factor, np.abs(K).sum(axis=0).max())[0] > WELL_POSED:
+        return None
+    return lambda force: np.asarray(cho_solve((factor, False), force))
+
+
+def _by_modes(K: Array) -> tuple[Solve, int]:
+    """By all eigenvectors of a dense stiffness; and the number of those without any."""
+    values, modes = eigh(K)
+    stiff = values > NO_STIFFNESS * max(values[-1], np.finfo(float).tiny)
+    values, modes = values[stiff], modes[:, stiff]
+    return lambda force: np.asarray((modes / values) @ (modes.T @ force)), int((~stiff).sum())
+
+
+def _by_least_squares(B: Array, k: Array) -> tuple[Relieve, int | None]:
+    """By rows of springs (m, f), the stiff ones first: rounded by themselves, not by each other.
+
+    Householder's method with columns exchanged (Cox and Higham 1998, in Numerical Analysis 1997).
+    """
+    order = np.argsort(-k, kind="stable")
+    root = np.sqrt(k[order])[:, None]
+    Q, R, exchanged = qr(root * B[order], mode="economic", pivoting=True)
+    least = SOFTEST * float(np.sqrt(k[k > 0].min()))
+    rank = int((np.abs(np.diag(R)) > least).sum())
+
+    def relieve(stretch: Array) -> Array:
+        u = np.zeros((B.shape[1], stretch.shape[1]))
+        right = Q[:, :rank].T @ (root * stretch[order])
+        u[exchanged[:rank]] = -solve_triangular(R[:rank, :rank], right)
+        return u
+
+    return relieve, B.shape[1] - rank
+
+
+def _by_factor(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
+    """By a sparse factor of the stiffness."""
+    K = _stiffness(B, k)
+    try:
+        factor = factorised(K)
+    except SolverError as error:  # no memory
+        raise SolverError(
+            f"periodic network: a factor of {K.shape[0]} unknowns takes more memory than there is; "
+            "take solver='multigrid'"
+        ) from error
+    except RuntimeError as error:
+        raise SolverError(FLOPPY) from error
+    mode = softest_mode(K, factor, K.diagonal())
+    if float(k @ (B @ mode) ** 2) <= least_energy(k) * (mode**2 @ K.diagonal()):
+        raise SolverError(FLOPPY)
+
+    def relieve(stretch: Array) -> Array:
+        right = -(B.T @ (k[:, None] * stretch))
+        return np.column_stack([factor.solve(column) for column in right.T])
+
+    return relieve, None
+
+
+FLOPPY = (
+    "periodic network: some of its points can move without stretching a spring; take more springs "
+    f"a point, or a cell of {DENSE} components at the most, where such motions are counted"
+)

@@ -1,0 +1,224 @@
+"""The elastic solid that a lattice is: its tensor, affine and relaxed.
+
+A uniform strain moves the cells as wholes; inside a cell the points move on until no force is left.
+What that releases lies between the affine tensor, which holds them back, and the relaxed one:
+
+    C = C_affine - (1/V) Fᵀ K⁺ F,
+
+K the stiffness of the periodic motions and F the forces that unit strains leave on the points.
+Where every point is a centre of symmetry F is zero and the affine tensor is exact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from msvalidate.constants.cell_at_rest import SOLVERS, at_rest
+from msvalidate.constants.stiffness import ALIKE, spring_tensor, voigt_directions
+from msvalidate.lattice import WEIGHTS, Constants, Lattice, Pattern, boundary_weights
+from msvalidate.lattice.filled import cells_bordered
+from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem.checks import (
+    chosen,
+    finite,
+    instance,
+    integers,
+    metres,
+    refuse_too_many,
+    shown,
+    whole,
+)
+
+NO_SPRING = 1e-24
+"""Stiffness of a spring, over the stiffest one's, below which it is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Homogenised:
+    """The solid that an endless lattice is.
+
+    Parameters
+    ----------
+    affine, tensor
+        Voigt tensors, (3, 3) in N/m or (6, 6) in Pa: with the points held to the uniform strain, an
+        upper bound, and with them at rest.
+    floppy
+        Number of periodic motions, translations apart, without stiffness; None where it was not
+        counted (none of them is there: the lattice was solved).
+    error
+        Largest error of an entry of the tensor over the root of the two diagonal entries beside it,
+        from the energy of the last correction.
+    solver
+        The way it was found, "direct" or "multigrid".
+    """
+
+    affine: Array
+    tensor: Array
+    floppy: int | None
+    error: float
+    solver: str
+
+    def __post_init__(self) -> None:
+        for array in (self.affine, self.tensor):
+            array.setflags(write=False)
+
+
+def homogenised(
+    pattern: Pattern, constants: Constants, spacing: float = 1.0, *, solver: str = "auto"
+) -> Homogenised:
+    """The solid that an endless lattice is, its points at rest.
+
+    Parameters
+    ----------
+    pattern, constants
+        What repeats, and its spring constants (N/m), one a kind.
+    spacing
+        Length (m) of the pattern's unit; a plane tensor does not depend on it.
+    solver
+        As in `periodic`.
+
+    Raises
+    ------
+    ProblemError
+        If the constants are not one a kind, or the spacing is no length.
+    SolverError
+        As `periodic`.
+    """
+    instance("pattern", pattern, Pattern)
+    a = metres("spacing", spacing)
+    size = a * np.array(pattern.size)
+    return periodic(
+        len(pattern.points),
+        pattern.springs,
+        a * pattern.vectors,
+        pattern.stiffness(constants),
+        float(np.prod(size)),
+        solver=solver,
+    )
+
+
+def network_tensor(lattice: Lattice, constants: Constants, weights: str) -> Array:
+    """Tensor, (3, 3) in N/m or (6, 6) in Pa, of the *interior* of the lattice, as built by a rule.
+
+    Of a piece of a pattern it is the solid of what repeats, its points at rest. A `diagonal_square`
+    has lost the springs that its boundary cut, and comes near its interior's tensor only as it
+    grows.
+
+    Raises
+    ------
+    ProblemError
+        If the constants are not one a kind, there is no such rule, or the lattice is irregular.
+    """
+    instance("lattice", lattice, Lattice)
+    k = finite("spring constants", constants)
+    if k.shape != (lattice.kinds,):
+        raise ProblemError(
+            f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
+        )
+    chosen("boundary weights", weights, WEIGHTS)
+    pattern = lattice.pattern
+    if pattern is not None:
+        if weights == "per_cell":  # every cell that a spring borders brings one of its own
+            pattern = replace(pattern, factor=pattern.factor * cells_bordered(pattern))
+        return homogenised(pattern, constants, lattice.spacing).tensor
+    if not lattice.regular:
+        raise ProblemError(
+            f"{lattice.name} lattice: its interior is not what its springs add up to; ask "
+            "homogenised of the pattern that it was made from, or of a periodic sample of its kind"
+        )
+    # With shared boundary springs the whole lattice is made of interior cells, none of them cut.
+    inside = lattice.sharing if weights == "per_cell" else 1
+    per_spring = k[lattice.kind] * lattice.factor * inside * boundary_weights(lattice, "shared")
+    return spring_tensor(lattice.vectors, per_spring, lattice.domain.volume)
+
+
+def follows_strain(pattern: Pattern) -> bool:
+    """Whether the points stay where a uniform strain takes them, whatever the constants.
+
+    They do where each kind of spring by itself leaves no force on them: where every point is a
+    centre of symmetry. The affine tensor is then exact, and linear in the constants.
+
+    Raises
+    ------
+    ProblemError
+        If it is no pattern.
+    """
+    instance("pattern", pattern, Pattern)
+    for kind in range(pattern.kinds):
+        k = np.where(pattern.kind == kind, pattern.factor, 0.0)
+        force = strain_forces(len(pattern.points), pattern.springs, pattern.vectors, k)
+        most = float((k * np.linalg.norm(pattern.vectors, axis=1)).max())
+        if np.abs(force).max() > ALIKE * most:
+            return False
+    return True
+
+
+def strain_forces(count: int, springs: Index, vectors: Array, stiffness: Array) -> Array:
+    """Forces (n, d, v) in N on the points of a periodic cell under the unit Voigt strains."""
+    length = np.linalg.norm(vectors, axis=1)
+    normal = vectors / length[:, None]
+    # A unit strain stretches a spring by L v, and it pulls at both ends.
+    tension = (stiffness * length)[:, None, None] * normal[:, :, None]
+    pull = tension * voigt_directions(normal)[:, None, :]
+    force = np.zeros((count, *pull.shape[1:]))
+    np.add.at(force, springs[:, 0], pull)
+    np.add.at(force, springs[:, 1], -pull)
+    return force
+
+
+def periodic(
+    count: int,
+    springs: ArrayLike,
+    vectors: ArrayLike,
+    stiffness: ArrayLike,
+    volume: float,
+    *,
+    solver: str = "auto",
+) -> Homogenised:
+    """The solid that a periodic network is, from its springs alone.
+
+    Parameters
+    ----------
+    count
+        Number of points in the periodic cell.
+    springs, vectors, stiffness
+        (m, 2) pairs of points, (m, d) in m from the first to the image of the second that it is
+        joined to, and (m,) in N/m; unstressed.
+    volume
+        Of the periodic cell, m² or m³.
+    solver
+        "direct": all motions of a small cell, or a factor, whose work and memory grow with the
+        powers 2 and 4/3 of the points in space; "multigrid": conjugate gradients, in proportion to
+        the points; "auto" takes what takes less time, and a factor where those do not answer.
+
+    Raises
+    ------
+    ProblemError
+        If an array does not fit, a value is not finite, or there is no such solver.
+    SolverError
+        If a large network has a motion without stiffness, or the tensor can't be told.
+    """
+    n, pairs = whole("points of the cell", count, 1), integers("springs", springs)
+    refuse_too_many("periodic network", n)
+    chosen("solver", solver, SOLVERS)
+    vector, k = finite("vectors", vectors), finite("stiffness", stiffness)
+    if not k.size or k.min() < 0:
+        raise ProblemError(
+            f"stiffness: {shown(stiffness)}; give numbers of 0 or more, one a spring"
+        )
+    affine = spring_tensor(vector, k, volume)
+    k = np.where(k >= NO_SPRING * k.max(), k, 0.0)
+    if pairs.shape != (len(k), 2):
+        raise ProblemError(
+            f"springs: {pairs.dtype} {pairs.shape}; give whole numbers {(len(k), 2)}"
+        )
+    if pairs.min() < 0 or pairs.max() >= n:
+        raise ProblemError(f"springs: {pairs.min()} to {pairs.max()}; there are {n} points")
+    length = np.linalg.norm(vector, axis=1)[:, None]
+    normal = vector / length
+    found = at_rest(n, pairs, normal, k, length * voigt_directions(normal), solver)
+    tensor = np.einsum("mv,mw->vw", found.elongation, k[:, None] * found.elongation) / volume
+    return Homogenised(affine, (tensor + tensor.T) / 2, found.floppy, found.error, found.solver)

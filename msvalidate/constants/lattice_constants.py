@@ -1,0 +1,155 @@
+"""Constants of a body's lattice: those that are given, checked, or those of its material.
+
+What repeats in the lattice is found, and a route (`routes`) leads from there to the
+material. Constants that are given, or were calibrated before, are checked against the body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from msvalidate.constants.routes import ROUTES, Calibration, by_first, refuse_soft_cells
+from msvalidate.constants.spring_constants import along_axes, edge_constants
+from msvalidate.constants.stiffness import ALIKE, is_alike, isotropic_tensor
+from msvalidate.lattice import Constants, Lattice, Pattern, patterns
+from msvalidate.problem import Array, Isotropic, Material, Mesh, ProblemError
+from msvalidate.problem.checks import chosen, finite, instance, metres, number, shown
+
+PATTERN_OF: Mapping[str, Callable[[], Pattern]] = {
+    "square": patterns.square,
+    "square at 45°": patterns.square,
+    "triangular": patterns.triangular,
+}
+"""Lattices built without a pattern, and what repeats in them; a turn changes no isotropic solid."""
+
+ORDINARY = 1e100
+"""Moduli times thickness beyond which, or below one over which, squares have no digits left."""
+
+
+def by_route(
+    material: Isotropic, lattice: Pattern | Lattice, spacing: float | None, route: str | None
+) -> Calibration:
+    """What `calibrate.calibrated` returns, but for what it says of the body.
+
+    Raises
+    ------
+    ProblemError
+        As there.
+    """
+    if not isinstance(material, Isotropic):
+        raise ProblemError(f"calibrate: {shown(material)}; the material must be isotropic")
+    pattern, unit = _repeats(lattice, spacing)
+    if not 1 / ORDINARY < material.E * material.thickness < ORDINARY:
+        raise ProblemError(
+            f"calibrate: a modulus of {material.E:g} Pa and a thickness of {material.thickness:g} "
+            "m; choose units that give ordinary numbers"
+        )
+    if route is None:
+        found = by_first(material, pattern, unit)
+    else:
+        chosen("route", route, ROUTES)
+        found = ROUTES[route](material, pattern, unit)
+    if found.volume < 0 and not (isinstance(lattice, Lattice) and lattice.pattern is None):
+        refuse_soft_cells(pattern, unit, found)
+    return found
+
+
+def default_constants(material: Material, lattice: Lattice) -> Constants:
+    """Spring constants (N/m), one a kind, of the lattice that is the material by springs alone.
+
+    Raises
+    ------
+    ProblemError
+        If it cannot be, or the material is given as a tensor.
+    """
+    instance("lattice", lattice, Lattice)
+    if not isinstance(material, Isotropic):
+        raise ProblemError("spring constants: the material is a tensor; give the constants")
+    if isinstance(lattice.domain, Mesh) and lattice.pattern is None:
+        return edge_constants(material)
+    return by_route(material, lattice, None, "springs").constants
+
+
+def stiffnesses(
+    material: Material,
+    lattice: Lattice,
+    given: Constants | Calibration | None = None,
+    volume: float = 0.0,
+) -> tuple[Array, float, Array]:
+    """Constants of springs (k,), κ of cells, and constants of shear springs (k,), one a kind.
+
+    Parameters
+    ----------
+    material, lattice
+        By whose default constants nothing given is meant.
+    given, volume
+        Spring constants (N/m) with κ, or a calibration, which has its own.
+
+    Raises
+    ------
+    ProblemError
+        If the constants are not one a kind, κ is given twice, or a calibration is for another
+        lattice, spacing, thickness or isotropic material.
+    """
+    volume = number("volume stiffness", volume)
+    if isinstance(given, Calibration):
+        if volume:
+            raise ProblemError(
+                f"volume stiffness: {shown(volume)}; a calibration brings its own, leave it out"
+            )
+        _refuse_stranger(given, lattice, material)
+        constants, volume, shear = given.constants, given.volume, given.shear
+    else:
+        constants = default_constants(material, lattice) if given is None else given
+        shear = (0.0,) * lattice.kinds
+    k, k_t = finite("spring constants", constants), finite("shear springs", shear)
+    if k.shape != (lattice.kinds,) or k_t.shape != k.shape:
+        raise ProblemError(
+            f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
+        )
+    return k, volume, k_t
+
+
+def _refuse_stranger(given: Calibration, lattice: Lattice, material: Material) -> None:
+    """A calibration of something else, whose constants would make another material of this."""
+    pattern, unit = _repeats(lattice, None)
+    scales = pattern.dim == 3  # in the plane constants are the same at any spacing
+    if (given.lattice, len(given.constants)) != (pattern.name, pattern.kinds):
+        mismatch = f"a {given.lattice} lattice, not {pattern.name}"
+    elif scales and abs(given.spacing - unit) > ALIKE * unit:
+        mismatch = f"a spacing of {given.spacing:g} m, not {unit:g} m"
+    elif abs(given.thickness - material.thickness) > ALIKE * material.thickness:
+        mismatch = f"a thickness of {given.thickness:g} m, not {material.thickness:g} m"
+    elif isinstance(material, Isotropic) and not _is_material(given, material, pattern):
+        mismatch = (
+            f"E = {given.E:g} Pa and nu = {given.nu:g} of another state or size than the problem's "
+            f"{material.E:g} and {material.nu:g} in {material.state}"
+        )
+    else:
+        return
+    raise ProblemError(f"calibration: for {mismatch}; calibrate the problem's own body")
+
+
+def _is_material(given: Calibration, material: Isotropic, pattern: Pattern) -> bool:
+    """Whether the tensor of a calibration is that of the material along the lattice's axes."""
+    E, nu = along_axes(material, pattern)
+    if (pattern.dim - 1) * nu >= 1:
+        return False
+    return is_alike(given.tensor, isotropic_tensor(pattern.dim, E, nu))
+
+
+def _repeats(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern, float]:
+    """What repeats, and the length (m) of its unit."""
+    instance("lattice", lattice, Pattern | Lattice)
+    if isinstance(lattice, Pattern):
+        return lattice, metres("spacing", 1.0 if spacing is None else spacing)
+    if spacing is not None:
+        raise ProblemError(f"spacing: {shown(spacing)}; a body has its own, leave it out")
+    if lattice.pattern is not None:
+        return lattice.pattern, lattice.spacing
+    if lattice.name in PATTERN_OF:
+        return PATTERN_OF[lattice.name](), 1.0  # plane tensors do not depend on it
+    raise ProblemError(
+        f"spring constants: none known for {lattice.name}; give the constants, or calibrate the "
+        "pattern that it was made from"
+    )

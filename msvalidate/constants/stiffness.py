@@ -1,0 +1,389 @@
+"""Spring constants to elastic constants and back.
+
+Voigt order xx, yy, xy with engineering shear strain. Spring constants (N/m) include the thickness,
+so a plane tensor is in N/m: Pa times the thickness. In the plane ``nu`` means the in-plane ratio
+C12/C11 and ``E`` the in-plane modulus C11 - C12²/C11: plane stress has nu2 = nu and E2 = E·t, plane
+strain nu2 = nu/(1 - nu) and E2 = E·t/(1 - nu²).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from msvalidate.lattice import Constants, Pattern
+from msvalidate.lattice.patterns import cubic_tensor
+from msvalidate.problem import Array, Isotropic, ProblemError
+from msvalidate.problem.checks import (
+    coordinates,
+    direction,
+    finite,
+    instance,
+    metres,
+    number,
+    positive,
+    rotation,
+    shown,
+)
+
+CAUCHY = {2: 1 / 3, 3: 1 / 4}
+"""Axes -> the only ratio of an isotropic solid of central springs whose points follow the strain:
+they force C12 = C66 or C44 (Cauchy's relation), and isotropy C11 = C12 + 2·C66 or C44."""
+
+
+VOIGT = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}
+"""Pairs of axes of Voigt's components: xx, yy, xy, or xx, yy, zz, yz, xz, xy."""
+AXES_OF = {3: 2, 6: 3}
+"""Number of axes, by that of Voigt components."""
+UNIT = {2: "N/m", 3: "Pa"}
+ALIKE = 1e-9
+"""Entries of a tensor closer than this fraction of the largest are one, or none."""
+
+
+@dataclass(frozen=True)
+class Moduli:
+    """Elastic constants of a tensor along its axes.
+
+    ``E`` (N/m in the plane, Pa in space) and ``nu`` in uniaxial stress along x; ``zener`` =
+    2·C44/(C11 - C12), in the plane 2·C66/(C11 - C12), is 1 for an isotropic tensor.
+    """
+
+    E: float
+    nu: float
+    zener: float
+
+
+def voigt_directions(normals: Array) -> Array:
+    """Voigt vectors (m, 3) or (m, 6) of n⊗n for unit vectors n (m, 2) or (m, 3).
+
+    Contracted with engineering strains they give the elongation along n: nᵀεn.
+    """
+    first, second = np.array(VOIGT[normals.shape[1]]).T
+    return np.asarray(normals[:, first] * normals[:, second])
+
+
+def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
+    """Homogenised tensor, (3, 3) or (6, 6), of springs under affine motion, each listed once.
+
+    C = (1/V) Σ k L² v vᵀ with v the Voigt vector of n⊗n and n the spring's direction: the energy of
+    a uniform strain. Exact where every point is a centre of symmetry, an upper bound elsewhere
+    (Born and Huang, *Dynamical Theory of Crystal Lattices*, 1954, for central forces).
+
+    Parameters
+    ----------
+    vectors, stiffness
+        (m, d) in m and (m,) in N/m.
+    volume
+        Area (m²) or volume (m³) that the springs stand for.
+
+    Raises
+    ------
+    ProblemError
+        If an array does not fit, a value is not finite, or a spring has no length.
+    """
+    d, k = coordinates("vectors", vectors), finite("stiffness", stiffness)
+    if d.ndim != 2 or d.shape[1] not in VOIGT or k.shape != d.shape[:1]:
+        raise ProblemError(
+            f"spring tensor: vectors {d.shape}, stiffness {k.shape}; give (m, 2) or (m, 3), and "
+            "(m,)"
+        )
+    length = np.linalg.norm(d, axis=1)
+    if not length.all():
+        raise ProblemError(f"vectors: spring {int(length.argmin())} has no length; leave it out")
+    v = voigt_directions(d / length[:, None]).T
+    with np.errstate(over="ignore", invalid="ignore"):  # refused as infinite
+        tensor = (v * (k * length**2)) @ v.T / positive("volume", volume, "m²")
+    return np.array(finite("spring tensor", tensor))
+
+
+def pattern_tensor(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Array:
+    """Tensor, (3, 3) in N/m or (6, 6) in Pa, of an endless lattice under affine motion.
+
+    Parameters
+    ----------
+    pattern
+        What repeats.
+    constants
+        Spring constants (N/m), one a kind.
+    spacing
+        Length (m) of the pattern's unit; a plane tensor does not depend on it.
+
+    Raises
+    ------
+    ProblemError
+        If the constants are not one a kind, or the spacing is no length.
+    """
+    instance("pattern", pattern, Pattern)
+    a = metres("spacing", spacing)
+    volume = math.prod(pattern.size) * a**pattern.dim
+    return spring_tensor(a * pattern.vectors, pattern.stiffness(constants), volume)
+
+
+def square_tensor(k1: float, k2: float) -> Array:
+    """Tensor (3, 3) in N/m of the square lattice: C11 = k1 + k2, C12 = C66 = k2, any spacing.
+
+    Raises
+    ------
+    ProblemError
+        If a constant is not one finite number.
+    """
+    k1, k2 = number("spring constant k1", k1), number("spring constant k2", k2)
+    return np.array([[k1 + k2, k2, 0.0], [k2, k1 + k2, 0.0], [0.0, 0.0, k2]])
+
+
+def square_constants(material: Isotropic, *, isotropic: bool = True) -> tuple[float, float]:
+    """Spring constants (k1, k2) in N/m of the square lattice that stands for a plane material.
+
+    Parameters
+    ----------
+    material
+        Plane stress or plane strain.
+    isotropic
+        True asks for the material in every direction, which one in-plane ratio allows. False asks
+        for its modulus and ratio along the lattice axes only.
+
+    Raises
+    ------
+    ProblemError
+        With the reason, if the lattice cannot be that material.
+    """
+    E, nu = in_plane(material)
+    instance("isotropic", isotropic, bool)
+    if isotropic and abs(nu - CAUCHY[2]) > 1e-9:
+        raise ProblemError(
+            f"square lattice: in-plane ratio {nu:.6g} ({material.state}, nu = {material.nu:g}); "
+            "central springs are isotropic at 1/3 only (C12 = C66): take nu = 1/3 in plane stress "
+            "or 1/4 in plane strain, or match along the axes alone (isotropic=False)"
+        )
+    if not 0 < nu < 1:
+        raise ProblemError(
+            f"square lattice: in-plane ratio {nu:.6g}; k2/(k1 + k2) stays in 0 < nu < 1 (at 0 the "
+            "diagonals vanish, at 1 the axial springs, and the lattice is a mechanism)"
+        )
+    C11 = E / (1 - nu**2)
+    number("spring constants: C11", C11)
+    return C11 * (1 - nu), C11 * nu
+
+
+def triangular_constants(material: Isotropic) -> tuple[float]:
+    """Spring constant (k,) in N/m of the triangular lattice: E2 = 2k/√3, always isotropic.
+
+    Raises
+    ------
+    ProblemError
+        If the in-plane ratio is not 1/3.
+    """
+    E, nu = in_plane(material)
+    if abs(nu - CAUCHY[2]) > 1e-9:
+        raise ProblemError(
+            f"triangular lattice: in-plane ratio {nu:.6g} ({material.state}, nu = "
+            f"{material.nu:g}); central springs have 1/3 only: take nu = 1/3 in plane stress or "
+            "1/4 in plane strain"
+        )
+    return (math.sqrt(3) / 2 * E,)
+
+
+def in_plane(material: Isotropic) -> tuple[float, float]:
+    """In-plane modulus (N/m, thickness included) and ratio of an isotropic material.
+
+    Raises
+    ------
+    ProblemError
+        If the material is a solid, or modulus times thickness is beyond all numbers.
+    """
+    if not isinstance(material, Isotropic):
+        raise ProblemError(f"in-plane constants: {shown(material)}; the material must be isotropic")
+    E, nu, t = material.E, material.nu, material.thickness
+    if not 0 < E * t < math.inf:
+        raise ProblemError(
+            f"in-plane modulus: {E:g} Pa times a thickness of {t:g} m is {E * t:g} N/m; choose "
+            "units that give ordinary numbers"
+        )
+    if material.state == "plane_stress":
+        return E * t, nu
+    if material.state == "plane_strain":
+        return E * t / (1 - nu**2), nu / (1 - nu)
+    raise ProblemError("in-plane constants: the material is a solid; take plane stress or strain")
+
+
+def moduli(tensor: Array) -> Moduli:
+    """E, nu along x and Zener ratio of a tensor of cubic (in the plane square) symmetry.
+
+    Raises
+    ------
+    ProblemError
+        If it is no such tensor, or a uniaxial stress has no one strain (C11 = 0 or C11 = C12).
+    """
+    C = _voigt(tensor)
+    d = AXES_OF[len(C)]
+    C11, C12, C44 = C[0, 0], C[0, 1], C[-1, -1]
+    if not is_alike(C, cubic_tensor(d, C11, C12, C44)):
+        raise ProblemError(
+            f"moduli: tensor with diagonal {shown(np.diag(C).tolist())} is not of cubic symmetry "
+            "along the axes; give one, or ask for isotropic_moduli"
+        )
+    if C11 in (0.0, C12):
+        raise ProblemError(
+            f"moduli: C11 = {C11:g}, C12 = {C12:g} {UNIT[d]}; some strain costs no energy"
+        )
+    with np.errstate(over="ignore", invalid="ignore"):
+        nu = C12 / (C11 + (d - 2) * C12)
+        found = (C11 - (d - 1) * C12 * nu, nu, 2 * C44 / (C11 - C12))
+    E, nu, zener = finite("moduli E, nu and zener", found).tolist()
+    return Moduli(E=E, nu=nu, zener=zener)
+
+
+def isotropic_moduli(tensor: Array) -> Moduli:
+    """E and nu of the isotropic tensor nearest to a tensor, and how far the tensor is from it.
+
+    Nearest in the sum of squares of all components: the mean over all rotations (Voigt 1889). From
+    the invariants a = C_iijj and b = C_ijij, in d axes: bulk modulus a/d², and shear modulus
+    (b - a/d)/((d - 1)(d + 2)), in Pa, or N/m in the plane.
+
+    Returns
+    -------
+    Moduli
+        Its `zener` is 2·C44/(C11 - C12) with C11, C12, C44 the means over the axes: it shows an
+        anisotropy of cubic kind along them, and 1 of an isotropic tensor.
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor, or a uniform strain costs no energy.
+    """
+    C = _voigt(tensor)
+    d = AXES_OF[len(C)]
+    normal, shear = C[:d, :d], np.diag(C)[d:]
+    largest = np.abs(C).max()
+    lowest = np.linalg.eigvalsh(C / largest)[0] if largest else 0.0
+    if lowest <= ALIKE:
+        raise ProblemError(
+            f"moduli: lowest eigenvalue {lowest * largest:g} {UNIT[d]}; some strain costs no energy"
+        )
+    bulk = normal.mean()
+    mu = (np.trace(normal) + 2 * shear.sum() - d * bulk) / ((d - 1) * (d + 2))
+    mean11 = np.trace(normal) / d
+    mean12 = (normal.sum() - np.trace(normal)) / (d * (d - 1))
+    lame = bulk - 2 * mu / d
+    nu = lame / ((d - 1) * lame + 2 * mu)
+    found = (2 * mu * (1 + nu), nu, 2 * shear.mean() / (mean11 - mean12))
+    E, nu, zener = finite("moduli E, nu and zener", found).tolist()
+    return Moduli(E=E, nu=nu, zener=zener)
+
+
+def isotropic_part(tensor: Array) -> Array:
+    """Mean of a Voigt tensor over all rotations: the isotropic tensor nearest to it.
+
+    Raises
+    ------
+    ProblemError
+        As for `isotropic_moduli`.
+    """
+    mean = isotropic_moduli(tensor)
+    return isotropic_tensor(AXES_OF[len(_voigt(tensor))], mean.E, mean.nu)
+
+
+def isotropic_tensor(dim: int, E: float, nu: float) -> Array:
+    """Voigt tensor of E and nu of its own axes (in the plane the in-plane ones), nu below 1/(d-1).
+
+    C12 = E nu/((1 + nu)(1 - (d - 1) nu)), C44 = E/(2(1 + nu)), C11 = C12 + 2·C44.
+    """
+    mu = E / (2 * (1 + nu))
+    lame = 2 * mu * nu / (1 - (dim - 1) * nu)
+    return cubic_tensor(dim, lame + 2 * mu, lame, mu)
+
+
+def cubic_part(tensor: Array) -> Array:
+    """Mean of a Voigt tensor over all turns of the axes into each other: square or cubic.
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor.
+    """
+    C = _voigt(tensor)
+    d = AXES_OF[len(C)]
+    normal, along = C[:d, :d], np.trace(C[:d, :d])
+    across = (normal.sum() - along) / (d * (d - 1))
+    return cubic_tensor(d, along / d, across, np.trace(C[d:, d:]) / (len(C) - d))
+
+
+def is_alike(tensor: Array, other: Array) -> bool:
+    """Whether two tensors are one to within `ALIKE` of the largest entry."""
+    return bool(np.abs(tensor - other).max() <= ALIKE * np.abs(tensor).max())
+
+
+def rotated(tensor: Array, turn: float | Array) -> Array:
+    """Tensor of the material turned counter-clockwise by an angle (rad), or by a rotation (d, d).
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor, an angle is given in space, or a matrix is no rotation.
+    """
+    C = _voigt(tensor)
+    Q = rotation(turn, AXES_OF[len(C)])
+    # Stress of the turned body from its own stress: the Bond matrix for Voigt stress vectors.
+    first, second = np.array(VOIGT[len(Q)]).T
+    B = Q[np.ix_(first, first)] * Q[np.ix_(second, second)]
+    swapped = Q[np.ix_(first, second)] * Q[np.ix_(second, first)]
+    bond = np.where(first == second, B, B + swapped)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.array(finite("turned tensor", bond @ C @ bond.T))
+
+
+def directional_modulus(tensor: Array, directions: Array) -> Array:
+    """Young's modulus (q,), in Pa or N/m, of a body pulled along unit vectors (q, d).
+
+    1/E = v S v, v the Voigt vector of n⊗n and S the compliance (Nye, *Physical Properties of
+    Crystals*, 1957).
+
+    Raises
+    ------
+    ProblemError
+        If it is no Voigt tensor, is singular, or the directions are not unit vectors.
+    """
+    C = _voigt(tensor)
+    n = finite("directions", directions)
+    d = AXES_OF[len(C)]
+    if n.ndim != 2 or n.shape[1] != d or np.abs((n**2).sum(axis=1) - 1).max(initial=0) > 1e-9:
+        raise ProblemError(f"directions: shape {n.shape}; give unit vectors (q, {d})")
+    v = voigt_directions(n)
+    return np.asarray(1 / (v * _strained(C, v.T).T).sum(axis=1))
+
+
+def directional_ratio(tensor: Array, angle: float) -> float:
+    """Poisson's ratio when a plane body is pulled along the direction at `angle` (rad) to x.
+
+    Stress n⊗n gives strain S:(n⊗n); nu is minus its part across, m⊗m, over its part along, n⊗n.
+
+    Raises
+    ------
+    ProblemError
+        If it is no plane tensor, is singular, or the angle is not one finite number.
+    """
+    C, turn = _voigt(tensor, 2), direction("angle", angle)
+    c, s = np.cos(turn), np.sin(turn)
+    along, across = np.array([c * c, s * s, c * s]), np.array([s * s, c * c, -c * s])
+    strain = _strained(C, along)
+    with np.errstate(all="ignore"):
+        return number("directional ratio", -(across @ strain) / (along @ strain))
+
+
+def _strained(C: Array, stress: Array) -> Array:
+    """Voigt strain under a Voigt stress, columns (3 or 6, q)."""
+    if np.linalg.matrix_rank(C) < len(C):
+        raise ProblemError("directional moduli: the tensor is singular; some strain costs nothing")
+    with np.errstate(all="ignore"):
+        return np.asarray(np.linalg.solve(C, stress))
+
+
+def _voigt(tensor: Array, dim: int | None = None) -> Array:
+    """The tensor as an array, of the plane or of space, or as said."""
+    C = finite("tensor", tensor)
+    if C.shape not in {(3, 3), (6, 6)} or dim not in (None, AXES_OF[len(C)]):
+        need = "a plane one, (3, 3)" if dim == 2 else "a plane one, (3, 3), or a solid's, (6, 6)"
+        raise ProblemError(f"tensor: shape {C.shape}; give {need}")
+    return C

@@ -1,0 +1,1 @@
+"""Charges on electrodes and slabs, and the actuators that they pull."""

@@ -1,0 +1,118 @@
+"""Balance of springs, loads and charges: what is left over, how it changes, and Newton's method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from msvalidate.dielectric.actuator.device import Actuator
+from msvalidate.dielectric.actuator.models import Electric
+from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorised
+from msvalidate.network import internal_force, tangent
+from msvalidate.network.residual import force_roundoff, force_scale
+from msvalidate.problem import Array
+from msvalidate.statics.polish import balance
+from msvalidate.statics.tangents import LARGEST_TURN, largest_turn
+
+ITERATIONS = 25
+"""Newton steps to one voltage: several times what quadratic convergence needs."""
+BESIDE_LOADS = 1e-8
+"""Residual at rest, over the largest load or pull of charges on what is free: beside prestress a
+tolerance alone would take a start under a small voltage for rest."""
+
+
+class Found(NamedTuple):
+    """Where a search came to rest: displacement (n, 2) in m, charges there, linear solves made."""
+
+    displacement: Array
+    electric: Electric
+    solves: int
+
+
+def out_of_balance(actuator: Actuator, x: Array, electric: Electric) -> Array:
+    """Force (n, 2) in N of springs, loads and charges at positions (n, 2) in m."""
+    force = internal_force(actuator.network, x) + actuator.network.force
+    force[electric.loaded] += electric.forces()
+    return force
+
+
+def left_over(actuator: Actuator, displacement: Array, electric: Electric) -> Array:
+    """`out_of_balance` at a displacement (n, 2) in m: positions far away would lose its digits."""
+    force = balance(actuator.network, displacement)
+    force[electric.loaded] += electric.forces()
+    return force
+
+
+def stiffness(actuator: Actuator, x: Array, electric: Electric) -> csr_array:
+    """K_mech - K_elec (N/m) between free components, point by point; charges free to follow."""
+    free = ~actuator.network.held.ravel()
+    inside = np.flatnonzero(free)
+    K = csr_array(tangent(actuator.network, x)[inside][:, inside])
+    components = (2 * electric.loaded[:, None] + [0, 1]).ravel()
+    moving = free[components]
+    at = (np.cumsum(free) - 1)[components[moving]]
+    rows, columns = np.repeat(at, len(at)), np.tile(at, len(at))
+    values = electric.tangent()[np.ix_(moving, moving)].ravel()
+    if not values.any():  # charges that are frozen, or none
+        return K
+    return csr_array(K - coo_array((values, (rows, columns)), shape=K.shape))
+
+
+def factor_at(actuator: Actuator, x: Array, electric: Electric) -> Factor | None:
+    """Factor of `stiffness` where it is positive; None where a motion meets no stiffness."""
+    try:
+        factor = factorised(stiffness(actuator, x, electric))
+    except NoMemoryError:
+        raise
+    except RuntimeError:  # a pivot of zero
+        return None
+    return None if factor.negative else factor
+
+
+def is_small(actuator: Actuator, displacement: Array, electric: Electric, tolerance: float) -> bool:
+    """Whether what is out of balance is small beside the forces that meet and the free loads.
+
+    Or rounding: an eps of the displacement, whatever the coordinates are.
+    """
+    network, free = actuator.network, ~actuator.network.held
+    pull = np.array(network.force)
+    pull[electric.loaded] += electric.forces()
+    met = max(
+        force_scale(network, network.points + displacement),
+        float(np.abs(electric.forces()).max(initial=0.0)),
+    )
+    allowed, load = tolerance * met, float(np.abs(pull[free]).max(initial=0.0))
+    if load:
+        allowed = min(allowed, max(tolerance, BESIDE_LOADS) * load)
+    a_metre = 4 * (force_roundoff(network, 1.0) - force_roundoff(network, 0.0))
+    rounding = a_metre * float(np.abs(displacement).max(initial=0.0))
+    left = np.abs(left_over(actuator, displacement, electric))
+    return bool((left <= allowed + rounding)[free].all())
+
+
+def balanced(
+    actuator: Actuator, u: Array, charged: Callable[[Array], Electric], tolerance: float
+) -> Found | None:
+    """Stable balance near a displacement u (n, 2) in m by Newton's method; None if there is none.
+
+    `charged` is a function of positions. From a stable place towards another the stiffness stays
+    positive: where it does not, the step went beyond pull-in.
+    """
+    network, free = actuator.network, ~actuator.network.held
+    for solves in range(1, ITERATIONS + 1):
+        x = network.points + u
+        electric = charged(x)
+        factor = factor_at(actuator, x, electric)
+        if factor is None:
+            return None
+        if is_small(actuator, u, electric, tolerance):
+            return Found(u, electric, solves)
+        move = np.zeros(u.shape)
+        move[free] = factor.solve(left_over(actuator, u, electric)[free])
+        if largest_turn(network, x, move) > LARGEST_TURN:
+            return None
+        u = u + move
+    return None

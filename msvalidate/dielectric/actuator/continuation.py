@@ -1,0 +1,104 @@
+"""Equilibria over a range of voltages, to pull-in where it is met."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from msvalidate.dielectric.actuator.device import Actuator
+from msvalidate.dielectric.actuator.equilibria import BRACKET, TOLERANCE, Held, PulledIn, at_voltage
+from msvalidate.dielectric.actuator.ways import Way
+from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import finite, instance, positive, shown, whole
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Stable equilibria of an actuator at rising voltages.
+
+    Parameters
+    ----------
+    held
+        At 0 V, at each voltage that was reached, and at the last one before pull-in.
+    pull_in
+        The last voltage held and one a small step further without a stable equilibrium (V); None
+        if it was not met.
+    """
+
+    held: tuple[Held, ...]
+    pull_in: tuple[float, float] | None
+
+    @property
+    def voltages(self) -> Array:
+        """(k,) in V."""
+        return np.array([one.voltage for one in self.held])
+
+    @property
+    def last(self) -> Held:
+        """The equilibrium at the highest voltage."""
+        return self.held[-1]
+
+
+def sweep(
+    actuator: Actuator,
+    voltages: ArrayLike | None = None,
+    *,
+    to: float | None = None,
+    steps: int = 20,
+    method: Way = "newton",
+    tolerance: float = TOLERANCE,
+    bracket: float = BRACKET,
+) -> Sweep:
+    """Equilibria at rising voltages, each found from the one before.
+
+    Parameters
+    ----------
+    actuator
+        At 0 V it must be stable.
+    voltages
+        (k,) in V, rising from above 0.
+    to, steps
+        In their place: the highest voltage (V), reached in so many equal steps.
+    method, tolerance, bracket
+        As in `at_voltage`; pull-in is known to `bracket` times the voltage.
+
+    Raises
+    ------
+    ProblemError
+        If voltages do not rise, or an argument is out of range.
+    SolverError
+        If the actuator is not stable at 0 V. Pull-in is no error: the sweep ends there.
+    """
+    instance("actuator", actuator, Actuator)
+    asked = _asked(voltages, to, steps)
+    held = [at_voltage(actuator, 0.0, method=method, tolerance=tolerance)]
+    for voltage in asked:
+        try:
+            found = at_voltage(
+                actuator,
+                voltage,
+                start=held[-1],
+                method=method,
+                tolerance=tolerance,
+                bracket=bracket,
+            )
+        except PulledIn as error:
+            if error.last.voltage > held[-1].voltage:
+                held.append(error.last)
+            return Sweep(tuple(held), (held[-1].voltage, error.beyond))
+        held.append(found)
+    return Sweep(tuple(held), None)
+
+
+def _asked(voltages: ArrayLike | None, to: float | None, steps: int) -> list[float]:
+    if (voltages is None) == (to is None):
+        raise ProblemError("voltages: give either a list of them, or the highest one as `to`")
+    if to is not None:
+        count = whole("steps", steps, 1)
+        return [positive("to", to, "V") * (i + 1) / count for i in range(count)]
+    given = finite("voltages", voltages)  # type: ignore[arg-type]
+    if given.ndim != 1 or not len(given) or given[0] <= 0 or (np.diff(given) <= 0).any():
+        raise ProblemError(f"voltages: {shown(voltages)}; give a list that rises from above 0 V")
+    return [float(one) for one in given]

@@ -1,0 +1,171 @@
+"""What an actuator is: a plane network, two electrodes along its surface, and what lies between."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, get_args
+
+import numpy as np
+
+from msvalidate.dielectric.actuator.surface import SAME_PLACE, off_surface, outline
+from msvalidate.dielectric.charges import Electrodes, chains
+from msvalidate.network import Network
+from msvalidate.problem import Array, Index, ProblemError, refuse_free_motions
+from msvalidate.problem.checks import chosen, finite, instance, integers, positive, shown
+
+Model = Literal["plane", "parallel_plates", "as_report", "in_air"]
+LARGEST_RATIO = 1e6
+"""Permittivity ratio in air up to which equilibria are sought: forces are differences of terms so
+many times as large, which rounding by some 1e-15 leaves known to 1e-9, and a residual is asked to
+be below 1e-8 of the loads. Beyond, an equilibrium that is not found says nothing of pull-in."""
+
+
+@dataclass(frozen=True, eq=False)
+class Actuator:
+    """A plane network with two electrodes that follow its surface.
+
+    Parameters
+    ----------
+    network
+        (n, 2) points; its stiffnesses (N/m) include the depth.
+    electrodes
+        Two chains of points, each the numbers of points in order along springs of the surface: 0 is
+        the top electrode, at half the voltage, 1 the bottom one, at minus half.
+    permittivity
+        Of the dielectric between them (F/m).
+    model
+        "plane": exact line charges in a medium of this permittivity all around. "parallel_plates":
+        the field between plates at each place, the limit of waves long beside the gap; the bottom
+        electrode must be flat and held. "as_report": the report's kernel 1/(4πεr) and point forces.
+        "in_air": bare faces of the dielectric carry bound charge.
+    depth
+        Of the body out of the plane (m): forces and energies are per depth times this.
+    permittivity_ratio
+        Permittivity over that of what surrounds the body, up to `LARGEST_RATIO`; "in_air" alone
+        asks for it, other models leave it aside.
+
+    Raises
+    ------
+    ProblemError
+        If an electrode leaves the surface, electrodes cross, touch or leave no gap, supports leave
+        a rigid motion free, or a value is out of range.
+    """
+
+    network: Network
+    electrodes: tuple[Index, ...]
+    permittivity: float = 1.0
+    model: Model = "plane"
+    depth: float = 1.0
+    permittivity_ratio: float = 1.0
+
+    def __post_init__(self) -> None:
+        instance("network", self.network, Network)
+        if self.network.dim != 2:
+            raise ProblemError("network: one in space; an actuator's is in the plane")
+        positive("permittivity", self.permittivity, "F/m")
+        positive("depth", self.depth, "m")
+        positive("permittivity ratio", self.permittivity_ratio)
+        chosen("model", self.model, get_args(Model))
+        if self.model == "in_air" and self.permittivity_ratio > LARGEST_RATIO:
+            raise ProblemError(
+                f"permittivity ratio: {self.permittivity_ratio:g}; above {LARGEST_RATIO:g} forces "
+                "in air have too few digits: at such ratios the field outside counts for nothing, "
+                f"take {LARGEST_RATIO:g}"
+            )
+        refuse_free_motions("network", self.network.points, self.network.held)
+        given = self.electrodes
+        if not isinstance(given, tuple | list) or len(given) != 2:
+            raise ProblemError(
+                f"electrodes: {shown(given)}; give two chains of points, the top one first"
+            )
+        kept = tuple(_chain(f"electrode {i}", line, self.network) for i, line in enumerate(given))
+        object.__setattr__(self, "electrodes", kept)
+        self.charged  # refuses electrodes that touch  # noqa: B018
+        for i, line in enumerate(kept):
+            _refuse_inside(f"electrode {i}", line, self.network)
+        if self.model == "parallel_plates":
+            self._refuse_no_plate(kept[1])
+
+    def _refuse_no_plate(self, bottom: Index) -> None:
+        height = self.network.start[bottom, 1]
+        if (
+            not self.network.held[bottom, 1].all()
+            or np.ptp(height)
+            > SAME_PLACE * np.abs(self.network.start[self.electrodes[0], 1] - height[0]).max()
+        ):
+            raise ProblemError(
+                "electrode 1: bends or can move up; between parallel plates the bottom one is flat "
+                'and held: take model="plane", or hold it'
+            )
+
+    @cached_property
+    def charged(self) -> Electrodes:
+        """The electrodes at the network's start; their points are those of `loaded`."""
+        return chains(*(self.network.start[line] for line in self.electrodes))
+
+    @cached_property
+    def outline(self) -> Index:
+        """(k,) points of the network around the body, counter-clockwise."""
+        return outline(self.network)
+
+    @property
+    def loaded(self) -> Index:
+        """(k,) points of the network that the electrodes' points are: top, then bottom."""
+        return np.concatenate(self.electrodes)
+
+    def lying(self, position: Array) -> Electrodes:
+        """The electrodes when the network is at `position` (n, 2) in m.
+
+        Raises
+        ------
+        ProblemError
+            If they cross or touch there, or positions are not one for each point.
+        """
+        if np.shape(position) != self.network.points.shape:
+            raise ProblemError(
+                f"position: shape {np.shape(position)}; give {self.network.points.shape}"
+            )
+        return self.charged.moved(position[self.loaded])
+
+    def potentials(self, voltage: float) -> Array:
+        """Potentials (2,) in V of the electrodes at a voltage (V) from bottom to top."""
+        return np.array([0.5, -0.5]) * voltage
+
+
+def _chain(name: str, given: object, network: Network) -> Index:
+    """A chain of points of the network, read-only."""
+    line = integers(name, finite(name, given))  # type: ignore[arg-type]
+    if line.ndim != 1 or len(line) < 2:
+        raise ProblemError(f"{name}: shape {line.shape}; give the numbers of 2 or more points")
+    n = len(network.points)
+    if line.min() < 0 or line.max() >= n:
+        raise ProblemError(
+            f"{name}: points {line.min()} to {line.max()}; the network has {n}, from 0"
+        )
+    pairs = _sorted_pairs(line)
+    known = set(map(tuple, np.sort(network.springs, axis=1).tolist()))
+    for i, j in pairs.tolist():
+        if (i, j) not in known:
+            raise ProblemError(
+                f"{name}: no spring joins points {i} and {j}; follow springs of the surface, point "
+                "by point"
+            )
+    line.setflags(write=False)
+    return line
+
+
+def _sorted_pairs(line: Index) -> Index:
+    return np.sort(np.column_stack([line[:-1], line[1:]]), axis=1)
+
+
+def _refuse_inside(name: str, line: Index, network: Network) -> None:
+    """Raise unless every segment of a chain has the body on one side only."""
+    pairs = _sorted_pairs(line)
+    inside = off_surface(network, pairs)
+    if len(inside):
+        i, j = pairs[inside[0]]
+        raise ProblemError(
+            f"{name}: the spring of points {i} and {j} is not on the surface; lay electrodes along "
+            "the boundary"
+        )

@@ -1,0 +1,231 @@
+"""Equilibrium of an actuator at a voltage: by Newton's method on all at once, or staggered.
+
+Newton's tangent is K_mech - K_elec, charges free to follow: sparse, with a dense block among the
+electrodes' points, factorised once a step. Its pivots tell whether what was found is stable. The
+staggered way lets the network rest under the charges it has, then charges it anew. Both walk from a
+lower voltage in steps, halved where there is no stable equilibrium near by, so that nothing folds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from msvalidate.dielectric.actuator.balance import Found, balanced, left_over
+from msvalidate.dielectric.actuator.device import Actuator
+from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.dielectric.actuator.ways import WAYS, Frozen, Way
+from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem.checks import chosen, instance, number, positive
+from msvalidate.statics.following import SMALLEST_INCREMENT
+
+TOLERANCE = 1e-10
+"""Residual at which an equilibrium is found, over the forces that meet at a point. Newton's last
+step squares what was left, so what is reached is usually rounding."""
+LOOSEST = 1e-3
+BRACKET = 1e-4
+"""Step in the voltage, over the voltage, below which pull-in is found. Beside it the displacement
+goes with the root of what is missing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """An actuator at rest at a voltage, stable by the signs of its tangent's pivots.
+
+    Parameters
+    ----------
+    actuator, voltage
+        Which, and at how many V.
+    displacement
+        (n, 2) from the network's points (m).
+    charges
+        As its model describes them; of the "plane" model `electrostatics.Charges`.
+    iterations
+        Linear solves on the way from the start, without those of refused steps.
+    residual
+        Largest out-of-balance force (N) on a free component.
+    """
+
+    actuator: Actuator
+    voltage: float
+    displacement: Array
+    charges: Any
+    iterations: int
+    residual: float
+
+    @property
+    def position(self) -> Array:
+        """(n, 2) in m."""
+        return self.actuator.network.points + self.displacement
+
+    @property
+    def top(self) -> Array:
+        """(k, 2) positions of the top electrode's points (m)."""
+        return self.position[self.actuator.electrodes[0]]
+
+
+class PulledIn(SolverError):  # noqa: N818  # it says what happened
+    """No stable equilibrium at a voltage: the actuator is pulled in on the way there.
+
+    Parameters
+    ----------
+    message
+        What is said.
+    last
+        The equilibrium held at the highest voltage reached.
+    beyond
+        A voltage (V) a small step further at which none was found.
+    """
+
+    def __init__(self, message: str, last: Held, beyond: float) -> None:
+        super().__init__(message)
+        self.last, self.beyond = last, beyond
+
+
+def at_voltage(
+    actuator: Actuator,
+    voltage: float,
+    *,
+    start: Held | None = None,
+    method: Way = "newton",
+    tolerance: float = TOLERANCE,
+    bracket: float = BRACKET,
+) -> Held:
+    """Stable equilibrium at a voltage, on the branch that leads there.
+
+    Parameters
+    ----------
+    actuator
+        At 0 V it must be stable under its own supports, loads and prestress.
+    voltage
+        V, from the bottom electrode to the top one.
+    start
+        An equilibrium to walk from; by default that at 0 V.
+    method
+        "newton", or "staggered": charges and positions in turns.
+    tolerance
+        Residual over the forces that meet at a point.
+    bracket
+        Step over the voltage at which the walk gives up.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range.
+    PulledIn
+        A `SolverError` that names the voltage and the last one held, and keeps that equilibrium.
+    """
+    instance("actuator", actuator, Actuator)
+    goal = number("voltage", voltage)
+    chosen("method", method, WAYS)
+    for name, value in (("tolerance", tolerance), ("bracket", bracket)):
+        if positive(name, value) > LOOSEST:
+            raise ProblemError(f"{name}: {value:g}; give at most {LOOSEST:g}")
+    held = _begun(actuator, start)
+    if goal == held.voltage:
+        return held if start is None else _near(actuator, held, goal, method, tolerance)
+    step, easy = goal - held.voltage, False
+    while held.voltage != goal:
+        last = abs(goal - held.voltage) <= abs(step)
+        target = goal if last else held.voltage + step
+        found = _reached(actuator, held, target, method, tolerance)
+        if found is not None:
+            # Once a step was refused, twice as long a one is tried after two that were not.
+            held = replace(found, iterations=held.iterations + found.iterations)
+            step, easy = step * (2 if easy else 1), not easy
+            continue
+        if abs(target - held.voltage) <= bracket * abs(target):
+            raise PulledIn(
+                f"actuator: no stable equilibrium at {goal:.6g} V; it is pulled in at "
+                f"{target:.6g} V, the last voltage held is {held.voltage:.6g} V; stay below",
+                held,
+                target,
+            )
+        step, easy = 0.5 * (target - held.voltage), False
+    return held
+
+
+def _begun(actuator: Actuator, start: Held | None) -> Held:
+    """Where a walk begins: what was given, or rest without charges."""
+    if start is None:
+        return _at_rest(actuator)
+    refuse_other(actuator, start)
+    return replace(start, iterations=0)
+
+
+def refuse_other(actuator: Actuator, start: Held) -> None:
+    """Raise `ProblemError` unless `start` is of a network of as many points as the actuator's."""
+    instance("start", start, Held)
+    if start.displacement.shape != actuator.network.points.shape:
+        raise ProblemError(
+            f"start: displacements {start.displacement.shape} of another network; this one has "
+            f"{actuator.network.points.shape}"
+        )
+
+
+def _at_rest(actuator: Actuator) -> Held:
+    """Rest without charges; loads, supports and prestress are let in together, in parts if need be.
+
+    Without any the network rests as it is.
+    """
+    network = actuator.network
+    tension = network.rest_length - np.linalg.norm(network.vector, axis=1)
+    uncharged = Frozen(None, actuator.loaded, np.zeros((len(actuator.loaded), 2)))
+    u, reached, step, solves = np.zeros(network.points.shape), 0.0, 1.0, 0
+    while reached < 1:
+        target = min(1.0, reached + step)
+        partly = replace(
+            network,
+            rest_length=network.rest_length - (1 - target) * tension,
+            displacement=target * network.displacement,
+            force=target * network.force,
+        )
+        place = np.where(network.held, partly.displacement, u)
+        part = replace(actuator, network=partly)
+        found = balanced(part, place, lambda _: uncharged, TOLERANCE)
+        if found is not None:
+            u, reached, step, solves = found.displacement, target, 2 * step, solves + found.solves
+            continue
+        step /= 2
+        if step < SMALLEST_INCREMENT:
+            raise SolverError(
+                "actuator: no stable equilibrium at 0 V; lower its loads or prestress, or hold it "
+                "better"
+            )
+    electric = electrified(actuator, network.points + u, 0.0)
+    return held_at(actuator, 0.0, Found(u, electric, solves))
+
+
+def _near(actuator: Actuator, held: Held, voltage: float, method: Way, tolerance: float) -> Held:
+    found = _reached(actuator, held, voltage, method, tolerance)
+    if found is None:
+        raise SolverError(
+            f"actuator: no stable equilibrium near the start at {voltage:.6g} V; start at a lower "
+            "voltage"
+        )
+    return found
+
+
+def _reached(
+    actuator: Actuator, held: Held, voltage: float, method: Way, tolerance: float
+) -> Held | None:
+    """Stable equilibrium at a voltage near that of `held`, None if none is found."""
+    network = actuator.network
+    u = np.where(network.held, network.displacement, held.displacement)
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):  # refused by the residual
+            found = WAYS[method](actuator, u, voltage, tolerance)
+    except (ProblemError, SolverError):  # electrodes touch, or springs have no length
+        return None
+    return None if found is None else held_at(actuator, voltage, found)
+
+
+def held_at(actuator: Actuator, voltage: float, found: Found) -> Held:
+    """What is held at a voltage where a search came to rest."""
+    displacement, electric, solves = found
+    balance = left_over(actuator, displacement, electric)[~actuator.network.held]
+    displacement.setflags(write=False)
+    residual = float(np.abs(balance).max(initial=0.0))
+    return Held(actuator, voltage, displacement, electric.charges, solves, residual)

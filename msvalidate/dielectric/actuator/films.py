@@ -1,0 +1,180 @@
+"""Slabs: a square lattice bonded at its bottom, with electrodes below and above."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from msvalidate.dielectric.actuator.device import Actuator, Model
+from msvalidate.dielectric.actuator.uniform import relaxed_thickness
+from msvalidate.lattice import Lattice, boundary_weights, square
+from msvalidate.network import Network, spring_network
+from msvalidate.problem import Array, Box, Index, Mask, ProblemError
+from msvalidate.problem.checks import chosen, instance, metres, number, positive, shown, whole
+
+SIDES = ("free", "sliding")
+WHOLE = 1e-6
+"""Part of a cell by which a count may miss a whole number."""
+
+
+def slab(
+    length: float,
+    height: float,
+    cells: int,
+    *,
+    covered: float = 1.0,
+    axial: float = 1.0,
+    diagonal: float = 0.5,
+    permittivity: float = 1.0,
+    prestretch: float = 1.0,
+    sides: str = "free",
+    depth: float = 1.0,
+    density: float = 1.0,
+    model: Model = "plane",
+    permittivity_ratio: float = 1.0,
+) -> Actuator:
+    """A slab of squares with diagonals, bonded at its bottom; the bottom electrode covers it all.
+
+    Springs on the surface count half, so that each cell carries the energy of one inside.
+
+    A pre-stretch scales the film along x before it is bonded: springs keep the rest lengths of the
+    unstretched lattice, points are λ times as far apart along x and as far along y as leaves the
+    top without force (`uniform.relaxed_thickness`). With sliding sides that is a rest position;
+    free ones draw back until the bonded bottom stops them.
+
+    Parameters
+    ----------
+    length, height
+        Of the film before it is stretched (m); it lies from 0 along x and y.
+    cells
+        Up the height; as many along the length as makes them squares.
+    covered
+        Part of the length under the top electrode, in the middle; it must end at points.
+    axial, diagonal
+        Spring constants per depth (Pa): k1 along the axes, k2 along the diagonals.
+    permittivity, depth, model, permittivity_ratio
+        As in `Actuator`.
+    prestretch
+        λ, length after over length before.
+    sides
+        "free", or "sliding": held along x, as between frictionless walls.
+    density
+        Mass (kg/m³) of the unstretched film; only motion depends on it.
+
+    Raises
+    ------
+    ProblemError
+        If cells are no squares, the top electrode does not end at points, or a value is out of
+        range.
+    """
+    width, tall = metres("length", length), metres("height", height)
+    layers = whole("cells", cells, 1)
+    chosen("sides", sides, SIDES)
+    columns = _counted("length", width * layers / tall, "a whole multiple of height/cells")
+    lattice = square(Box((width, tall)), (columns, layers))
+    k = np.array([positive("axial", axial, "Pa"), positive("diagonal", diagonal, "Pa")])
+    stretched, deep = positive("prestretch", prestretch), positive("depth", depth, "m")
+    mass = deep * positive("density", density, "kg/m³")
+    network = _bonded(lattice, k, deep, mass, stretched, sliding=sides == "sliding")
+    facing = _facing(lattice, _bare_columns(covered, columns))
+    return Actuator(network, facing, permittivity, model, deep, permittivity_ratio)
+
+
+def without_tips(actuator: Actuator, within: float) -> Actuator:
+    """The same actuator with all points near an edge of its top electrode held where they start.
+
+    The field is endless at an edge, so the last points are pulled in first, at a voltage that
+    falls with the size of the cells; held, they let the rest show what it does.
+
+    Parameters
+    ----------
+    actuator
+        What to hold.
+    within
+        Distance (m) from an edge, at the start, up to which points are held; 0 holds the edges.
+
+    Raises
+    ------
+    ProblemError
+        If the distance is below zero, or nothing is left to move.
+    """
+    near = near_tips(actuator, within)[:, None]
+    network = actuator.network
+    held = network.held | near
+    return replace(actuator, network=replace(network, held=held))
+
+
+def near_tips(actuator: Actuator, within: float) -> Mask:
+    """Points (n,) within a distance (m) of an edge of the top electrode, at the start."""
+    instance("actuator", actuator, Actuator)
+    distance = number("distance from a tip", within)
+    if distance < 0:
+        raise ProblemError(f"distance from a tip: {distance:g} m; give 0 or more")
+    start, top = actuator.network.start, actuator.electrodes[0]
+    away = np.linalg.norm(start[:, None] - start[top[[0, -1]]], axis=2).min(axis=1)
+    size = float(np.ptp(start, axis=0).max())
+    near: Mask = away <= distance + WHOLE * size / len(start)
+    if (actuator.network.held | near[:, None]).all():
+        raise ProblemError(f"distance from a tip: {distance:g} m; it holds every point, give less")
+    return near
+
+
+def _bonded(
+    lattice: Lattice, k: Array, deep: float, mass: float, stretched: float, *, sliding: bool
+) -> Network:
+    """The film pre-stretched and held: rest lengths are those of the lattice without stretch.
+
+    k (Pa) of springs along the axes and diagonals, mass per area (kg/m²).
+    """
+    x, y = lattice.points.T
+    thinned = relaxed_thickness(stretched, axial=k[0], diagonal=k[1])
+    return spring_network(
+        lattice.points * [stretched, thinned],
+        lattice.springs,
+        deep * k[lattice.kind] * boundary_weights(lattice, "shared"),
+        rest_length=np.linalg.norm(lattice.vectors, axis=1),
+        mass=mass * lattice.point_volume,
+        held=_held(x, y, x.max() if sliding else np.nan),
+    )
+
+
+def _facing(lattice: Lattice, bare: int) -> tuple[Index, Index]:
+    """Chains of points of the top electrode, with bare cells on either side, and of the bottom."""
+    x, y = lattice.points.T
+    top, bottom = (_along(x, y, level) for level in (y.max(), 0.0))
+    return top[bare : len(top) - bare], bottom
+
+
+def _counted(name: str, count: float, remedy: str) -> int:
+    nearest = round(count)
+    if nearest < 1 or abs(count - nearest) > WHOLE:
+        raise ProblemError(f"{name}: {count:.6g} cells along the length; give {remedy}")
+    return nearest
+
+
+def _bare_columns(covered: float, columns: int) -> int:
+    """Cells on either side of the top electrode."""
+    part = positive("covered", covered)
+    if part > 1:
+        raise ProblemError(f"covered: {shown(covered)}; give a part of the length, at most 1")
+    bare = 0.5 * (1 - part) * columns
+    if abs(bare - round(bare)) > WHOLE or 2 * round(bare) >= columns:
+        ends = columns - 2 * np.clip(round(bare), 0, (columns - 1) // 2)
+        raise ProblemError(
+            f"covered: {part:g} ends between points of {columns} cells; take {ends}/{columns}"
+        )
+    return round(bare)
+
+
+def _held(x: Array, y: Array, width: float) -> Mask:
+    """Components (n, 2) held: the bottom, and the sides along x where a width is given."""
+    bonded = y == 0
+    gripped = ((x == 0) | (x == width)) if np.isfinite(width) else np.zeros(len(x), dtype=bool)
+    return np.column_stack([bonded | gripped, bonded])
+
+
+def _along(x: Array, y: Array, level: float) -> Index:
+    """Points at a height, from left to right."""
+    (there,) = np.nonzero(y == level)
+    return there[np.argsort(x[there], kind="stable")]

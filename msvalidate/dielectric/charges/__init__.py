@@ -1,0 +1,78 @@
+"""Charges of electrodes and the forces on them, by the method of moments.
+
+Plane electrodes are chains of straight segments that each carry an even line charge; their
+interactions are exact integrals. Nothing here is shared with `reference_fem.electric`.
+
+`moments` is the plane model in one medium, `dielectric` a body in air with electrodes on its
+surface, `report_model` the report's model with its switches, `patches` conductors in space, whose
+capacitances are known.
+"""
+
+from msvalidate.dielectric.charges.dielectric import (
+    ChargesInAir,
+    SlabInAir,
+    capacitance_in_air,
+    forces_in_air,
+)
+from msvalidate.dielectric.charges.electrodes import Electrodes, chains, facing_strips, strip
+from msvalidate.dielectric.charges.exact import (
+    disc_capacitance,
+    facing_strips_capacitance,
+    square_capacitance,
+)
+from msvalidate.dielectric.charges.faces import Faces, faces_of, slab_faces
+from msvalidate.dielectric.charges.forces import forces, tangent
+from msvalidate.dielectric.charges.moments import Charges, Moments, capacitance
+from msvalidate.dielectric.charges.multipole import Multipole
+from msvalidate.dielectric.charges.patches import (
+    PatchCharges,
+    Patches,
+    PatchMoments,
+    conductors,
+    patch_capacitance,
+)
+from msvalidate.dielectric.charges.plates import disc, plate
+from msvalidate.dielectric.charges.report_model import (
+    ReportCharges,
+    ReportModel,
+    consistent_forces,
+    report_forces,
+    report_tangent,
+)
+from msvalidate.dielectric.charges.tangent_in_air import tangent_in_air
+
+__all__ = [
+    "Charges",
+    "ChargesInAir",
+    "Electrodes",
+    "Faces",
+    "Moments",
+    "Multipole",
+    "PatchCharges",
+    "PatchMoments",
+    "Patches",
+    "ReportCharges",
+    "ReportModel",
+    "SlabInAir",
+    "capacitance",
+    "capacitance_in_air",
+    "chains",
+    "conductors",
+    "consistent_forces",
+    "disc",
+    "disc_capacitance",
+    "faces_of",
+    "facing_strips",
+    "facing_strips_capacitance",
+    "forces",
+    "forces_in_air",
+    "patch_capacitance",
+    "plate",
+    "report_forces",
+    "report_tangent",
+    "slab_faces",
+    "square_capacitance",
+    "strip",
+    "tangent",
+    "tangent_in_air",
+]

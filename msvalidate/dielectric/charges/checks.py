@@ -1,0 +1,148 @@
+"""What electrodes, faces and patches alike ask of what they are given, and of their answers."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import lapack
+
+from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError
+from msvalidate.problem.checks import coordinates, finite, integers, positive, shown
+
+MOST_DENSE = 30_000
+"""Segments or patches beyond which no matrix is made of all pairs: it would take 7 GB or more."""
+
+ROUNDED = 8 * float(np.finfo(float).eps)
+"""Error of an integral over pairs, over its larger terms: sums of some eight, rounded each."""
+LEAST_KNOWN = 1e-3
+"""Error of charges, over the charges, beyond which none are handed out: integrals of near segments
+and factors of their matrices are rounded by 1e-16, and three digits are what a chart is read to."""
+
+
+def refuse_dense(what: str, count: int) -> None:
+    """Raise `ProblemError` before memory is taken for a matrix of too many segments or patches."""
+    if count > MOST_DENSE:
+        raise ProblemError(
+            f"{what}: {count}, a matrix of {8e-9 * count**2:.3g} GB; take at most {MOST_DENSE}, or "
+            "of electrodes in one medium the charges of `Multipole`"
+        )
+
+
+def in_plane(name: str, points: ArrayLike, *, least: int = 0) -> Array:
+    """Return points (n, 2) in m; raise `ProblemError` unless they are such, `least` or more."""
+    given = coordinates(name, points)
+    if given.ndim != 2 or given.shape[1] != 2 or len(given) < least:
+        count = f", n above {least - 1}" if least else ""
+        raise ProblemError(f"{name}: shape {given.shape}; give (n, 2){count}")
+    return given
+
+
+def moved_points(name: str, points: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Return points (n, 2) in m; raise `ProblemError` unless as many as there were."""
+    given = in_plane(name, points)
+    if given.shape != shape:
+        raise ProblemError(f"{name}: shape {given.shape}; give {shape}, as there were")
+    return given
+
+
+def owners(name: str, numbers: ArrayLike, count: int) -> Index:
+    """Return numbers of electrodes or conductors; raise `ProblemError` unless one for each part."""
+    given = integers(name, numbers)
+    if given.shape != (count,):
+        raise ProblemError(f"{name}: shape {given.shape}; give ({count},)")
+    return given
+
+
+def refuse_gaps(name: str, numbers: Index) -> None:
+    """Raise `ProblemError` unless numbers of electrodes or conductors are 0, 1, ..., all there."""
+    known = np.unique(numbers)
+    if not np.array_equal(known, np.arange(len(known))):
+        raise ProblemError(
+            f"{name}: {shown(known)}; numbers are left out, count {name}s 0, 1, 2 and so on"
+        )
+
+
+def voltages_of(owner: str, count: int, voltages: ArrayLike) -> Array:
+    """Return voltages (count,) in V; raise `ProblemError` unless there is one an `owner`."""
+    given = finite("voltages", voltages)
+    if given.shape != (count,):
+        raise ProblemError(f"voltages: shape {given.shape}; give ({count},), one {owner}")
+    for value in given[given != 0]:
+        _refuse_extreme("voltages", float(value), "V")
+    return given
+
+
+def permittivity_of(value: float) -> float:
+    """Return a permittivity (F/m); raise `ProblemError` unless it is an ordinary number above 0."""
+    given = positive("permittivity", value, "F/m")
+    _refuse_extreme("permittivity", given, "F/m")
+    return given
+
+
+def ratio_of(value: float) -> float:
+    """Return a ratio of permittivities; raise `ProblemError` unless it is an ordinary number."""
+    given = positive("ratio", value)
+    _refuse_extreme("ratio", given, "")
+    return given
+
+
+def condition_of(factor: Array, norm: float, *, symmetric: bool) -> float:
+    """Condition number in the 1-norm, as LAPACK estimates it from a factor for a few solutions.
+
+    Parameters
+    ----------
+    factor
+        (m, m) of Cholesky, lower, or of Gauss.
+    norm
+        The matrix's 1-norm, `norm_of` it.
+    """
+    if symmetric:
+        inverse, _ = lapack.dpocon(factor, norm, uplo="L")
+    else:
+        inverse, _ = lapack.dgecon(factor, norm, norm="1")
+    return 1 / float(inverse) if inverse > 0 else np.inf
+
+
+def rounded(extent: float) -> float:
+    """Error of mean logarithms of distances (m) in electrodes of an extent (m), over their spread.
+
+    A unit far from their size makes all logarithms large, and differences of them are what counts.
+    """
+    return ROUNDED * (1 + abs(float(np.log(extent))))
+
+
+def norm_of(matrix: Array) -> float:
+    """The 1-norm of a matrix in the order of columns, without a copy."""
+    return float(lapack.dlange("1", matrix))
+
+
+def known(error: float) -> float:
+    """Return an error of charges, over their size; raise `SolverError` where it leaves no digits.
+
+    Raises
+    ------
+    SolverError
+        If the error is beyond `LEAST_KNOWN`.
+    """
+    if not error <= LEAST_KNOWN:
+        raise SolverError(
+            f"charges: known to {error:.2g} of their size only, rounding leaves no more of parts "
+            "this close or this unlike; move them apart, or take fewer or less graded ones"
+        )
+    return float(error)
+
+
+def _refuse_extreme(name: str, value: float, unit: str) -> None:
+    """Raise `ProblemError` where squares and quotients of a number are none any more."""
+    if not 1 / LONGEST <= abs(value) <= LONGEST:
+        raise ProblemError(
+            f"{name}: {value:g}{unit and ' ' + unit}; take units in which it is from "
+            f"{1 / LONGEST:g} to {LONGEST:g}"
+        )
+
+
+def freeze(holder: object, **arrays: Array | Index) -> None:
+    """Put checked arrays, read-only, into a frozen dataclass."""
+    for name, array in arrays.items():
+        array.setflags(write=False)
+        object.__setattr__(holder, name, array)

@@ -1,0 +1,304 @@
+"""A dielectric body in air with electrodes on parts of its surface, by free and bound charge.
+
+In a body of even permittivity ε, all charge sits on its surface. Free and bound together, q on each
+segment, act as in empty space of the air's permittivity ε/ε_r:
+
+    on electrodes    Σⱼ Pᵢⱼ qⱼ + c = V               mean potential over the segment,
+    on bare faces    qᵢ = 2·(ε_r-1)/(ε_r+1)·Σⱼ Φᵢⱼ qⱼ    no free charge,
+    all together     Σ qⱼ = 0.
+
+Φᵢⱼ is the part of the flux of qⱼ that leaves the body through segment i, in the mean of both sides:
+outside the normal field is more by q/(2εₐl), inside it is less by as much, and the bare face asks
+that ε_r times the one inside be the one outside. The last row is two statements at once: the bound
+charge of a body adds up to nothing, and so does what a battery moved. With fluxes that are exact
+means over segments, the free charge
+
+    Qᵢ = εₐ·l·(E_out - ε_r·E_in)ᵢ = ½(1+ε_r)·qᵢ - (ε_r-1)·Σⱼ Φᵢⱼ qⱼ
+
+adds up to nothing to rounding. For ε_r = 1 all this is Galerkin's `Moments`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import lu_factor, lu_solve
+
+from msvalidate.dielectric.charges.checks import (
+    condition_of,
+    known,
+    norm_of,
+    permittivity_of,
+    ratio_of,
+    refuse_dense,
+    rounded,
+    voltages_of,
+)
+from msvalidate.dielectric.charges.faces import Faces
+from msvalidate.dielectric.charges.moments import Complex, complex_of, places
+from msvalidate.dielectric.charges.neutral import levelled
+from msvalidate.dielectric.kernels import charges as integrals
+from msvalidate.dielectric.kernels import fluxes
+from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import instance, positive
+
+
+class SlabInAir:
+    """A body in air with the factor of its equations, made once for any voltages.
+
+    Parameters
+    ----------
+    faces
+        Its surface.
+    ratio
+        Permittivity of the body over that of the air around it, ε_r.
+    permittivity
+        Of the body (F/m).
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range.
+    """
+
+    def __init__(self, faces: Faces, *, ratio: float = 1.0, permittivity: float = 1.0) -> None:
+        instance("faces", faces, Faces)
+        refuse_dense("segments", len(faces.points))
+        self.faces = faces
+        self.ratio = ratio_of(ratio)
+        self.permittivity = permittivity_of(permittivity)
+        self._passed = fluxes.crossed(*self.lines()) / (2 * np.pi)
+        equations = np.asfortranarray(self._equations())
+        norm = norm_of(equations)
+        self._factor = lu_factor(equations, overwrite_a=True)
+        self._condition = condition_of(self._factor[0], norm, symmetric=False)
+
+    @property
+    def air(self) -> float:
+        """Permittivity of the air (F/m)."""
+        return self.permittivity / self.ratio
+
+    @property
+    def contrast(self) -> float:
+        """(ε_r-1)/(ε_r+1)."""
+        return (self.ratio - 1) / (self.ratio + 1)
+
+    @property
+    def flux(self) -> Array:
+        """Φ (n, n): part of the flux of one segment's charge that leaves through another."""
+        part: Array = self._passed.imag
+        return part
+
+    @property
+    def loss(self) -> Array:
+        """(n, n) voltage along one segment, times the air's permittivity, of charge on another."""
+        part: Array = self._passed.real
+        return part
+
+    def moved(self, points: ArrayLike) -> SlabInAir:
+        """The same body with the points (n, 2) of its surface elsewhere (m)."""
+        later = self.faces.moved(points)
+        return SlabInAir(later, ratio=self.ratio, permittivity=self.permittivity)
+
+    def charges(self, voltages: ArrayLike) -> ChargesInAir:
+        """Charges at potentials (k,) in V, one for each electrode."""
+        given = voltages_of("an electrode", self.faces.count, voltages)
+        level, middle = levelled(given)
+        solved = self.solve(self.air * np.where(self.faces.bare, 0.0, level[self.faces.electrode]))
+        constant = float(solved[-1]) / self.air + middle
+        rounding = rounded(float(np.ptp(self.faces.points, axis=0).max()))
+        found = ChargesInAir(self, given, solved[:-1], constant, known(rounding * self._condition))
+        return replace(found, error=found.error * _lost(found))
+
+    def solve(self, right: Array, *, adjoint: bool = False) -> Array:
+        """Solution (n + 1, ...) for n rows of the equations; `adjoint` transposes them."""
+        neutral = np.zeros((1, *right.shape[1:]))
+        solved: Array = lu_solve(self._factor, np.concatenate([right, neutral]), trans=int(adjoint))
+        return solved
+
+    def _equations(self) -> Array:
+        """Potentials times the air's permittivity, charges on bare faces, neutrality."""
+        n, bare = len(self.faces.points), self.faces.bare
+        whole = np.ones((n + 1, n + 1))
+        whole[:n, :n] = integrals.means(*self.lines()) / (-2 * np.pi)
+        whole[:n][bare] = 0.0
+        whole[:n, :n][bare] = np.eye(n)[bare] - 2 * self.contrast * self.flux[bare]
+        whole[n, n] = 0.0
+        return whole
+
+    def lines(self) -> tuple[Complex, Complex]:
+        """Starts and vectors (n,) of segments, complex, as `kernels.charges` takes them."""
+        return complex_of(self.faces.points), complex_of(self.faces.along)
+
+
+@dataclass(frozen=True, eq=False)
+class ChargesInAir:
+    """Charges at given voltages. Arrays are read-only.
+
+    Parameters
+    ----------
+    moments
+        What they solve.
+    voltages
+        (k,) of the electrodes (V).
+    charge
+        (n,) free and bound of the segments, per depth (C/m).
+    floating
+        The constant (V) that the potentials of the charges lack.
+    error
+        How far the charges, and the free ones, may be from the solution of their equations, as sums
+        over all segments of the sizes of both, by the condition of the matrix. Totals and energy
+        share it. What the segments' number leaves out is not in it.
+    """
+
+    moments: SlabInAir
+    voltages: Array
+    charge: Array
+    floating: float
+    error: float
+
+    def __post_init__(self) -> None:
+        self.charge.setflags(write=False)
+
+    @property
+    def free(self) -> Array:
+        """(n,) free charge of the segments, per depth (C/m); none on bare faces."""
+        moments = self.moments
+        ratio, passed = moments.ratio, moments.flux @ self.charge
+        return np.where(
+            moments.faces.bare, 0.0, 0.5 * (1 + ratio) * self.charge - (ratio - 1) * passed
+        )
+
+    @property
+    def density(self) -> Array:
+        """(n,) free charge per area (C/m²)."""
+        return self.free / self.moments.faces.length
+
+    @property
+    def totals(self) -> Array:
+        """(k,) free charge of the electrodes, per depth (C/m)."""
+        faces = self.moments.faces
+        covered = ~faces.bare
+        total = np.bincount(faces.electrode[covered], self.free[covered], faces.count)
+        return np.asarray(total, dtype=float)
+
+    @property
+    def energy(self) -> float:
+        """½ΣQV per depth (J/m)."""
+        return 0.5 * float(self.totals @ self.voltages)
+
+    @property
+    def normal_fields(self) -> tuple[Array, Array]:
+        """Mean normal fields (n,) inside and outside of each segment (V/m), out of the body."""
+        moments = self.moments
+        scale = moments.air * moments.faces.length
+        mean, jump = (moments.flux @ self.charge) / scale, 0.5 * self.charge / scale
+        return mean - jump, mean + jump
+
+    @property
+    def tractions(self) -> Array:
+        """(n,) force per area (Pa) out of the body, from each segment's mean fields.
+
+        The difference of Maxwell's stresses ε(EE - ½E²) on both sides,
+
+            ½(εₐ·E_out² - ε·E_in²) + ½(ε - εₐ)·E_t²,
+
+        is normal to the surface on electrodes, where E_t = 0, and on bare faces. It is as in the
+        usual ideal dielectric, whose permittivity does not depend on strain. `forces_in_air` also
+        holds what pulls at the electrodes' edges, where no mean field tells of it.
+        """
+        moments = self.moments
+        inside, outside = self.normal_fields
+        lost = (moments.loss @ self.charge) / (moments.air * moments.faces.length)
+        along = np.where(moments.faces.bare, lost, 0.0)
+        normal = moments.air * outside**2 - moments.permittivity * inside**2
+        total: Array = 0.5 * (normal + (moments.permittivity - moments.air) * along**2)
+        return total
+
+    def potential(self, points: ArrayLike) -> Array:
+        """Potential (k,) in V at points (k, 2) in m, inside the body and out."""
+        seen = integrals.seen(places(points), *self.moments.lines())
+        at: Array = self.floating - seen @ self.charge / (2 * np.pi * self.moments.air)
+        return at
+
+    def field(self, points: ArrayLike) -> Array:
+        """Field (k, 2) in V/m at points (k, 2) in m; on the surface the mean of its two sides."""
+        seen = integrals.fields(places(points), *self.moments.lines())
+        turned = np.conj(seen @ self.charge) / (2 * np.pi * self.moments.air)
+        return np.column_stack([turned.real, turned.imag])
+
+
+def _lost(charges: ChargesInAir) -> float:
+    """How much more of itself the free charge is off than charge in all, being a difference."""
+    ratio = charges.moments.ratio
+    taken, free = float(np.abs(charges.charge).sum()), float(np.abs(charges.free).sum())
+    return max(1.0, (1 + ratio) * taken / free) if free else 1.0
+
+
+def forces_in_air(charges: ChargesInAir) -> Array:
+    """Force (n, 2) per depth (N/m) on each point of the surface, bare or covered.
+
+    The energy's derivative in the points at fixed voltages, W = ½Σ V·Q. The equations are not
+    symmetric, so it takes the adjoint y of the charges:
+
+        dW = -½ y'(dP)q over electrodes + ½ [2·contrast·y - (ε_r-1)·V]'(dΦ)q,
+
+    y on bare faces, V on electrodes. It holds the traction on faces, the pull at the edges of
+    electrodes, and the moments of both on the ends of segments.
+
+    At the edge of an electrode on a smooth face, r away, tractions go like ±1/r for ε_r other than
+    1: inwards on the electrode, outwards beside it. Together they have a limit, each alone has
+    none: sums over a finer and finer electrode without its neighbourhood do not converge.
+    """
+    instance("charges", charges, ChargesInAir)
+    moments = charges.moments
+    on_covered, weight = adjoint_of(charges)
+    lines = *moments.lines(), moments.faces.segments
+    n, charge = len(weight), charges.charge
+    more, less = (integrals.pulled(*lines, on_covered + s * charge, n) for s in (1, -1))
+    flux = fluxes.dragged(*lines, weight, charge, n)
+    # A form of two vectors, from that of one.
+    total = (more - less) / (16 * np.pi * moments.air) + flux / (2 * np.pi)
+    return np.column_stack([total.real, -total.imag])
+
+
+def adjoint_of(charges: ChargesInAir) -> tuple[Array, Array]:
+    """The weights (n,) of (dP)q, times the air's permittivity, and of (dΦ)q in `forces_in_air`."""
+    moments = charges.moments
+    faces, ratio = moments.faces, moments.ratio
+    volt = np.where(faces.bare, 0.0, charges.voltages[faces.electrode])
+    answer = moments.solve(
+        0.5 * (1 + ratio) * volt - (ratio - 1) * (volt @ moments.flux), adjoint=True
+    )[:-1]
+    on_bare = np.where(faces.bare, answer, 0.0)
+    return moments.air * (answer - on_bare), moments.contrast * on_bare - 0.5 * (ratio - 1) * volt
+
+
+def covered_edge_exponent(ratio: float) -> float:
+    """Exponent λ of the potential, V - φ ~ r^λ, at a square edge of a body covered on one side.
+
+    The electrode ends at the edge. λ = (2/π)·atan √((3ε_r+1)/(ε_r+3)): with a quarter of the plane
+    in the body, sin λθ from both faces of the electrode meet at the bare face. Forces within r of
+    the edge go like r^(2λ-1), so for ε_r = 1 a pull remains at the electrode's very end, and for
+    greater ratios none does: it is on the bare face, and a mesh's end point holds less of it the
+    finer the mesh.
+    """
+    given = positive("ratio", ratio)
+    return float(2 / np.pi * np.arctan(np.sqrt((3 * given + 1) / (given + 3))))
+
+
+def capacitance_in_air(faces: Faces, *, ratio: float = 1.0, permittivity: float = 1.0) -> float:
+    """Capacitance per depth (F/m) between two electrodes on a body in air.
+
+    Raises
+    ------
+    ProblemError
+        If there are not two, or as `SlabInAir`.
+    """
+    instance("faces", faces, Faces)
+    if faces.count != 2:
+        raise ProblemError(f"electrodes: {faces.count}; a capacitance is of two")
+    moments = SlabInAir(faces, ratio=ratio, permittivity=permittivity)
+    return float(moments.charges((0.5, -0.5)).totals[0])

@@ -1,0 +1,310 @@
+"""The model of the report as a labelled variant, and single steps from it to the right one.
+
+The report puts even charges on springs, asks for the potential at each spring's middle with the
+kernel 1/(4πεr) of space, lets a charge at rest at infinity have none, and sums Coulomb's forces
+between the springs' middles, half of each to each end of its spring. In a plane body every spring
+is a rectangle, `depth` deep, of even charge: electrodes are plates of that depth in open space.
+Three switches change one thing at a time:
+
+kernel
+    "report": rectangles in space. "plane": line charges, -ln r/(2πε), which add up to nothing.
+charges_on
+    "springs", or "nodes": lumps that spread evenly over the halves of the springs that meet there.
+forces
+    `report_forces`, sums over point charges, or `consistent_forces`, derivatives of the energy.
+
+Charges, energies and forces are per depth, like those of `Moments`, whose collocation is the plane
+kernel on springs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import lu_factor, lu_solve
+
+from msvalidate.dielectric.charges.checks import (
+    condition_of,
+    in_plane,
+    known,
+    norm_of,
+    permittivity_of,
+    refuse_dense,
+    rounded,
+    voltages_of,
+)
+from msvalidate.dielectric.charges.electrodes import Electrodes
+from msvalidate.dielectric.charges.moments import more_than_one
+from msvalidate.dielectric.charges.pieces import PLACES, Place, pieces
+from msvalidate.dielectric.charges.views import KERNELS, Kernel, Views, views_of
+from msvalidate.problem import Array, Index
+from msvalidate.problem.checks import chosen, instance, metres
+
+
+class ReportModel:
+    """Electrodes with the factor of the report's equations, made once for any voltages.
+
+    Parameters
+    ----------
+    electrodes
+        One or more; two or more with the plane kernel.
+    permittivity
+        Of the medium all around (F/m).
+    depth
+        Of the rectangles (m); the plane kernel has none.
+    kernel, charges_on
+        See the module.
+
+    Raises
+    ------
+    ProblemError
+        If the plane kernel is given one electrode, or an argument is out of range.
+    """
+
+    def __init__(
+        self,
+        electrodes: Electrodes,
+        *,
+        permittivity: float = 1.0,
+        depth: float = 1.0,
+        kernel: Kernel = "report",
+        charges_on: Place = "springs",
+    ) -> None:
+        instance("electrodes", electrodes, Electrodes)
+        refuse_dense("segments", len(electrodes.segments))
+        chosen("kernel", kernel, KERNELS)
+        chosen("charges_on", charges_on, PLACES)
+        if kernel == "plane":
+            more_than_one(electrodes)
+        self.electrodes = electrodes
+        self.kernel: Kernel = kernel
+        self.charges_on: Place = charges_on
+        self.permittivity = permittivity_of(permittivity)
+        self.depth = metres("depth", depth)
+        self.pieces = pieces(electrodes, charges_on)
+        coefficients = self.views().mean @ self.spread()
+        if kernel == "plane":
+            # As large as the rest, for a condition that does not hang on the unit of charge.
+            border = float(np.abs(coefficients).max())
+            coefficients = np.pad(coefficients, (0, 1), constant_values=border)
+            coefficients[-1, -1] = 0.0
+        equations = np.asfortranarray(coefficients)
+        norm = norm_of(equations)
+        self._factor = lu_factor(equations, overwrite_a=True)
+        self._condition = condition_of(self._factor[0], norm, symmetric=False)
+
+    def moved(self, points: ArrayLike) -> ReportModel:
+        """The same electrodes with their points (n, 2) elsewhere (m)."""
+        return ReportModel(
+            self.electrodes.moved(points),
+            permittivity=self.permittivity,
+            depth=self.depth,
+            kernel=self.kernel,
+            charges_on=self.charges_on,
+        )
+
+    def charges(self, voltages: ArrayLike) -> ReportCharges:
+        """Charges at potentials (k,) in V, one for each electrode.
+
+        With the report's kernel these count from far away, and a common part of them matters.
+        """
+        given = voltages_of("an electrode", self.electrodes.count, voltages)
+        charge = self.solve(given[self.pieces.electrode])
+        return ReportCharges(
+            self, given, charge, known(rounded(self.electrodes.extent) * self._condition)
+        )
+
+    def solve(self, potential: Array, *, adjoint: bool = False) -> Array:
+        """Charges (k, ...) in C/m at potentials of their seats (V); `adjoint` transposes."""
+        if self.kernel == "plane":
+            neutral = np.zeros((1, *potential.shape[1:]))
+            potential = np.concatenate([potential, neutral])
+        solved: Array = lu_solve(self._factor, potential, trans=int(adjoint))
+        return solved[: len(self.pieces.seat)]
+
+    def places(self) -> Array:
+        """(e, 2) joints of the pieces (m)."""
+        at: Array = self.pieces.joints @ self.electrodes.points
+        return at
+
+    def lengths(self) -> Array:
+        """(p,) of the pieces (m)."""
+        at = self.places()[self.pieces.ends]
+        length: Array = np.hypot(*(at[:, 1] - at[:, 0]).T)
+        return length
+
+    def spread(self) -> Array:
+        """(p, k) part of each charge that each piece carries."""
+        length, owner = self.lengths(), self.pieces.owner
+        part = np.zeros((len(owner), len(self.pieces.seat)))
+        part[np.arange(len(owner)), owner] = length / np.bincount(owner, length)[owner]
+        return part
+
+    def views(self, points: Array | None = None) -> Views:
+        """How points (k, 2) see the pieces; the seats, if none are given."""
+        at = self.places()
+        seen_from = at[self.pieces.seat] if points is None else points
+        return views_of(
+            seen_from,
+            at[self.pieces.ends],
+            kernel=self.kernel,
+            permittivity=self.permittivity,
+            depth=self.depth,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ReportCharges:
+    """Charges at given voltages. Arrays are read-only.
+
+    Parameters
+    ----------
+    moments
+        What they solve.
+    voltages
+        (k,) of the electrodes (V).
+    charge
+        (c,) of the springs, or of the nodes, per depth (C/m).
+    error
+        How far the charges may be from the solution of their equations, as sums over all of the
+        sizes of both, by the condition of the matrix.
+    """
+
+    moments: ReportModel
+    voltages: Array
+    charge: Array
+    error: float
+
+    def __post_init__(self) -> None:
+        self.charge.setflags(write=False)
+
+    @property
+    def places(self) -> Array:
+        """(c, 2) where the charges act as points (m)."""
+        at: Array = self.moments.places()[self.moments.pieces.seat]
+        return at
+
+    @property
+    def density(self) -> Array:
+        """(c,) charge per area (C/m²), of both faces together."""
+        return self.charge / np.bincount(self.moments.pieces.owner, self.moments.lengths())
+
+    @property
+    def totals(self) -> Array:
+        """(k,) of the electrodes, per depth (C/m)."""
+        electrode = self.moments.pieces.electrode
+        count = self.moments.electrodes.count
+        return np.asarray(np.bincount(electrode, self.charge, count), dtype=float)
+
+    @property
+    def energy(self) -> float:
+        """½ΣQV per depth (J/m)."""
+        return 0.5 * float(self.totals @ self.voltages)
+
+    def potential(self, points: ArrayLike) -> Array:
+        """Potential (n,) in V at points (n, 2) in m, at half the depth."""
+        moments = self.moments
+        spread = moments.spread() @ self.charge
+        at: Array = moments.views(in_plane("points", points)).mean @ spread
+        if moments.kernel == "report":
+            return at
+        first = moments.views().mean[0] @ spread  # the plane's potentials lack a constant
+        lacking = float(self.voltages[moments.pieces.electrode[0]] - first)
+        return at + lacking
+
+
+def report_forces(charges: ReportCharges) -> Array:
+    """Force (n, 2) per depth (N/m) on each point, by Coulomb's law between points.
+
+    Of the force on a spring's middle each end takes half; a node takes its own. Across a gap h such
+    sums with plane charges, l apart, err by coth(πh/l). With the report's kernel a spring is one
+    point however deep it is: between wide electrodes of springs shorter than the gap, the sums are
+    depth/(πh) times the force of even charge.
+    """
+    instance("charges", charges, ReportCharges)
+    moments = charges.moments
+    apart, law, _ = _law(moments, charges.places)
+    force = (law * np.outer(charges.charge, charges.charge))[..., None] * apart
+    return _gathered(moments, moments.pieces.seat, force.sum(axis=1))
+
+
+def consistent_forces(charges: ReportCharges) -> Array:
+    """Force (n, 2) per depth (N/m) on each point: the energy's derivative at fixed voltages.
+
+    W = ½v'q with P q = v, so dW = -½ p'(dP)q with P'p = v: P is not symmetric.
+    """
+    instance("charges", charges, ReportCharges)
+    moments = charges.moments
+    adjoint = moments.solve(charges.voltages[moments.pieces.electrode], adjoint=True)
+    force: Array = -0.5 * np.einsum("i,inc->nc", adjoint, potential_slopes(charges))
+    return force
+
+
+def potential_slopes(charges: ReportCharges) -> Array:
+    """Derivatives (c, n, 2) in V/m of the potentials at seats as points move with their charges."""
+    moments = charges.moments
+    of, view, length = moments.pieces, moments.views(), moments.lengths()
+    gathered = np.bincount(of.owner, length)
+    carried = charges.charge[of.owner] * length / gathered[of.owner]
+    pull = carried[:, None] * view.pull
+    # A longer piece sees itself thinner, and takes a larger part of its charge.
+    usual = (view.mean @ moments.spread())[:, of.owner]
+    share = charges.charge[of.owner] / gathered[of.owner]
+    stretch = carried * view.stretch + share * (view.mean - usual)
+    turn = carried * view.turn / length
+    end = stretch[..., None] * view.way + turn[..., None] * view.normal
+    seats, joints = np.arange(len(of.seat)), of.joints.shape[0]
+    at = np.zeros((joints, len(seats), 2))
+    np.add.at(at, of.ends[:, 0], np.swapaxes(-0.5 * pull - end, 0, 1))
+    np.add.at(at, of.ends[:, 1], np.swapaxes(-0.5 * pull + end, 0, 1))
+    at[of.seat, seats] += pull.sum(axis=1)
+    total: Array = of.joints.T @ at.reshape(joints, -1)
+    return np.swapaxes(total.reshape(-1, len(seats), 2), 0, 1)
+
+
+def report_tangent(charges: ReportCharges) -> Array:
+    """Derivative (2n, 2n) of `report_forces` at fixed voltages, per depth (N/m²).
+
+    Not symmetric: the point sums are no energy's derivative. Components of a point stand together.
+    """
+    instance("charges", charges, ReportCharges)
+    moments, at, charge = charges.moments, charges.places, charges.charge
+    count = len(at)
+    apart, law, power = _law(moments, at)
+    product = law * np.outer(charge, charge)
+    toward = apart / np.sqrt((apart**2).sum(axis=-1) + np.eye(count))[..., None]
+    bend = product[..., None, None] * (
+        np.eye(2) - power * toward[..., :, None] * toward[..., None, :]
+    )
+    stiff = -np.swapaxes(bend, 1, 2)
+    every = np.arange(count)
+    stiff[every, :, every, :] += bend.sum(axis=1)
+    answer = law[..., None] * apart * charge[:, None, None]
+    answer[every, every] += (law[..., None] * apart * charge[:, None]).sum(axis=1)
+    moved = -moments.solve(potential_slopes(charges).reshape(count, -1))
+    seats = np.asarray(moments.pieces.joints[moments.pieces.seat].todense())
+    n = seats.shape[1]
+    force = np.einsum("icjd,jn->icnd", stiff, seats).reshape(count, 2, 2 * n)
+    force += np.einsum("ijc,jb->icb", answer, moved)
+    total: Array = np.einsum("in,icb->ncb", seats, force).reshape(2 * n, 2 * n)
+    return total
+
+
+def _law(model: ReportModel, at: Array) -> tuple[Array, Array, float]:
+    """Vectors (k, k, 2) between points, Coulomb's law over them, and the power of r in it."""
+    apart = at[:, None] - at[None, :]
+    square = (apart**2).sum(axis=-1)
+    np.fill_diagonal(square, np.inf)
+    if model.kernel == "plane":
+        return apart, 1 / (2 * np.pi * model.permittivity * square), 2.0
+    return apart, model.depth / (4 * np.pi * model.permittivity * square**1.5), 3.0
+
+
+def _gathered(model: ReportModel, joints: Index, force: Array) -> Array:
+    """Forces on joints as forces (n, 2) on the points that they are sums of."""
+    at = np.zeros((model.pieces.joints.shape[0], 2))
+    np.add.at(at, joints, force)
+    total: Array = model.pieces.joints.T @ at
+    return total

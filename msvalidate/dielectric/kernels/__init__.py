@@ -1,0 +1,1 @@
+"""Compiled loops over charges: potentials, forces and fluxes of segments and polygons."""

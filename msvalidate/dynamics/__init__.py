@@ -1,0 +1,1 @@
+"""Motion: integrators, what they keep and lose, and natural frequencies."""

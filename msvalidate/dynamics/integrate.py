@@ -1,0 +1,348 @@
+"""Motion of a network in time.
+
+Euler-Cromer is the loop of the report's Algorithm 1: the velocity first, with the old velocity in
+the viscous force, then the position with the new velocity.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from msvalidate import kernels
+from msvalidate.dynamics.hidden import Run, by_positions, refuse_hidden, rests
+from msvalidate.dynamics.integrators import (
+    EULER_CROMER,
+    Integrator,
+    Moving,
+    factors_of,
+    stability_limit,
+)
+from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
+from msvalidate.network import Network, internal_force
+from msvalidate.network.displaced import Displaced
+from msvalidate.network.folds import count_folded
+from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
+from msvalidate.problem.checks import coordinates, finite, instance, number, positive, shown, whole
+from msvalidate.statics.polish import centred
+
+SPECTRUM_ERROR = 1e-4
+"""Of the squared frequencies from which limits are told: their last digits cost the most."""
+
+
+RUNAWAY = 1e6
+"""Times the body's size, and the distance that a free point would go in a run: a motion that is
+farther from its start has blown up."""
+
+
+class StabilityWarning(UserWarning):
+    """A run is about to start with a time step beyond its stability limit."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where a motion is.
+
+    Parameters
+    ----------
+    position, velocity
+        (n, d) in m and m/s.
+    folded
+        Of the end of a motion: number of cells that are flat or inside out. None where there was
+        nothing to look at (`msvalidate.network.folds`), and of states on the way.
+    """
+
+    position: Array
+    velocity: Array
+    folded: int | None = None
+
+
+def motion(
+    network: Network,
+    state: State,
+    integrator: Integrator,
+    dt: float,
+    steps: int,
+    damping: ArrayLike = 0.0,
+    watch: Callable[[int, State], None] | None = None,
+    *,
+    warn: bool = True,
+) -> State:
+    """State after `steps` steps of `dt` (s) of any scheme; held components do not move.
+
+    The plain NumPy form, for studies of schemes; `euler_cromer` is the compiled one of its scheme.
+    Where positions have no digits to spare (`hidden`), displacements are advanced.
+
+    Parameters
+    ----------
+    network, state, dt, steps, damping
+        As in `euler_cromer`. A staggered scheme's velocity is that half a step before: see
+        `staggered`.
+    integrator
+        One of `integrators.INTEGRATORS`.
+    watch
+        Called after every step with its number and the state.
+    warn
+        Whether to warn, before the first step, that steps are beyond the stability limit at the
+        reference positions (`StabilityWarning`).
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range.
+    SolverError
+        If the motion grows beyond all numbers, or rounding of positions hides it (`hidden`).
+    """
+    instance("integrator", integrator, Integrator)
+    if not (watch is None or callable(watch)):
+        raise ProblemError(f"watch: {shown(watch)}; give a function of step and state, or None")
+    rate = _checked(network, state, dt, steps, damping)[:, None]
+    if warn:
+        _warn_beyond_limit(network, integrator, dt, rate.ravel())
+    free, way = ~network.held, _way(network, state)
+
+    def acceleration(x: Array) -> Array:
+        if not (np.abs(x) <= LONGEST).all():  # nor where it is NaN
+            raise SolverError(_ran_away(dt, integrator.name))
+        return np.where(free, (way.force(x) + network.force) / network.mass[:, None], 0)
+
+    x = np.array(state.position, dtype=float) - way.origin
+    with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
+        now = start = Moving(x, np.where(free, state.velocity, 0.0), acceleration(x))
+        reach, still = (
+            _reach(network, now, dt * steps),
+            way.displaced is not None and rests(network, now),
+        )
+        for step in range(1, steps + 1):
+            now = now if still else integrator.step(acceleration, now, dt, rate)
+            _finite_motion(now, x, reach, (dt, integrator.name))
+            if watch is not None:
+                watch(step, State(way.origin + now.x, now.v))
+    if steps and way.displaced is not None and not still:
+        refuse_hidden(network, Run(integrator.name, start, now, way.displaced.rounded))
+    end = way.origin + now.x
+    return State(end, now.v, count_folded(network.simplices, end))
+
+
+class _Way(NamedTuple):
+    """What is advanced: positions less an origin (n, d) in m, and forces by these.
+
+    `displaced` has the forces where the origin is the reference points.
+    """
+
+    origin: Array
+    force: Callable[[Array], Array]
+    displaced: Displaced | None = None
+
+
+def _way(network: Network, state: State) -> _Way:
+    """Positions, where they have digits to spare, or displacements."""
+    u = np.asarray(state.position, dtype=float) - network.points
+    if by_positions(network, u, np.where(network.held, 0.0, state.velocity)):
+        return _Way(np.zeros_like(u), partial(internal_force, network))
+    alone = network.volumes is None and network.shear is None
+    displaced = Displaced(network, network if alone else centred(network))
+    return _Way(network.points, displaced.internal_force, displaced)
+
+
+def staggered(network: Network, state: State, dt: float, damping: ArrayLike = 0.0) -> State:
+    """The state with its velocity half a step earlier: how leapfrog starts.
+
+    v(-dt/2) = v - (dt/2)·(a - c·v), of the order of the scheme itself.
+    """
+    rate = _checked(network, state, dt, 0, damping)[:, None]
+    way = _way(network, state)
+    pull = way.force(np.asarray(state.position, dtype=float) - way.origin)
+    a = (pull + network.force) / network.mass[:, None]
+    v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
+    return State(state.position, np.where(network.held, 0.0, v))
+
+
+def recommended_time_step(
+    network: Network,
+    integrator: Integrator,
+    *,
+    safety: float = 0.9,
+    damping: ArrayLike = 0.0,
+) -> float:
+    """Time step (s): `safety` times the stability limit of a network at its reference positions.
+
+    Raises
+    ------
+    ProblemError
+        If the safety is not between 0 and 1, or no step is stable.
+    SolverError
+        If the network is a mechanism.
+    """
+    if not 0 < number("safety", safety) <= 1:
+        raise ProblemError(f"safety: {safety:g}; give a part of the limit, above 0 and at most 1")
+    instance("integrator", integrator, Integrator)
+    rate = damping_rate(network, damping)
+    if np.ptp(rate) > 0 and integrator.limit(0.0) == 0:
+        raise ProblemError(
+            f"{integrator.name}: damping from {rate.min():g} to {rate.max():g} 1/s; it needs its "
+            "damping, so give one rate for all points"
+        )
+    lowest, highest = extreme_frequencies(network)
+    limit = stability_limit(integrator, lowest, highest, rate)
+    if limit == 0:
+        raise ProblemError(
+            f"{integrator.name}: unstable at any step with damping {rate.max():g} 1/s; take another"
+            " scheme"
+        )
+    return safety * limit
+
+
+def euler_cromer(
+    network: Network,
+    state: State,
+    dt: float,
+    steps: int,
+    damping: ArrayLike = 0.0,
+    *,
+    compiled: bool = True,
+    warn: bool = True,
+    threads: int = 1,
+    path: kernels.Path = "auto",
+) -> State:
+    """State after `steps` Euler-Cromer steps of `dt` (s); held components do not move.
+
+    Parameters
+    ----------
+    network, state
+        Positions and velocities must have the shape of the network's points.
+    dt
+        Time step (s). Stable below `stability_limit`.
+    steps
+        Number of steps, 0 or more.
+    damping
+        Rate (1/s), one number or (n,): the viscous force is -damping·m·v. A viscosity c in N·s/m
+        is the rate c/m.
+    compiled
+        False runs the plain NumPy form, the oracle of the compiled one.
+    warn
+        As in `motion`.
+    threads, path
+        As in `kernels.Motion`, of the compiled form.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range.
+    SolverError
+        If the motion grows beyond all numbers, or rounding of positions or of springs' lengths
+        hides it (`hidden`).
+    """
+    if not compiled:
+        return motion(network, state, EULER_CROMER, dt, steps, damping, warn=warn)
+    rate = _checked(network, state, dt, steps, damping)
+    if warn:
+        _warn_beyond_limit(network, EULER_CROMER, dt, rate)
+    u = np.array(state.position, dtype=float) - network.points
+    v = np.where(network.held, 0.0, state.velocity)
+    force = np.empty_like(u)
+    with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
+        moving = kernels.Motion(network, path=path, threads=threads)
+        moving.force_and_energy(u, force)
+        pushed = np.where(network.held, 0.0, (force + network.force) / network.mass[:, None])
+        start = Moving(u.copy(), v.copy(), pushed)
+        if steps and not rests(network, start):
+            reach = _reach(network, start, dt * steps)
+            moving.advance(u, v, *factors_of(EULER_CROMER)(dt, rate), dt, steps)
+            now = Moving(u, v, pushed)
+            _finite_motion(now, start.x, reach, (dt, EULER_CROMER.name))
+            longest = float(network.rest_length.max())
+            refuse_hidden(network, Run(EULER_CROMER.name, start, now, longest))
+    end = network.points + u
+    return State(end, v, count_folded(network.simplices, end))
+
+
+def _checked(network: Network, state: State, dt: float, steps: int, damping: ArrayLike) -> Array:
+    """The damping (n,) in 1/s of a motion whose arguments are in range."""
+    instance("network", network, Network)
+    instance("state", state, State)
+    positive("time step dt", dt, "s")
+    whole("steps", steps, 0)
+    for name, value, checked in (
+        ("position", state.position, coordinates),
+        ("velocity", state.velocity, finite),
+    ):
+        if (shape := checked(name, value).shape) != network.points.shape:
+            raise ProblemError(f"{name}: shape {shape}; give {network.points.shape}")
+    return damping_rate(network, damping)
+
+
+def _warn_beyond_limit(network: Network, scheme: Integrator, dt: float, rate: Array) -> None:
+    """Warn of a step beyond the limit; where Gershgorin's bound allows it, at no cost.
+
+    Nothing is said of a mechanism under a scheme whose limit depends on the lowest frequency.
+    """
+    bound = network.frequency_bound
+    if not (bound > 0 and math.isfinite(bound)):
+        return
+    alone = scheme.limit(0.0) > 0  # the highest frequency alone decides
+    try:
+        if alone and dt <= stability_limit(scheme, bound, bound, rate):
+            return
+        if alone:
+            highest = lowest = highest_frequency(network, tolerance=SPECTRUM_ERROR)
+        else:
+            lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
+        limit = stability_limit(scheme, lowest, highest, rate)
+    except (ProblemError, SolverError):
+        return
+    if dt > limit:
+        warnings.warn(
+            f"{scheme.name}: steps of {dt:.4g} s are beyond the stability limit, {limit:.4g} s at "
+            f"damping {rate.max():.4g} 1/s; the motion will grow",
+            StabilityWarning,
+            stacklevel=3,
+        )
+
+
+def _reach(network: Network, start: Moving, time: float) -> float:
+    """Distance (m) from the start beyond which a motion has blown up."""
+    size = float(np.ptp(network.points, axis=0).max())
+    flight = time * (float(np.abs(start.v).max()) + time * float(np.abs(start.a).max()))
+    reach = RUNAWAY * (size + flight)
+    return reach if reach < LONGEST else LONGEST  # nor is it NaN
+
+
+def _finite_motion(now: Moving, start: Array, reach: float, run: tuple[float, str]) -> None:
+    """Refuse what has run away from its start (n, d) in m, before its numbers are NaN."""
+    near = (np.abs(now.x - start) <= reach).all()  # not so where it is NaN
+    if not (near and np.isfinite(now.v).all()):
+        raise SolverError(_ran_away(*run))
+
+
+def _ran_away(dt: float, scheme: str) -> str:
+    return (
+        f"{scheme}: the motion grew beyond all bounds with steps of {dt:.4g} s; take steps below "
+        "stability_limit"
+    )
+
+
+def damping_rate(network: Network, damping: ArrayLike) -> Array:
+    """Damping (n,) in 1/s from one number or one value a point.
+
+    Raises
+    ------
+    ProblemError
+        If a value is negative or not finite, or their number is not that of the points.
+    """
+    instance("network", network, Network)
+    rate = finite("damping", damping)
+    if rate.ndim and rate.shape != (len(network.points),):
+        raise ProblemError(
+            f"damping: shape {rate.shape}; give one number or {len(network.points)} values"
+        )
+    if (rate < 0).any():
+        raise ProblemError(f"damping: {rate.min():g} 1/s; a negative rate feeds the motion")
+    return np.full(len(network.points), rate) if not rate.ndim else np.array(rate)

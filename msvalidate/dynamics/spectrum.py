@@ -1,0 +1,359 @@
+"""Natural frequencies of a network, from its assembled tangent and its masses."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+from scipy.linalg import eigvalsh
+from scipy.sparse import csr_array, diags_array, eye_array
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
+
+from msvalidate.linear_algebra.double_double import pair
+from msvalidate.linear_algebra.factor import NO_NUMBER, factorised
+from msvalidate.network import Network, tangent
+from msvalidate.network.accurate import State
+from msvalidate.problem import Array, ProblemError, SolverError, rigid_motions
+from msvalidate.problem.checks import chosen, coordinates, instance, number, shown
+from msvalidate.tangent.cycles import UnsettledError
+from msvalidate.tangent.inverse import SOLVERS, Solver, joined, order_of
+from msvalidate.tangent.multigrid import Cycle, cycle_of, push, restrained
+
+DENSE = 600
+"""Degrees of freedom up to which a dense solver is the faster one."""
+LARGEST_DENSE = 10_000
+"""Degrees of freedom of the largest dense matrix made, close to a gigabyte."""
+FEW = 40
+"""Lowest frequencies that large networks are asked for without a factor."""
+SAME = 1e-9
+"""Of the largest singular value of a part's motions, below which two of them are one."""
+RIGID = 1e-9
+"""Square of a rigid motion's frequency over the highest, that is rounding."""
+UNSURE = 1e-11
+"""Lowest square over the highest at which the digits of an eigenvalue run out: five are left."""
+SWEEPS = 8
+"""Inverse iterations on a few modes more than are asked for."""
+FIRST_STEPS, MOST_STEPS = 5, 200
+"""Of the iteration for large networks: to tell a square from its neighbours, and in all."""
+
+
+def natural_frequencies(
+    network: Network,
+    count: int = 10,
+    position: Array | None = None,
+    *,
+    tolerance: float = 0.0,
+    cycle: Cycle | None = None,
+    rigid: bool = False,
+    solver: str = "auto",
+) -> tuple[Array, float]:
+    """The lowest `count` and the highest natural frequency (rad/s), undamped, supports held.
+
+    K φ = ω² M φ on the free components, with the full tangent (geometric stiffness included). An ω²
+    is rounded by some 1e-16 of the highest; where that is more than 1e-5 of it, its mode's energy,
+    spring by spring, gives it.
+
+    Parameters
+    ----------
+    network
+        At least one free component; every mode must have stiffness, but for rigid motions that are
+        asked for.
+    count
+        Number of lowest frequencies, at most the number of free components.
+    position
+        (n, d) where to linearise (m); by default the reference points.
+    tolerance
+        Relative error of the squares at which large networks stop iterating; 0 is rounding. The
+        highest frequencies of a lattice lie close together, and their last digits cost the most.
+    cycle
+        Of multigrid, for this network close by, where there is one.
+    rigid
+        Whether parts may be free: each of their rigid motions counts as a frequency of exactly 0.
+    solver
+        As in `equilibrium`, for the lowest frequencies of more than a few hundred components. More
+        than 40 of them, and those of bodies that may move rigidly, take a factor in any case.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range, nothing can move, or a part is free and `rigid` is not set.
+    SolverError
+        If a mode has negative stiffness (the position is unstable) or none, the iteration fails, or
+        rigid motions of a part change its energy: it is not at rest.
+    """
+    instance("network", network, Network)
+    instance("rigid", rigid, bool)
+    place = network.points if position is None else coordinates("position", position)
+    matrix = _dynamical_matrix(network, place)
+    size = matrix.shape[0]
+    if not 0 <= number("tolerance of the frequencies", tolerance) < 1:
+        raise ProblemError(
+            f"tolerance of the frequencies: {tolerance}; give a relative error, 0 <= tolerance < 1"
+        )
+    counted = isinstance(count, int | np.integer) and not isinstance(count, bool)
+    if not (counted and 1 <= count <= size):
+        raise ProblemError(
+            f"count: {shown(count)} frequencies; this network has {size} free components"
+        )
+    chosen("solver", solver, SOLVERS)
+    zero = _rigid_motions(network, place, allowed=rigid)
+    if size <= max(DENSE, 4 * count):
+        squares = _all(matrix, count)
+        lowest, highest = squares[:count], squares[-1]
+    else:
+        highest = _largest(matrix, tolerance)
+        way = Solver(network, solver)
+        if count > FEW or zero:
+            way.refuse_too_large(
+                f"natural frequencies: {count} of a body with {zero} rigid motions"
+            )
+        if count > FEW or zero or way.is_direct:
+            lowest = _smallest(network, matrix, count, highest, tolerance)
+        else:
+            try:
+                lowest = _smallest_by_cycles(
+                    network, place, cycle, matrix, count, highest, tolerance
+                )
+            except UnsettledError as error:
+                way.give_way(error)
+                lowest = _smallest(network, matrix, count, highest, tolerance)
+    if lowest[0] < -1e-10 * highest:
+        raise SolverError(
+            f"natural frequencies: omega² = {lowest[0]:g} 1/s²; the network is unstable there"
+        )
+    lowest = _told_from_rounding(network, place, lowest, highest, zero)
+    return np.sqrt(np.maximum(lowest, 0.0)), float(np.sqrt(highest))
+
+
+def _rigid_motions(network: Network, position: Array, *, allowed: bool) -> int:
+    """Number of rigid motions that supports leave to parts that hang together on their own."""
+    n = len(network.points)
+    i, j = joined(network).T
+    graph = csr_array((np.ones(len(i)), (i, j)), shape=(n, n))
+    parts, part = connected_components(graph, directed=False)
+    count = 0
+    for label in range(parts):
+        own = np.flatnonzero(part == label)
+        held = network.held[own]
+        if parts > 1 and held.all():
+            continue
+        motions = rigid_motions(_in_sizes(position[own]))
+        left = _rank(motions.reshape(-1, motions.shape[2])) - _rank(motions[held])
+        if left and not allowed:
+            whole = "the network" if len(own) == n else f"the part of point {own[0]}"
+            raise ProblemError(
+                f"natural frequencies: {whole} is free to move as a rigid body in {left} ways; "
+                "hold one more component against each, or set rigid=True"
+            )
+        count += left
+    return count
+
+
+def _in_sizes(position: Array) -> Array:
+    """Places from their middle, over their size."""
+    apart = position - position.mean(axis=0)
+    return np.asarray(apart / (np.abs(apart).max(initial=0.0) or 1.0))
+
+
+def _rank(motions: Array) -> int:
+    sizes = np.linalg.svd(motions, compute_uv=False) if motions.size else np.zeros(1)
+    return int((sizes > SAME * max(float(sizes[0]), 1.0)).sum())
+
+
+def _told_from_rounding(
+    network: Network, position: Array, squares: Array, highest: float, zero: int
+) -> Array:
+    """Lowest squares, exact zeros for `zero` rigid motions, and none that is rounding.
+
+    Eigenvalues are rounded by an eps of the highest. The energies of modes are not: they are summed
+    spring by spring, and a mode's error counts by its square.
+    """
+    squares = squares.copy()
+    if (np.abs(squares[:zero]) > RIGID * highest).any():
+        raise SolverError(
+            f"natural frequencies: omega² = {np.abs(squares[:zero]).max():g} 1/s² of a rigid "
+            "motion; the network is not at rest there"
+        )
+    squares[:zero] = 0.0
+    soft = int((squares[zero:] < UNSURE * highest).sum())
+    if not soft:
+        return squares
+    if zero:
+        raise SolverError(
+            f"natural frequencies: omega² = {squares[zero]:.3g} 1/s² beside {highest:.3g} 1/s² is "
+            "rounding: a slender body, stiffnesses or masses far apart, or a mechanism; hold the "
+            "body, and energies of its modes will tell"
+        )
+    squares[:soft] = _by_energy(network, position, soft)
+    return squares
+
+
+def _by_energy(network: Network, position: Array, count: int) -> Array:
+    """The lowest squares from the energies of their modes, by inverse iteration on a few more."""
+    inside = np.flatnonzero(~network.held.ravel())
+    factor = Solver(network).regular(network, position).inverse
+    mass = np.repeat(network.mass, network.dim)[inside]
+    few = min(count + 4, len(inside))
+    modes = np.random.default_rng(0).normal(size=(len(inside), few))
+    for _ in range(SWEEPS):
+        modes = np.column_stack([factor.solve(mass * mode) for mode in modes.T])
+        modes = np.linalg.qr(np.sqrt(mass)[:, None] * modes)[0] / np.sqrt(mass)[:, None]
+    state = State(network, pair(position - network.points))
+    pushes = []
+    for mode in modes.T:
+        motion = np.zeros(network.held.size)
+        motion[inside] = mode
+        pushes.append(push(state, motion, ~network.held)[inside])
+    energies = modes.T @ np.column_stack(pushes)
+    return np.asarray(eigvalsh((energies + energies.T) / 2)[:count])
+
+
+def extreme_frequencies(
+    network: Network,
+    position: Array | None = None,
+    *,
+    tolerance: float = 0.0,
+    cycle: Cycle | None = None,
+) -> tuple[float, float]:
+    """Lowest and highest natural frequency (rad/s); see `natural_frequencies`."""
+    lowest, highest = natural_frequencies(network, 1, position, tolerance=tolerance, cycle=cycle)
+    return float(lowest[0]), highest
+
+
+def highest_frequency(network: Network, *, tolerance: float = 0.0) -> float:
+    """Highest natural frequency (rad/s) at the reference points; see `natural_frequencies`.
+
+    It needs no factor and no stability, and sets the limit of most time steps by itself.
+    """
+    matrix = _dynamical_matrix(network, network.points)
+    if matrix.shape[0] <= DENSE:
+        return float(np.sqrt(max(eigvalsh(matrix.toarray())[-1], 0.0)))
+    return float(np.sqrt(_largest(matrix, tolerance)))
+
+
+def _dynamical_matrix(network: Network, position: Array) -> csr_array:
+    """M^(-1/2) K M^(-1/2) on the free components."""
+    free = np.flatnonzero(~network.held.ravel())
+    if not len(free):
+        raise ProblemError("natural frequencies: every component is held; nothing can move")
+    scale = diags_array(1 / np.sqrt(np.repeat(network.mass, network.dim)[free]))
+    stiffness = tangent(network, position)[free][:, free]
+    with np.errstate(over="ignore", invalid="ignore"):
+        matrix = csr_array(scale @ stiffness @ scale)
+    largest, stiffest = float(abs(matrix).max()), float(abs(stiffness).max())
+    if not math.isfinite(largest) or (stiffest and largest < NO_NUMBER):
+        raise SolverError(
+            f"natural frequencies: stiffnesses of {stiffest:.3g} N/m with masses from "
+            f"{network.mass.min():.3g} to {network.mass.max():.3g} kg; choose units that give "
+            "ordinary frequencies"
+        )
+    return matrix
+
+
+def _all(matrix: csr_array, count: int) -> Array:
+    """Every square, by a dense solver, unless the matrix is too large to be dense."""
+    size = matrix.shape[0]
+    if size > LARGEST_DENSE:
+        raise ProblemError(
+            f"count: {count} frequencies of {size}; ask for fewer than a quarter of them, or "
+            f"of a network with at most {LARGEST_DENSE} free components"
+        )
+    return np.asarray(eigvalsh(matrix.toarray()))
+
+
+def _largest(matrix: csr_array, tolerance: float) -> float:
+    # A fixed start makes the last digits the same from run to run.
+    start = np.random.default_rng(0).normal(size=matrix.shape[0])
+    try:
+        value = eigsh(matrix, k=1, which="LA", v0=start, tol=tolerance, return_eigenvectors=False)
+        return float(value[0])
+    except ArpackError as error:
+        raise SolverError(f"highest natural frequency: the iteration failed ({error})") from error
+
+
+def _smallest(
+    network: Network, matrix: csr_array, count: int, highest: float, tolerance: float
+) -> Array:
+    # The shift keeps the factor regular when a mode has no stiffness, and costs no accuracy there.
+    start = np.random.default_rng(0).normal(size=matrix.shape[0])
+    shift = -1e-9 * highest
+    try:
+        shifted = csr_array(matrix - shift * eye_array(matrix.shape[0]))
+        factor = factorised(shifted, order_of(network))
+        if factor.negative:
+            # Modes near zero are not the lowest then; the smallest one tells how unstable it is.
+            softest = eigsh(matrix, k=1, which="SA", v0=start, return_eigenvectors=False)
+            return np.asarray(softest)
+        inverse = LinearOperator(matrix.shape, factor.solve)
+        values = eigsh(
+            matrix,
+            count,
+            sigma=shift,
+            OPinv=inverse,
+            v0=start,
+            tol=tolerance,
+            return_eigenvectors=False,
+        )
+    except (ArpackError, RuntimeError) as error:
+        raise SolverError(f"lowest natural frequencies: the iteration failed ({error})") from error
+    return np.sort(values)
+
+
+def _smallest_by_cycles(
+    network: Network,
+    place: Array,
+    cycle: Cycle | None,
+    matrix: csr_array,
+    count: int,
+    highest: float,
+    tolerance: float,
+) -> Array:
+    """By multigrid; where its making finds the network unstable, how much so."""
+    A = restrained(network, place)
+    cycle = cycle or cycle_of(A, network, place)
+    if cycle.falling is None:
+        inverse = _on_free(cycle, network)
+        return _smallest_of_many(matrix, inverse, count, highest, tolerance)
+    weight = np.repeat(network.mass, network.dim) @ cycle.falling**2
+    return np.array([cycle.falling @ (A @ cycle.falling) / weight])
+
+
+def _smallest_of_many(
+    matrix: csr_array, inverse: LinearOperator, count: int, highest: float, tolerance: float
+) -> Array:
+    """Without a factor: locally optimal conjugate gradients (Knyazev 2001), by multigrid.
+
+    The error of a square is that of its residual squared over the gap to the next (Kato), so a
+    tenth of the tolerance's root is asked of the residual; rounding is of the highest square.
+    """
+    modes = np.random.default_rng(0).normal(size=(matrix.shape[0], count))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of residuals, which are judged below
+        squares, modes = lobpcg(matrix, modes, M=inverse, largest=False, maxiter=FIRST_STEPS)
+        least = float(np.abs(squares).min())
+        allowed = max(0.1 * math.sqrt(tolerance) * least, 10 * np.finfo(float).eps * highest)
+        squares, modes = lobpcg(
+            matrix, modes, M=inverse, largest=False, maxiter=MOST_STEPS, tol=allowed
+        )
+    left = float(np.linalg.norm(matrix @ modes - modes * squares, axis=0).max())
+    if not left <= 2 * allowed:  # its last digits are rounding
+        raise UnsettledError(
+            f"lowest natural frequencies: residual {left:.3g} 1/s² of squares, where {allowed:.3g} "
+            "is asked: the lowest are close to rounding of the highest; ask for fewer of them"
+        )
+    return np.sort(squares)
+
+
+def _on_free(cycle: Cycle, network: Network) -> LinearOperator:
+    """A cycle of the stiffness as one of M^(-1/2) K M^(-1/2) on the free components."""
+    inside = np.flatnonzero(~network.held.ravel())
+    root = np.sqrt(np.repeat(network.mass, network.dim)[inside])
+
+    def applied(residual: Array) -> Array:
+        force = np.zeros(network.held.size)
+        force[inside] = root * residual.ravel()
+        return np.asarray(root * cycle(force)[inside])
+
+    return LinearOperator((len(inside), len(inside)), matvec=applied, dtype=float)

@@ -1,0 +1,1 @@
+"""What was observed, how it is judged, and how a study is run."""

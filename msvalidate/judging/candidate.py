@@ -1,0 +1,260 @@
+"""What a study judges: a way to predict displacements; by default the spring network.
+
+A candidate may be anybody's, so every study passes its own through here, once, where it begins
+(`answering`, `actuated`, `moving`, `of_kind`, `named`): what it then answers is an array of the
+right shape, finite and in the right unit, or one line that says what it is instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, TypeVar, get_args
+
+import numpy as np
+
+from msvalidate.dynamics.integrate import State
+from msvalidate.network import Network, mode_energy
+from msvalidate.problem import Array, Problem, ProblemError, SolverError
+from msvalidate.problem.checks import chosen, instance, numbers, shown
+from msvalidate.relaxation.viscous import algorithm1
+from msvalidate.statics.equilibrium import equilibrium
+
+AT_REST = 3e-11
+"""Residual over the forces that meet at a point: a slow mode makes up to a hundred times as much
+relative displacement of it."""
+Answer = Literal["linear", "nonlinear", "relaxed"]
+"""Static equilibrium to first order, or in full, or where Algorithm 1 comes to rest."""
+Candidate = Callable[[Problem, Network, Answer], Array]
+"""Predicts the displacement (n, d) in m at a network's points, from the problem or the network."""
+Kind = TypeVar("Kind")
+SUPPORTED = 1e-6
+"""Part of what a support is missed by that another reading of the answer may leave: solvers meet
+supports to rounding, the readings asked about differ by the whole coordinate or a thousandfold."""
+THOUSAND = 1000.0
+"""Millimetres in a metre."""
+NEARLY = 2.0
+"""Factor within which an answer's energy has to be that of its loads to be taken for meant: elastic
+bodies and lattices of other constants differ by less from the network asked about."""
+FAR = 10.0
+"""Factor beyond which it is not."""
+
+
+def springs(problem: Problem, network: Network, answer: Answer = "linear") -> Array:  # noqa: ARG001
+    """The spring network's own answer.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such answer, or no network.
+    SolverError
+        If there is no trustworthy answer.
+    """
+    chosen("answer", answer, get_args(Answer))
+    if answer == "relaxed":
+        return algorithm1(network, tolerance=AT_REST).equilibrium.displacement
+    return equilibrium(network, answer).displacement
+
+
+@dataclass(frozen=True)
+class Answering:
+    """A candidate whose every answer is looked at; see `displacement`."""
+
+    predict: Candidate
+
+    def __call__(self, problem: Problem, network: Network, answer: Answer = "linear") -> Array:
+        """The candidate's displacement (n, d) in m."""
+        return displacement(self.predict(problem, network, answer), network)
+
+
+@dataclass(frozen=True)
+class Actuated:
+    """A way to move an actuator, (actuator, voltage), whose every answer is looked at."""
+
+    predict: Callable[[Any, float], Array]
+
+    def __call__(self, actuator: Any, voltage: float) -> Array:
+        """Displacement (n, d) in m of the actuator's points at a voltage (V)."""
+        return displacement(self.predict(actuator, voltage), actuator.network)
+
+
+@dataclass(frozen=True)
+class Moving:
+    """A motion, (network, state, dt, steps, damping), whose every state is looked at."""
+
+    move: Callable[..., State]
+
+    def __call__(
+        self, network: Network, state: State, dt: float, steps: int, damping: Any
+    ) -> State:
+        """State after some steps of dt (s) with a damping (1/s)."""
+        found = self.move(network, state, dt, steps, damping)
+        if not isinstance(found, State):
+            raise ProblemError(
+                f"candidate: {shown(found)}; give a State, of position and velocity at the "
+                "network's points"
+            )
+        position = _array("positions", found.position, network, "m")
+        velocity = _array("velocities", found.velocity, network, "m/s")
+        start, held = np.asarray(state.position)[network.held], network.held
+        if _reads(position[held] - start, position[held] + network.points[held] - start):
+            raise ProblemError(
+                f"candidate: positions {position.shape} whose held components are those of "
+                "displacements; add network.points"
+            )
+        return State(position, velocity)
+
+
+def answering(candidate: Candidate) -> Candidate:
+    """A candidate for displacements, with its answers looked at.
+
+    Raises
+    ------
+    ProblemError
+        If it is no function. Its answers raise it too: see `displacement`.
+    """
+    return Answering(_function(candidate, "(problem, network, answer) that predicts displacements"))
+
+
+def actuated(candidate: Callable[[Any, float], Array]) -> Callable[[Any, float], Array]:
+    """A candidate for an actuator's displacements, as `answering`."""
+    return Actuated(_function(candidate, "(actuator, voltage) that predicts displacements"))
+
+
+def moving(candidate: Callable[..., State]) -> Callable[..., State]:
+    """A candidate for a motion, as `answering`."""
+    return Moving(_function(candidate, "(network, state, dt, steps, damping) that gives a State"))
+
+
+def of_kind(candidate: object, kind: type[Kind]) -> Kind:
+    """A candidate of several functions, all of them there; raise `ProblemError` if it is none."""
+    if not isinstance(candidate, kind):
+        raise ProblemError(
+            f"candidate: {shown(candidate)}; give a {kind.__name__}, the study's own with what is "
+            "yours in its place"
+        )
+    fields = getattr(kind, "_fields", None) or kind.__dataclass_fields__  # type: ignore[attr-defined]
+    for name in fields:
+        value = getattr(candidate, name)
+        if not (callable(value) or isinstance(value, tuple | Mapping)):
+            raise ProblemError(f"candidate: {name} is {shown(value)}; give a function")
+    return candidate
+
+
+def named(candidate: object, kind: type[Kind], own: Mapping[str, Kind]) -> Mapping[str, Kind]:
+    """A candidate that is a table of records, with all names of the study's own; else as above."""
+    if not isinstance(candidate, Mapping):
+        raise ProblemError(
+            f"candidate: {shown(candidate)}; give a table, name -> {kind.__name__}, the study's "
+            "own with what is yours in its place"
+        )
+    missing = [name for name in own if name not in candidate]
+    if missing:
+        raise ProblemError(f"candidate: no {', '.join(missing)}; the study asks about it")
+    for name, value in candidate.items():
+        instance(f"candidate: {name}", value, kind)
+    return candidate
+
+
+def displacement(found: object, network: Network) -> Array:
+    """An answer as displacements (n, d) in m of a network's points; lists of numbers will do.
+
+    Raises
+    ------
+    ProblemError
+        If it is no array of numbers of this shape, or what it does at the supports, or the energy
+        that it stores in the network, is that of positions or of another unit.
+    SolverError
+        If a number is not finite.
+    """
+    move = _array("displacements", found, network, "m")
+    slip = _slip(move, network)
+    if slip:
+        raise ProblemError(f"candidate: displacements {move.shape} that {slip}")
+    return move
+
+
+def _function(candidate: Kind, what: str) -> Kind:
+    if not callable(candidate):
+        raise ProblemError(f"candidate: {shown(candidate)}; give a function of {what}")
+    return candidate
+
+
+def _array(what: str, found: object, network: Network, unit: str) -> Array:
+    """An array of a network's shape, of finite numbers."""
+    shape = network.points.shape
+    need = f"{what} {shape} in {unit} at network.points"
+    if found is None:
+        raise ProblemError(f"candidate: None; return {need}")
+    array = numbers(f"candidate, {need}", found)
+    if array.shape != shape:
+        raise ProblemError(
+            f"candidate: shape {array.shape}; give {need}{_other_shape(array, network)}"
+        )
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        at = tuple(int(i) for i in bad[0])
+        raise SolverError(
+            f"candidate: {array[at]} at index {at}, {len(bad)} in all; give {need}, all finite"
+        )
+    return array
+
+
+def _other_shape(array: Array, network: Network) -> str:
+    """What an array of the wrong shape may be."""
+    n, d = network.points.shape
+    if array.shape == (d, n):
+        return " (this is the transpose)"
+    if array.shape == (n * d,):
+        return f" (this is flat; reshape it to {n, d})"
+    if array.shape == (np.count_nonzero(~network.held),):
+        return " (these are free components alone)"
+    if array.shape == (n, 3) and d == 2:
+        return " (leave the third component out)"
+    return ""
+
+
+def _slip(move: Array, network: Network) -> str:
+    """What displacements are if they are plainly something else; "" if nothing says so.
+
+    Held components tell it where they are not at 0. The energy of a linear answer is the work of
+    its loads, motionᵀ K motion = force · motion, so their ratio tells it where nothing is moved by
+    supports: it grows as the answer, and is near 1 for any solid like the network.
+    """
+    held, points = network.held, network.points
+    asked = network.displacement[held]
+    missed = move[held] - asked
+    positions = "are positions; take network.points off"
+    if _reads(missed, missed - points[held]):
+        return f"at the supports {positions}"
+    for times, unit in ((THOUSAND, "mm"), (1 / THOUSAND, "km")):
+        if asked.any() and _reads(missed, move[held] - times * asked):
+            return f"at the supports are {times:g} times those asked for; give m (are they {unit}?)"
+    if asked.any() or not network.force.any():
+        return ""
+    ratio = _energy_over_work(move, network)
+    if _within(_energy_over_work(move - points, network), NEARLY) and not _within(ratio, FAR):
+        return f"store {ratio:.3g} times the work of the loads: they look like {positions}"
+    for times, unit in ((THOUSAND, "mm"), (1 / THOUSAND, "km")):
+        if _within(ratio / times, NEARLY):
+            return (
+                f"store {ratio:.3g} times the work of the loads, so are about as many times too "
+                f"large; give m (are they {unit}?)"
+            )
+    return ""
+
+
+def _reads(missed: Array, otherwise: Array) -> bool:
+    """Whether held components that are missed are all met by another reading."""
+    off = float(np.abs(missed).max(initial=0.0))
+    return off > 0 and float(np.abs(otherwise).max()) <= SUPPORTED * off
+
+
+def _energy_over_work(move: Array, network: Network) -> float:
+    with np.errstate(all="ignore"):  # whatever is asked about: what overflows is no likely slip
+        work = float((network.force * move).sum())
+        return mode_energy(network, network.points, move) / work if work else 0.0
+
+
+def _within(ratio: float, factor: float) -> bool:
+    return 1 / factor <= ratio <= factor

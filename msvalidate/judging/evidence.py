@@ -1,0 +1,221 @@
+"""What a study hands over, and how it is judged. Knows numbers and tables, no solver."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal, TypeVar
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate.problem import ProblemError, SolverError
+
+T = TypeVar("T")
+Tables = Mapping[str, pd.DataFrame]
+Layer = Literal["theory", "agreement", "regression", "baseline"]
+"""What a judgement holds a value to: formulas, orders, identities and the reference's own accuracy;
+a band between springs and elasticity, whose width has a reason of its own; a limit that was set
+from a measurement, which notices a change and proves nothing; or the value as it was."""
+UNGATED = ("_seconds", "_per_second", "_bytes", "_here")
+"""Endings of columns that depend on the machine, or on its rounding: in the tables, and not held to
+the baseline."""
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A number that a study found, and the one that it should be."""
+
+    value: float
+    reference: float = 0.0
+
+    @property
+    def error(self) -> float:
+        """Distance from the reference."""
+        return abs(self.value - self.reference)
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far an observed quantity may be from its reference, in which unit, and why so far."""
+
+    quantity: str
+    limit: float
+    unit: str
+    because: str
+    layer: Layer = "theory"
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.limit) and self.limit >= 0 and self.unit and self.because):
+            raise ValueError(
+                f"tolerance {self.quantity}: needs a finite limit, a unit and a reason"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What a study found.
+
+    Parameters
+    ----------
+    tables
+        Name -> table; a table has rows, and no number in it is missing.
+    figures
+        Name -> function that draws the figure from the tables.
+    observed, tolerances
+        Every observed quantity has a tolerance and the reverse.
+    columns
+        Column -> what it means and its unit, for every column of every table. Where some values are
+        words, it names them.
+    rounding
+        Column -> size, in its unit, below which its values are rounding, or how far a run stops
+        from its limit: what another machine may give instead.
+    findings
+        Sentences that say what was found; numbers in them come from the tables.
+
+    Raises
+    ------
+    SolverError
+        If a table is empty or holds a number that is not finite: that is a failure, not a result.
+    """
+
+    tables: Tables
+    observed: Mapping[str, Observed]
+    tolerances: tuple[Tolerance, ...]
+    figures: Mapping[str, Callable[[Tables], Figure]] = field(default_factory=dict)
+    columns: Mapping[str, str] = field(default_factory=dict)
+    findings: tuple[str, ...] = ()
+    rounding: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, table in self.tables.items():
+            if table.empty:
+                raise SolverError(f"table {name}: no rows; nothing was compared")
+            for column in table:
+                bad = np.flatnonzero([_missing(value) for value in table[column]])
+                if len(bad):
+                    raise SolverError(
+                        f"table {name}: {column} is {table[column].iloc[bad[0]]} in row {bad[0]}"
+                    )
+            unexplained = [column for column in table if column not in self.columns]
+            if unexplained:
+                raise ValueError(f"table {name}: columns without a meaning: {unexplained}")
+            for column in table:
+                undeclared = _words_among_numbers(table[column]) - _words(self.columns[str(column)])
+                if undeclared:
+                    raise ValueError(
+                        f"table {name}: {column} holds {sorted(undeclared)} among numbers, which "
+                        "its meaning does not name"
+                    )
+        quantities = [tolerance.quantity for tolerance in self.tolerances]
+        unjudged = set(quantities) ^ set(self.observed)
+        if unjudged or len(set(quantities)) < len(quantities):
+            raise ValueError(
+                f"observed without a tolerance, the reverse, or twice: {sorted(unjudged)}"
+            )
+
+
+def merged(*parts: Evidence) -> Evidence:
+    """One study's evidence from that of its questions.
+
+    Raises
+    ------
+    ValueError
+        If two parts use one name for a table, figure or quantity.
+    """
+    tables: dict[str, pd.DataFrame] = {}
+    figures: dict[str, Callable[[Tables], Figure]] = {}
+    observed: dict[str, Observed] = {}
+    columns: dict[str, str] = {}
+    rounding: dict[str, float] = {}
+    for part in parts:
+        rounding |= {c: max(size, rounding.get(c, 0.0)) for c, size in part.rounding.items()}
+        _join(tables, part.tables)
+        _join(figures, part.figures)
+        _join(observed, part.observed)
+        for column, meaning in part.columns.items():
+            if columns.setdefault(column, meaning) != meaning:
+                raise ValueError(f"column {column} means two things: {meaning!r} is one of them")
+    return Evidence(
+        tables=tables,
+        observed=observed,
+        tolerances=tuple(t for part in parts for t in part.tolerances),
+        figures=figures,
+        columns=columns,
+        findings=tuple(f for part in parts for f in part.findings),
+        rounding=rounding,
+    )
+
+
+def answers(
+    study: Mapping[str, Callable[[], Evidence]], questions: Iterable[str] | None = None
+) -> Evidence:
+    """One study's evidence from those of its questions that are asked: by default all.
+
+    Raises
+    ------
+    ProblemError
+        If none is asked, or one that is none of the study's.
+    """
+    asked = set(study) if questions is None else set(questions)
+    if not asked or not asked <= set(study):
+        raise ProblemError(f"questions: {questions!r}; choose from {', '.join(study)}")
+    return merged(*(answer() for name, answer in study.items() if name in asked))
+
+
+def judge(evidence: Evidence) -> pd.DataFrame:
+    """Verdict: one row per tolerance; see `judged`."""
+    return pd.DataFrame(
+        [
+            judged(tolerance, evidence.observed[tolerance.quantity])
+            for tolerance in evidence.tolerances
+        ]
+    )
+
+
+def judged(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
+    """Row of a verdict: layer, quantity, unit, observed, reference, error, limit, verdict, because.
+
+    A value that is not finite fails.
+    """
+    within = np.isfinite(seen.error) and seen.error <= tolerance.limit
+    return {
+        "layer": tolerance.layer,
+        "quantity": tolerance.quantity,
+        "unit": tolerance.unit,
+        "observed": float(seen.value),
+        "reference": float(seen.reference),
+        "error": float(seen.error),
+        "limit": float(tolerance.limit),
+        "verdict": "pass" if within else "fail",
+        "because": tolerance.because,
+    }
+
+
+def held(verdict: pd.DataFrame) -> bool:
+    """Whether a judgement has rows, and every one of them passed."""
+    return bool(len(verdict)) and bool((verdict["verdict"] == "pass").all())
+
+
+def _missing(value: object) -> bool:
+    """Not a finite number where one is expected. A declared word is a value."""
+    return value is None or (isinstance(value, float | np.floating) and not np.isfinite(value))
+
+
+def _words_among_numbers(values: pd.Series) -> set[str]:
+    """Words of a column that holds numbers as well."""
+    words = {value for value in values if isinstance(value, str)}
+    return words if words and any(not isinstance(value, str) for value in values) else set()
+
+
+def _words(meaning: str) -> set[str]:
+    """Words that a column's meaning declares, in double quotes."""
+    return set(meaning.split('"')[1::2])
+
+
+def _join(whole: dict[str, T], piece: Mapping[str, T]) -> None:
+    twice = set(whole) & set(piece)
+    if twice:
+        raise ValueError(f"two questions of one study both name {sorted(twice)}")
+    whole |= piece

@@ -1,0 +1,76 @@
+"""How a study is run: small or full, from which seed, on which workers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from typing import TypeVar
+
+from tqdm import tqdm
+
+from msvalidate.problem import ProblemError
+from msvalidate.problem.checks import instance, shown, whole
+
+Case = TypeVar("Case")
+Result = TypeVar("Result")
+MOST_SEED = 2**63 - 1
+"""Largest seed: one that a table of any kind can hold."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How a study is run. The numbers depend on `quick` and `seed` alone.
+
+    Parameters
+    ----------
+    quick
+        The small form: fewer sizes, the same tolerances.
+    seed
+        Where random numbers start, if the study draws any.
+    executor
+        Runs the cases of a sweep: any `concurrent.futures` executor, or the one that a Dask
+        client's ``get_executor()`` returns. None runs them here, one after another.
+    progress
+        Whether long sweeps show a bar on a terminal.
+    """
+
+    quick: bool = False
+    seed: int = 0
+    executor: Executor | None = None
+    progress: bool = False
+
+    def __post_init__(self) -> None:
+        for name, value in (("quick", self.quick), ("progress", self.progress)):
+            instance(name, value, bool)
+        whole("seed", self.seed, 0, MOST_SEED)
+        if not (self.executor is None or callable(getattr(self.executor, "map", None))):
+            raise ProblemError(
+                f"executor: {shown(self.executor)}; give a concurrent.futures executor or None"
+            )
+
+    def sweep(
+        self, function: Callable[[Case], Result], cases: Iterable[Case], label: str
+    ) -> list[Result]:
+        """Results of the function, in the order of the cases whatever the workers.
+
+        Raises
+        ------
+        ProblemError
+            If it is no function or these are no cases. What the function raises comes through.
+        """
+        if not callable(function) or not isinstance(cases, Iterable):
+            raise ProblemError(
+                f"sweep: {shown(function)} over {shown(cases)}; give a function and its cases"
+            )
+        todo = list(cases)
+        run = map if self.executor is None else self.executor.map
+        bar = tqdm(
+            run(function, todo),
+            total=len(todo),
+            desc=label,
+            delay=0.5,
+            leave=False,
+            disable=None if self.progress else True,
+        )
+        return list(bar)

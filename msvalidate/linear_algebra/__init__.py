@@ -1,0 +1,1 @@
+"""Matrices alone: factors, their ordering, refinement, and sums in twice the digits."""

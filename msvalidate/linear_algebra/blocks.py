@@ -1,0 +1,83 @@
+"""Where each spring's blocks stand in a sparse matrix of d × d blocks, and their sums.
+
+A spring adds its block to the diagonal ones of its two points and takes it from the two that couple
+them. Where they stand depends on the springs alone: found once a network, it serves every tangent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+
+import numpy as np
+from scipy.sparse import bsr_array, csr_array
+
+from msvalidate.problem import Array, Index
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Places of the blocks of n points joined by m springs in p pairs: O(n + m) memory.
+
+    Parameters
+    ----------
+    row_start, column
+        (n + 1,) and (n + 2p,): rows as in `bsr_array`; every point has its diagonal block.
+    diagonal
+        (n,) places of the diagonal blocks.
+    pair
+        (m,) which pair of points a spring joins: several may join the same two.
+    upper, lower
+        (p,) places of the two blocks that couple a pair.
+    """
+
+    row_start: Index
+    column: Index
+    diagonal: Index
+    pair: Index
+    upper: Index
+    lower: Index
+
+    def summed(self, springs: Index, dim: int, entry: Callable[[int, int], Array]) -> bsr_array:
+        """Matrix (n·d, n·d), row n·d of point-major components, from the springs' symmetric blocks.
+
+        Parameters
+        ----------
+        springs
+            (m, 2), those of `blocks_of`.
+        dim
+            Axes d.
+        entry
+            Entries (m,) of all springs' blocks at a row and a column: one at a time, for memory.
+        """
+        n, p = len(self.diagonal), len(self.upper)
+        data = np.empty((len(self.column), dim, dim))
+        for a, b in combinations_with_replacement(range(dim), 2):
+            value = entry(a, b)
+            met = np.bincount(springs[:, 0], value, n) + np.bincount(springs[:, 1], value, n)
+            coupled = -np.bincount(self.pair, value, p)
+            for row, column in {(a, b), (b, a)}:
+                data[self.diagonal, row, column] = met
+                data[self.upper, row, column] = coupled
+                data[self.lower, row, column] = coupled
+        return bsr_array((data, self.column, self.row_start), shape=(n * dim, n * dim))
+
+
+def blocks_of(springs: Index, points: int) -> Blocks:
+    """Places of the blocks of springs (m, 2) between so many points."""
+    low, high = springs.min(axis=1), springs.max(axis=1)
+    pairs, pair = np.unique(low * points + high, return_inverse=True)
+    low, high = np.divmod(pairs, points)
+    own = np.arange(points)
+    row, column = np.concatenate([low, high, own]), np.concatenate([high, low, own])
+    # No entry twice: each keeps its number, which sorting by rows and columns carries along.
+    order = csr_array((np.arange(len(row)), (row, column)), shape=(points, points))
+    order.sort_indices()
+    place = np.empty(len(row), dtype=order.indices.dtype)
+    place[order.data] = np.arange(len(row), dtype=place.dtype)
+    upper, lower, diagonal = np.split(place, [len(pairs), 2 * len(pairs)])
+    kept = order.indptr, order.indices, diagonal, pair, upper, lower
+    for array in kept:
+        array.setflags(write=False)
+    return Blocks(*kept)

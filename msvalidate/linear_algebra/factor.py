@@ -1,0 +1,182 @@
+"""Symmetric sparse systems: factor, inertia, and the mode that resists least."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array, eye_array
+from scipy.sparse.linalg import splu
+
+from msvalidate.problem import Array, Index, SolverError
+
+SWEEPS = 2
+"""Inverse iterations: each shrinks what is not the softest mode by a ratio of eigenvalues, which is
+all but zero where that mode has no stiffness."""
+NO_NUMBER = 1e-280
+"""Entries below which a matrix has no digits left for a fraction of them."""
+
+
+MOST_SIGNED = 1.5e8
+"""Entries of both triangles up to which pivots are looked at: the library copies them for that."""
+
+
+class NoMemoryError(SolverError):
+    """A factor does not fit in memory."""
+
+
+@dataclass(frozen=True, eq=False)
+class Factor:
+    """Factor of a symmetric matrix.
+
+    Parameters
+    ----------
+    lu
+        SuperLU's factor.
+    order
+        (f,) unknowns in the order of elimination; None where the library chose it.
+    """
+
+    lu: Any
+    order: Index | None = None
+
+    @cached_property
+    def negative(self) -> int:
+        """Number of negative eigenvalues, by Sylvester's law of inertia.
+
+        Raises
+        ------
+        SolverError
+            If there is no memory for the library's copy of the factor.
+        """
+        if self.lu.nnz > MOST_SIGNED:
+            raise SolverError(NOT_SIGNED.format(self.lu.shape[0]))
+        try:
+            negative = int((self.lu.U.diagonal() < 0).sum())
+        except MemoryError as error:
+            raise SolverError(NOT_SIGNED.format(self.lu.shape[0])) from error
+        # A zero on the diagonal, where another row was taken: not positive definite.
+        exchanged = not np.array_equal(self.lu.perm_r, self.lu.perm_c)
+        return max(negative, 1) if exchanged else negative
+
+    @property
+    def is_signed(self) -> bool:
+        """Whether its pivots are to be had."""
+        return bool(self.lu.nnz <= MOST_SIGNED)
+
+    def solve(self, right: Array) -> Array:
+        """Solution of the system for a right-hand side (f,)."""
+        if self.order is None:
+            return np.asarray(self.lu.solve(right))
+        found = np.empty_like(right)
+        found[self.order] = self.lu.solve(right[self.order])
+        return found
+
+
+NOT_SIGNED = (
+    "sparse factor: the pivots of {} unknowns take more memory than there is; take solver "
+    "'multigrid', which needs none"
+)
+
+
+def factorised(matrix: csr_array, order: Index | None = None) -> Factor:
+    """Factor with pivots on the diagonal, in a symmetric ordering: faster than the general default.
+
+    Parameters
+    ----------
+    matrix
+        (f, f), symmetric.
+    order
+        (f,) in which its unknowns are eliminated, such as that of `inverse.order_of`; by default
+        of minimum degree, which is as good for a few thousand unknowns.
+
+    Raises
+    ------
+    RuntimeError
+        If a pivot is exactly zero with nothing beside it to take.
+    NoMemoryError
+        If the factor does not fit in memory.
+    """
+    try:
+        with _silent():
+            lu = splu(
+                (matrix if order is None else matrix[order][:, order]).tocsc(),
+                permc_spec="MMD_AT_PLUS_A" if order is None else "NATURAL",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+    except (MemoryError, RuntimeError) as error:
+        if isinstance(error, RuntimeError) and "MALLOC" not in str(error):
+            raise  # a pivot of zero
+        raise NoMemoryError(
+            f"sparse factor: {matrix.shape[0]} unknowns take more memory than there is; take "
+            "solver 'multigrid' where there is a choice, or fewer points"
+        ) from error
+    return Factor(lu, order)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Keep the library's own lines, of memory that it does not get, from the terminal.
+
+    Those of the whole process: what other threads write in the meantime is lost.
+    """
+    streams = (1, 2)
+    try:
+        kept, nowhere = [os.dup(each) for each in streams], os.open(os.devnull, os.O_WRONLY)
+    except OSError:  # one is closed
+        yield
+        return
+    try:
+        for each in streams:
+            os.dup2(nowhere, each)
+        yield
+    except (MemoryError, RuntimeError):
+        with suppress(OSError, TypeError, AttributeError):  # what C keeps back would come later
+            ctypes.CDLL(None).fflush(None)
+        raise
+    finally:
+        for each, own in zip(streams, kept, strict=True):
+            os.dup2(own, each)
+        for each in (*kept, nowhere):
+            os.close(each)
+
+
+def softest_mode(
+    matrix: csr_array, factor: Factor | None = None, weight: Array | None = None
+) -> Array:
+    """Unit vector (n,) along which the matrix resists least.
+
+    Without a factor (the matrix is exactly singular) that of a slightly stiffened matrix serves.
+    `weight` is as in `inverse_iteration`.
+    """
+    size = matrix.shape[0]
+    if factor is None:
+        norm = float(abs(matrix).sum(axis=1).max())
+        if norm < NO_NUMBER:  # nothing resists any motion: one is as good as another
+            mode = np.random.default_rng(0).normal(size=size)
+            return np.asarray(mode / np.linalg.norm(mode))
+        factor = factorised(csr_array(matrix + 1e-12 * norm * eye_array(size)))
+    return inverse_iteration(factor.solve, size, weight)
+
+
+def inverse_iteration(
+    solve: Callable[[Array], Array], size: int, weight: Array | None = None
+) -> Array:
+    """Unit vector (size,) that a matrix resists least, by its inverse, from a fixed start.
+
+    `weight` (size,) measures motions, as the diagonal does where parts differ in stiffness.
+    """
+    mode = np.random.default_rng(0).normal(size=size)
+    unit = 1.0 if weight is None else weight / np.abs(weight).max()
+    for _ in range(SWEEPS):
+        mode = solve(unit * mode)
+        mode /= np.abs(mode).max()  # first by the largest: squares may overflow
+        mode /= np.linalg.norm(mode)
+    return np.asarray(mode)

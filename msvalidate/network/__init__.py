@@ -1,0 +1,25 @@
+"""Networks of springs and cells: their data, energies, forces and tangents."""
+
+from msvalidate.network.network import (
+    Network,
+    energy,
+    internal_force,
+    mode_energy,
+    refuse_none,
+    spring_network,
+    stretched,
+    tangent,
+    tangent_blocks,
+)
+
+__all__ = [
+    "Network",
+    "energy",
+    "internal_force",
+    "mode_energy",
+    "refuse_none",
+    "spring_network",
+    "stretched",
+    "tangent",
+    "tangent_blocks",
+]

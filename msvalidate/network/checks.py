@@ -1,0 +1,62 @@
+"""Checks of what a network is made of, each with the entry at fault."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from msvalidate.network.folds import is_shape_of_cells
+from msvalidate.problem import Array, Index, Mask, ProblemError
+from msvalidate.problem.checks import finite, integers
+
+
+def pairs_of(springs: ArrayLike, n: int) -> Index:
+    """Springs (m, 2) as pairs of different ones of n points."""
+    pairs = integers("springs", springs)
+    if pairs.size == 0 or pairs.ndim != 2 or pairs.shape[1] != 2:
+        raise ProblemError(f"springs: shape {pairs.shape}; give whole numbers (m, 2)")
+    bad = np.flatnonzero((pairs < 0).any(axis=1) | (pairs >= n).any(axis=1))
+    if len(bad):
+        raise ProblemError(f"springs: {pairs[bad[0]]} at index {bad[0]}; there are {n} points")
+    own = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
+    if len(own):
+        raise ProblemError(f"springs: {pairs[own[0]]} at index {own[0]} joins a point to itself")
+    return pairs
+
+
+def corners_of(given: ArrayLike, n: int, d: int) -> Index:
+    """Cells (c, corners) as numbers of n points in d axes."""
+    cells = integers("cells", given)
+    if cells.ndim != 2 or not is_shape_of_cells(d, cells.shape[1]):
+        raise ProblemError(
+            f"cells: {cells.shape} of points ({n}, {d}); give triangles or quadrilaterals in the "
+            "plane, tetrahedra or hexahedra in space"
+        )
+    bad = np.flatnonzero((cells < 0).any(axis=1) | (cells >= n).any(axis=1))
+    if len(bad):
+        raise ProblemError(f"cells: {cells[bad[0]]} at index {bad[0]}; there are {n} points")
+    cells.setflags(write=False)
+    return cells
+
+
+def filled(name: str, value: ArrayLike, count: int) -> Array:
+    """Values (count,), of which one number may stand for all."""
+    array = finite(name, value)
+    return array if array.ndim else np.full(count, float(array))
+
+
+def refuse_tiny(name: str, values: Array, unit: str) -> None:
+    """Raise `ProblemError` if the largest value is not 0 but below all doubles of full length."""
+    largest, least = float(np.abs(values).max(initial=0.0)), np.finfo(float).tiny
+    if 0 < largest < least:
+        raise ProblemError(
+            f"{name}: {largest:g} {unit} at most, where doubles run out of digits; choose units "
+            f"that give {least:.3g} or more, or take none"
+        )
+
+
+def refuse(name: str, values: Array, bad: Mask, remedy: str) -> None:
+    """Raise `ProblemError` with the first value that is bad (same shape), and the remedy."""
+    at = np.flatnonzero(bad)
+    if len(at):
+        raise ProblemError(f"{name}: {values[at[0]]:g} at index {at[0]} {remedy}")

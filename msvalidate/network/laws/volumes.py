@@ -1,0 +1,320 @@
+"""Energy of the volumes of cells, beside springs: any Poisson's ratio.
+
+A cell of volume V (in the plane its area), V0 at rest, stores
+
+    U = ½ κ V0 (V/V0 - 1)²,   and pulls its corners by  -κ (V/V0 - 1) ∂V/∂x.
+
+Springs give an isotropic solid with λ = μ; κ = λ - μ makes any λ of it, for a uniform strain
+changes V by its trace (Golec et al. 2020, doi:10.1007/s00371-019-01663-0, add such an energy to
+springs). Only V enters, one number a cell, so that no other motion of the cell is stiffened.
+
+V is the sum of determinants of the corners of triangles that cover the cell's surface. A
+quadrilateral face of a hexahedron is the bilinear one: the mean of its two pairs of triangles. In
+the plane a triangle is an edge and the unit normal, which stands as a corner of its own: one
+formula serves all cells. This is the plain NumPy form; `msvalidate.kernels` holds the compiled one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import permutations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem.checks import coordinates, finite, instance, integers
+
+_HEXAHEDRON = (
+    (0, 3, 2, 1),
+    (4, 5, 6, 7),
+    (0, 1, 5, 4),
+    (1, 2, 6, 5),
+    (2, 3, 7, 6),
+    (0, 4, 7, 3),
+)
+
+
+def _around(corners: int) -> Index:
+    """Edges of a plane cell, each with the normal, which comes after the corners."""
+    return np.array([(i, (i + 1) % corners, corners) for i in range(corners)])
+
+
+SURFACES: dict[tuple[int, int], tuple[Index, float]] = {
+    (2, 3): (_around(3), 1 / 2),
+    (2, 4): (_around(4), 1 / 2),
+    (3, 4): (np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]), 1 / 6),
+    (3, 8): (
+        np.array(
+            [t for a, b, c, d in _HEXAHEDRON for t in ((a, b, c), (a, c, d), (a, b, d), (b, c, d))]
+        ),
+        1 / 12,
+    ),
+}
+"""(axes, corners) of a cell in VTK order -> triangles (t, 3) seen from outside, and the part of
+each determinant that counts. In the plane the third corner is the normal."""
+
+
+LARGEST = 1e300
+"""Stiffness (N/m) of cells that may meet at a point: sums of it then stay finite."""
+
+
+@dataclass(frozen=True, eq=False)
+class Volumes:
+    """Cells of a network that resist a change of volume. Arrays are made read-only.
+
+    Parameters
+    ----------
+    points
+        (n, d) reference positions (m) of the network's points.
+    cells
+        (c, 3 or 4) corners of triangles or quadrilaterals, counter-clockwise, or (c, 4 or 8) of
+        tetrahedra or hexahedra, in VTK order.
+    stiffness
+        (c,) κ: N/m in the plane, thickness included, Pa in space. Below zero where the solid's
+        Poisson's ratio is lower than its springs'.
+
+    Raises
+    ------
+    ProblemError
+        Naming the array and its first bad entry, or the cell that has no volume or less.
+    """
+
+    points: Array
+    cells: Index
+    stiffness: Array
+
+    def __post_init__(self) -> None:
+        points, kappa = coordinates("points", self.points), finite("stiffness", self.stiffness)
+        cells = integers("cells", self.cells)
+        n, d = points.shape if points.ndim == 2 else (0, 0)
+        if cells.ndim != 2 or (d, cells.shape[1]) not in SURFACES or not len(cells):
+            raise ProblemError(
+                f"cells: {cells.shape} of points {points.shape}; give triangles or quadrilaterals "
+                "of points (n, 2), or tetrahedra or hexahedra of points (n, 3)"
+            )
+        bad = np.flatnonzero((cells < 0).any(axis=1) | (cells >= n).any(axis=1))
+        if len(bad):
+            raise ProblemError(f"cells: {cells[bad[0]]} at index {bad[0]}; there are {n} points")
+        if kappa.shape != (len(cells),):
+            raise ProblemError(
+                f"stiffness of volumes: shape {kappa.shape}; these cells need ({len(cells)},)"
+            )
+        for name, value in (("points", points), ("cells", cells), ("stiffness", kappa)):
+            object.__setattr__(self, name, value)
+            value.setflags(write=False)
+        small = self.rest_volume <= 1e-12 * np.ptp(points[cells], axis=1).max(axis=1) ** d
+        if small.any():
+            cell = int(np.flatnonzero(small)[0])
+            raise ProblemError(
+                f"cells: cell {cell} has volume {self.rest_volume[cell]:g}; list its corners "
+                "counter-clockwise, in space in VTK order"
+            )
+        with np.errstate(over="ignore"):
+            met = stiffness_met(self)
+        if not (met <= LARGEST).all():
+            raise ProblemError(
+                f"stiffness of volumes: {np.abs(met).max():g} N/m meet at a point; choose units "
+                f"that leave it below {LARGEST:g}"
+            )
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return int(self.points.shape[1])
+
+    @property
+    def surface(self) -> tuple[Index, float]:
+        """Triangles (t, 3) of a cell's surface, and the part of each determinant that counts."""
+        return SURFACES[self.dim, self.cells.shape[1]]
+
+    @cached_property
+    def rest_volume(self) -> Array:
+        """V0 (c,) in m² or m³."""
+        V0 = _volume(self, self.points)
+        V0.setflags(write=False)
+        return V0
+
+
+def cell_volumes(points: ArrayLike, cells: ArrayLike) -> Array:
+    """Volumes (c,) in m³, in the plane areas in m², of cells as in `Volumes`.
+
+    Raises
+    ------
+    ProblemError
+        As for `Volumes`.
+    """
+    t = integers("cells", cells)
+    return Volumes(coordinates("points", points), t, np.zeros(t.shape[:1])).rest_volume
+
+
+def growth(volumes: Volumes, displacement: Array, *, linear: bool = False) -> Array:
+    """V/V0 - 1 (c,) of the cells under a displacement (n, d) in m, or what is linear in it."""
+    u = _fitting("displacement", volumes, displacement)
+    if not linear:
+        return _dilatation(volumes, volumes.points + u)
+    slope = _gradient(volumes, volumes.points)
+    change = np.einsum("cka,cka->c", slope, u[volumes.cells])
+    return np.asarray(change / volumes.rest_volume)
+
+
+def energy(volumes: Volumes, position: Array) -> float:
+    """Energy (J) that the cells store at `position` (n, d) in m."""
+    j = _dilatation(volumes, position)
+    return float(0.5 * (volumes.stiffness * volumes.rest_volume) @ j**2)
+
+
+def force(volumes: Volumes, position: Array) -> Array:
+    """Force (n, d) in N of the cells on the points at `position` (n, d) in m."""
+    pull = _pull(volumes, position)
+    out = np.zeros(position.shape)
+    for axis in range(volumes.dim):
+        weights = pull[:, :, axis].ravel()
+        out[:, axis] = np.bincount(volumes.cells.ravel(), weights, len(position))
+    return out
+
+
+def force_met(volumes: Volumes, position: Array) -> Array:
+    """Sum (n,) of the magnitudes of the forces (N) that cells exert on each point."""
+    size = np.linalg.norm(_pull(volumes, position), axis=2)
+    return np.asarray(np.bincount(volumes.cells.ravel(), size.ravel(), len(position)), dtype=float)
+
+
+def stiffness_met(volumes: Volumes) -> Array:
+    """Sum (n,) of |κ| |∂V/∂x|²/V0 (N/m) at each point: what its cells resist its own moves with."""
+    g = _gradient(volumes, volumes.points)
+    root = np.sqrt(np.abs(volumes.stiffness)) / np.sqrt(volumes.rest_volume)
+    own = ((root[:, None, None] * g) ** 2).sum(axis=2)
+    return np.asarray(
+        np.bincount(volumes.cells.ravel(), own.ravel(), len(volumes.points)), dtype=float
+    )
+
+
+def roundoff_met(volumes: Volumes, reach: float) -> Array:
+    """Sum (n,) of the forces (N) of a cell whose corners move by `reach` (m) and its own size.
+
+    An eps of it is the rounding of a force: see `residual.force_roundoff`.
+    """
+    size = np.linalg.norm(_gradient(volumes, volumes.points), axis=2)
+    V0 = volumes.rest_volume
+    j = size.sum(axis=1) * (reach + V0 ** (1 / volumes.dim)) / V0
+    met = (np.abs(volumes.stiffness) * j)[:, None] * size
+    return np.asarray(
+        np.bincount(volumes.cells.ravel(), met.ravel(), len(volumes.points)), dtype=float
+    )
+
+
+def tangent(volumes: Volumes, position: Array) -> csr_array:
+    """Tangent stiffness (n·d, n·d) in N/m, row n·d of point-major components.
+
+    A cell's block is (κ/V0) g gᵀ + κ (V/V0 - 1) H, with V's gradient g and its second derivatives.
+    """
+    c, corners = volumes.cells.shape
+    d, size = volumes.dim, corners * volumes.dim
+    kappa, j = volumes.stiffness, _dilatation(volumes, position)
+    g = _gradient(volumes, position).reshape(c, size)
+    block = (kappa / volumes.rest_volume)[:, None, None] * g[:, :, None] * g[:, None, :]
+    if j.any():
+        block += (kappa * j)[:, None, None] * _second(volumes, position).reshape(c, size, size)
+    dof = (volumes.cells[:, :, None] * d + np.arange(d)).reshape(c, size)
+    row = np.broadcast_to(dof[:, :, None], block.shape).ravel()
+    column = np.broadcast_to(dof[:, None, :], block.shape).ravel()
+    return csr_array((block.ravel(), (row, column)), shape=(position.size, position.size))
+
+
+def mode_energy(volumes: Volumes, position: Array, motion: Array) -> float:
+    """Twice the energy (J) of a small motion (n, d) in m from `position`: motionᵀ K motion.
+
+    Cells within 1e-12 of their rest volume count as unstressed, as springs do.
+    """
+    j = _dilatation(volumes, position)
+    w = _fitting("motion", volumes, motion)[volumes.cells]
+    change = (_gradient(volumes, position) * w).sum(axis=(1, 2))
+    j[np.abs(j) < 1e-12] = 0.0
+    stretched = volumes.stiffness / volumes.rest_volume @ change**2
+    if not j.any():
+        return float(stretched)
+    bent = np.einsum("cia,ciajb,cjb->c", w, _second(volumes, position), w)
+    return float(stretched + (volumes.stiffness * j) @ bent)
+
+
+def _fitting(name: str, volumes: Volumes, values: Array) -> Array:
+    """Values (n, d) of the network's points, refused unless there is one for each."""
+    instance("volumes", volumes, Volumes)
+    given = finite(name, values)
+    if given.shape != volumes.points.shape:
+        raise ProblemError(f"{name}: shape {given.shape}; give an array {volumes.points.shape}")
+    return given
+
+
+def _padded(volumes: Volumes, values: Array, normal: float) -> Array:
+    """Values (n, d) at the corners (c, k, 3), from the first of each on; the normal as one more.
+
+    From the first corner on: differences keep the digits that far-away coordinates have lost.
+    """
+    c, k = volumes.cells.shape
+    local = values[volumes.cells] - values[volumes.cells[:, :1]]
+    if volumes.dim == 3:
+        return local
+    padded = np.zeros((c, k + 1, 3))
+    padded[:, :k, :2] = local
+    padded[:, k, 2] = normal
+    return padded
+
+
+def _volume(volumes: Volumes, position: Array) -> Array:
+    x = _padded(volumes, position, 1.0)
+    triangles, part = volumes.surface
+    a, b, c = (x[:, corner] for corner in triangles.T)
+    return np.asarray(part * (a * np.cross(b, c)).sum(axis=(1, 2)))
+
+
+def _dilatation(volumes: Volumes, position: Array) -> Array:
+    """V/V0 - 1 (c,) from the moves of the corners, without the digits that V and V0 share."""
+    X = _padded(volumes, volumes.points, 1.0)
+    u = _padded(volumes, _fitting("position", volumes, position) - volumes.points, 0.0)
+    x = X + u
+    triangles, part = volumes.surface
+    p, q, r = triangles.T
+    # det(x, y, z) - det(X, Y, Z), one column moved after the other.
+    change = u[:, p] * np.cross(x[:, q], x[:, r])
+    change += X[:, p] * (np.cross(u[:, q], x[:, r]) + np.cross(X[:, q], u[:, r]))
+    return np.asarray(part * change.sum(axis=(1, 2)) / volumes.rest_volume)
+
+
+def _gradient(volumes: Volumes, position: Array) -> Array:
+    """∂V/∂x (c, corners, d) in m or m²."""
+    x = _padded(volumes, position, 1.0)
+    triangles, part = volumes.surface
+    g = np.zeros(x.shape)
+    for p, q, r in triangles:
+        g[:, p] += np.cross(x[:, q], x[:, r])
+        g[:, q] += np.cross(x[:, r], x[:, p])
+        g[:, r] += np.cross(x[:, p], x[:, q])
+    return np.asarray(part * g[:, : volumes.cells.shape[1], : volumes.dim])
+
+
+def _pull(volumes: Volumes, position: Array) -> Array:
+    """Force (c, corners, d) in N of each cell on its corners."""
+    pressure = volumes.stiffness * _dilatation(volumes, position)
+    return np.asarray(-pressure[:, None, None] * _gradient(volumes, position))
+
+
+def _second(volumes: Volumes, position: Array) -> Array:
+    """∂²V/∂x∂x (c, corners, d, corners, d): ∂²det/∂p_a∂q_b = ε_abc r_c, and so on round."""
+    x = _padded(volumes, position, 1.0)
+    triangles, part = volumes.surface
+    epsilon = np.zeros((3, 3, 3))
+    for order in permutations(range(3)):
+        epsilon[order] = np.linalg.det(np.eye(3)[list(order)])
+    across = np.einsum("abc,mkc->mkab", epsilon, x)
+    c, k = x.shape[:2]
+    H = np.zeros((c, k, 3, k, 3))
+    for p, q, r in triangles:
+        for first, second, third in ((p, q, r), (q, r, p), (r, p, q)):
+            H[:, first, :, second] += across[:, third]
+            H[:, second, :, first] += across[:, third].transpose(0, 2, 1)
+    corners, d = volumes.cells.shape[1], volumes.dim
+    return np.asarray(part * H[:, :corners, :d, :corners, :d])

@@ -1,0 +1,60 @@
+"""What a residual force is measured by: the forces that meet at a point, and rounding."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from msvalidate.network import Network, stretched
+from msvalidate.network.laws import local_shear
+from msvalidate.network.laws import volumes as cells
+from msvalidate.problem import Array, SolverError
+from msvalidate.problem.checks import instance
+
+
+def force_scale(network: Network, position: Array) -> float:
+    """Largest sum of force magnitudes (N) that meet at a free point: the measure of a residual.
+
+    Springs between points that are held take no part in any balance and do not count.
+
+    Raises
+    ------
+    SolverError
+        If the forces are beyond all numbers: any residual would be small beside them.
+    """
+    _, length = stretched(network, position)
+    with np.errstate(over="ignore", invalid="ignore"):  # refused below
+        tension = np.abs(network.stiffness * (length - network.rest_length))
+        met = np.linalg.norm(network.force, axis=1)
+        for end in (0, 1):
+            met = met + np.bincount(network.springs[:, end], tension, len(position))
+        if network.volumes:
+            met = met + cells.force_met(network.volumes, position)
+        if network.shear:
+            met = met + local_shear.force_met(network.shear, position)
+    scale = float(met[~network.held.all(axis=1)].max(initial=0.0))
+    if not math.isfinite(scale):
+        raise SolverError(
+            "network: forces beyond all numbers meet at a point; choose units that give ordinary "
+            "forces, or reduce the load"
+        )
+    return scale
+
+
+def force_roundoff(network: Network, reach: float | None = None) -> Array:
+    """Force (n, 1) in N below which the residual at a point is rounding.
+
+    An eps of lengths and of what is added to them, times the springs that meet there. `reach` (m)
+    is the largest number added: by default a coordinate; where displacements are kept apart from
+    reference positions, a displacement.
+    """
+    instance("network", network, Network)
+    reach = float(np.abs(network.points).max()) if reach is None else reach
+    pull = network.stiffness * (reach + network.rest_length)
+    met = 1.0 * np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
+    if network.volumes:
+        met = met + cells.roundoff_met(network.volumes, reach)
+    if network.shear:
+        met = met + local_shear.roundoff_met(network.shear, reach)
+    return np.asarray(np.finfo(float).eps * met)[:, None]

@@ -1,0 +1,1 @@
+"""What a run leaves: results as files, the baseline, pages and figures."""

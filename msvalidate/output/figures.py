@@ -1,0 +1,165 @@
+"""How figures look. No global plotting state: figures are made without pyplot."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterator
+from itertools import combinations, product
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter, LogLocator, MaxNLocator, NullLocator
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+from msvalidate.problem import Array, Index
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+"""Told apart by colour-blind readers (Okabe and Ito 2008, Color Universal Design)."""
+FEW_DECADES = 2.5
+WIDE_LABELS = 1e5
+"""Numbers whose labels collide below an axis, where 50000 is followed by 100000."""
+MARKERS = ("o", "s", "^", "D", "v", "P")
+STYLE: dict[Any, Any] = {
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "font.size": 9,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 4.5,
+    "savefig.dpi": 160,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "msvalidate",
+}
+"""Of every figure; part of no figure's meaning."""
+
+
+@contextlib.contextmanager
+def styled() -> Iterator[None]:
+    """Draw and save as `STYLE` says, whatever the user's own settings of the library are."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(STYLE)
+        yield
+
+
+def new(
+    columns: int = 1, rows: int = 1, size: tuple[float, float] = (3.4, 3.0), **kwargs: Any
+) -> tuple[Figure, list[Axes]]:
+    """Figure and flat list of its axes, each of `size` inches; `kwargs` go to ``subplots``."""
+    figure = Figure(figsize=(size[0] * columns, size[1] * rows), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, **kwargs)
+    return figure, list(axes.ravel())
+
+
+def plain_logarithms(figure: Figure) -> None:
+    """Label logarithmic axes 1e-06, and at 1, 2 and 5 where few decades show; no ticks between.
+
+    Powers set as mathematics and a tick for every digit take a third of the time of a figure. Ticks
+    and labels that a figure has chosen for itself stay.
+    """
+    for axes in figure.axes:
+        for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+            if axis.get_scale() != "log":
+                continue
+            if isinstance(axis.get_major_formatter(), LogFormatter):
+                axis.set_major_formatter(lambda value, _: f"{value:g}")
+            if isinstance(axis.get_major_locator(), LogLocator):
+                few = abs(math.log10(high / low)) < FEW_DECADES
+                wide = axis is axes.xaxis and max(high, low) >= WIDE_LABELS
+                subs = ((1.0, 3.0) if wide else (1.0, 2.0, 5.0)) if few else (1.0,)
+                axis.set_major_locator(LogLocator(subs=subs, numticks=12))
+            axis.set_minor_locator(NullLocator())
+
+
+def shared_legend(figure: Figure, axes: list[Axes], columns: int = 4) -> None:
+    """One legend below all axes, each label once."""
+    entries: dict[str, Any] = {}
+    for axis in axes:
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    figure.legend(
+        handles=list(entries.values()),
+        labels=list(entries),
+        loc="outside lower center",
+        ncols=min(columns, len(entries)),
+    )
+
+
+def solid_axes(columns: int, size: tuple[float, float]) -> tuple[Figure, list[Any]]:
+    """Figure and its axes in space, y upwards, each of `size` inches."""
+    figure = Figure(figsize=(size[0] * columns, size[1]), layout="constrained")
+    axes = [figure.add_subplot(1, columns, i + 1, projection="3d") for i in range(columns)]
+    for axis in axes:
+        axis.set_proj_type("ortho")
+        axis.view_init(elev=22, azim=-58)
+        axis.computed_zorder = False  # what is drawn later stands in front
+        axis.set_xlabel("x (m)")
+        axis.set_ylabel("z (m)")
+        axis.set_zlabel("y (m)")
+    return figure, axes
+
+
+def draw_solid(axis: Any, points: Array, moved: Array, value: Array, norm: Any) -> Any:
+    """Deformed surface of a box, its faces coloured by the mean of a value at their corners.
+
+    True proportions; the undeformed box stands in grey lines in front. Returned is what a colour
+    bar belongs to.
+
+    Parameters
+    ----------
+    axis
+        One of `solid_axes`.
+    points, moved, value
+        (n, 3) in m, the points of a grid's surface (others do no harm), where they are drawn, and
+        (n,).
+    norm
+        Colours of the values, as matplotlib's ``Normalize``.
+    """
+    upwards = [0, 2, 1]  # the library draws its third axis upwards
+    faces = box_faces(points)
+    surface = Poly3DCollection(
+        moved[faces][..., upwards], cmap="viridis", norm=norm, edgecolor="white", linewidth=0.25
+    )
+    surface.set_array(value[faces].mean(axis=1))
+    low, high = points.min(axis=0), points.max(axis=0)
+    corners = [np.array(corner) for corner in product(*zip(low, high, strict=True))]
+    hidden = np.array([low[0], low[1], high[2]])  # the corner farthest from the viewer
+    ends = [
+        np.array([a, b])[:, upwards]
+        for a, b in combinations(corners, 2)
+        if (a != b).sum() == 1 and (a != hidden).any() and (b != hidden).any()
+    ]
+    axis.add_collection3d(surface)
+    axis.add_collection3d(Line3DCollection(ends, colors="#666666", linewidths=0.9))
+    everything = np.vstack([points, moved])[:, upwards]
+    limits = np.column_stack([everything.min(axis=0), everything.max(axis=0)])
+    axis.set(xlim=limits[0], ylim=limits[1], zlim=limits[2])
+    size = np.ptp(limits, axis=1)
+    axis.set_box_aspect(size, zoom=0.9)  # leaves room for labels
+    for scale, part in zip((axis.xaxis, axis.yaxis, axis.zaxis), size / size.max(), strict=True):
+        scale.set_major_locator(MaxNLocator(max(1, round(4 * part)), steps=[1, 2, 5, 10]))
+        scale.set_tick_params(labelsize=7, pad=0)
+        scale.labelpad = 3
+    return surface
+
+
+def box_faces(points: Array) -> Index:
+    """Corners (f, 4), in order round each, of all grid faces on the surface of a box of points."""
+    faces = []
+    for axis in range(3):
+        across = [other for other in range(3) if other != axis]
+        for end in (points[:, axis].min(), points[:, axis].max()):
+            there = np.flatnonzero(np.isclose(points[:, axis], end))
+            first, second = np.round(points[there][:, across], 9).T
+            grid = there[np.lexsort([first, second])].reshape(len(np.unique(second)), -1)
+            ring = (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])
+            faces.append(np.column_stack([corner.ravel() for corner in ring]))
+    return np.concatenate(faces)

@@ -1,0 +1,50 @@
+"""Judgements as a JUnit file, which CI servers show: one test case a judged quantity."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any
+from xml.etree import ElementTree as ET
+
+from msvalidate.output.stored import Stored
+
+
+def junit(studies: Sequence[Stored]) -> bytes:
+    """A test suite a study; a study that did not finish is an error, a missed limit a failure."""
+    root = ET.Element("testsuites", name="msvalidate")
+    for study in studies:
+        rows = [] if study.error else study.verdict.to_dict("records")
+        failed = sum(row["verdict"] != "pass" for row in rows)
+        suite = ET.SubElement(
+            root,
+            "testsuite",
+            name=study.name,
+            tests=str(len(rows) or 1),
+            failures=str(failed),
+            errors=str(int(bool(study.error))),
+            time=f"{study.seconds:.3f}",
+        )
+        for row in rows:
+            case = ET.SubElement(
+                suite, "testcase", classname=f"{study.name}.{row['layer']}", name=row["quantity"]
+            )
+            if row["verdict"] != "pass":
+                ET.SubElement(case, "failure", message=line(row)).text = printable(row["because"])
+        if study.error:
+            case = ET.SubElement(suite, "testcase", classname=study.name, name="study finished")
+            ET.SubElement(case, "error", message=printable(study.error))
+    ET.indent(root)
+    return b'<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root) + b"\n"
+
+
+def printable(text: str) -> str:
+    """Text with nothing in it that XML forbids or a terminal obeys."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def line(row: Mapping[Hashable, Any]) -> str:
+    """What failed, in one line: value, reference, error and limit."""
+    return (
+        f"{row['quantity']}: observed {row['observed']:.9g}, reference {row['reference']:.9g}, "
+        f"error {row['error']:.3g} > limit {row['limit']:.3g} {row['unit']}"
+    )

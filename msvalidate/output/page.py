@@ -1,0 +1,352 @@
+"""The page of all results, made from what the studies left. Returns text, writes nothing.
+
+The page is one HTML text that loads nothing and runs nothing: styles and pictures are inside it.
+What a study says reaches the template as plain text and is escaped there; nothing is marked safe.
+"""
+
+from __future__ import annotations
+
+import base64
+import inspect
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from msvalidate.output.stored import NUMBERS, Stored
+
+ROWS_SHOWN = 40
+"""Longer tables are shown by their first rows; the CSV has them all."""
+LAYERS = {
+    "theory": "formulas, orders, identities and the reference's own accuracy",
+    "agreement": "a band between springs and elasticity",
+    "regression": "a limit set from a measurement: notices a change, proves nothing",
+    "baseline": "the values of the committed tables",
+}
+"""Layer of judgement -> what it holds values to, in the order of the page."""
+SUMMARISED = "baseline"
+"""Of this layer, only what failed is listed: it holds every number of every table."""
+TABLES_FIRST = ("summary", "cases")
+"""Tables that a reader wants first: above the others, and open."""
+WIDE = 460.0
+"""Width (pt) beyond which a picture is not shrunk to a phone's screen but scrolls there."""
+MANY_COLUMNS = 10
+"""Tables with more columns are printed on pages that lie on their side."""
+LONG = 28
+"""Characters beyond which a cell is prose, which needs some width to be readable."""
+PASS, FAIL, NOT_FINISHED = "pass", "FAIL", "not finished"
+
+_NUMBER = re.compile(r"[+-]?(?P<digits>\d+\.?\d*|\.\d+)(?P<power>[eE][+-]?\d+)?")
+_CODE = re.compile(r"``(.+?)``|`([^`]+)`")
+_WIDTH = re.compile(rb"<svg\b[^>]*?\swidth=\"([0-9.]+)(?:pt)?\"")
+
+
+@dataclass(frozen=True)
+class Block:
+    """A paragraph, which has one item, or a list."""
+
+    items: tuple[str, ...]
+    listed: bool
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A row of a verdict as it is shown."""
+
+    study: str
+    layer: str
+    status: str
+    quantity: str
+    observed: str
+    reference: str
+    error: str
+    limit: str
+    unit: str
+    because: str
+
+
+@dataclass(frozen=True)
+class Layer:
+    """The judgements of one layer, and which of them are listed."""
+
+    name: str
+    meaning: str
+    judged: int
+    missed: int
+    listed: tuple[Judgement, ...]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column's name and meaning, and how its cells are set."""
+
+    name: str
+    meaning: str
+    kind: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """The first rows of a table."""
+
+    name: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[str, ...], ...]
+    length: int
+    open: bool
+
+    @property
+    def wide(self) -> bool:
+        """Whether it needs a page on its side in print."""
+        return len(self.columns) > MANY_COLUMNS
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture inside the page."""
+
+    caption: str
+    source: str
+    wide: bool
+
+
+@dataclass(frozen=True)
+class Section:
+    """A study as the page shows it."""
+
+    name: str
+    anchor: str
+    status: str
+    question: str
+    about: tuple[Block, ...]
+    error: str
+    findings: tuple[str, ...]
+    pictures: tuple[Picture, ...]
+    tables: tuple[Table, ...]
+    layers: tuple[Layer, ...]
+    failed: tuple[Judgement, ...]
+    origin: Mapping[str, str]
+    seconds: float
+
+    @property
+    def judged(self) -> int:
+        """How many quantities were judged."""
+        return sum(layer.judged for layer in self.layers)
+
+    @property
+    def missed(self) -> int:
+        """How many of them failed."""
+        return sum(layer.missed for layer in self.layers)
+
+
+def page(studies: Sequence[Stored]) -> str:
+    """The page of all studies, in their order: HTML, complete in itself."""
+    environment = Environment(
+        loader=PackageLoader("msvalidate.output"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["pieces"] = pieces
+    sections = [section(study) for study in studies]
+    status, sentence = overall(sections)
+    common, own = origins(sections)
+    return environment.get_template("report.html").render(
+        status=status,
+        sentence=sentence,
+        sections=sections,
+        # An unfinished study's rows are of the run before: they say nothing about this one.
+        failed=[row for s in sections if not s.error for row in s.failed],
+        unjudged=[s for s in sections if s.error or not s.judged],
+        layers=LAYERS,
+        summarised=SUMMARISED,
+        common=common,
+        own=own,
+    )
+
+
+def section(study: Stored) -> Section:
+    """A study as the page shows it."""
+    question, _, rest = inspect.cleandoc(study.question).partition("\n")
+    rows = judgements(study)
+    return Section(
+        name=study.name,
+        anchor="study-" + re.sub(r"[^\w-]+", "-", study.name),
+        status=NOT_FINISHED if study.error else PASS if study.held else FAIL,
+        question=question or study.name,
+        about=blocks(rest),
+        error=study.error,
+        findings=study.findings,
+        pictures=tuple(picture(*found) for found in study.pictures.values()),
+        tables=tables(study),
+        layers=tuple(layer(name, rows) for name in layer_names(rows)),
+        failed=tuple(row for row in rows if row.status != PASS),
+        origin=study.origin,
+        seconds=study.seconds,
+    )
+
+
+def overall(sections: Sequence[Section]) -> tuple[str, str]:
+    """Verdict on all studies, and the sentence that says why."""
+    finished = [s for s in sections if not s.error]
+    judged, missed = sum(s.judged for s in finished), sum(s.missed for s in finished)
+    said = []
+    if missed:
+        said.append(f"{missed} of {plural(judged, 'tolerance')} missed")
+    elif judged:
+        all_of = f"all {judged} tolerances" if judged > 1 else "the one tolerance"
+        said.append(f"{all_of} of {plural(len(finished), 'study')} held")
+    silent, stopped = [s for s in finished if not s.judged], [s for s in sections if s.error]
+    for words, those in (("judged nothing", silent), ("did not finish", stopped)):
+        if those:
+            said.append(f"{words}: {', '.join(s.name for s in those)}")
+    sentence = "; ".join(said) or "no study has been run"
+    states = {s.status for s in sections} or {NOT_FINISHED}
+    status = next(word for word in (FAIL, NOT_FINISHED, PASS) if word in states)
+    return status, f"{sentence[0].upper()}{sentence[1:]}."
+
+
+def plural(count: int, noun: str) -> str:
+    """A count and its noun: 1 study, 2 studies."""
+    if count == 1:
+        return f"1 {noun}"
+    return f"{count} {noun[:-1]}ies" if noun.endswith("y") else f"{count} {noun}s"
+
+
+def origins(sections: Sequence[Section]) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
+    """What the studies' provenance has in common, and study -> what only it says."""
+    every = [s.origin for s in sections]
+    common = {
+        label: value
+        for label, value in (every[0] if every else {}).items()
+        if all(origin.get(label) == value for origin in every)
+    }
+    own = {s.name: {k: v for k, v in s.origin.items() if k not in common} for s in sections}
+    return common, {name: origin for name, origin in own.items() if origin}
+
+
+def judgements(study: Stored) -> list[Judgement]:
+    """The rows of a verdict, numbers with six digits."""
+    found = []
+    for row in study.verdict.to_dict("records"):
+        said = {str(key): value for key, value in row.items()}
+        words = {k: str(said.get(k, "")) for k in ("layer", "quantity", "unit", "because")}
+        numbers = {k: number(float(said[k])) for k in NUMBERS}
+        status = PASS if said["verdict"] == "pass" else FAIL
+        found.append(Judgement(study=study.name, status=status, **words, **numbers))
+    return found
+
+
+def layer_names(rows: Sequence[Judgement]) -> list[str]:
+    """All known layers, and any other that a row names: no row is left out."""
+    return list(dict.fromkeys([*LAYERS, *(row.layer for row in rows)]))
+
+
+def layer(name: str, rows: Sequence[Judgement]) -> Layer:
+    """The rows of one layer."""
+    inside = tuple(row for row in rows if row.layer == name)
+    missed = tuple(row for row in inside if row.status != PASS)
+    listed = missed if name == SUMMARISED else inside
+    return Layer(name, LAYERS.get(name, ""), len(inside), len(missed), listed)
+
+
+def tables(study: Stored) -> tuple[Table, ...]:
+    """A study's tables, those first that a reader wants first."""
+    names = sorted(study.tables, key=lambda name: name not in TABLES_FIRST)
+    return tuple(table(name, study.tables[name], study.columns) for name in names)
+
+
+def table(name: str, content: pd.DataFrame, meanings: Mapping[str, str]) -> Table:
+    """The first rows of a table, its numbers with six digits."""
+    texts = {column: [str(value) for value in content[column]] for column in content}
+    kept = [shown(values)[:ROWS_SHOWN] for values in texts.values()]
+    return Table(
+        name=name,
+        columns=tuple(
+            Column(str(column), meanings.get(str(column), ""), kind(values))
+            for column, values in texts.items()
+        ),
+        rows=tuple(zip(*kept, strict=True)),
+        length=len(content),
+        open=name in TABLES_FIRST,
+    )
+
+
+def kind(values: Sequence[str]) -> str:
+    """How a column is set: "number", "word" or "prose"; a number among words makes it numbers."""
+    if any(_NUMBER.fullmatch(value) for value in values):
+        return "number"
+    return "prose" if any(len(value) > LONG for value in values) else "word"
+
+
+def shown(values: Sequence[str]) -> list[str]:
+    """A column's values with six digits.
+
+    If no value has more, they are left as they are: digits such as those of 0.2000 are meant.
+    """
+    if not any(_too_long(value) for value in values):
+        return list(values)
+    return [number(float(value)) if _is_decimal(value) else value for value in values]
+
+
+def number(value: float) -> str:
+    """A number with six digits; zero has no sign."""
+    return f"{value + 0.0:.6g}"
+
+
+def picture(caption: str, svg: bytes) -> Picture:
+    """A picture as a data address, and whether it is too wide for a phone."""
+    width = _WIDTH.search(svg)
+    source = "data:image/svg+xml;base64," + base64.b64encode(svg).decode("ascii")
+    return Picture(caption, source, bool(width and float(width[1]) > WIDE))
+
+
+def blocks(text: str) -> tuple[Block, ...]:
+    """Paragraphs and lists of a docstring. An item starts with "- " and runs to a blank line."""
+    found: list[Block] = []
+    for part in re.split(r"\n\s*\n", text.strip()):
+        plain, *items = re.split(r"(?:^|\n)\s*- ", part)
+        if plain.strip():
+            found.append(Block((_one_line(plain),), listed=False))
+        if items:
+            _extend_list(found, [_one_line(item) for item in items], goes_on=not plain.strip())
+    return tuple(found)
+
+
+def pieces(text: str) -> list[tuple[bool, str]]:
+    """A text cut at its backticks: (whether it is code, words)."""
+    found = []
+    end = 0
+    for match in _CODE.finditer(text):
+        found += [(False, text[end : match.start()]), (True, match[1] or match[2])]
+        end = match.end()
+    return [piece for piece in [*found, (False, text[end:])] if piece[1]]
+
+
+def _extend_list(found: list[Block], items: list[str], *, goes_on: bool) -> None:
+    """Add items to the list before them, if nothing but blank lines lies between."""
+    if goes_on and found and found[-1].listed:
+        items = [*found.pop().items, *items]
+    found.append(Block(tuple(items), listed=True))
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _is_decimal(value: str) -> bool:
+    """Whether it is a number that is not written as an integer: all digits of those are meant."""
+    found = _NUMBER.fullmatch(value)
+    return bool(found) and not value.lstrip("+-").isdigit()
+
+
+def _too_long(value: str) -> bool:
+    """Whether a decimal number has more than six digits."""
+    found = _NUMBER.fullmatch(value)
+    if found is None or not _is_decimal(value):
+        return False
+    return len(found["digits"].replace(".", "").lstrip("0")) > 6

@@ -1,0 +1,84 @@
+"""Where results come from: versions, commit, machine, seed, command, time.
+
+Names no host, no user and no path.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+from collections.abc import Sequence
+from datetime import datetime
+from importlib.metadata import version
+from pathlib import Path
+
+import msvalidate
+
+LIBRARIES = ("numpy", "scipy", "scikit-fem", "numba", "pandas", "matplotlib")
+
+
+def provenance(
+    command: Sequence[str], seed: int, started: datetime, seconds: float
+) -> dict[str, str]:
+    """Label -> value, in the order in which a report shows them.
+
+    Parameters
+    ----------
+    command
+        What was run, in words.
+    seed
+        Where random numbers start.
+    started, seconds
+        When the study began, and how long it alone took (s).
+    """
+    libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    return {
+        "msvalidate": f"{msvalidate.__version__}, commit {commit()}",
+        "Python": f"{platform.python_implementation()} {platform.python_version()}",
+        "libraries": libraries,
+        "processor": f"{processor()}, {cores()} cores available",
+        "system": f"{platform.system()} {platform.machine()}",
+        "seed": str(seed),
+        "command": " ".join(command),
+        "time": f"{started:%Y-%m-%d %H:%M} UTC, took {seconds:.1f} s",
+    }
+
+
+def commit() -> str:
+    """Commit of the checkout that this package runs from; "unknown" for an installed wheel."""
+    root = Path(msvalidate.__file__).resolve().parents[1]
+    if not (root / ".git").exists():
+        return "unknown (not a checkout)"
+    try:
+        ask = ["git", "-C", str(root)]
+        done = subprocess.run(
+            [*ask, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=True
+        )
+        changed = subprocess.run(
+            [*ask, "status", "--porcelain", "--untracked-files=no"],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown (git did not answer)"
+    return done.stdout.strip() + (" with uncommitted changes" if changed.stdout.strip() else "")
+
+
+def processor() -> str:
+    """Model name of the processor."""
+    try:
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

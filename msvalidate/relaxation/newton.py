@@ -1,0 +1,142 @@
+"""Newton's method at full load: tangents factorised, or inverted by multigrid.
+
+With multigrid a linear solve goes no further than the next tangent can use (Eisenstat and Walker),
+and one hierarchy serves all tangents, for as long as it serves them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import numpy as np
+
+from msvalidate.network import tangent_blocks
+from msvalidate.problem import Array, SolverError
+from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.run import Run
+from msvalidate.statics.tangents import LARGEST_TURN, largest_turn, refuse_mechanism, tangent_move
+from msvalidate.tangent.inverse import Solver
+from msvalidate.tangent.multigrid import Cycle, conjugate_gradients, cycle_of, restrain
+
+NEWTON_STEPS = 50
+"""Linear solves after which Newton's method is given up."""
+FIRST_PART = 1e-3
+"""Of the first load, left by its solve: a strain of 1e-3 is as far as its tangent is right."""
+LEAST_PART = 1e-9
+"""What no linear solve goes below: rounding, of which a stiff system has more than an eps."""
+ENOUGH = 0.2
+"""Part of the residual allowed at rest that the last solve leaves."""
+WORN = 2.0
+"""Times the cycles for each digit, over those of a new hierarchy, at which it is made anew."""
+_LESS = "reduce the load, or use equilibrium, which raises it in increments"
+
+Move = Callable[[Array, Array], Array]
+"""Move (n, d) in m that balances a load (n, d) in N, what is held moving as (n, d) says."""
+
+
+def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
+    """Newton's method at full load, shortened where a step would stretch or turn a spring far."""
+    run.most_steps = lambda: NEWTON_STEPS
+    network, move = run.network, mover(run)
+    run.displacement[:] = run.begun  # what is held goes along with the first steps
+    run.moved()
+    while True:
+        yield
+        ahead = network.displacement - run.displacement
+        step = move(run.balance(), ahead)
+        turn = largest_turn(network, run.position, step)
+        part = min(1.0, LARGEST_TURN / max(turn, 1e-300))
+        run.displacement += part * step
+        if part == 1:
+            run.displacement[network.held] = network.displacement[network.held]
+        run.moved(1, 1)
+
+
+def _direct(run: Run) -> Move:
+    solver = Solver(run.network, "direct")
+
+    def move(load: Array, ahead: Array) -> Array:
+        found, stable = tangent_move(run.network, run.position, load, ahead, solver)
+        if not stable:
+            raise SolverError(
+                f"{run.title}: the tangent has a negative mode at iteration {run.steps + 1}; "
+                f"{_LESS}"
+            )
+        return found
+
+    return move
+
+
+class _Multigrid:
+    """Moves of one run, and what they hand on: the hierarchy, and how far to solve."""
+
+    def __init__(self, run: Run) -> None:
+        self.run, self.free = run, ~run.network.held
+        self.residual = 0.0
+        self.usual = math.inf
+        self.cycle: Cycle | None = None
+
+    def __call__(self, load: Array, ahead: Array) -> Array:
+        run, x = self.run, self.run.position
+        K = tangent_blocks(run.network, x)
+        held = np.where(self.free, 0.0, ahead).ravel()
+        right = np.where(self.free, load - (K @ held).reshape(load.shape), 0.0).ravel()
+        restrain(K, self.free)
+        if self.cycle is None:
+            self.cycle = cycle_of(K, run.network, x)
+        part = self.needed(float(np.abs(right).max()))
+        if held.any():  # such a load stands in a few rows, and measures none that is spread
+            self.residual = 0.0
+        found = conjugate_gradients(K, right, self.cycle, part)
+        run.moved(0, found.cycles)
+        if not found.left <= part:
+            refuse_mechanism(run.network)
+        if found.negative:
+            raise SolverError(f"{run.title}: the tangent is not positive; {_LESS}")
+        if not found.left <= part:
+            raise SolverError(
+                f"{run.title}: residual {found.left:.1g} of the first after {found.cycles} cycles; "
+                f"{_LESS}"
+            )
+        self.look_after(found.cycles / max(-math.log10(part), 1.0))
+        run.cycle = self.cycle
+        return np.asarray(found.solution + held).reshape(load.shape)
+
+    def needed(self, residual: float) -> float:
+        """Part of a load, whose largest force (N) is given, that its solve may leave.
+
+        The square of what the last step left (choice 2 of Eisenstat and Walker, with γ = 1, α = 2),
+        but no less than rest asks for.
+        """
+        before, self.residual = self.residual, residual
+        if not before:
+            return FIRST_PART
+        allowed = max(self.run.tolerance * self.run.force_met(), self.run.rounding)
+        part = max((residual / before) ** 2, ENOUGH * allowed / max(residual, 1e-300))
+        return min(FIRST_PART, max(LEAST_PART, part))
+
+    def look_after(self, rate: float) -> None:
+        """Let a hierarchy go that takes too many cycles a digit for the tangents of now."""
+        if rate > WORN * self.usual:
+            self.cycle, self.usual = None, math.inf
+        else:
+            self.usual = min(self.usual, rate)
+
+
+NEWTON = Method(
+    "newton",
+    "Newton's method",
+    "Nocedal and Wright (2006), Numerical Optimization, section 11.1; factor by SuperLU",
+    partial(_newton, _direct),
+    look_every=1,
+)
+NEWTON_MULTIGRID = Method(
+    "newton_multigrid",
+    "Newton's method by multigrid",
+    "Vaněk, Mandel and Brezina (1996), Computing 56, 179; Eisenstat and Walker (1996), SIAM J. "
+    "Sci. Comput. 17, 16; Bell, Olson and Schroder (2022), PyAMG, J. Open Source Softw. 7, 4142",
+    partial(_newton, _Multigrid),
+    look_every=1,
+)

@@ -1,0 +1,244 @@
+"""Relaxation: the rest position found by letting the network move.
+
+A method is a generator that moves a `Run` step by step; `relax` looks at the run now and then, ends
+it at rest, and refuses one that diverges or does not arrive. Methods are in `viscous`, the report's
+Algorithm 1 among them, and in `relaxations`.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from tqdm import tqdm
+
+from msvalidate.network import Network
+from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
+from msvalidate.problem.checks import finite, instance, positive, shown, whole
+from msvalidate.relaxation.run import LOOK_EVERY, Relaxation, Run, largest, together
+from msvalidate.statics.equilibrium import Equilibrium, displacement_of, refuse_folded
+from msvalidate.statics.path import Path, Way, way_of
+from msvalidate.statics.polish import error_of
+from msvalidate.statics.tangents import is_stable
+
+STOPOVER = 1e-4
+"""Tolerance of rest at stops of a path: what is left there is a ten-thousandth of what a stop adds,
+and the next begins with it."""
+FEW_UNITS = 16.0
+"""Units of rounding of positions, of which a displacement is no motion."""
+BALANCED = 1e-6
+"""Part of a load that prestress may leave out of balance."""
+LOOSEST = 0.01
+"""Largest tolerance: above it a start under full load would soon count as rest."""
+
+Watch = Callable[[Run], bool]
+"""Shown the run at every look; True ends it there. It must not change the run."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to rest.
+
+    Parameters
+    ----------
+    name, title
+        Its name in tables, and in sentences.
+    source
+        The paper that it and its parameters come from.
+    walk
+        Moves a run for ever, from one `yield` to the next, each where a look may be taken: the
+        first before any step, the others at most `Run.block` steps on.
+    look_every
+        Steps between two looks, at the least.
+    """
+
+    name: str
+    title: str
+    source: str
+    walk: Callable[[Run], Iterator[None]]
+    look_every: int = LOOK_EVERY
+
+
+def relax(
+    network: Network,
+    method: Method,
+    *,
+    tolerance: float = 1e-10,
+    max_steps: int | None = None,
+    watch: Watch | None = None,
+    look_every: int | None = None,
+    frequencies: tuple[float, float] | None = None,
+    path: Path | None = None,
+    start: Equilibrium | Array | None = None,
+    allow_folded: bool = False,
+) -> Relaxation:
+    """Bring a network to rest by any method.
+
+    It starts at rest, with the prescribed displacements imposed at once: on what is held alone
+    where it moves little beside the springs there, else on all points, in between by the mean of
+    neighbours (`imposing`). Newton's method imposes them with its first steps.
+
+    Parameters
+    ----------
+    network
+        Its supports must hold every rigid motion.
+    method
+        One of `relaxations.RELAXATIONS`.
+    tolerance
+        The run ends when the largest residual force is below `tolerance` times the forces that
+        meet at a point, and the kinetic energy below `tolerance`² times the energy stored in the
+        springs; neither is asked to fall below rounding.
+    max_steps
+        By default 20 times what the slowest mode is predicted to need; a number of their own where
+        methods ask for no frequencies.
+    watch
+        Shown every look; it may end the run before rest.
+    look_every
+        Steps between two looks; by default the method's own, or more where the way is long.
+    frequencies
+        Lowest and highest natural frequency (rad/s), where they are known; else they are solved for
+        if the method asks for them.
+    path
+        As in `equilibrium`: at each stop it comes to rest, more loosely before the last. Steps,
+        looks and seconds are of all of them together; `max_steps` is for each.
+    start
+        An equilibrium or a displacement (n, d) in m from which it begins.
+    allow_folded
+        Whether cells may be flat or inside out at rest.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range, a rigid motion is free, or path or start do not fit.
+    SolverError
+        If the run diverges, is not at rest within `max_steps`, rests where it is unstable, with
+        cells that are folded, or where it is off by all of its displacement.
+    """
+    instance("network", network, Network)
+    instance("method", method, Method)
+    _refuse_ends(tolerance, max_steps, look_every, watch)
+    instance("allow_folded", allow_folded, bool)
+    refuse_free_motions("network", network.points, network.held)
+    begun = displacement_of(network, start)
+    stages = [network] if path is None else _stages(way_of(network, path, begun))
+    known, done = _known(frequencies), []
+    for stage in stages:
+        loose = tolerance if stage is network else max(tolerance, STOPOVER)
+        run = Run(stage, method.title, loose, known, begun)
+        if network.held.all():
+            found, at_ease = run.result([], 0.0), False
+        else:
+            with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
+                found, at_ease = _walked(run, method, (max_steps, look_every), watch)
+        done.append(found)
+        begun = found.equilibrium.displacement
+        if not at_ease:  # ended by its watcher
+            break
+    found = together(done)
+    if at_ease and not is_stable(network, found.equilibrium.position, run.cycle):
+        raise SolverError(
+            f"{method.title} came to rest after {found.steps} steps where the network is unstable "
+            "(some motion from there meets no stiffness, or less); disturb the symmetry or reduce "
+            "the load"
+        )
+    if not at_ease:
+        return found
+    if not allow_folded:
+        refuse_folded(network, found.equilibrium, f"{method.title} after {found.steps} steps")
+    error = error_of(network, found.equilibrium.displacement, run.cycle)
+    _refuse_lost(network, found, error, method.title)
+    return replace(found, equilibrium=replace(found.equilibrium, error=error))
+
+
+def _refuse_lost(network: Network, found: Relaxation, error: float, title: str) -> None:
+    """Raise `SolverError` where an error is as large as what moved, or a load moved nothing.
+
+    What its prestress balances where it lies need not move, so that nothing is said by an error
+    relative to that.
+    """
+    rest = found.equilibrium
+    load = largest(network.force[~network.held])
+    moved = largest(rest.displacement)
+    seen = moved > FEW_UNITS * np.finfo(float).eps * largest(network.points)
+    if error < 1 or not (seen or rest.residual > BALANCED * load):
+        return
+    off = f"{error:.2g} times its displacement" if math.isfinite(error) else "nobody knows how far"
+    raise SolverError(
+        f"{title} came to rest after {found.steps} steps, {rest.residual:.3g} N short of balance, "
+        f"where it is off by {off}: the load is no larger than what "
+        "rounding hides, or the body too slender; tighten tolerance, raise the load, or take "
+        "`equilibrium`"
+    )
+
+
+def _stages(way: Way) -> list[Network]:
+    """The networks with what is applied at each stop of a way."""
+    held = way.network.held
+    early = [
+        replace(way.network, force=way.force(t), displacement=np.where(held, way.moved(t), 0.0))
+        for t in way.stops[:-1]
+    ]
+    return [*early, way.network]
+
+
+def _refuse_ends(
+    tolerance: float, max_steps: int | None, look_every: int | None, watch: Watch | None
+) -> None:
+    """What ends a run, or looks at it, out of range."""
+    if positive("tolerance", tolerance) > LOOSEST:
+        raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
+    for name, steps in (("max_steps", max_steps), ("look_every", look_every)):
+        if steps is not None:
+            whole(name, steps, 1)
+    if not (watch is None or callable(watch)):
+        raise ProblemError(f"watch: {shown(watch)}; give a function of the run, or None")
+
+
+def _known(frequencies: tuple[float, float] | None) -> tuple[float, float] | None:
+    """Frequencies that a caller gives, checked."""
+    if frequencies is None:
+        return None
+    given = finite("natural frequencies", frequencies)
+    if given.shape != (2,) or not 0 < given[0] <= given[1]:
+        raise ProblemError(
+            f"natural frequencies: {shown(frequencies)}; give the lowest and the highest in rad/s, "
+            "above zero"
+        )
+    return float(given[0]), float(given[1])
+
+
+def _walked(
+    run: Run, method: Method, steps: tuple[int | None, int | None], watch: Watch | None
+) -> tuple[Relaxation, bool]:
+    """The run at its end, and whether that is rest."""
+    given, stride = steps
+    walk = method.walk(run)
+    next(walk)  # prepares
+    allowed = given or run.most_steps()
+    look_every = stride or max(method.look_every, run.look_every)
+    started = time.perf_counter()
+    looks = [run.look()]
+    with tqdm(
+        total=1.0,
+        desc=method.title,
+        delay=1.0,
+        disable=None,
+        leave=False,
+        bar_format="{desc}: {percentage:3.0f}% of the way to rest{postfix} [{elapsed}]",
+    ) as bar:
+        while True:
+            at_ease = run.resting(looks[-1])
+            enough = watch is not None and watch(run)
+            if at_ease or enough:
+                return run.result(looks, time.perf_counter() - started), at_ease
+            if run.steps >= allowed:
+                raise SolverError(run.unfinished(looks[-1]))
+            run.until = min(run.steps + look_every, allowed)
+            while run.block > 0:
+                next(walk)
+            looks.append(run.look())
+            if not bar.disable:
+                run.show(bar, looks)

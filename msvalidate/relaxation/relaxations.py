@@ -1,0 +1,239 @@
+"""Ways to rest, one generator each, with the papers that they and their numbers are from.
+
+Those that weigh points against each other use the network's own masses: in the coordinates √m·u
+they are what their papers write for equal masses.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from msvalidate import kernels
+from msvalidate.dynamics.integrators import LEAPFROG
+from msvalidate.network import tangent
+from msvalidate.problem import Array, SolverError
+from msvalidate.relaxation.newton import NEWTON, NEWTON_MULTIGRID
+from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.run import SAFETY, Run, largest, patiently
+from msvalidate.relaxation.viscous import ALGORITHM1, viscous
+
+# FIRE's numbers are the paper's.
+FIRE_DELAY = 5
+"""N_min: steps downhill before the time step grows."""
+FIRE_GROWTH, FIRE_CUT = 1.1, 0.5
+"""f_inc, f_dec: factors on the time step."""
+FIRE_MIX, FIRE_MIX_DECAY = 0.1, 0.99
+"""α_start, f_α: part of the velocity that is turned towards the force, and its decay."""
+FIRE_FIRST = 0.1
+"""First time step over the largest one."""
+FIRE_LARGEST = 1.0
+"""Largest time step times the highest frequency, which the paper leaves to its user. Near 2, the
+limit of stability, stiff modes hardly decay, and their uphill moves stop the slow ones."""
+STEPS_A_POINT = 50
+"""Adaptive relaxation's own estimate of its steps, over the points: √κ is at most of their number,
+but for beams of one row of cells."""
+STRONGEST = 1.9
+"""Adaptive damping in pseudo-time, whose critical value for the stiffest mode is 2."""
+SLOPE_LEFT = 0.5
+"""Part of the slope that a line search may leave: the second Wolfe condition. The first, a fall of
+the energy, is not asked for: near rest it is lost in rounding."""
+TRIALS = 40
+ROUNDED = 100
+"""Multiple of the rounding of forces at which a search that finds no better place has arrived."""
+
+
+def _kinetic_damping(run: Run) -> Iterator[None]:
+    """Undamped leapfrog; where the kinetic energy has passed a peak, all velocities are zeroed.
+
+    The restart is midway between the positions before and after the largest velocity, as in
+    Barnes. From a position of the steps themselves a mode of h·ω = √2, which two steps
+    take from one turning point to the other, would never decay.
+    """
+    _, highest = run.frequencies
+    run.limit = 2 / highest
+    run.dt = h = SAFETY * run.limit
+    run.look_seldom()
+    keep, push = np.ones(len(run.inertia)), np.full(len(run.inertia), h)
+    kinetic = 0.0
+    while True:
+        yield
+        still = kinetic == 0
+        done, energy, fell = run.motion.advance(
+            run.displacement,
+            run.velocity,
+            keep,
+            # From a standstill the first kick is half as long; a whole one diverges above √2/ω.
+            push / 2 if still else push,
+            h,
+            1 if still else run.block,
+            kinetic=kinetic,
+            to_peak=not still,
+        )
+        kinetic = energy
+        run.moved(done, done)
+        if fell:
+            run.displacement -= h * run.velocity
+            # The last kick undone gives the largest velocity; half a step back along it.
+            run.motion.advance(run.displacement, run.velocity, keep, -push, -0.5 * h, 1)
+            run.moved(0, 1)
+            run.velocity[:], kinetic = 0.0, 0.0
+
+
+def _fire(run: Run) -> Iterator[None]:
+    """Semi-implicit Euler steps, the velocity turned towards the force; uphill it is zeroed."""
+    _, highest = run.frequencies
+    run.limit = 2 / highest
+    run.dt = FIRE_LARGEST / highest
+    velocity, dt, mix, downhill = run.velocity, FIRE_FIRST * run.dt, FIRE_MIX, 0
+    acceleration, product = np.empty_like(velocity), np.empty_like(velocity)
+    while True:
+        yield
+        force = run.balance()
+        np.divide(force, run.inertia, out=acceleration)
+        power, turned = np.vdot(force, velocity), 0.0
+        if power > 0:
+            speed = np.vdot(np.multiply(run.inertia, velocity, out=product), velocity)
+            turned = mix * np.sqrt(speed / np.vdot(force, acceleration))
+            velocity *= 1 - mix
+            downhill += 1
+            if downhill > FIRE_DELAY:
+                dt, mix = min(FIRE_GROWTH * dt, run.dt), FIRE_MIX_DECAY * mix
+        elif velocity.any():
+            velocity[:], dt, mix, downhill = 0.0, FIRE_CUT * dt, FIRE_MIX, 0
+        acceleration *= turned + dt
+        velocity += acceleration
+        run.displacement += np.multiply(velocity, dt, out=product)
+        run.moved(1, 1)
+
+
+def _adaptive(run: Run) -> Iterator[None]:
+    """Pseudo-time of step 1, masses by Gershgorin's circles, damping by Rayleigh's quotient.
+
+    The local stiffness of a component is the change of its force over its last move; the quotient
+    of the displacement with it estimates the frequency of the motion that is left. No frequencies
+    are solved for: it is given up after the steps of a slender chain of as many points.
+    """
+    network = run.network
+    run.most_steps = partial(patiently, STEPS_A_POINT * len(network.points))
+    rows = abs(tangent(network, network.points)).sum(axis=1).reshape(network.points.shape)
+    run.inertia = np.where(rows > 0, rows, 1.0) / (2 * SAFETY) ** 2  # ω² ≤ Σ|K|/m = 4·SAFETY²
+    run.dt, run.limit = 1.0, 1 / SAFETY
+    last = np.zeros_like(run.velocity)
+    while True:
+        yield
+        acceleration = run.balance() / run.inertia
+        if run.steps:
+            damping = min(_critical(run, last - acceleration), STRONGEST)
+            run.velocity *= (2 - damping) / (2 + damping)
+            run.velocity += 2 / (2 + damping) * acceleration
+        else:
+            run.velocity += 0.5 * acceleration
+        last = acceleration
+        run.displacement += run.velocity
+        run.moved(1, 1)
+
+
+def _critical(run: Run, change: Array) -> float:
+    """Critical damping 2ω of the motion left, ω² from the change of acceleration over the move."""
+    moving = run.velocity != 0  # never so of what is held
+    local = np.divide(change, run.velocity, out=np.zeros_like(change), where=moving)
+    weight = run.inertia * run.displacement
+    weight *= run.displacement
+    stored = float(np.vdot(weight, local))
+    return 2 * math.sqrt(stored / float(np.vdot(weight, moving))) if stored > 0 else 0.0
+
+
+def _conjugate_gradients(run: Run) -> Iterator[None]:
+    """Directions by Polak and Ribière, step lengths by the springs' own curvature along them.
+
+    Scaled by the tangent's diagonal at the reference points: rest does not depend on masses.
+    """
+    network = run.network
+    run.most_steps = partial(patiently, network.points.size)  # in exact arithmetic, so many
+    stiffness = np.abs(tangent(network, network.points).diagonal()).reshape(network.points.shape)
+    stiffness[stiffness == 0] = 1.0
+    way, before = np.zeros_like(run.displacement), 0.0
+    old = np.zeros_like(way)
+    while True:
+        yield
+        force = run.balance().copy()
+        steepest = force / stiffness
+        turned = float(np.vdot(force - old, steepest))
+        way *= max(0.0, turned / before) if before else 0.0
+        way += steepest
+        if np.vdot(force, way) <= 0 or not _searched(run, way):
+            way[:] = steepest
+            if not _searched(run, way) and largest(force) > ROUNDED * run.rounding:
+                raise SolverError(
+                    f"{run.title}: no step along the force lowers its slope at iteration "
+                    f"{run.steps + 1}; the network collapses under this load: reduce it"
+                )
+        old, before = force, float(np.vdot(force, steepest))
+        run.moved(1)
+
+
+def _searched(run: Run, way: Array) -> bool:
+    """Move along `way` to where no more than half of the slope is left; else stay, and say so.
+
+    No point moves by more than half of the shortest spring.
+    """
+    slope = float(np.vdot(run.balance(), way))
+    if slope == 0:
+        return False
+    bend = kernels.curvature(run.network, run.displacement, way)
+    run.moved(evaluations=1)
+    farthest = 0.5 * float(run.network.rest_length.min()) / largest(way)
+    length = min(slope / bend, farthest) if bend > 0 else farthest
+    start, near, far = run.displacement.copy(), 0.0, math.inf
+    for _ in range(TRIALS):
+        run.displacement[:] = start + length * way
+        run.moved(evaluations=1)
+        left = float(np.vdot(run.balance(), way))
+        if abs(left) <= SLOPE_LEFT * slope or (left > 0 and length == farthest):
+            return True
+        near, far = (length, far) if left > 0 else (near, length)
+        length = 0.5 * (near + far) if math.isfinite(far) else min(2 * length, farthest)
+    run.displacement[:] = start
+    run.moved()
+    return False
+
+
+RELAXATIONS = {
+    "algorithm1": ALGORITHM1,
+    "viscous_leapfrog": viscous(LEAPFROG, name="viscous_leapfrog"),
+    "kinetic_damping": Method(
+        "kinetic_damping",
+        "kinetic damping",
+        "Cundall (1976), Explicit finite-difference methods in geomechanics; Barnes (1999), Int. "
+        "J. Space Struct. 14, 89",
+        _kinetic_damping,
+    ),
+    "fire": Method(
+        "fire",
+        "FIRE",
+        "Bitzek et al. (2006), Phys. Rev. Lett. 97, 170201, with semi-implicit Euler steps",
+        _fire,
+    ),
+    "adaptive": Method(
+        "adaptive",
+        "adaptive dynamic relaxation",
+        "Underwood (1983), Dynamic relaxation, in: Computational Methods for Transient Analysis; "
+        "Papadrakakis (1981), Comput. Methods Appl. Mech. Eng. 25, 35",
+        _adaptive,
+    ),
+    "conjugate_gradients": Method(
+        "conjugate_gradients",
+        "nonlinear conjugate gradients",
+        "Polak and Ribière (1969), Rev. Fr. Inform. Rech. Opér. 3, 35, restarted as in Nocedal and "
+        "Wright (2006), Numerical Optimization, section 5.2",
+        _conjugate_gradients,
+        look_every=1,
+    ),
+    "newton": NEWTON,
+    "newton_multigrid": NEWTON_MULTIGRID,
+}
+"""Name -> method."""

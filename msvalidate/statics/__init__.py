@@ -1,0 +1,1 @@
+"""Equilibria: solved, refined, followed along a load, and the stress in them."""

@@ -1,0 +1,310 @@
+"""Static equilibrium of a network, by one linear solve or by Newton's method."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from msvalidate.linear_algebra.refine import InaccurateError
+from msvalidate.network import Network
+from msvalidate.network.folds import count_folded, description, folded_cells
+from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
+from msvalidate.problem.checks import chosen, coordinates, instance, shown
+from msvalidate.statics.following import Followed, follow, is_stressed
+from msvalidate.statics.linear_solution import solved
+from msvalidate.statics.path import Path, way_of
+from msvalidate.statics.polish import balance, centred, polished
+from msvalidate.statics.tangents import beyond_doubt
+from msvalidate.tangent.cycles import UnsettledError
+from msvalidate.tangent.inverse import MOST_ENTRIES, MOST_IN_NEED, Choice, Solver
+from msvalidate.tangent.rounding import why
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """A network at rest under its supports and loads.
+
+    Parameters
+    ----------
+    displacement
+        (n, d) from the reference points (m).
+    position
+        (n, d) in m.
+    reaction
+        (n, d) force (N) of the supports on the held components, 0 elsewhere.
+    residual
+        Largest out-of-balance force (N) on a free component.
+    iterations
+        Linear solves that it took, or time steps.
+    error
+        Largest error of a component of the displacement over the largest component: an estimate
+        from what refinement says, above the rounding that is known. 0 where nothing moves, NaN
+        where it was not estimated.
+    folded
+        Number of cells that are flat or inside out; None where there was nothing to look at: see
+        `msvalidate.network.folds`.
+    passed_limit
+        Part of the load at which the first limit point was passed, where the stable branch that
+        begins at the start ends and the network snaps through to another. None where none was,
+        and where no path of loads was followed: of linear answers and relaxations.
+    remainder
+        (n, d) what the displacement lacks in digits (m): strains have them where a body moves far
+        and is hardly strained. None where it is not known.
+    solver
+        Which was taken, "direct" or "multigrid", and why; None of relaxations, and where nothing
+        had to be solved.
+    """
+
+    displacement: Array
+    position: Array
+    reaction: Array
+    residual: float
+    iterations: int
+    error: float = math.nan
+    folded: int | None = None
+    passed_limit: float | None = None
+    remainder: Array | None = None
+    solver: Choice | None = None
+
+
+def equilibrium(
+    network: Network,
+    geometry: Literal["linear", "nonlinear"] = "linear",
+    *,
+    path: Path | None = None,
+    start: Equilibrium | Array | None = None,
+    allow_folded: bool = False,
+    solver: str = "auto",
+) -> Equilibrium:
+    """Static equilibrium of a network.
+
+    Parameters
+    ----------
+    network
+        Supports must hold every rigid motion.
+    geometry
+        "linear": one solve with the tangent at the reference points, valid to first order in the
+        displacement. "nonlinear": Newton's method, in load increments where one step is too many.
+        Either way the tangent must be positive: the network is stable where it is linearised.
+    path
+        Of nonlinear equilibria: how loads and prescribed displacements come to their full size.
+        Fractions that rise to 1, at each of which an equilibrium is found; or a function of t that
+        returns force and displacement (n, d) at t from 0 to 1, such as ends that turn, which in
+        proportion would move along chords. By default the whole at once, in proportion where that
+        is too much; networks that prestress leaves out of balance may come from springs without
+        tension, their rest lengths raised together with the loads.
+    start
+        Of nonlinear equilibria: where to begin, an equilibrium or a displacement (n, d) in m.
+        What is out of balance there is taken away along the path.
+    allow_folded
+        Whether cells may be flat or inside out. A linear answer is so under any load that is large
+        enough, for it goes on in proportion: its cells are counted, and it is never refused for
+        them.
+    solver
+        Of linear systems: "direct", a factor in nested dissection, whose pivots tell for certain
+        whether a network is stable; "multigrid", conjugate gradients, which take work and memory
+        in proportion to the points, and tell it but for a chance of one in 12,500; "auto", a factor
+        of plane, slender and small bodies, where multigrid would take longer, and where it fails.
+
+    Raises
+    ------
+    ProblemError
+        If supports leave a rigid motion free, the message names it, or path or start do not fit, or
+        there is no such solver.
+    SolverError
+        If the network is a mechanism or unstable, or no equilibrium is found at full load, or
+        cells are folded in a nonlinear one.
+    """
+    instance("network", network, Network)
+    refuse_free_motions("network", network.points, network.held)
+    chosen("geometry", geometry, ("linear", "nonlinear"))
+    instance("allow_folded", allow_folded, bool)
+    if geometry == "linear" and not (path is None and start is None):
+        raise ProblemError(
+            "path, start: a linear equilibrium has neither; take geometry 'nonlinear'"
+        )
+    with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
+        found = (
+            _linear(network, solver)
+            if geometry == "linear"
+            else _nonlinear(network, path, start, solver)
+        )
+    if geometry == "nonlinear" and not allow_folded:
+        refuse_folded(network, found, "nonlinear equilibrium")
+    return found
+
+
+def displacement_of(network: Network, start: Equilibrium | Array | None) -> Array | None:
+    """Displacement (n, d) in m of a start, checked.
+
+    Raises
+    ------
+    ProblemError
+        If it is of another network, or no displacement.
+    """
+    if start is None:
+        return None
+    given = start.displacement if isinstance(start, Equilibrium) else start
+    moved = coordinates("start", given)
+    if moved.shape != network.points.shape:
+        raise ProblemError(
+            f"start: shape {shown(moved.shape)}; give an equilibrium of this network, or its "
+            f"displacement {network.points.shape}"
+        )
+    return moved
+
+
+def refuse_folded(network: Network, found: Equilibrium, title: str) -> None:
+    """Raise `SolverError` if cells are folded, with their number and place."""
+    simplices = network.simplices
+    if found.folded and simplices is not None:
+        folded = folded_cells(simplices, found.position)
+        raise SolverError(
+            f"{title}: {description(simplices, folded, network.points)}; raise what is "
+            "applied along a path, reduce it, or take allow_folded=True"
+        )
+
+
+def at_rest(
+    network: Network,
+    displacement: Array,
+    iterations: int,
+    *,
+    error: float = math.nan,
+    passed_limit: float | None = None,
+    remainder: Array | None = None,
+    solver: Choice | None = None,
+) -> Equilibrium:
+    """The equilibrium at a displacement (n, d) in m, with the residual and reactions found there.
+
+    Forces come from the displacement: positions have lost digits where coordinates are large.
+    """
+    left = balance(network, displacement, remainder)
+    for array in (displacement, remainder):
+        if array is not None:
+            array.setflags(write=False)
+    position = network.points + displacement
+    return Equilibrium(
+        displacement=displacement,
+        position=position,
+        reaction=np.where(network.held, -left, 0.0),
+        residual=_largest(left[~network.held]),
+        iterations=iterations,
+        error=error,
+        folded=count_folded(network.simplices, position),
+        passed_limit=passed_limit,
+        remainder=remainder,
+        solver=solver,
+    )
+
+
+def _linear(network: Network, solver: str) -> Equilibrium:
+    found = solved(network, solver)
+    position = network.points + found.displacement
+    return Equilibrium(
+        displacement=found.displacement,
+        position=position,
+        reaction=found.reaction,
+        residual=_largest(found.balance[~network.held]),
+        iterations=1 + found.steps,
+        error=found.error,
+        folded=count_folded(network.simplices, position),
+        remainder=found.remainder,
+        solver=found.choice,
+    )
+
+
+def _nonlinear(
+    network: Network, path: Path | None, start: Equilibrium | Array | None, wanted: str
+) -> Equilibrium:
+    """Loads and prescribed displacements raised together; rest lengths too where prestress asks."""
+    given, network = network, centred(network)
+    begun, solver = displacement_of(network, start), Solver(network, wanted)
+    while True:
+        try:
+            found = _followed(network, solver, path, begun)
+            end = polished(given, found.position - network.points, found.factor, solver)
+        except SolverError as error:
+            # A factor goes on past tangents that are not positive, at which multigrid stops.
+            stopped = solver.met_negative and not isinstance(error, UnsettledError)
+            if solver.is_direct or not (
+                stopped or isinstance(error, UnsettledError | InaccurateError)
+            ):
+                raise
+            solver.give_way(error, MOST_ENTRIES if stopped else MOST_IN_NEED)
+            continue
+        return at_rest(
+            given,
+            end.displacement,
+            found.solves + end.steps,
+            error=end.error,
+            passed_limit=found.passed_limit,
+            remainder=end.remainder,
+            solver=None if network.held.all() else solver.choice,
+        )
+
+
+def _followed(network: Network, solver: Solver, path: Path | None, begun: Array | None) -> Followed:
+    """The end of the way to the network's own loads."""
+    stressed = path is None and begun is None and is_stressed(network)
+    try:
+        found = follow(way_of(network, path, begun), solver)
+    except SolverError:
+        tightened = _tightened(network, solver, 0) if stressed else None
+        if tightened is None or tightened.reached < 1:
+            raise
+        found = tightened
+    if found.reached < 1 and stressed:
+        tightened = _tightened(network, solver, found.solves)
+        found = tightened if tightened and tightened.reached == 1 else found
+    if found.reached < 1:
+        raise SolverError(_stuck(network, solver, found, stressed=is_stressed(network)))
+    return found
+
+
+def _tightened(network: Network, solver: Solver, solves: int) -> Followed | None:
+    """The end of a way from springs without tension; None where those would be a mechanism."""
+    try:
+        found = follow(way_of(network, tightened=True), solver)
+    except SolverError:
+        return None
+    found.solves += solves
+    return found
+
+
+def _stuck(network: Network, solver: Solver, found: Followed, *, stressed: bool) -> str:
+    """What to say of a way that leads no further."""
+    said = (
+        f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
+        f"load (after {found.solves} linear solves); "
+    )
+    hidden = _hidden(network, solver)
+    if hidden:
+        return f"{said}what lies beyond may be hidden by rounding: {hidden}"
+    if not stressed:
+        return f"{said}reduce the load or stiffen the network"
+    if not (network.force.any() or network.displacement.any()):
+        return (
+            f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
+            f"prestress (after {found.solves} linear solves); bring rest lengths closer to the "
+            "springs' lengths, or take the start from a relaxation"
+        )
+    return f"{said}reduce load or prestress, or take the start from a relaxation"
+
+
+def _hidden(network: Network, solver: Solver) -> str:
+    """Why the signs of pivots may be rounding at the reference points; empty where they are not."""
+    if network.held.all():
+        return ""
+    try:
+        found = solver.regular(network, network.points)
+    except SolverError:  # such as a rope, which stands by its tension alone
+        return ""
+    return "" if beyond_doubt(found) else why(network, found.softness)
+
+
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0))

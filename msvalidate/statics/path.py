@@ -1,0 +1,187 @@
+"""Paths: what is applied to a network on the way to its own loads and displacements."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msvalidate.network import Network, internal_force, stretched
+from msvalidate.network.residual import force_roundoff
+from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import coordinates, finite, shown
+
+Applied = tuple[Array, Array]
+"""Force (n, d) in N on the points, and prescribed displacement (n, d) in m, 0 where nothing is
+held."""
+Path = Sequence[float] | Callable[[float], Applied]
+"""Fractions of load and prescribed displacement, rising to 1; or a function of t from 0 to 1."""
+
+PARTS = 32
+"""Parts in which a path that is a function is followed: 4 rad in turns of 7 degrees."""
+SAME_END = 1e-9
+"""Of the largest force or displacement, by which a path may end beside the network's own: sines of
+large angles keep twelve digits and more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """What is applied at t in [0, 1], from a start in balance to the network's own.
+
+    Parameters
+    ----------
+    network
+        Whose supports and loads are met at t = 1.
+    start
+        (n, d) position (m) at t = 0.
+    stops
+        Places of t, rising to 1, each of which an equilibrium is found at.
+    given
+        The function, if the path is one; else loads and displacements rise in proportion.
+    loaded
+        Whether the start carries the network's own loads already.
+    present
+        (m,) lengths (m) of the springs at the start, where rest lengths begin as these, so that
+        prestress is raised too; None where they are the network's own all along.
+    released
+        (n, d) force (N) out of balance at the start, as prestress leaves it: held against at t = 0,
+        and let go in proportion.
+    """
+
+    network: Network
+    start: Array
+    stops: tuple[float, ...]
+    given: Callable[[float], Applied] | None
+    loaded: bool
+    present: Array | None = None
+    released: Array | float = 0.0
+
+    def network_at(self, t: float) -> Network:
+        """The network with the rest lengths that it has at t."""
+        if self.present is None or t == 1:
+            return self.network
+        own = self.network.rest_length
+        return replace(self.network, rest_length=self.present + t * (own - self.present))
+
+    def force(self, t: float) -> Array:
+        """Force (n, d) in N at t, with what holds the start in balance."""
+        left = (1 - t) * self.released
+        return self.load(t) - left if t < 1 else self.network.force
+
+    def load(self, t: float) -> Array:
+        """Force (n, d) in N of the path alone."""
+        if t == 1:
+            return self.network.force
+        if self.given is not None:
+            return _applied(self.network, self.given, t)[0]
+        return self.network.force if self.loaded else t * self.network.force
+
+    def moved(self, t: float) -> Array:
+        """Prescribed displacement (n, d) in m at t; of no meaning where nothing is held."""
+        if t == 1:
+            return self.network.displacement
+        if self.given is not None:
+            return _applied(self.network, self.given, t)[1]
+        first = self.start - self.network.points if self.loaded else 0.0
+        return np.asarray(first + t * (self.network.displacement - first))
+
+
+def way_of(
+    network: Network,
+    path: Path | None = None,
+    start: Array | None = None,
+    *,
+    tightened: bool = False,
+) -> Way:
+    """The way of a network from a start to its own loads and displacements.
+
+    Parameters
+    ----------
+    network
+        Its force and displacement are where the way ends.
+    path
+        By default in proportion, with no stop before the end.
+    start
+        (n, d) displacement (m) from which it begins; by default 0. Where the start is out of
+        balance, what is missing is applied and taken away along the path.
+
+    Raises
+    ------
+    ProblemError
+        If the path does not rise to 1, ends elsewhere, or an array does not fit.
+    """
+    stops, given = _stops(path), path if callable(path) else None
+    x = np.array(network.points) if start is None else network.points + start
+    if given is not None:
+        _refuse_other_end(network, given)
+    present = stretched(network, x)[1] if tightened else None
+    way = Way(network, x, stops, given, start is not None, present)
+    left = internal_force(way.network_at(0.0), x) + way.load(0.0)
+    rounding = 4 * force_roundoff(network)
+    left = np.where(network.held | (np.abs(left) <= rounding), 0.0, left)
+    return replace(way, released=left)
+
+
+def _stops(path: Path | None) -> tuple[float, ...]:
+    """Places of t that are to be stopped at."""
+    if path is None:
+        return (1.0,)
+    if callable(path):
+        return tuple(part / PARTS for part in range(1, PARTS + 1))
+    parts = finite("path", path)
+    if parts.ndim != 1 or not len(parts):
+        raise ProblemError(
+            f"path: {shown(path)}; give a row of fractions that rise to 1, or a function of t"
+        )
+    rising = np.diff(parts, prepend=0.0) > 0
+    if not rising.all():
+        at = int(np.flatnonzero(~rising)[0])
+        raise ProblemError(
+            f"path: {parts[at]:g} at index {at}; fractions must rise from above 0 to 1"
+        )
+    if parts[-1] != 1:
+        raise ProblemError(f"path: ends at {parts[-1]:g}; its last fraction must be 1")
+    return tuple(parts.tolist())
+
+
+def _applied(network: Network, given: Callable[[float], Applied], t: float) -> Applied:
+    """What a function applies at t, checked."""
+    try:
+        force, displacement = given(t)
+    except (TypeError, ValueError) as error:
+        raise ProblemError(
+            f"path: at t = {t:g} no pair of force and displacement ({error}); return two arrays "
+            f"{network.points.shape}"
+        ) from error
+    found = []
+    for name, value, checked in (
+        ("force", force, finite),
+        ("displacement", displacement, coordinates),
+    ):
+        array = checked(f"path: {name} at t = {t:g}", value)
+        if array.shape != network.points.shape:
+            raise ProblemError(
+                f"path: {name} at t = {t:g} of shape {array.shape}; return {network.points.shape}"
+            )
+        found.append(array)
+    if found[1][~network.held].any():
+        point = int(np.flatnonzero((~network.held & (found[1] != 0)).any(axis=1))[0])
+        raise ProblemError(
+            f"path: displacement at t = {t:g} of point {point}, which is not held; return 0 there"
+        )
+    return found[0], found[1]
+
+
+def _refuse_other_end(network: Network, given: Callable[[float], Applied]) -> None:
+    """Raise `ProblemError` unless a path ends at the network's own loads and displacements."""
+    own = (network.force, network.displacement)
+    ends = zip(("force", "displacement"), _applied(network, given, 1.0), own, strict=True)
+    for name, end, wanted in ends:
+        apart = np.abs(end - wanted)
+        if apart.max() > SAME_END * np.abs(wanted).max():
+            point = int(np.unravel_index(apart.argmax(), apart.shape)[0])
+            raise ProblemError(
+                f"path: at t = 1 the {name} of point {point} is {shown(end[point].tolist())}, the "
+                f"network's own {shown(wanted[point].tolist())}; end the path there"
+            )

@@ -1,0 +1,357 @@
+"""Stress in a network: what its springs carry, made a tensor in four ways.
+
+A spring that pulls with f along d carries f d⊗d/|d| (N·m), its *virial*. At rest the virials sum
+to that of the forces from outside, Σ F⊗x: stress times volume, whatever the stress's course. So
+
+- `cell_stress`: the mean over a cell, (1/V) Σ f d⊗d/|d| over its springs, each as far as it is the
+  cell's. Exact for uniform strain, at boundaries too; V times it sums to the body's virial exactly.
+- `point_stress`: the mean of the cells around a point, weighted by what of each is the point's.
+- `point_virial`: by points alone, where springs reach from cell to cell.
+- `fitted_stress`: at any place: the strain of a polynomial through the displacements of points near
+  by, times the solid's tensor. Of higher order, and the one for values at a boundary.
+
+The virial is that of Clausius (1870) with the part of the motion left out; the mean over cells of
+a network is in Born and Huang, *Dynamical Theory of Crystal Lattices* (1954). Stresses are Voigt's,
+xx, yy, xy or xx, yy, zz, yz, xz, xy, in Pa.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations, combinations_with_replacement
+from typing import Literal
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from msvalidate.constants.stiffness import VOIGT
+from msvalidate.lattice import CutLattice, Lattice
+from msvalidate.lattice.corners import corner_volumes
+from msvalidate.lattice.ties import TIE
+from msvalidate.linear_algebra.double_double import Pair
+from msvalidate.network import Network
+from msvalidate.network.accurate import State
+from msvalidate.network.laws.volumes import growth
+from msvalidate.problem import LONGEST, Array, Index, Mask, ProblemError
+from msvalidate.problem.checks import chosen, coordinates, finite, instance, positive, whole
+from msvalidate.statics.equilibrium import Equilibrium
+
+Geometry = Literal["linear", "nonlinear"]
+
+
+def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "linear") -> Array:
+    """Virial (m, d, d) in N·m of each spring: its pull times its vector, f d⊗d/|d|.
+
+    "linear": the pull to first order in the displacement, along the reference vector.
+    "nonlinear": the pull and the vector at rest, of which Cauchy's stress is made.
+
+    Raises
+    ------
+    ProblemError
+        If the equilibrium is not one of this network.
+    """
+    instance("network", network, Network)
+    instance("equilibrium", found, Equilibrium)
+    chosen("geometry", geometry, ("linear", "nonlinear"))
+    if found.position.shape != network.points.shape:
+        raise ProblemError(
+            f"stress: displacements {found.position.shape}, points {network.points.shape}; give "
+            "the network's own equilibrium"
+        )
+    # Elongations come from displacements: positions have few digits of small ones, or none.
+    lacks = np.zeros_like(found.displacement) if found.remainder is None else found.remainder
+    if geometry == "nonlinear":
+        state = State(network, Pair(found.displacement, lacks))
+        pull, vector = state.springs.slack.hi * state.stiffness, state.springs.v.hi.T * state.length
+    else:
+        state, (i, j) = State(network), network.springs.T
+        vector, move = network.vector, found.displacement
+        apart = (move[j] - move[i]) + (lacks[j] - lacks[i])
+        strain = (apart * vector).sum(axis=1) / (vector**2).sum(axis=1)
+        pull = state.springs.slack.hi * state.stiffness + network.stiffness * strain
+    return np.asarray(pull[:, None, None] * vector[:, :, None] * vector[:, None, :])
+
+
+def cell_stress(
+    network: Network,
+    lattice: Lattice,
+    found: Equilibrium,
+    *,
+    geometry: Geometry = "linear",
+    thickness: float = 1.0,
+) -> Array:
+    """Mean stress (c, 3) or (c, 6) in Pa of each cell.
+
+    A spring belongs to the cells that both of its ends are corners of, shared out as the cells have
+    volume inside the body.
+
+    Parameters
+    ----------
+    network, lattice
+        The network must be one on the lattice.
+    thickness
+        Of a plane body, m.
+
+    Raises
+    ------
+    ProblemError
+        If they do not belong together, or a spring runs in no cell, as in lattices whose springs
+        reach from one cell to the next.
+    """
+    _refuse_stranger(network, lattice)
+    volume = cell_volume(lattice) * positive("thickness", thickness, "m")
+    spring, cell = members(lattice)
+    part = volume[cell] / np.bincount(spring, volume[cell], len(lattice.springs))[spring]
+    virial = part[:, None, None] * spring_virial(network, found, geometry)[spring]
+    total = np.zeros((len(lattice.cells), *virial.shape[1:]))
+    np.add.at(total, cell, virial)
+    total += _pressure_virial(network, lattice, found, geometry)[:, None, None] * np.eye(
+        network.dim
+    )
+    if geometry == "nonlinear":
+        volume = volume * _grown(lattice, found)
+    return _voigt(total / volume[:, None, None])
+
+
+def _pressure_virial(
+    network: Network, lattice: Lattice, found: Equilibrium, geometry: Geometry
+) -> Array:
+    """Each axis's part (c,) in N·m of the virial of the cells' volumes: κ (V/V0 - 1) V."""
+    if network.volumes is None:
+        return np.zeros(len(lattice.cells))
+    if not np.array_equal(network.volumes.cells, lattice.cells):
+        raise ProblemError(
+            "stress: the network's volumes are not the lattice's cells; give its own"
+        )
+    linear = geometry == "linear"
+    grown = growth(network.volumes, found.displacement, linear=linear)
+    V = network.volumes.rest_volume * (1.0 if linear else 1 + grown)
+    return np.asarray(network.volumes.stiffness * grown * V)
+
+
+def point_stress(lattice: Lattice, stress: Array) -> Array:
+    """Mean stress (n, 3) or (n, 6) in Pa at each point, of the cells' (c, 3) or (c, 6) around it.
+
+    Raises
+    ------
+    ProblemError
+        If the stresses are not one a cell, or a point is no cell's corner.
+    """
+    instance("lattice", lattice, Lattice)
+    given = finite("stress of the cells", stress)
+    if given.ndim != 2 or len(given) != len(lattice.cells):
+        raise ProblemError(
+            f"stress of the cells: shape {given.shape}; the lattice has {len(lattice.cells)} cells"
+        )
+    corner, n = _corner_volume(lattice), len(lattice.points)
+    around = np.bincount(lattice.cells.ravel(), corner.ravel(), n)
+    (alone,) = np.nonzero(around == 0)
+    if len(alone):
+        raise ProblemError(
+            f"stress of the cells: point {alone[0]} of the {lattice.name} lattice is no cell's "
+            "corner; ask point_virial"
+        )
+    total = np.zeros((n, given.shape[1]))
+    np.add.at(total, lattice.cells, corner[..., None] * given[:, None])
+    return np.asarray(total / around[:, None])
+
+
+def point_virial(
+    network: Network,
+    lattice: Lattice,
+    found: Equilibrium,
+    *,
+    geometry: Geometry = "linear",
+    thickness: float = 1.0,
+) -> Array:
+    """Stress (n, 3) or (n, 6) in Pa at each point: half the virial of its springs over its volume.
+
+    For lattices whose springs reach from cell to cell. Exact for uniform strain at points inside
+    that are centres of symmetry; at a boundary a point's springs are one-sided, and so is it.
+    Volume times it sums to the body's virial exactly.
+
+    Raises
+    ------
+    ProblemError
+        If network and lattice do not belong together.
+    """
+    _refuse_stranger(network, lattice)
+    if network.volumes is not None:
+        raise ProblemError("point_virial: of springs alone; ask cell_stress of cells with volumes")
+    virial = spring_virial(network, found, geometry) / 2
+    total = np.zeros((len(lattice.points), *virial.shape[1:]))
+    for end in network.springs.T:
+        np.add.at(total, end, virial)
+    volume = lattice.point_volume * positive("thickness", thickness, "m")
+    return _voigt(total / volume[:, None, None])
+
+
+def _refuse_stranger(network: Network, lattice: Lattice) -> None:
+    instance("network", network, Network)
+    instance("lattice", lattice, Lattice)
+    if not np.array_equal(network.springs, lattice.springs):
+        raise ProblemError("stress: the network's springs are not the lattice's; give its own")
+    if network.shear is not None:
+        raise ProblemError("stress: the network has shear springs too; no virial of them is known")
+
+
+def fitted_stress(
+    points: Array,
+    displacement: Array,
+    places: Array,
+    tensor: Array,
+    *,
+    degree: int = 4,
+    count: int | None = None,
+) -> Array:
+    """Stress (p, 3) or (p, 6) in Pa at places (p, d): tensor times the strain of a polynomial.
+
+    The polynomial is the best, in least squares, for the displacements of the points nearest to a
+    place; of points equally far (to `TIE`) either all are taken or none, so that neither rounding
+    nor the order of the points decides. Where displacements are exact its strain errs by r^degree,
+    r the distance of the furthest point taken. Where they are those of a cut lattice, whose
+    boundary leaves errors of the order of the strain in cells that it cuts, they are to be of
+    `whole_points`, and r is to grow beside the spacing h as that shrinks: by default as √h. A place
+    on the outline then lies a cell or two outside the points that are fitted.
+
+    Parameters
+    ----------
+    points, displacement
+        (n, d) in m.
+    tensor
+        Voigt tensor in Pa, (3, 3) or (6, 6), with engineering shear strain.
+    degree
+        Of the polynomial, 1 to 4.
+    count
+        Points for each fit, and more where several are as far as the last; by default four times
+        the polynomial's coefficients, or the square root of all the points if that is more: so r
+        is as √h.
+
+    Raises
+    ------
+    ProblemError
+        If an array does not fit, or points are too few or lie on a curve of that degree.
+    """
+    given = {"points": points, "displacement": displacement, "places": places}
+    x, u, at = (coordinates(name, array) for name, array in given.items())
+    C = finite("tensor", tensor)
+    fits = x.ndim == at.ndim == 2 and x.shape[1] in VOIGT and at.shape[1] == x.shape[1]
+    if not fits or u.shape != x.shape or not len(at):
+        raise ProblemError(
+            f"fitted stress: points {x.shape}, displacement {u.shape}, places {at.shape}; give "
+            "(n, d) twice and (p, d)"
+        )
+    powers = _powers(x.shape[1], whole("degree", degree, 1, 4))
+    need = len(powers)
+    usual = max(4 * need, math.isqrt(len(x)))
+    k = usual if count is None else whole("points for each fit", count, need)
+    if C.shape != (len(VOIGT[x.shape[1]]),) * 2 or k > len(x):
+        raise ProblemError(
+            f"fitted stress: tensor {C.shape}, {k} of {len(x)} points a fit; give a Voigt tensor "
+            "and no more points than there are"
+        )
+    near = _nearest(x, at, k)
+    strains = [_fitted(x[i], u[i], place, powers) for place, i in zip(at, near, strict=True)]
+    return np.asarray(np.stack(strains) @ C)
+
+
+def _nearest(points: Array, places: Array, count: int) -> list[Index]:
+    """At least so many points nearest to each place: all that are as far as the last, too."""
+    tree = cKDTree(points)
+    last = tree.query(places, k=[count])[0][:, 0]
+    found = tree.query_ball_point(places, last * (1 + TIE), return_sorted=True)
+    return [np.array(each, dtype=np.intp) for each in found]
+
+
+def whole_points(lattice: CutLattice) -> Mask:
+    """Points (n,) of a cut lattice all of whose cells lie inside the body."""
+    instance("lattice", lattice, CutLattice)
+    good = np.ones(len(lattice.points), dtype=bool)
+    good[lattice.cells[lattice.fraction < 1 - 1e-9]] = False
+    return good
+
+
+def cell_volume(lattice: Lattice) -> Array:
+    """Area (m²) or volume (m³) of each cell (c,), as far as it lies in the body."""
+    instance("lattice", lattice, Lattice)
+    return np.asarray(_corner_volume(lattice).sum(axis=1))
+
+
+def members(lattice: Lattice) -> tuple[Index, Index]:
+    """Springs and cells (q,) of which each spring is an edge or a diagonal.
+
+    Raises
+    ------
+    ProblemError
+        If a spring joins corners of no one cell.
+    """
+    instance("lattice", lattice, Lattice)
+    n = len(lattice.points)
+    code = lattice.springs.min(axis=1) * n + lattice.springs.max(axis=1)
+    order = np.argsort(code, kind="stable")
+    pairs = [np.sort(lattice.cells[:, ends], axis=1) for ends in _pairs(lattice.cells.shape[1])]
+    wanted = np.stack([pair[:, 0] * n + pair[:, 1] for pair in pairs])
+    at = np.minimum(np.searchsorted(code[order], wanted), len(code) - 1)
+    spring = order[at]
+    there = code[spring] == wanted
+    (missed,) = np.nonzero(np.bincount(spring[there], minlength=len(code)) == 0)
+    if len(missed):
+        raise ProblemError(
+            f"stress: spring {missed[0]} of the {lattice.name} lattice joins points "
+            f"{lattice.springs[missed[0]].tolist()}, corners of no one cell; ask point_virial"
+        )
+    return spring[there], np.broadcast_to(np.arange(len(lattice.cells)), there.shape)[there]
+
+
+def _pairs(corners: int) -> list[list[int]]:
+    return [list(pair) for pair in combinations(range(corners), 2)]
+
+
+def _corner_volume(lattice: Lattice) -> Array:
+    """Area (m²) or volume (m³) of each cell (c, corners) that is each of its corners'."""
+    if isinstance(lattice, CutLattice):
+        return lattice.corner_volume
+    return corner_volumes(lattice.points, lattice.cells)
+
+
+def _grown(lattice: Lattice, found: Equilibrium) -> Array:
+    """Volume (c,) of each cell at rest relative to that before."""
+    near = lattice.points - lattice.points[0]
+    now, before = (
+        corner_volumes(x, lattice.cells).sum(axis=1) for x in (near + found.displacement, near)
+    )
+    return np.asarray(now / before)
+
+
+def _voigt(tensors: Array) -> Array:
+    """Voigt components (c, 3) or (c, 6) of symmetric tensors (c, d, d)."""
+    first, second = np.array(VOIGT[tensors.shape[-1]]).T
+    return np.asarray(tensors[:, first, second])
+
+
+def _powers(dim: int, degree: int) -> Index:
+    """Powers (q, d) of all monomials up to a degree: 1 first, then the coordinates."""
+    each = [
+        np.bincount(axes, minlength=dim)
+        for total in range(degree + 1)
+        for axes in (
+            np.array(some, dtype=np.intp)
+            for some in combinations_with_replacement(range(dim), total)
+        )
+    ]
+    return np.array(each)
+
+
+def _fitted(x: Array, u: Array, place: Array, powers: Index) -> Array:
+    """Voigt strain (3,) or (6,) at a place of the polynomial fitted to points (k, d)."""
+    radius = max(np.linalg.norm(x - place, axis=1).max(), 1 / LONGEST)
+    terms = (((x - place) / radius)[:, None] ** powers).prod(axis=2)
+    coefficients, _, rank, _ = np.linalg.lstsq(terms, u, rcond=None)
+    if rank < len(powers):
+        raise ProblemError(
+            f"fitted stress: the {len(x)} points nearest to {place.tolist()} lie on a curve of "
+            "that degree; take more points or a lower degree"
+        )
+    slope = coefficients[1 : 1 + len(place)] / radius  # [a, b]: of displacement b along a
+    first, second = np.array(VOIGT[len(place)]).T
+    return np.asarray(np.where(first == second, 1, 2) * (slope + slope.T)[first, second] / 2)

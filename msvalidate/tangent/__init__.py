@@ -1,0 +1,1 @@
+"""A network's tangent and its inverse: factor or multigrid, mechanisms, and signs of energy."""

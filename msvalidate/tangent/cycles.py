@@ -1,0 +1,133 @@
+"""Multigrid as the inverse of a network's tangent: conjugate gradients, a cycle a step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import bsr_array
+
+from msvalidate.network import Network
+from msvalidate.problem import Array, Mask, SolverError
+from msvalidate.tangent.mechanism import is_loose, named
+from msvalidate.tangent.multigrid import (
+    UNSEEN,
+    Cycle,
+    Outcome,
+    conjugate_gradients,
+    cycle_of,
+    softest_motion,
+)
+
+PART = 1e-5
+"""Of an answer's error that multigrid leaves: refinement takes the rest away in three corrections,
+each with a residual of its own, which costs as much as two cycles."""
+ROUGHLY = 1e-3
+
+
+class UnsettledError(SolverError):
+    """Multigrid came to no end: no verdict on the network."""
+
+
+@dataclass(eq=False)
+class Cycles:
+    """Multigrid as an inverse: conjugate gradients, with one cycle a step.
+
+    Parameters
+    ----------
+    A
+        Tangent, restrained.
+    network, position
+        Whose tangent it is, and where, (n, d) in m.
+    cycle
+        Of this tangent, or of one close by.
+    is_own
+        Whether of this tangent.
+    steps
+        Of conjugate gradients, the most in one solution.
+    """
+
+    A: bsr_array
+    network: Network
+    position: Array
+    cycle: Cycle
+    is_own: bool
+    steps: int = 0
+
+    def solve(self, right: Array, part: float = PART) -> Array:
+        """Solution (f,) for a right-hand side (f,), to a part of itself.
+
+        Raises
+        ------
+        UnsettledError
+            If conjugate gradients do not get there.
+        """
+        largest = float(np.abs(right).max(initial=0.0))
+        if not largest:
+            return np.zeros(len(right))
+        size = 2.0 ** math.frexp(largest)[1]
+        found = self._settled(right / size, part)
+        if found.negative or not found.left <= part:
+            raise UnsettledError(
+                f"multigrid: {found.left:.1g} of the residual is left after {found.cycles} cycles"
+            )
+        self.steps = max(self.steps, found.cycles)
+        return found.solution[self._free] * (size / self.cycle.unit)
+
+    @property
+    def negative(self) -> int:
+        """1 if a motion of negative energy was met, else 0: very likely there is none.
+
+        See `multigrid.is_positive` for what a random load tells.
+        """
+        return self.probed[1]
+
+    @cached_property
+    def probed(self) -> tuple[Array, int, bool]:
+        """Motion (f,) that resists least; whether one has negative energy; whether that is told."""
+        weight = self.A.diagonal()[self._free]
+        weight = weight / weight.max()
+        load = weight * np.random.default_rng(0).normal(size=len(weight))
+        part = UNSEEN / math.sqrt(len(load))
+        found = self._settled(load, part)
+        falling = self.cycle.falling
+        falls = falling is not None and bool(falling @ (self.A @ falling) <= 0)
+        if falls or found.negative:
+            mode = softest_motion(self.A, self.network, self.position)
+            if not mode.any():
+                mode = falling if falls and falling is not None else found.solution
+            return mode[self._free], 1, True
+        return found.solution[self._free], 0, found.left <= part
+
+    def softer(self, mode: Array) -> tuple[Array, bool]:
+        """Another step of inverse iteration from a motion (f,); whether it was told."""
+        weight = self.A.diagonal()[self._free]
+        load = weight / weight.max() * (mode / np.abs(mode).max())
+        found = self._settled(load, ROUGHLY)
+        return found.solution[self._free], not found.negative and found.left <= ROUGHLY
+
+    def _settled(self, right: Array, part: float) -> Outcome:
+        """What conjugate gradients make of a load (f,), with a cycle of its own where it must."""
+        while True:
+            load = np.zeros(self.A.shape[0])
+            load[self._free] = right * self.cycle.unit
+            found = conjugate_gradients(self.A, load, self.cycle, part, spectral=True)
+            if self.is_own or not (found.negative or found.left > part):
+                return found
+            self.cycle, self.is_own = cycle_of(self.A, self.network, self.position), True
+
+    @cached_property
+    def _free(self) -> Mask:
+        return np.asarray(~self.network.held.ravel())
+
+
+def refuse_loose_motion(A: bsr_array, network: Network, position: Array) -> None:
+    """Raise `SolverError` if a motion is found that meets no stiffness: a long search.
+
+    `A` is `restrained` at `position` (n, d) in m.
+    """
+    mode = softest_motion(A, network, position)
+    if mode.any() and is_loose(network, position, mode, A.diagonal()):
+        raise SolverError(named(network, mode))

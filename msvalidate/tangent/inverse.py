@@ -1,0 +1,333 @@
+"""How a network's tangent is inverted: by a factor, or by multigrid, and which of them.
+
+A factor is certain, and cheap while it stays sparse: in the plane, of slender and of small bodies.
+In space its entries grow as n^(4/3) and its work as n², which are counted before it is made
+(`dissection`); conjugate gradients with multigrid take work in proportion to n. Both notice what
+has no stiffness, and what has negative stiffness: by pivots, or by what a random load meets.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import bsr_array, csr_array, diags_array
+
+from msvalidate.linear_algebra.dissection import Dissection, dissected
+from msvalidate.linear_algebra.factor import Factor, factorised, inverse_iteration
+from msvalidate.linear_algebra.refine import DOUBTFUL, contraction
+from msvalidate.network import Network, tangent_blocks
+from msvalidate.problem import Array, Index, Mask, SolverError
+from msvalidate.problem.checks import chosen
+from msvalidate.tangent.cycles import PART, Cycles, UnsettledError, refuse_loose_motion
+from msvalidate.tangent.mechanism import NO_STIFFNESS, named, softness
+from msvalidate.tangent.multigrid import Cycle, cycle_of, restrain, restrained, softest_motion
+
+SOLVERS = ("auto", "direct", "multigrid")
+"""Names of solvers; "auto" takes one of the others."""
+MOST_PRODUCTS = 1.5e3
+"""Products of a factor for each entry of the tangent that take as long as multigrid with its looks
+for stability and its corrections: on plates and cubes it is 1e3 to 2e3, reached by 120,000 points
+in the plane and 1,500 in space. Where both take as long, a factor is the more certain."""
+MOST_ENTRIES = 6e7
+"""Entries of one triangle up to which a factor is chosen: both take 1.5 GB, and as much again while
+their pivots are looked at. A plate of 300,000 points has so many."""
+MOST_IN_NEED = 2e8
+"""Entries up to which a factor is made where multigrid fails: 5 GB."""
+BYTES = 24
+"""Of an entry in one triangle and its like in the other."""
+SOFT = 1e-7
+"""What the answer to a random load may meet, over what its points meet one by one, so that the
+softest motion, of which it has most, need not be looked for: solid bodies have 1e-5 and more."""
+WORN = 2.0
+"""Times the first count of cycles at which a hierarchy of another place is made anew."""
+STIFFENED = 2.0**-48
+"""Part of its diagonal added to a matrix that rounding has made singular: it has a factor then."""
+
+
+UNTOLD = (
+    "sparse factor: the pivots of {} unknowns are too many to look at, and multigrid does not tell "
+    "whether the network is stable; take fewer points, or bring stiffnesses closer together"
+)
+
+
+class Choice(NamedTuple):
+    """The solver that was taken, "direct" or "multigrid", and the reason in words."""
+
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Regular:
+    """An inverse of a tangent's free part, and what its softest motion meets.
+
+    Parameters
+    ----------
+    network, position
+        Whose tangent, and where, (n, d) in m.
+    inverse
+        Of the free part.
+    diagonal
+        Of the free part (f,) in N/m.
+    """
+
+    network: Network
+    position: Array
+    inverse: Factor | Cycles
+    diagonal: Array
+
+    @property
+    def softness(self) -> float:
+        """Energy of the softest motion over what its components would cost one by one."""
+        return self._softest[0]
+
+    @property
+    def mode(self) -> Array:
+        """The motion (n·d,) that the tangent resists least."""
+        return self._softest[1]
+
+    @property
+    def rate(self) -> float:
+        """Part of an error that a correction leaves, at the most."""
+        own = 0.0 if isinstance(self.inverse, Factor) else PART
+        return max(own, contraction(self.softness))
+
+    @cached_property
+    def negative(self) -> int:
+        """Number of negative eigenvalues, or 1 where there are some and nobody counted."""
+        if isinstance(self.inverse, Factor) and not self.inverse.is_signed:
+            A = restrained(self.network, self.position)
+            own = cycle_of(A, self.network, self.position)
+            _, negative, told = Cycles(A, self.network, self.position, own, is_own=True).probed
+            if not told:
+                raise SolverError(UNTOLD.format(len(self.diagonal)))
+            return negative
+        return self.inverse.negative
+
+    @cached_property
+    def _softest(self) -> tuple[float, Array]:
+        found, weight = self.inverse, np.abs(self.diagonal)
+        if isinstance(found, Factor):
+            return self._judged(inverse_iteration(found.solve, len(weight), weight))
+        way, _, told = found.probed
+        if not told:
+            raise UnsettledError("multigrid: conjugate gradients do not tell whether it is stable")
+        soft, mode = self._judged(way)
+        if 0 < soft < SOFT:
+            way, told = found.softer(way)
+            soft, mode = self._judged(way)
+        if contraction(soft) > DOUBTFUL:  # so little may be rounding: a purer motion tells
+            purer = softest_motion(found.A, self.network, self.position)
+            if purer.any():
+                soft, mode = self._judged(purer[~self.network.held.ravel()])
+        if not told:
+            raise UnsettledError("multigrid: conjugate gradients do not tell whether it is stable")
+        return soft, mode
+
+    def _judged(self, way: Array) -> tuple[float, Array]:
+        """What a motion (f,) meets, and the motion (n·d,); refused if it meets nothing."""
+        mode, met = np.zeros(self.network.points.size), np.zeros(self.network.points.size)
+        free = ~self.network.held.ravel()
+        mode[free], met[free] = way, self.diagonal
+        soft = softness(self.network, self.position, mode, met)
+        if not abs(soft) > NO_STIFFNESS:
+            raise SolverError(named(self.network, mode))
+        return soft, mode
+
+
+class Solver:
+    """Inverts the tangents of one network, at one place after another.
+
+    Parameters
+    ----------
+    network
+        Others with the same points, springs and supports may be asked about as well.
+    wanted
+        "direct", "multigrid", or "auto", which counts what a factor takes.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such solver.
+    """
+
+    def __init__(self, network: Network, wanted: str = "auto") -> None:
+        chosen("solver", wanted, SOLVERS)
+        self.wanted, self._network = wanted, network
+        self.met_negative = False
+        """Whether multigrid met a tangent that is not positive, and did not go on."""
+        self._cycle: Cycle | None = None
+        self._last: Cycles | None = None
+        self._usual, self._looked = 0, False
+        self._order: Index | None = None
+        self.choice = self._chosen()
+
+    @property
+    def is_direct(self) -> bool:
+        """Whether tangents are factorised."""
+        return self.choice.name == "direct"
+
+    def regular(self, network: Network, position: Array, K: bsr_array | None = None) -> Regular:
+        """Inverse of the free part of the tangent K at `position` (n, d) in m.
+
+        A factor, and the first multigrid, are looked at: some motion may meet no stiffness. Later
+        ones are when they are asked.
+
+        Raises
+        ------
+        SolverError
+            If some motion meets no stiffness, or memory does not suffice.
+        """
+        K = tangent_blocks(network, position) if K is None else K
+        if self.is_direct:
+            return self._direct(network, position, K)
+        diagonal = K.diagonal()[~network.held.ravel()]
+        found = Regular(network, position, self.inverse(network, position, K), diagonal)
+        if self._looked:
+            return found
+        try:
+            _refuse_rounding(found.softness)
+        except UnsettledError as error:
+            try:
+                self.give_way(error)
+            except SolverError:
+                # Where no factor will name it, a mechanism is looked for.
+                if isinstance(found.inverse, Cycles) and not found.inverse.probed[2]:
+                    refuse_loose_motion(found.inverse.A, network, position)
+                raise
+            return self.regular(network, position, K)
+        self._looked = True
+        return found
+
+    def inverse(self, network: Network, position: Array, K: bsr_array) -> Factor | Cycles:
+        """Inverse of the free part of K that nobody has looked at.
+
+        Raises
+        ------
+        RuntimeError
+            If a pivot is zero.
+        SolverError
+            If nothing at all resists a component, or memory does not suffice.
+        """
+        inside = np.flatnonzero(~network.held.ravel())
+        _refuse_loose(network, K.diagonal()[inside], inside)
+        if not self.is_direct:
+            return self._multigrid(network, position, K)
+        if self._order is None:
+            self._dissected(np.inf)
+        A = csr_array(K)[inside][:, inside]
+        return factorised(A, _components(self._order, network.held))
+
+    def give_way(self, error: SolverError, most: float = MOST_IN_NEED) -> None:
+        """Take a factor from now on, for multigrid failed; raise what it says where none is had.
+
+        `most` entries are the largest that is taken.
+        """
+        if self.wanted != "auto" or self.is_direct:
+            raise SolverError(f"{error}; take solver 'direct'") from error
+        self.refuse_too_large(str(error), most)
+        self._cycle = self._last = None
+        self.choice = Choice("direct", f"multigrid gave up: {error}")
+
+    def refuse_too_large(self, what: str, most: float = MOST_IN_NEED) -> None:
+        """Raise `SolverError` with what failed where no factor is had, unless one was asked for."""
+        if self.wanted == "direct":
+            return
+        entries = self._network.dim**2 * self._dissected(np.inf).entries
+        if entries > min(most, MOST_IN_NEED):
+            raise SolverError(
+                f"{what}; a factor would take {BYTES * entries / 1e9:.0f} GB: take solver "
+                "'direct' where there is so much"
+            )
+
+    def _chosen(self) -> Choice:
+        if self.wanted != "auto":
+            return Choice(self.wanted, "asked for")
+        network, d = self._network, self._network.dim
+        entries = d**2 * len(network.blocks.column)
+        most = MOST_PRODUCTS * entries / d**3
+        if MOST_PRODUCTS:
+            found = self._dissected(most)
+            if found.order is not None and d**2 * found.entries <= MOST_ENTRIES:
+                return Choice("direct", "a factor of so small, plane or slender a body is cheap")
+        return Choice("multigrid", "a large body, whose factor fills up")
+
+    def _dissected(self, most: float) -> Dissection:
+        found = dissected(self._network.points, joined(self._network), most)
+        self._order = found.order
+        return found
+
+    def _direct(self, network: Network, position: Array, K: bsr_array) -> Regular:
+        diagonal = K.diagonal()[~network.held.ravel()]
+        try:
+            factor = self.inverse(network, position, K)
+        except SolverError:
+            raise
+        except RuntimeError:  # by a mechanism, or by rounding alone
+            stiffened = K + diags_array(STIFFENED * np.abs(K.diagonal()))
+            factor = self.inverse(network, position, stiffened)
+        found = Regular(network, position, factor, diagonal)
+        _ = found.softness  # refuses a mechanism
+        return found
+
+    def _multigrid(self, network: Network, position: Array, K: bsr_array) -> Cycles:
+        last = self._last
+        if last is not None:
+            self._usual = self._usual or last.steps
+            worn = last.steps > WORN * self._usual
+            self._cycle = None if worn and not last.is_own else last.cycle
+            if worn:
+                self._usual = 0
+        A = bsr_array((K.data.copy(), K.indices, K.indptr), shape=K.shape)
+        restrain(A, ~network.held)
+        own = self._cycle is None
+        cycle = self._cycle or cycle_of(A, network, position)
+        self._last = Cycles(A, network, position, cycle, own)
+        return self._last
+
+
+def order_of(network: Network) -> Index:
+    """Free components (f,) of a network in the order to eliminate them."""
+    found = dissected(network.points, joined(network))
+    return _components(found.order, network.held)
+
+
+def joined(network: Network) -> Index:
+    """Pairs (p, 2) of points that springs, cells and shear springs join."""
+    pairs = [network.springs]
+    if network.volumes is not None:
+        cells = network.volumes.cells
+        pairs += [cells[:, [a, b]] for a, b in combinations(range(cells.shape[1]), 2)]
+    if network.shear is not None:
+        pairs.append(network.shear.springs)
+    return np.concatenate(pairs)
+
+
+def _refuse_rounding(softness: float) -> None:
+    if contraction(softness) > DOUBTFUL:
+        raise UnsettledError(
+            f"multigrid: the softest motion meets {abs(softness):.1g} of what its points meet one "
+            "by one, too little to be told from rounding"
+        )
+
+
+def _refuse_loose(network: Network, diagonal: Array, inside: Index) -> None:
+    """Raise `SolverError` for a component that nothing at all is in the way of."""
+    if not diagonal.all():
+        mode = np.zeros(network.points.size)
+        mode[inside[int(np.flatnonzero(diagonal == 0)[0])]] = 1.0
+        raise SolverError(named(network, mode))
+
+
+def _components(order: Index | None, held: Mask) -> Index:
+    """Free components (f,) in the order of their points (n,)."""
+    n, d = held.shape
+    points = np.arange(n) if order is None else order
+    free = ~held.ravel()
+    number = np.cumsum(free) - 1
+    each = (points[:, None] * d + np.arange(d)).ravel()
+    return np.asarray(number[each[free[each]]])
