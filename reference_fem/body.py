@@ -10,6 +10,7 @@ import skfem
 from numpy.typing import ArrayLike
 
 from msvalidate.problem import (
+    VOIGT,
     Array,
     BodyForce,
     Domain,
@@ -29,7 +30,7 @@ from msvalidate.problem import (
     vectors_at,
 )
 from msvalidate.problem.checks import instance, shown
-from reference_fem.elasticity import VOIGT, elastic_tensor, solver_of
+from reference_fem.elasticity import elastic_tensor, solver_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
 from reference_fem.mixed import lame, mixed_solution

@@ -8,17 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 
-from msvalidate.problem import Array, Isotropic, Mask, Material, ProblemError
+from msvalidate.problem import VOIGT, Array, Isotropic, Mask, Material, ProblemError
 from msvalidate.problem.checks import finite, instance, shown
 from reference_fem.effort import within_memory
 from reference_fem.locking import refuse_locked
 from reference_fem.mesh.discretisation import Discretisation, discretise
 from reference_fem.systems.solver import Solver, refuse_shapes
-
-VOIGT = {
-    2: ((0, 0), (1, 1), (0, 1)),
-    3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)),
-}
 
 
 def solve(

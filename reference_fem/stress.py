@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from msvalidate.problem import Array, Index
-from reference_fem.elasticity import VOIGT
+from msvalidate.problem import VOIGT, Array, Index
 from reference_fem.mesh.discretisation import Discretisation
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.lattice.patterns import cubic_tensor
-from msvalidate.problem import Array, Isotropic, ProblemError
+from msvalidate.problem import VOIGT, Array, Isotropic, ProblemError
 from msvalidate.problem.checks import (
     coordinates,
     direction,
@@ -33,8 +33,6 @@ CAUCHY = {2: 1 / 3, 3: 1 / 4}
 they force C12 = C66 or C44 (Cauchy's relation), and isotropy C11 = C12 + 2·C66 or C44."""
 
 
-VOIGT = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}
-"""Pairs of axes of Voigt's components: xx, yy, xy, or xx, yy, zz, yz, xz, xy."""
 AXES_OF = {3: 2, 6: 3}
 """Number of axes, by that of Voigt components."""
 UNIT = {2: "N/m", 3: "Pa"}

@@ -17,6 +17,8 @@ Span = tuple[tuple[float, float], ...]
 """Low and high coordinate (m) of a body along each axis."""
 
 AXES = "xyz"
+VOIGT = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}
+"""Pairs of axes of Voigt's components: xx, yy, xy, or xx, yy, zz, yz, xz, xy."""
 PLACEMENT = 1e-9
 """Two places closer than this fraction of the body are the same place: far above rounding of
 coordinates (1e-16), far below any spacing that fits in memory."""

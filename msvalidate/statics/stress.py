@@ -24,7 +24,6 @@ from typing import Literal
 import numpy as np
 from scipy.spatial import cKDTree
 
-from msvalidate.constants.stiffness import VOIGT
 from msvalidate.lattice import CutLattice, Lattice
 from msvalidate.lattice.corners import corner_volumes
 from msvalidate.lattice.ties import TIE
@@ -32,7 +31,7 @@ from msvalidate.linear_algebra.double_double import Pair
 from msvalidate.network import Network
 from msvalidate.network.accurate import State
 from msvalidate.network.laws.volumes import growth
-from msvalidate.problem import LONGEST, Array, Index, Mask, ProblemError
+from msvalidate.problem import LONGEST, VOIGT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import chosen, coordinates, finite, instance, positive, whole
 from msvalidate.statics.equilibrium import Equilibrium
 

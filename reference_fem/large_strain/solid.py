@@ -13,9 +13,8 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from msvalidate.problem import Array, Index, Mask, ProblemError, refuse_free_motions
+from msvalidate.problem import VOIGT, Array, Index, Mask, ProblemError, refuse_free_motions
 from msvalidate.problem.checks import positive
-from reference_fem.elasticity import VOIGT
 from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
 from reference_fem.mesh.assembly import nodal_sums
 from reference_fem.mesh.discretisation import Discretisation

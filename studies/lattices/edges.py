@@ -15,11 +15,11 @@ from scipy.sparse.linalg import lsmr
 
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import homogenised
-from msvalidate.constants.stiffness import VOIGT, voigt_directions
+from msvalidate.constants.stiffness import voigt_directions
 from msvalidate.judging.candidate import springs
 from msvalidate.lattice import Lattice, Pattern, fill
 from msvalidate.network import tangent
-from msvalidate.problem import Array, Box, Index, Mask, SolverError
+from msvalidate.problem import VOIGT, Array, Box, Index, Mask, SolverError
 
 from . import cases, loading
 from .cases import Case, Solid

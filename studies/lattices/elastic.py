@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 import reference_fem
-from msvalidate.constants.stiffness import VOIGT
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import Setting
-from msvalidate.problem import Anisotropic, Array, Box
+from msvalidate.problem import VOIGT, Anisotropic, Array, Box
 from reference_fem.body import nodal_forces
 
 from . import cases, loading

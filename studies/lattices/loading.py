@@ -5,11 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import VOIGT
 from msvalidate.judging.candidate import Candidate
 from msvalidate.lattice import Constants, Lattice
 from msvalidate.network import Network
-from msvalidate.problem import Anisotropic, Array, Box, Material, Problem, Region, Support, Traction
+from msvalidate.problem import (
+    VOIGT,
+    Anisotropic,
+    Array,
+    Box,
+    Material,
+    Problem,
+    Region,
+    Support,
+    Traction,
+)
 
 from .cases import box_of
 

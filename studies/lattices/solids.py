@@ -26,7 +26,6 @@ from scipy.optimize import minimize
 from msvalidate.constants.stiffness import (
     ALIKE,
     CAUCHY,
-    VOIGT,
     cubic_part,
     is_alike,
     isotropic_part,
@@ -37,7 +36,7 @@ from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Constants, Pattern, repeated
-from msvalidate.problem import Array, ProblemError
+from msvalidate.problem import VOIGT, Array, ProblemError
 
 from . import cases, loading, surfaces, theory
 from .cases import Case, Solid

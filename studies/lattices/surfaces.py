@@ -11,10 +11,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LightSource, Normalize
 from matplotlib.figure import Figure
 
-from msvalidate.constants.stiffness import VOIGT, directional_modulus
+from msvalidate.constants.stiffness import directional_modulus
 from msvalidate.judging.evidence import Tables
 from msvalidate.output import figures
-from msvalidate.problem import Array
+from msvalidate.problem import VOIGT, Array
 
 ROUND = 181
 """Directions of a curve; of a surface as many round, and half as many up and down."""

@@ -11,6 +11,7 @@ import skfem
 import reference_fem
 from msvalidate.problem import (
     SIDES,
+    VOIGT,
     Anisotropic,
     BodyForce,
     Box,
@@ -24,7 +25,7 @@ from msvalidate.problem import (
     Traction,
 )
 from reference_fem.body import nodal_forces
-from reference_fem.elasticity import VOIGT, elastic_tensor, full_tensor, stiffness
+from reference_fem.elasticity import elastic_tensor, full_tensor, stiffness
 from reference_fem.mesh import ELEMENTS, discretise
 from reference_fem.mesh.elements import CUBE
 

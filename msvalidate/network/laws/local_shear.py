@@ -32,8 +32,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_array, eye_array, kron
 
-from msvalidate.constants.stiffness import VOIGT
-from msvalidate.problem import LONGEST, Array, Index, ProblemError
+from msvalidate.problem import LONGEST, VOIGT, Array, Index, ProblemError
 from msvalidate.problem.checks import coordinates, finite, instance, integers, positive
 
 SPAN = 1e-9

@@ -11,12 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.constants.stiffness import VOIGT
 from msvalidate.judging.evidence import Tolerance
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.tessellation import Tessellation
 from msvalidate.lattice.voronoi import tessellated
-from msvalidate.problem import Array
+from msvalidate.problem import VOIGT, Array
 
 from ..cases import Solid
 from .networks import drawn

@@ -15,7 +15,7 @@ import pytest
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
 from msvalidate.output import report, stored
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 def evidence(gap):

@@ -12,12 +12,11 @@ from scipy.spatial import Delaunay
 from msvalidate import kernels
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.stiffness import VOIGT
 from msvalidate.lattice import fill, patterns
 from msvalidate.network import energy, internal_force, mode_energy, spring_network, tangent
 from msvalidate.network.laws import local_shear
 from msvalidate.network.laws.local_shear import LocalShear, shear_tensor
-from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
+from msvalidate.problem import VOIGT, Box, Isotropic, Problem, ProblemError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
 
 dims = pytest.mark.parametrize("dim", [2, 3])

@@ -16,9 +16,9 @@ from scipy.optimize import minimize
 
 from msvalidate.constants.cell_at_rest import DENSE
 from msvalidate.constants.homogenise import homogenised, network_tensor, periodic
-from msvalidate.constants.stiffness import VOIGT, isotropic_moduli, moduli, pattern_tensor
+from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
 from msvalidate.lattice import patterns, repeated, turned, voronoi, voronoi_box
-from msvalidate.problem import Box, ProblemError, SolverError
+from msvalidate.problem import VOIGT, Box, ProblemError, SolverError
 
 LATTICES = patterns.known()
 CASES = [
@@ -29,7 +29,7 @@ CASES = [
 ]
 CENTRED = {"square", "square4", "triangular", "cubic6", "cubic18", "cubic26", "bcc", "fcc"}
 """Lattices whose points are all centres of symmetry: nothing moves under a uniform strain."""
-DATA = Path(__file__).parents[1] / "data" / "springs"
+DATA = Path(__file__).parents[2] / "data" / "springs"
 
 
 def refused(message):

@@ -24,7 +24,7 @@ from msvalidate.network.residual import force_scale
 examples = settings(max_examples=25, deadline=None)
 
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 AROUND = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 CELLS = {
     (2, 3): AROUND[[0, 1, 3]],

@@ -167,7 +167,7 @@ def test_cells_are_cubes_in_vtk_order(name):
 
 
 def test_a_cubic_bar_is_the_one_that_another_program_moved():
-    data = Path(__file__).parents[1] / "data" / "springs" / "s2_trajectory_cubic18_damped.json"
+    data = Path(__file__).parents[2] / "data" / "springs" / "s2_trajectory_cubic18_damped.json"
     independent = json.loads(data.read_text())
     points = np.array(independent["points"])
     lattice = fill(patterns.cubic18(), Box(tuple(points.max(axis=0).tolist())), (5, 3, 3))
