@@ -1,4 +1,4 @@
-"""What a calibration says: constants, the material that they make, and what a body does with them."""
+"""A calibration: constants, the material that they make, and what a body does with them."""
 
 from __future__ import annotations
 
