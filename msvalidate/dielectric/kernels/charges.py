@@ -1,7 +1,7 @@
 """Compiled sums over all pairs of segments: potentials, fields, forces and their changes.
 
 The integrals over a pair are those of `segments`, and points of the plane complex numbers as there.
-`msvalidate.electrostatics` gives them their meaning.
+`msvalidate.dielectric.charges` gives them their meaning.
 """
 
 from __future__ import annotations
