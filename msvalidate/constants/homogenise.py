@@ -18,7 +18,14 @@ from numpy.typing import ArrayLike
 
 from msvalidate.constants.cell_at_rest import SOLVERS, at_rest
 from msvalidate.constants.stiffness import ALIKE, spring_tensor, voigt_directions
-from msvalidate.lattice import WEIGHTS, Constants, Lattice, Pattern, boundary_weights
+from msvalidate.lattice import (
+    WEIGHTS,
+    Constants,
+    Lattice,
+    Pattern,
+    PatternLattice,
+    boundary_weights,
+)
 from msvalidate.lattice.filled import cells_bordered
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.checks import (
@@ -119,8 +126,8 @@ def network_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arra
             f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
         )
     chosen("boundary weights", weights, WEIGHTS)
-    pattern = lattice.pattern
-    if pattern is not None:
+    if isinstance(lattice, PatternLattice):
+        pattern = lattice.pattern
         if weights == "per_cell":  # every cell that a spring borders brings one of its own
             pattern = replace(pattern, factor=pattern.factor * cells_bordered(pattern))
         return homogenised(pattern, constants, lattice.spacing).tensor

@@ -12,7 +12,7 @@ from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import ROUTES, by_first, refuse_soft_cells
 from msvalidate.constants.spring_constants import edge_constants, target_of
 from msvalidate.constants.stiffness import ALIKE, is_alike, isotropic_tensor
-from msvalidate.lattice import Constants, Lattice, Pattern, patterns
+from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, patterns
 from msvalidate.problem import Array, Isotropic, Material, Mesh, ProblemError
 from msvalidate.problem.checks import chosen, finite, instance, metres, number, shown
 
@@ -49,7 +49,7 @@ def by_route(
         chosen("route", route, ROUTES)
     lead = by_first if route is None else ROUTES[route]
     found = lead(target_of(material, pattern), pattern, unit)
-    if found.volume < 0 and not (isinstance(lattice, Lattice) and lattice.pattern is None):
+    if found.volume < 0 and isinstance(lattice, Pattern | PatternLattice):
         refuse_soft_cells(pattern, unit, found)
     return found
 
@@ -65,7 +65,7 @@ def default_constants(material: Material, lattice: Lattice) -> Constants:
     instance("lattice", lattice, Lattice)
     if not isinstance(material, Isotropic):
         raise ProblemError("spring constants: the material is a tensor; give the constants")
-    if isinstance(lattice.domain, Mesh) and lattice.pattern is None:
+    if isinstance(lattice.domain, Mesh) and not isinstance(lattice, PatternLattice):
         return edge_constants(material)
     return by_route(material, lattice, None, "springs").constants
 
@@ -145,7 +145,7 @@ def _repeats(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern
         return lattice, metres("spacing", 1.0 if spacing is None else spacing)
     if spacing is not None:
         raise ProblemError(f"spacing: {shown(spacing)}; a body has its own, leave it out")
-    if lattice.pattern is not None:
+    if isinstance(lattice, PatternLattice):
         return lattice.pattern, lattice.spacing
     if lattice.name in PATTERN_OF:
         return PATTERN_OF[lattice.name](), 1.0  # plane tensors do not depend on it

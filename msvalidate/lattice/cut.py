@@ -19,13 +19,13 @@ slit or crack narrower than a cell, it joins them: take cells smaller than the g
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from msvalidate.lattice.corners import corners_of_cell
-from msvalidate.lattice.filled import Lattice
+from msvalidate.lattice.filled import PatternLattice
 from msvalidate.lattice.outline import inside, moments, outline
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import levels
@@ -50,8 +50,8 @@ SLIVER = 1e-2
 conditioned as an uncut lattice's, and errors are as without. From 0.1 on what is lost shows."""
 
 
-@dataclass(frozen=True, eq=False)
-class CutLattice(Lattice):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CutLattice(PatternLattice):
     """A lattice whose outer cells are cut; its points may lie up to a cell outside the body.
 
     Parameters
@@ -66,10 +66,10 @@ class CutLattice(Lattice):
         Part of the body's area or volume in cells that were left out, as slivers or by the rule.
     """
 
-    fraction: Array = field(default_factory=lambda: np.ones(0))
-    corner_volume: Array = field(default_factory=lambda: np.ones(0))
-    inside: Mask = field(default_factory=lambda: np.ones(0, dtype=bool))
-    lost: float = 0.0
+    fraction: Array
+    corner_volume: Array
+    inside: Mask
+    lost: float
 
     def weights_at(self, places: Array) -> tuple[Index, Array]:
         """Points (q, corners) and weights (q, corners) that interpolate at places (q, d) in m.

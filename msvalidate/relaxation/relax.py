@@ -15,10 +15,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from tqdm import tqdm
 
+from msvalidate.linear_algebra.norms import largest
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite, instance, positive, shown, whole
-from msvalidate.relaxation.run import LOOK_EVERY, Relaxation, Run, largest, together
+from msvalidate.relaxation.monitor import Monitor
+from msvalidate.relaxation.run import LOOK_EVERY, Relaxation, Run, together
 from msvalidate.statics.equilibrium import Equilibrium, displacement_of, refuse_folded
 from msvalidate.statics.path import Path, Way, way_of
 from msvalidate.statics.polish import error_of
@@ -129,7 +131,7 @@ def relax(
         loose = tolerance if stage is network else max(tolerance, STOPOVER)
         run = Run(stage, method.title, loose, known, begun)
         if network.held.all():
-            found, at_ease = run.result([], 0.0), False
+            found, at_ease = Monitor(run).result(0.0), False
         else:
             with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
                 found, at_ease = _walked(run, method, (max_steps, look_every), watch)
@@ -219,8 +221,7 @@ def _walked(
     next(walk)  # prepares
     allowed = given or run.most_steps()
     look_every = stride or max(method.look_every, run.look_every)
-    started = time.perf_counter()
-    looks = [run.look()]
+    started, monitor = time.perf_counter(), Monitor(run)
     with tqdm(
         total=1.0,
         desc=method.title,
@@ -230,15 +231,15 @@ def _walked(
         bar_format="{desc}: {percentage:3.0f}% of the way to rest{postfix} [{elapsed}]",
     ) as bar:
         while True:
-            at_ease = run.resting(looks[-1])
+            seen = monitor.look()
+            if not bar.disable:
+                monitor.show(bar)
+            at_ease = run.test.met(seen.residual, seen.kinetic)
             enough = watch is not None and watch(run)
             if at_ease or enough:
-                return run.result(looks, time.perf_counter() - started), at_ease
+                return monitor.result(time.perf_counter() - started), at_ease
             if run.steps >= allowed:
-                raise SolverError(run.unfinished(looks[-1]))
+                raise SolverError(monitor.unfinished)
             run.until = min(run.steps + look_every, allowed)
             while run.block > 0:
                 next(walk)
-            looks.append(run.look())
-            if not bar.disable:
-                run.show(bar, looks)

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import largest
 from msvalidate.linear_algebra.refine import InaccurateError
 from msvalidate.network import Network
 from msvalidate.network.folds import count_folded, description, folded_cells
@@ -191,7 +192,7 @@ def at_rest(
         displacement=displacement,
         position=position,
         reaction=np.where(network.held, -left, 0.0),
-        residual=_largest(left[~network.held]),
+        residual=largest(left[~network.held]),
         iterations=iterations,
         error=error,
         folded=count_folded(network.simplices, position),
@@ -208,7 +209,7 @@ def _linear(network: Network, solver: str) -> Equilibrium:
         displacement=found.displacement,
         position=position,
         reaction=found.reaction,
-        residual=_largest(found.balance[~network.held]),
+        residual=largest(found.balance[~network.held]),
         iterations=1 + found.steps,
         error=found.error,
         folded=count_folded(network.simplices, position),
@@ -304,7 +305,3 @@ def _hidden(network: Network, solver: Solver) -> str:
     except SolverError:  # such as a rope, which stands by its tension alone
         return ""
     return "" if beyond_doubt(found) else why(network, found.softness)
-
-
-def _largest(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0))

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from msvalidate.dielectric.actuator.device import Actuator, Model
+from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.uniform import relaxed_thickness
 from msvalidate.lattice import Lattice, boundary_weights, square
 from msvalidate.network import Network, spring_network
@@ -31,7 +31,7 @@ def slab(
     sides: str = "free",
     depth: float = 1.0,
     density: float = 1.0,
-    model: Model = "plane",
+    model: str = "plane",
     permittivity_ratio: float = 1.0,
 ) -> Actuator:
     """A slab of squares with diagonals, bonded at its bottom; the bottom electrode covers it all.

@@ -18,8 +18,9 @@ from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import instance, number, positive, whole
+from msvalidate.relaxation.monitor import DIVERGED
 from msvalidate.relaxation.relax import LOOSEST
-from msvalidate.relaxation.run import DIVERGED, LOOK_EVERY, SAFETY, patiently
+from msvalidate.relaxation.run import LOOK_EVERY, SAFETY, patiently
 
 
 @dataclass(frozen=True, eq=False)

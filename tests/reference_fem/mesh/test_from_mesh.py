@@ -223,7 +223,7 @@ def test_network_on_a_mesh_is_that_of_the_box():
     box = Box((2.0, 1.0))
     lattice = square(box, (4, 2))
     mesh = mesh_of(box_discretisation(box, (4, 2), "Q1"))
-    on_mesh = replace(lattice, domain=mesh, side_area=None)
+    on_mesh = replace(lattice, domain=mesh)
     networks = []
     for domain, grid, (left, right) in (
         (box, lattice, (box.side("left"), box.side("right"))),
