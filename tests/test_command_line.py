@@ -511,14 +511,6 @@ def test_interrupt_ends_quietly(tmp_path):
     assert not (tmp_path / "r").exists()
 
 
-def test_a_foreign_package_named_studies_is_refused(tmp_path):
-    (tmp_path / "studies").mkdir()
-    (tmp_path / "studies" / "__init__.py").touch()
-    done = run("poisson", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "another package named 'studies' comes before msvalidate's own" in done.stderr
-
-
 # --- check and report -----------------------------------------------------------------------------
 
 CHECKED = """

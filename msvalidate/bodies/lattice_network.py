@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.lattice_constants import stiffnesses
-from msvalidate.constants.routes import Calibration
 from msvalidate.lattice import Constants, CutLattice, Lattice, VoronoiLattice, boundary_weights
 from msvalidate.lattice.corners import quadrilateral_shares
 from msvalidate.network import Network, spring_network

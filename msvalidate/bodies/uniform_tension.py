@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.routes import Body, Calibration
+from msvalidate.constants.calibration import Body, Calibration
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice, fill
 from msvalidate.linear_algebra.factor import NoMemoryError, factorised
 from msvalidate.network import Network, tangent

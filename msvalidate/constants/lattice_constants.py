@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from msvalidate.constants.routes import ROUTES, Calibration, by_first, refuse_soft_cells
-from msvalidate.constants.spring_constants import along_axes, edge_constants
+from msvalidate.constants.calibration import Calibration
+from msvalidate.constants.routes import ROUTES, by_first, refuse_soft_cells
+from msvalidate.constants.spring_constants import edge_constants, target_of
 from msvalidate.constants.stiffness import ALIKE, is_alike, isotropic_tensor
 from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, patterns
 from msvalidate.problem import Array, Isotropic, Material, Mesh, ProblemError
@@ -29,7 +30,7 @@ ORDINARY = 1e100
 def by_route(
     material: Isotropic, lattice: Pattern | Lattice, spacing: float | None, route: str | None
 ) -> Calibration:
-    """What `calibrate.calibrated` returns, but for what it says of the body.
+    """What `bodies.calibrate.calibrated` returns, but for what it says of the body.
 
     Raises
     ------
@@ -44,11 +45,10 @@ def by_route(
             f"calibrate: a modulus of {material.E:g} Pa and a thickness of {material.thickness:g} "
             "m; choose units that give ordinary numbers"
         )
-    if route is None:
-        found = by_first(material, pattern, unit)
-    else:
+    if route is not None:
         chosen("route", route, ROUTES)
-        found = ROUTES[route](material, pattern, unit)
+    lead = by_first if route is None else ROUTES[route]
+    found = lead(target_of(material, pattern), pattern, unit)
     if found.volume < 0 and isinstance(lattice, Pattern | PatternLattice):
         refuse_soft_cells(pattern, unit, found)
     return found
@@ -132,10 +132,10 @@ def _refuse_stranger(given: Calibration, lattice: Lattice, material: Material) -
 
 def _is_material(given: Calibration, material: Isotropic, pattern: Pattern) -> bool:
     """Whether the tensor of a calibration is that of the material along the lattice's axes."""
-    E, nu = along_axes(material, pattern)
-    if (pattern.dim - 1) * nu >= 1:
+    target = target_of(material, pattern)
+    if (pattern.dim - 1) * target.nu >= 1:
         return False
-    return is_alike(given.tensor, isotropic_tensor(pattern.dim, E, nu))
+    return is_alike(given.tensor, isotropic_tensor(pattern.dim, target.E, target.nu))
 
 
 def _repeats(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern, float]:
