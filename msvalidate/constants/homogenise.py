@@ -31,8 +31,8 @@ from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.checks import (
     chosen,
     finite,
+    indices,
     instance,
-    integers,
     metres,
     refuse_too_many,
     shown,
@@ -120,11 +120,9 @@ def network_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arra
         If the constants are not one a kind, there is no such rule, or the lattice is irregular.
     """
     instance("lattice", lattice, Lattice)
-    k = finite("spring constants", constants)
-    if k.shape != (lattice.kinds,):
-        raise ProblemError(
-            f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
-        )
+    k = finite(
+        "spring constants", constants, lattice.kinds, need=f"give {lattice.kinds}, one a kind"
+    )
     chosen("boundary weights", weights, WEIGHTS)
     if isinstance(lattice, PatternLattice):
         pattern = lattice.pattern
@@ -208,7 +206,7 @@ def periodic(
     SolverError
         If a large network has a motion without stiffness, or the tensor can't be told.
     """
-    n, pairs = whole("points of the cell", count, 1), integers("springs", springs)
+    n = whole("points of the cell", count, 1)
     refuse_too_many("periodic network", n)
     chosen("solver", solver, SOLVERS)
     vector, k = finite("vectors", vectors), finite("stiffness", stiffness)
@@ -218,12 +216,7 @@ def periodic(
         )
     affine = spring_tensor(vector, k, volume)
     k = np.where(k >= NO_SPRING * k.max(), k, 0.0)
-    if pairs.shape != (len(k), 2):
-        raise ProblemError(
-            f"springs: {pairs.dtype} {pairs.shape}; give whole numbers {(len(k), 2)}"
-        )
-    if pairs.min() < 0 or pairs.max() >= n:
-        raise ProblemError(f"springs: {pairs.min()} to {pairs.max()}; there are {n} points")
+    pairs = indices("springs", springs, n, len(k), 2)
     length = np.linalg.norm(vector, axis=1)[:, None]
     normal = vector / length
     found = at_rest(n, pairs, normal, k, length * voigt_directions(normal), solver)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import freeze, in_plane, moved_points, owners, refuse_gaps
 from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
-from msvalidate.problem.checks import chosen, integers, metres, number, refuse_too_many, whole
+from msvalidate.problem.checks import chosen, indices, metres, number, refuse_too_many, whole
 
 GRADINGS = ("uniform", "cosine")
 
@@ -42,14 +42,7 @@ class Electrodes:
 
     def __post_init__(self) -> None:
         points = in_plane("points of electrodes", self.points)
-        segments = integers("segments", self.segments)
-        if segments.ndim != 2 or segments.shape[1] != 2 or not len(segments):
-            raise ProblemError(f"segments: shape {segments.shape}; give (m, 2), 1 or more")
-        if segments.min() < 0 or segments.max() >= len(points):
-            raise ProblemError(
-                f"segments: points {segments.min()} to {segments.max()}; there are {len(points)}, "
-                "from 0"
-            )
+        segments = indices("segments", self.segments, len(points), "m>0", 2)
         electrode = owners("electrode", self.electrode, len(segments))
         refuse_gaps("electrode", electrode)
         _refuse_contact(points, segments, electrode)

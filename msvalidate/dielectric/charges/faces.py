@@ -12,7 +12,16 @@ from numpy.typing import ArrayLike
 from msvalidate.dielectric.charges.checks import freeze, in_plane, moved_points, owners
 from msvalidate.dielectric.charges.electrodes import GRADINGS, strip
 from msvalidate.problem import PLACEMENT, Array, Index, Mask, ProblemError
-from msvalidate.problem.checks import chosen, coordinates, integers, metres, number, shown, whole
+from msvalidate.problem.checks import (
+    chosen,
+    coordinates,
+    indices,
+    integers,
+    metres,
+    number,
+    shown,
+    whole,
+)
 
 BARE = -1
 """In the place of an electrode's number: none."""
@@ -107,13 +116,8 @@ def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike,
     ProblemError
         If a chain leaves the outline, or as `Faces`.
     """
-    given, around = coordinates("points", points), integers("outline", outline)
-    if given.ndim != 2 or around.ndim != 1 or not len(around):
-        raise ProblemError(f"outline: shape {around.shape}; give (m,) numbers of points (n, 2)")
-    if around.min() < 0 or around.max() >= len(given):
-        raise ProblemError(
-            f"outline: points {around.min()} to {around.max()}; there are {len(given)}, from 0"
-        )
+    given = coordinates("points", points, "n", 2)
+    around = indices("outline", outline, len(given), "m>0")
     segment = {
         frozenset(pair): i
         for i, pair in enumerate(zip(around.tolist(), np.roll(around, -1).tolist(), strict=True))
@@ -122,9 +126,7 @@ def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike,
     if not isinstance(electrodes, tuple | list):
         raise ProblemError(f"electrodes: {shown(electrodes)}; give a tuple of chains of numbers")
     for k, chain in enumerate(electrodes):
-        numbers = integers(f"electrode {k}", chain)
-        if numbers.ndim != 1:
-            raise ProblemError(f"electrode {k}: shape {numbers.shape}; give (m,) numbers of points")
+        numbers = integers(f"electrode {k}", chain, "m")
         for pair in pairwise(numbers.tolist()):
             place = segment.get(frozenset(pair))
             if place is None:
@@ -169,9 +171,7 @@ def slab_faces(
     """
     chosen("grading", grading, GRADINGS)
     whole("segments", segments, 1)
-    part = number("covered", covered)
-    if not 0 < part <= 1:
-        raise ProblemError(f"covered: {shown(covered)}; give a part of the top above 0, at most 1")
+    part = number("covered", covered, above=0, most=1)
     half, top = 0.5 * metres("length", length), metres("height", height)
     edge = half * part
     stops = [(-half, 0.0), (half, 0.0), (half, top), (edge, top), (-edge, top), (-half, top)]

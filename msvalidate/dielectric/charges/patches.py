@@ -65,14 +65,9 @@ class Patches:
     middle: Array
 
     def __post_init__(self) -> None:
-        corners = coordinates("corners of patches", self.corners)
-        if corners.ndim != 3 or corners.shape[1] < 3 or corners.shape[2] != 3 or not len(corners):
-            raise ProblemError(
-                f"corners of patches: shape {corners.shape}; give (n, c, 3), c above 2"
-            )
-        middle = coordinates("middles of patches", self.middle)
-        if middle.shape != (len(corners), 3):
-            raise ProblemError(f"middles of patches: shape {middle.shape}; give {len(corners), 3}")
+        need = "give (n, c, 3), c above 2"
+        corners = coordinates("corners of patches", self.corners, "n>0", "c>2", 3, need=need)
+        middle = coordinates("middles of patches", self.middle, len(corners), 3)
         conductor = owners("conductor", self.conductor, len(corners))
         refuse_gaps("conductor", conductor)
         corners = np.where((_areas(corners) < 0)[:, None, None], corners[:, ::-1], corners)
@@ -171,9 +166,7 @@ class PatchCharges:
 
     def potential(self, points: ArrayLike) -> Array:
         """Potential (k,) in V at points (k, 3) in m."""
-        at = coordinates("points", points)
-        if at.ndim != 2 or at.shape[1] != 3:
-            raise ProblemError(f"points: shape {at.shape}; give (k, 3)")
+        at = coordinates("points", points, "k", 3)
         seen = polygons.seen(at, self.moments.patches.corners)
         total: Array = seen @ self.density / (4 * np.pi * self.moments.permittivity)
         return total

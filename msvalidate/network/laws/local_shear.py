@@ -68,12 +68,10 @@ class LocalShear:
     weights: Array
 
     def __post_init__(self) -> None:
-        points = coordinates("shear springs: points", self.points)
-        pairs = integers("shear springs", self.springs)
-        if points.ndim != 2 or points.shape[1] not in VOIGT:
-            raise ProblemError(f"shear springs: points {points.shape}; give (n, 2) or (n, 3)")
-        if pairs.ndim != 2 or pairs.shape[1:] != (2,) or not len(pairs):
-            raise ProblemError(f"shear springs: shape {pairs.shape}; give pairs of points (m, 2)")
+        points = coordinates("shear springs: points", self.points, "n", (2, 3))
+        pairs = integers(
+            "shear springs", self.springs, "m>0", 2, need="give pairs of points (m, 2)"
+        )
         if pairs.min() < 0 or pairs.max() >= len(points) or (pairs[:, 0] == pairs[:, 1]).any():
             raise ProblemError(
                 f"shear springs: points {pairs.min()} to {pairs.max()}; join different ones of 0 "
@@ -81,11 +79,7 @@ class LocalShear:
             )
         arrays = {"points": points, "springs": pairs}
         for name in ("stiffness", "weights"):
-            arrays[name] = finite(f"shear springs: {name}", getattr(self, name))
-            if arrays[name].shape != (len(pairs),):
-                raise ProblemError(
-                    f"shear springs: {name} {arrays[name].shape}; give ({len(pairs)},)"
-                )
+            arrays[name] = finite(f"shear springs: {name}", getattr(self, name), len(pairs))
         if arrays["weights"].min() < 0:
             raise ProblemError(
                 f"shear springs: a weight of {arrays['weights'].min():g}; give 0 or more"
@@ -251,9 +245,7 @@ def _directions(vector: Array) -> tuple[Array, Array]:
 def _gradients(shear: LocalShear, position: Array) -> Array:
     """Deformation gradients (n, d, d), F_ab = ∂x_a/∂X_b."""
     instance("shear", shear, LocalShear)
-    x = coordinates("position", position)
-    if x.shape != shear.points.shape:
-        raise ProblemError(f"position: {x.shape}; give an array {shear.points.shape}")
+    x = coordinates("position", position, *shear.points.shape)
     n, d = x.shape
     return np.asarray((shear.gradient @ x).reshape(n, d, d).transpose(0, 2, 1))
 
