@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.constants.cell_at_rest import SOLVERS, at_rest
+from msvalidate.constants.cell_at_rest import at_rest
 from msvalidate.constants.stiffness import ALIKE, spring_tensor, voigt_directions
 from msvalidate.lattice import (
     WEIGHTS,
@@ -38,6 +38,7 @@ from msvalidate.problem.checks import (
     shown,
     whole,
 )
+from msvalidate.tangent.inverse import SOLVERS
 
 NO_SPRING = 1e-24
 """Stiffness of a spring, over the stiffest one's, below which it is none."""

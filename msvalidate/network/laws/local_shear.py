@@ -94,7 +94,7 @@ class LocalShear:
                 f"shear springs: {pairs[none[0]].tolist()} at index {none[0]} are in one place, "
                 f"{length[none[0]]:g} m apart; join points that are not"
             )
-        _ = self.gradient  # refuses points that have no deformation gradient
+        _refuse_flat(self._spanned, pairs)
 
     @property
     def dim(self) -> int:
@@ -110,17 +110,22 @@ class LocalShear:
         return vector
 
     @cached_property
-    def gradient(self) -> csr_array:
-        """Operator (n·d, n) in 1/m: row n·d + b times a component's values is its ∂/∂X_b.
-
-        Least squares: Σ w (x_j - x_i) DᵀA⁻¹ over a point's springs, A = Σ w DDᵀ.
-        """
+    def _spanned(self) -> Array:
+        """Σ w DDᵀ (n, d, d) in m² over the springs of each point."""
         n, d = self.points.shape
         outer = self.weights[:, None, None] * self.vector[:, :, None] * self.vector[:, None, :]
         A = np.zeros((n, d, d))
         for end in self.springs.T:
             np.add.at(A, end, outer)
-        _refuse_flat(A, self.springs)
+        return A
+
+    @cached_property
+    def gradient(self) -> csr_array:
+        """Operator (n·d, n) in 1/m: row n·d + b times a component's values is its ∂/∂X_b.
+
+        Least squares: Σ w (x_j - x_i) DᵀA⁻¹ over a point's springs, A = Σ w DDᵀ.
+        """
+        A, (n, d) = self._spanned, self.points.shape
         joined = np.unique(self.springs)
         inverse = np.zeros(A.shape)
         inverse[joined] = np.linalg.inv(A[joined])
@@ -297,7 +302,7 @@ def _shift_by_gradients(shear: LocalShear, F: Array) -> csr_array:
 
 
 def _refuse_flat(A: Array, springs: Index) -> None:
-    """A point that is joined, but whose springs leave out a direction."""
+    """Raise `ProblemError` for a point that is joined, but whose springs leave out a direction."""
     joined = np.unique(springs)
     values = np.linalg.eigvalsh(A[joined])
     flat = np.flatnonzero(values[:, 0] <= SPAN * values[:, -1])
