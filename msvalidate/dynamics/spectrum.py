@@ -90,7 +90,10 @@ def natural_frequencies(
     place = network.points if position is None else coordinates("position", position)
     matrix = _dynamical_matrix(network, place)
     size = matrix.shape[0]
-    number("tolerance of the frequencies", tolerance, least=0, below=1)
+    if not 0 <= number("tolerance of the frequencies", tolerance) < 1:
+        raise ProblemError(
+            f"tolerance of the frequencies: {tolerance}; give a relative error, 0 <= tolerance < 1"
+        )
     counted = isinstance(count, int | np.integer) and not isinstance(count, bool)
     if not (counted and 1 <= count <= size):
         raise ProblemError(
