@@ -1,4 +1,4 @@
-"""Order of the tests: the longest files first, so that several workers end together."""
+"""Order of the tests, and what small forms of studies left or leave."""
 
 from __future__ import annotations
 
@@ -7,21 +7,41 @@ import os
 import pickle
 from functools import cache
 
+import pandas as pd
 import pytest
 
 from msvalidate.judging import catalogue
 from msvalidate.judging.sweep import Setting
+from msvalidate.output import baseline
 
 
 def pytest_collection_modifyitems(items):
+    """The longest files first, so that several workers end together."""
     items.sort(
         key=lambda item: (item.path.name != "test_studies.py", "studies" not in item.path.parts)
     )
 
 
 @pytest.fixture(scope="session")
+def small_tables():
+    """Name of a study -> its tables in the small form, as the baseline has them.
+
+    `check` runs every study and holds it to these, so tests of what a table says do not run it
+    once more. Columns that depend on the machine are left out.
+    """
+
+    @cache
+    def of(name):
+        paths = sorted((baseline.home("quick") / name).glob("*.csv"))
+        assert paths, f"no baseline of {name}"
+        return {path.stem: pd.read_csv(path) for path in paths}
+
+    return of
+
+
+@pytest.fixture(scope="session")
 def small_form(tmp_path_factory):
-    """Name of a study -> its evidence in the small form, made once in a run of the tests.
+    """Name of a study -> its evidence in the small form, made once in a run of the tests; slow.
 
     Several files of tests look at the same small forms; workers share them through files.
     """

@@ -119,7 +119,7 @@ def test_list_names_each_study_with_its_question():
 def test_help_and_list_import_nothing_heavy():
     """Waiting for numpy before printing a help text is what users notice first."""
     script = (
-        "import sys; from msvalidate import study\n"
+        "import sys; from msvalidate.cli import program as study\n"
         "try: study.main(sys.argv[1:])\n"
         "except SystemExit: pass\n"
         "import json; print(json.dumps(sorted(sys.modules)), file=sys.stderr)"
@@ -198,7 +198,8 @@ def test_bad_command_lines(arguments, message, tmp_path):
 
 PATCHED = """
 import sys
-from msvalidate import catalogue, study
+from msvalidate.cli import program as study
+from msvalidate.judging import catalogue
 from types import SimpleNamespace
 {body}
 catalogue.load = lambda name: SimpleNamespace(__doc__="?", run=run)
@@ -300,7 +301,7 @@ def test_verbose_crash_shows_where(tmp_path):
     assert "Traceback" in done.stderr
 
 
-BROKEN = "from msvalidate import report\nreport.publish = lambda *_: {}['key']\n"
+BROKEN = "from msvalidate.output import report\nreport.publish = lambda *_: {}['key']\n"
 
 
 @pytest.mark.parametrize("verbose", [True, False])
@@ -372,7 +373,9 @@ def test_streams_that_are_closed_full_or_left(line, code, said, tmp_path):
 
 def test_results_and_exit_code_without_any_stream(tmp_path):
     body = "import os\nfor number in range(3): os.close(number)\nsys.stdout = sys.stderr = None\n"
-    script = f"import sys\nfrom msvalidate import study\n{body}study._prepare_streams()\n"
+    script = (
+        f"import sys\nfrom msvalidate.cli import program as study\n{body}study._prepare_streams()\n"
+    )
     script += PATCHED.format(body=ENDINGS["tolerance missed"][2])
     done = run(cwd=tmp_path, script=script)
     assert (done.returncode, done.stdout, done.stderr) == (1, "", "")
@@ -517,7 +520,9 @@ CHECKED = """
 import sys
 import time
 from pathlib import Path
-from msvalidate import baseline, catalogue, study
+from msvalidate.cli import program as study
+from msvalidate.judging import catalogue
+from msvalidate.output import baseline
 from types import SimpleNamespace
 {body}
 catalogue.names = lambda: ["poisson"]
@@ -674,7 +679,7 @@ def test_a_changelog_that_is_no_utf8_is_told_before_the_work(checked):
 KILLED = """
 import os
 from pathlib import Path
-from msvalidate import report
+from msvalidate.output import report
 class Killed(BaseException): pass
 count = last = 0
 def counted(act):
@@ -716,7 +721,7 @@ def test_a_reason_and_its_baseline_appear_together(checked):
 FORKED = """
 import os, signal, time
 from pathlib import Path
-from msvalidate import report
+from msvalidate.output import report
 base, log = Path("base/quick/poisson/t.csv"), Path("CHANGELOG.md")
 before, said = base.read_bytes(), log.read_bytes()
 found = []

@@ -51,7 +51,7 @@ import time
 from pathlib import Path
 sys.path[:0] = {paths!r}
 import test_report_interrupted
-from msvalidate import report
+from msvalidate.output import report
 gap = float(sys.argv[1])
 if sys.argv[3:] == ["apart"]:
     report._exchanged = lambda *_: False
