@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import shapely
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import freeze, in_plane, moved_points, owners
+from msvalidate.dielectric.charges.contact import BARE, refuse_electrodes, refuse_outline
 from msvalidate.dielectric.charges.electrodes import GRADINGS, strip
 from msvalidate.problem import PLACEMENT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
@@ -22,9 +22,6 @@ from msvalidate.problem.checks import (
     shown,
     whole,
 )
-
-BARE = -1
-"""In the place of an electrode's number: none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +49,8 @@ class Faces:
     def __post_init__(self) -> None:
         points = in_plane("points of faces", self.points, least=3)
         electrode = owners("electrode", self.electrode, len(points))
-        _refuse_outline(points)
-        _refuse_electrodes(electrode)
+        refuse_outline(points)
+        refuse_electrodes(electrode)
         freeze(self, points=points, electrode=electrode)
 
     @property
@@ -188,37 +185,3 @@ def slab_faces(
         points.append(start + share * step)
         electrode += [kind] * count
     return Faces(np.concatenate(points), np.array(electrode))
-
-
-def _refuse_outline(points: Array) -> None:
-    near = PLACEMENT * float(np.ptp(points, axis=0).max())
-    length = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
-    if (length <= near).any():
-        i = int(np.argmin(length))
-        raise ProblemError(
-            f"segment {i} of the faces: length {length[i]:g} m; leave its point out, the last is "
-            "not the first again"
-        )
-    ring = shapely.LinearRing(points)
-    if not ring.is_simple:
-        why = shapely.is_valid_reason(shapely.Polygon(points))
-        raise ProblemError(f"faces: the outline crosses or touches itself ({why}); part its sides")
-    if not ring.is_ccw:
-        raise ProblemError("faces: the outline runs clockwise; give its points the other way round")
-
-
-def _refuse_electrodes(electrode: Index) -> None:
-    known = np.unique(electrode)
-    if not np.array_equal(known[known != BARE], np.arange(max(2, known[-1] + 1))):
-        raise ProblemError(
-            f"electrode: {shown(known)}; give at least 0 and 1, and leave out none; -1 where the "
-            "face is bare"
-        )
-    after = np.roll(electrode, -1)
-    touching = np.flatnonzero((electrode != after) & (electrode != BARE) & (after != BARE))
-    if len(touching):
-        i = touching[0]
-        raise ProblemError(
-            f"electrodes {electrode[i]} and {after[i]} touch between segments {i} and "
-            f"{(i + 1) % len(electrode)}; leave a bare face between them"
-        )
