@@ -121,9 +121,7 @@ class Solver:
     tensor: Array | None = None
 
     def __post_init__(self) -> None:
-        refuse_shapes(self.body, held=self.held)
-        if self.held.dtype != bool:
-            raise ProblemError(f"held: of {self.held.dtype}; give True where a component is held")
+        refuse_no_mask(self.body, self.held)
         size = self.held.size
         K = self.stiffness
         if not (issparse(K) and K.format == "csr" and K.dtype == float and K.shape == (size, size)):
@@ -295,3 +293,10 @@ def refuse_shapes(body: Discretisation, **named: Array | Mask) -> None:
             raise ProblemError(f"{name}: {shown(array)}; give an array of real numbers")
         if array.shape != body.points.shape:
             raise ProblemError(f"{name}: shape {array.shape}; give {body.points.shape}")
+
+
+def refuse_no_mask(body: Discretisation, held: Mask) -> None:
+    """Raise `ProblemError` unless `held` says of each component of a body's nodes if it is held."""
+    refuse_shapes(body, held=held)
+    if held.dtype != bool:
+        raise ProblemError(f"held: of {held.dtype}; give True where a component is held")

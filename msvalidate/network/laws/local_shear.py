@@ -223,9 +223,8 @@ def shear_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
     ProblemError
         If an array does not fit, a vector has no length, or a value is not finite.
     """
-    D, k = coordinates("vectors", vectors), finite("stiffness", stiffness)
-    if D.ndim != 2 or D.shape[1] not in VOIGT or k.shape != D.shape[:1]:
-        raise ProblemError(f"shear tensor: vectors {D.shape}, stiffness {k.shape}; give as many")
+    D = coordinates("vectors", vectors, "m", (2, 3))
+    k = finite("stiffness", stiffness, len(D))
     if not D.any(axis=1).all():
         raise ProblemError("shear tensor: a vector of no length; leave it out")
     unit, across = _directions(D)
