@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, issparse
 
 from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import chosen, instance, shown
+from msvalidate.problem.checks import chosen, instance, shaped, shown
 from reference_fem.effort import envelope, within_memory
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients
@@ -291,8 +291,7 @@ def refuse_shapes(body: Discretisation, **named: Array | Mask) -> None:
     for name, array in named.items():
         if not isinstance(array, np.ndarray) or array.dtype.kind not in "bif":
             raise ProblemError(f"{name}: {shown(array)}; give an array of real numbers")
-        if array.shape != body.points.shape:
-            raise ProblemError(f"{name}: shape {array.shape}; give {body.points.shape}")
+        shaped(name, array, *body.points.shape)
 
 
 def refuse_no_mask(body: Discretisation, held: Mask) -> None:
