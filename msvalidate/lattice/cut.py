@@ -82,9 +82,7 @@ class CutLattice(PatternLattice):
         ProblemError
             If the places do not fit the lattice's dimension, or are not finite.
         """
-        places = coordinates("places", places)
-        if places.ndim != 2 or places.shape[1] != self.points.shape[1]:
-            raise ProblemError(f"places: {places.shape}; give (q, {self.points.shape[1]})")
+        places = coordinates("places", places, "q", self.points.shape[1])
         low = self.points[self.cells[:, 0]]
         h, d = self.spacing, places.shape[1]
         cell = _nearest(low, h, places)
@@ -180,8 +178,7 @@ def _refuse_misfit(pattern: Pattern, domain: Domain, rule: str, sliver: float) -
     if pattern.dim != domain.dim:
         raise ProblemError(f"{pattern.name} lattice: a {shown(domain)}; give one of {pattern.dim}D")
     chosen("cut lattice: rule", rule, RULES)
-    if not 0 <= number("cut lattice: sliver", sliver) < 1:
-        raise ProblemError(f"cut lattice: sliver {sliver:g}; give 0 or more and less than 1")
+    number("cut lattice: sliver", sliver, least=0, below=1)
 
 
 def _laid(

@@ -13,7 +13,7 @@ from msvalidate.linear_algebra.refine import InaccurateError
 from msvalidate.network import Network
 from msvalidate.network.folds import count_folded, description, folded_cells
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import chosen, coordinates, instance, shown
+from msvalidate.problem.checks import chosen, coordinates, instance
 from msvalidate.statics.following import Followed, follow, is_stressed
 from msvalidate.statics.linear_solution import solved
 from msvalidate.statics.path import Path, way_of
@@ -149,13 +149,8 @@ def displacement_of(network: Network, start: Equilibrium | Array | None) -> Arra
     if start is None:
         return None
     given = start.displacement if isinstance(start, Equilibrium) else start
-    moved = coordinates("start", given)
-    if moved.shape != network.points.shape:
-        raise ProblemError(
-            f"start: shape {shown(moved.shape)}; give an equilibrium of this network, or its "
-            f"displacement {network.points.shape}"
-        )
-    return moved
+    need = f"give an equilibrium of this network, or its displacement {network.points.shape}"
+    return coordinates("start", given, *network.points.shape, need=need)
 
 
 def refuse_folded(network: Network, found: Equilibrium, title: str) -> None:

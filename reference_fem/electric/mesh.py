@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, place_name
-from msvalidate.problem.checks import chosen, coordinates, instance, number, positive, whole
+from msvalidate.problem.checks import chosen, coordinates, instance, number, positive, shaped, whole
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.electric.lines import mesh_lines
 from reference_fem.electric.slab import Slab
@@ -90,10 +90,7 @@ class SlabMesh:
         ProblemError
             If the forces are not two components for each node of the mesh.
         """
-        if np.shape(forces) != self.body.points.shape:
-            raise ProblemError(
-                f"forces on all nodes: shape {np.shape(forces)}; give {self.body.points.shape}"
-            )
+        shaped("forces on all nodes", np.asarray(forces), *self.body.points.shape)
         passed = self._follow.factor(forces[self.air])
         return np.asarray(forces[self.nodes] - self._follow.link.T @ passed)
 
@@ -185,12 +182,7 @@ def moved_air(mesh: SlabMesh, displacement: Array) -> SlabMesh:
         If a cell is turned inside out.
     """
     instance("mesh", mesh, SlabMesh)
-    u = coordinates("displacement of the slab", displacement)
-    if u.shape != (len(mesh.nodes), 2):
-        raise ProblemError(
-            f"displacement of the slab: shape {u.shape}; give ({len(mesh.nodes)}, 2), one for each "
-            "of the mesh's slab nodes"
-        )
+    u = coordinates("displacement of the slab", displacement, len(mesh.nodes), 2)
     points = mesh.body.points.copy()
     points[mesh.nodes] += u
     points[mesh.air] -= mesh._follow.factor(mesh._follow.link @ u)

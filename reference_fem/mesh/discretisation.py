@@ -199,10 +199,7 @@ class Discretisation:
         return np.asarray((after / before).min(axis=1))
 
     def _sampled(self, points: ArrayLike) -> Array:
-        x = coordinates("points to sample", points)
-        if x.ndim != 2 or x.shape[1] != self.dim:
-            raise ProblemError(f"points to sample: shape {x.shape}; give (p, {self.dim})")
-        return x
+        return coordinates("points to sample", points, "p", self.dim)
 
     @cached_property
     def _shapes(self) -> Cells:
@@ -230,9 +227,7 @@ def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisat
     """
     chosen("element", element, ELEMENTS)
     kind = ELEMENTS[element]
-    x = coordinates("points", points)
-    if x.ndim != 2 or x.shape[1] != kind.dim:
-        raise ProblemError(f"points: shape {x.shape}; {element} needs (n, {kind.dim})")
+    x = coordinates("points", points, "n", kind.dim, need=f"{element} needs (n, {kind.dim})")
     t = checked_cells(cells, kind, len(x))
     with within_memory(len(x), "nodes"):
         return _assembled(x, t, kind)

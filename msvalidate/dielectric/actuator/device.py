@@ -12,7 +12,7 @@ from msvalidate.dielectric.actuator.surface import off_surface, outline
 from msvalidate.dielectric.charges import Electrodes, chains
 from msvalidate.network import Network
 from msvalidate.problem import Array, Index, ProblemError, refuse_free_motions
-from msvalidate.problem.checks import chosen, finite, instance, integers, positive, shown
+from msvalidate.problem.checks import chosen, indices, instance, positive, shaped, shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,10 +95,7 @@ class Actuator:
         ProblemError
             If they cross or touch there, or positions are not one for each point.
         """
-        if np.shape(position) != self.network.points.shape:
-            raise ProblemError(
-                f"position: shape {np.shape(position)}; give {self.network.points.shape}"
-            )
+        shaped("position", np.asarray(position), *self.network.points.shape)
         return self.charged.moved(position[self.loaded])
 
     def potentials(self, voltage: float) -> Array:
@@ -108,14 +105,8 @@ class Actuator:
 
 def _chain(name: str, given: object, network: Network) -> Index:
     """A chain of points of the network, read-only."""
-    line = integers(name, finite(name, given))  # type: ignore[arg-type]
-    if line.ndim != 1 or len(line) < 2:
-        raise ProblemError(f"{name}: shape {line.shape}; give the numbers of 2 or more points")
-    n = len(network.points)
-    if line.min() < 0 or line.max() >= n:
-        raise ProblemError(
-            f"{name}: points {line.min()} to {line.max()}; the network has {n}, from 0"
-        )
+    need = "give the numbers of 2 or more points"
+    line = indices(name, given, len(network.points), "k>1", need=need)  # type: ignore[arg-type]
     pairs = _sorted_pairs(line)
     known = set(map(tuple, np.sort(network.springs, axis=1).tolist()))
     for i, j in pairs.tolist():

@@ -108,9 +108,7 @@ def without_tips(actuator: Actuator, within: float) -> Actuator:
 def near_tips(actuator: Actuator, within: float) -> Mask:
     """Points (n,) within a distance (m) of an edge of the top electrode, at the start."""
     instance("actuator", actuator, Actuator)
-    distance = number("distance from a tip", within)
-    if distance < 0:
-        raise ProblemError(f"distance from a tip: {distance:g} m; give 0 or more")
+    distance = number("distance from a tip", within, least=0, unit="m")
     start, top = actuator.network.start, actuator.electrodes[0]
     away = np.linalg.norm(start[:, None] - start[top[[0, -1]]], axis=2).min(axis=1)
     size = float(np.ptp(start, axis=0).max())

@@ -90,8 +90,7 @@ def moving(
     """
     instance("actuator", actuator, Actuator)
     volts = number("voltage", voltage)
-    if positive("tolerance", tolerance) > LOOSEST:
-        raise ProblemError(f"tolerance: {tolerance:g}; give at most {LOOSEST:g}")
+    number("tolerance", tolerance, above=0, most=LOOSEST)
     every = whole("charges_every", charges_every, 1)
     step, rate, patience = _pace(actuator.network, dt, damping, tolerance, max_steps)
     run, looks = _Run(actuator, volts, start, step, rate), []

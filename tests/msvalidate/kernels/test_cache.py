@@ -20,6 +20,8 @@ from msvalidate.kernels import cache
 from msvalidate.kernels.compiling import compiled
 
 PACKAGE = Path(msvalidate.__file__).parent
+TYPES = {"Array", "Index"}
+"""What annotations alone name: no part of compiled code."""
 COMPARED = """
 import numpy as np
 from msvalidate import kernels
@@ -78,7 +80,7 @@ def test_the_stamp_names_every_source():
         if "compiled(" in text or "@intrinsic" in text:
             nodes = [n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.ImportFrom)]
             outside |= {(n.module, a.name) for n in nodes for a in n.names}
-    ours = {m for m, name in outside if m.startswith("msvalidate.") and name not in {"Array"}}
+    ours = {m for m, name in outside if m.startswith("msvalidate.") and name not in TYPES}
     assert {PACKAGE.parent / f"{m.replace('.', '/')}.py" for m in ours} <= sources
     for path in PACKAGE.rglob("*.py"):
         compiles = "msvalidate.kernels.compiling import" in path.read_text(encoding="utf-8")
