@@ -6,7 +6,7 @@ Nodes are numbered as in VTK (and meshio): corners, mid-sides, middles of faces,
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -192,21 +192,20 @@ def _monomials(places: Array, powers: Index) -> Array:
     return np.asarray(np.prod(places[:, None, :] ** powers, axis=2))
 
 
-def _shape(
-    names: tuple[str, str],
+def _shapes(
     corners: Sequence[tuple[int, ...]],
     rings: Sequence[tuple[int, ...]],
-    between: Sequence[tuple[int, ...]],
+    names: Mapping[str, Sequence[tuple[int, ...]]],
 ) -> list[Shape]:
-    """The shape with straight sides and the one with middles of some groups of corners."""
+    """Shapes of the same corners, by meshio's names: each with middles of some groups of them."""
     straight = np.array(corners, dtype=float)
-    middles = [straight[list(group)].mean(axis=0) for group in between]
     simplex = len(corners) == straight.shape[1] + 1
-    outside = tuple(rings)
-    return [
-        Shape(names[0], straight, len(corners), outside, simplex, 1),
-        Shape(names[1], np.array([*straight, *middles]), len(corners), outside, simplex, 2),
-    ]
+    found = []
+    for name, groups in names.items():
+        middles = [straight[list(group)].mean(axis=0) for group in groups]
+        nodes = np.array([*straight, *middles])
+        found.append(Shape(name, nodes, len(corners), tuple(rings), simplex, 2 if groups else 1))
+    return found
 
 
 _TRIANGLE = [(0, 1), (1, 2), (2, 0)]
@@ -218,29 +217,26 @@ _UNIT_CUBE = [(x, y, z) for z in (0, 1) for x, y in [(0, 0), (1, 0), (1, 1), (0,
 
 SHAPES = {
     shape.name: shape
-    for pair in (
-        _shape(("line", "line3"), [(0,), (1,)], [(0,), (1,)], [(0, 1)]),
-        _shape(("triangle", "triangle6"), [(0, 0), (1, 0), (0, 1)], _TRIANGLE, _TRIANGLE),
-        _shape(
-            ("quad", "quad9"),
+    for family in (
+        _shapes([(0,), (1,)], [(0,), (1,)], {"line": [], "line3": [(0, 1)]}),
+        _shapes([(0, 0), (1, 0), (0, 1)], _TRIANGLE, {"triangle": [], "triangle6": _TRIANGLE}),
+        _shapes(
             [(0, 0), (1, 0), (1, 1), (0, 1)],
             _SQUARE,
-            [*_SQUARE, (0, 1, 2, 3)],
+            {"quad": [], "quad9": [*_SQUARE, (0, 1, 2, 3)]},
         ),
-        _shape(
-            ("tetra", "tetra10"),
+        _shapes(
             [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)],
             _TETRAHEDRON,
-            [*_TRIANGLE, (0, 3), (1, 3), (2, 3)],
+            {"tetra": [], "tetra10": [*_TRIANGLE, (0, 3), (1, 3), (2, 3)]},
         ),
-        _shape(
-            ("hexahedron", "hexahedron27"),
+        _shapes(
             _UNIT_CUBE,
             _CUBE,
-            [*_CUBE_EDGES, *_CUBE, (0, 1, 2, 3, 4, 5, 6, 7)],
+            {"hexahedron": [], "hexahedron27": [*_CUBE_EDGES, *_CUBE, tuple(range(8))]},
         ),
     )
-    for shape in pair
+    for shape in family
 }
 CELLS = tuple(name for name, shape in SHAPES.items() if shape.dim > 1)
 """Names of what a mesh may consist of."""
