@@ -12,6 +12,7 @@ from msvalidate.problem import (
     BodyForce,
     Box,
     Isotropic,
+    Mesh,
     PointForce,
     Polygon,
     Problem,
@@ -204,6 +205,32 @@ def verdict(element, orders, levels):
         "level of the gradient": 0.99 <= levels[1] <= 1.04,
     }
     return [name for name, held in checks.items() if not held]
+
+
+def slanted(element, n):
+    """Box of n x n cells, every other row of lines in zigzag: trapezia, however many there are."""
+    first = ELEMENTS[element].first
+    grid = reference_fem.box_discretisation(BOX, n, first.name)
+    step = np.array(BOX.size) / n
+    along, up = np.round(grid.points / step).astype(int).T
+    points = grid.points.copy()
+    points[:, 1] += np.where(up % 2, 0.3 * step[1] * (1 - 2 * (along % 2)), 0.0)
+    return reference_fem.mesh_discretisation(Mesh(points, grid.cells, first.shape), element)
+
+
+@pytest.mark.parametrize("element", PLANE)
+def test_orders_on_cells_that_are_no_parallelograms(element):
+    problem = manufactured("plane_stress", loaded=False)
+    bodies = [slanted(element, n) for n in (32, 64)]
+    found = [
+        errors(body, reference_fem.solve_problem(problem, body).displacement) for body in bodies
+    ]
+    orders = np.log2(np.divide(*found))
+    kind = ELEMENTS[element]
+    # Of what is not complete on such cells, the order still falls on these meshes.
+    room = 0.02 if kind.complete == kind.degree else 0.6
+    for order, wanted in zip(orders, (kind.complete + 1, kind.complete), strict=True):
+        assert wanted - 0.02 <= order <= wanted + room
 
 
 @pytest.mark.parametrize("loaded", [False, True], ids=["held all round", "two sides loaded"])
