@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import csv
 import os
 import pickle
 from functools import cache
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -14,9 +16,22 @@ from msvalidate.judging import catalogue
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import baseline
 
+SLOW = Path(__file__).with_name("slow.csv")
+"""Tests that are too long for each change: in `kept`, parts of names of the cases that stay in
+`make test`, parted by |. `make slow` runs the rest."""
 
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """The longest files first, so that several workers end together."""
+    """Mark what the list says; the longest files first, so that several workers end together."""
+    with SLOW.open(encoding="utf-8", newline="") as file:
+        listed = {row["test"]: row["kept"] for row in csv.DictReader(file)}
+    for item in items:
+        name, bracket, case = item.nodeid.partition("[")
+        if name in listed:
+            kept = [part for part in listed[name].split("|") if part]
+            if not any(part in bracket + case for part in kept):
+                item.add_marker(pytest.mark.slow)
     items.sort(
         key=lambda item: (item.path.name != "test_studies.py", "studies" not in item.path.parts)
     )

@@ -202,7 +202,11 @@ def test_a_worker_that_dies_costs_its_study_alone(tmp_path):
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 @pytest.mark.parametrize(
     ("how", "jobs", "code"),
-    [(signal.SIGKILL, 1, -9), (signal.SIGKILL, 2, -9), (signal.SIGINT, 2, 130)],
+    [
+        (signal.SIGKILL, 2, -9),
+        pytest.param(signal.SIGKILL, 1, -9, marks=pytest.mark.slow),
+        pytest.param(signal.SIGINT, 2, 130, marks=pytest.mark.slow),
+    ],
 )
 def test_a_run_that_is_ended_has_told_how_far_it_came(how, jobs, code, tmp_path):
     """Killed, it has no time to end its workers: they end themselves."""

@@ -16,6 +16,7 @@ from reference_fem.electric.lines import mesh_lines
 from reference_fem.electric.slab import Slab
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import COINCIDENT, Discretisation, discretise
+from reference_fem.mesh.elements import ELEMENTS, of_dimension
 
 REACH = 30.0
 """Distance of the far boundary, in longer sides of the slab, unless given."""
@@ -123,7 +124,7 @@ def slab_mesh(
         Cells up the slab's height, an even number. All spacings go with it, so that meshes of 10,
         20 and 40 layers are one family.
     element
-        "Q1" or "Q2".
+        Of quadrilaterals: "Q1", "Q2" and so on.
     grading
         1 spaces lines near edges and corners evenly; g > 1 as s^g. Meshes that shall be moved far
         need a mild one.
@@ -136,7 +137,7 @@ def slab_mesh(
         If an argument is out of range, or the far boundary is nearer than the slab's height.
     """
     instance("slab", slab, Slab)
-    chosen("element", element, ("Q1", "Q2"))
+    chosen("element", element, [name for name in of_dimension(2) if not ELEMENTS[name].simplex])
     half, odd = divmod(whole("layers", layers, 2), 2)
     if odd:
         raise ProblemError(f"layers: {layers}; give an even number, graded to both faces")
@@ -150,7 +151,7 @@ def slab_mesh(
             f"as {REACH * max(slab.length, slab.height):g} m"
         )
     lines = mesh_lines(slab, half, grading, far)
-    closest = min(float(np.diff(line).min()) for line in lines) / int(element[1])
+    closest = min(float(np.diff(line).min()) for line in lines) / ELEMENTS[element].degree
     told = COINCIDENT * max(float(np.ptp(line)) for line in lines)
     if closest <= 2 * told:
         raise ProblemError(

@@ -251,7 +251,8 @@ def _assembled(x: Array, t: Index, kind: Element) -> Discretisation:
     dofs = skfem.Dofs(mesh, kind.function)
     node = _numbered(x, listed, dofs)
     if len(round_):
-        whole = _CURVED[kind.name](x[node].T.copy(), mesh.t, sort_t=False)
+        nodes = x[node].T.copy()
+        whole = kind.mesh(nodes, mesh.t, elem=type(kind.function), sort_t=False)
         mapping, order = skfem.MappingIsoparametric(whole, kind.function), kind.curved_order
     basis = skfem.Basis(mesh, kind.function, mapping=mapping, intorder=order, dofs=dofs)
     return Discretisation(x, t, kind, basis, node, bool(len(round_)))
@@ -277,12 +278,3 @@ def _numbered(points: Array, listed: Index, dofs: Any) -> Index:
             "do on the sides they share; list corners, mid-sides, centre, and share whole sides"
         )
     return node
-
-
-_CURVED = {
-    "P2": skfem.MeshTri2,
-    "Q2": skfem.MeshQuad2,
-    "T2": skfem.MeshTet2,
-    "H2": skfem.MeshHex2,
-}
-"""Meshes of the library that hold the nodes of curved cells."""
