@@ -489,7 +489,7 @@ BAD = [
         "plane in tetrahedra",
         lambda: reference_fem.box_discretisation(BOX, 2, "T1"),
         ProblemError,
-        "mesh: T1 in a box 2 x 1 m; in 2D, give one of Q1, Q2, P1, P2",
+        "mesh: T1 in a box 2 x 1 m; in 2D, give one of Q1, Q2",
     ),
     (
         "solid of two counts",
