@@ -10,6 +10,7 @@ import pytest
 from msvalidate.lattice import Pattern, patterns, repeated
 from msvalidate.lattice.pattern import by_shells
 from msvalidate.problem import ProblemError
+from tests.table import table
 
 LATTICES = patterns.known()
 every = pytest.mark.parametrize("name", LATTICES)
@@ -135,7 +136,7 @@ def pattern(**change):
     return Pattern(**(parts | change))
 
 
-@pytest.mark.parametrize(
+@table(
     ("change", "message"),
     [
         ({"size": (1.0, 0.0)}, "pattern row: cell edge"),
@@ -187,7 +188,7 @@ def test_a_shell_without_points_is_refused():
         by_shells("gap", (1.0, 1.0), [(0, 0)], (1.2,), {"one": (1.0,)})
 
 
-@pytest.mark.parametrize(
+@table(
     ("change", "message"),
     [
         ({"distances": ()}, "pattern row: points (1, 2), distances (); give (n, 2) and lengths"),

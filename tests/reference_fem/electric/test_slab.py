@@ -22,6 +22,7 @@ from reference_fem import (
     slab_mesh,
     surface_profile,
 )
+from tests.table import table
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -212,7 +213,7 @@ def test_rigid_motion_changes_little():
     assert charged(moved).totals[0] == pytest.approx(charged(mesh).totals[0], rel=1e-4)
 
 
-@pytest.mark.parametrize("part", ["slab", "air"])
+@table("part", ["slab", "air"])
 def test_a_cell_turned_inside_out_is_refused(part):
     mesh = slab_mesh(facing_slab(3.0, 1.0), 4, element="Q1")
     u = np.zeros((len(mesh.nodes), 2))
@@ -286,7 +287,7 @@ def test_depth_is_the_materials_thickness():
 BOTTOM = Electrode("bottom", 0.0, 1.0, 0.0)
 
 
-@pytest.mark.parametrize(
+@table(
     ("ask", "words"),
     [
         (lambda: facing_slab(1.0, 0.0), "slab height, the gap between electrodes: 0.0 m"),
