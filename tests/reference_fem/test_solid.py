@@ -28,6 +28,7 @@ from reference_fem.body import nodal_forces
 from reference_fem.elasticity import elastic_tensor, full_tensor, stiffness
 from reference_fem.mesh import ELEMENTS, discretise
 from reference_fem.mesh.elements import CUBE, of_dimension
+from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -472,7 +473,7 @@ def test_lines_are_graded_and_pass_through_the_places(element):
     assert z == pytest.approx(2 * y)
 
 
-@pytest.mark.parametrize(
+@table(
     ("arguments", "message"),
     [
         ((BOX, 2), "mesh: Q2 in a box 1.2 x 0.8 x 1 m; in 3D, give one of H1, H2, T1, T2"),

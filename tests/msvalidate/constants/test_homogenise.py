@@ -19,6 +19,7 @@ from msvalidate.constants.homogenise import homogenised, network_tensor, periodi
 from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
 from msvalidate.lattice import patterns, repeated, turned, voronoi, voronoi_box
 from msvalidate.problem import VOIGT, Box, ProblemError, SolverError
+from tests.table import table
 
 LATTICES = patterns.known()
 CASES = [
@@ -281,7 +282,7 @@ def test_springs_of_an_irregular_body_are_not_taken_for_its_solid(lattice):
 # Bad input ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@table(
     ("call", "message"),
     [
         (lambda: homogenised(None, (1.0,)), "pattern: None; give a Pattern"),

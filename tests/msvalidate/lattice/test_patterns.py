@@ -13,6 +13,7 @@ from msvalidate.lattice import Pattern, fill, patterns, repeated
 from msvalidate.lattice.pattern import by_shells
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 LATTICES = patterns.known()
 every = pytest.mark.parametrize("name", LATTICES)
@@ -167,7 +168,7 @@ def pattern(**change):
     return Pattern(**(parts | change))
 
 
-@pytest.mark.parametrize(
+@table(
     ("change", "message"),
     [
         ({"size": (1.0, 0.0)}, "pattern row: cell edge"),
@@ -219,7 +220,7 @@ def test_a_shell_without_points_is_refused():
         by_shells("gap", (1.0, 1.0), [(0, 0)], (1.2,), {"one": (1.0,)})
 
 
-@pytest.mark.parametrize(
+@table(
     ("change", "message"),
     [
         ({"distances": ()}, "pattern row: points (1, 2), distances (); give (n, 2) and lengths"),
