@@ -18,6 +18,7 @@ from msvalidate.network.laws import local_shear
 from msvalidate.network.laws.local_shear import LocalShear, shear_tensor
 from msvalidate.problem import VOIGT, Box, Isotropic, Problem, ProblemError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 dims = pytest.mark.parametrize("dim", [2, 3])
 ISOTROPIC = {
@@ -226,7 +227,7 @@ def test_there_is_no_compiled_form():
         kernels.force_and_energy(network, position - shear.points, np.empty_like(position))
 
 
-@pytest.mark.parametrize(
+@table(
     ("given", "said"),
     [
         ({"points": [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]}, "those at point 0 do not span all 2"),
@@ -265,7 +266,7 @@ def test_positions_of_another_shape_are_refused():
         local_shear.energy(shear, position[1:])
 
 
-@pytest.mark.parametrize(
+@table(
     ("vectors", "volume", "said"),
     [
         ([[0.0, 0.0]], 1.0, "a vector of no length"),

@@ -15,6 +15,7 @@ from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Mesh, ProblemError
 from msvalidate.problem.checks import finite, indices, number, shaped
 from reference_fem.mesh.discretisation import discretise
+from tests.table import table
 
 CORNERS = 0.37 * np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]]) + 4.3
 RING = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
@@ -67,8 +68,8 @@ def test_indices_are_taken_by_value(way, what):
     assert taken.tolist() == plain.tolist()
 
 
-@pytest.mark.parametrize("what", ["network", "mesh", "volumes", "finite elements"])
-@pytest.mark.parametrize("bad", [1e300, -1e300, 2.0**63, float("nan"), float("inf"), 0.5, True])
+@table("what", ["network", "mesh", "volumes", "finite elements"])
+@table("bad", [1e300, -1e300, 2.0**63, float("nan"), float("inf"), 0.5, True])
 def test_indices_that_are_none_are_refused_without_a_warning(bad, what):
     plain = np.array(RING if what == "network" else [[0, 1, 2, 3]], dtype=float)
     plain[0, 0] = bad
@@ -101,7 +102,7 @@ def test_booleans_are_taken_by_value(held):
     assert taken.tolist() == HELD.tolist()
 
 
-@pytest.mark.parametrize("held", [2 * HELD, HELD.astype(str), HELD + 0j, HELD[:2], np.nan * HELD])
+@table("held", [2 * HELD, HELD.astype(str), HELD + 0j, HELD[:2], np.nan * HELD])
 def test_what_is_no_boolean_is_refused(held):
     with pytest.raises(ProblemError, match=r"held: .*give booleans \(4, 2\)"):
         ring(held=held)
@@ -148,7 +149,7 @@ def test_positions_of_fewer_digits_or_with_a_mask_do_not_pass_by():
         energy(network, np.ma.masked_less(CORNERS, 4.5))
 
 
-@pytest.mark.parametrize("bad", [CORNERS + 0j, CORNERS.astype(str), CORNERS.view(WithUnit)])
+@table("bad", [CORNERS + 0j, CORNERS.astype(str), CORNERS.view(WithUnit)])
 def test_what_would_lose_something_is_refused(bad):
     with pytest.raises(ProblemError, match="points: "):
         ring(points=bad)
@@ -170,7 +171,7 @@ class Elsewhere:
         raise self.error
 
 
-@pytest.mark.parametrize("error", [RuntimeError("call detach()"), TypeError("copy to host")])
+@table("error", [RuntimeError("call detach()"), TypeError("copy to host")])
 def test_what_refuses_to_become_an_array_is_told_with_its_own_remedy(error):
     with pytest.raises(
         ProblemError, match=rf"force: Elsewhere that is no array \({re.escape(str(error))}\)"
