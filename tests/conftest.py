@@ -21,6 +21,10 @@ SLOW = Path(__file__).with_name("slow.csv")
 `make test`, parted by |. `make slow` runs the rest."""
 
 
+LONGEST = {"test_studies.py", "test_command_line.py", "test_jobs.py"}
+"""Files of more than ten seconds; a worker takes a file whole."""
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
     """Mark what the list says; the longest files first, so that several workers end together."""
@@ -32,9 +36,7 @@ def pytest_collection_modifyitems(items):
             kept = [part for part in listed[name].split("|") if part]
             if not any(part in bracket + case for part in kept):
                 item.add_marker(pytest.mark.slow)
-    items.sort(
-        key=lambda item: (item.path.name != "test_studies.py", "studies" not in item.path.parts)
-    )
+    items.sort(key=lambda item: (item.path.name not in LONGEST, "studies" not in item.path.parts))
 
 
 @pytest.fixture(scope="session")
