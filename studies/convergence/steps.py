@@ -16,26 +16,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 from fractions import Fraction
-from functools import partial
 from itertools import product
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from scipy.optimize import brentq
 
+from msvalidate.judging import counting
 from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.counting import THRESHOLDS, predicted
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.output.figures import COLOURS, MARKERS
-from msvalidate.problem import Array, SolverError
-from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.relaxation.run import SAFETY, Run
 
 from . import bodies
 
@@ -46,14 +43,6 @@ FINENESSES = {
 }
 """Cells across: 81 to 16641 nodes, 33 to 5313, and 343 to 15625."""
 QUICK = {"plate": (8, 16, 32, 48), "beam": (2, 4, 6, 8), "cube": (6, 8, 10, 12)}
-THRESHOLDS = (1e-3, 1e-6)
-"""Of the error relative to the largest displacement."""
-AT_REST = 1e-13
-"""Tolerance of a run, far below what the thresholds need: they end it."""
-LOOKS = 100
-"""Looks on the way to the first threshold: the count of steps is then known to about 1 %."""
-SINGLY = ("conjugate_gradients", "newton", "newton_multigrid")
-"""Methods of few steps, looked at after every one."""
 VISCOUS = ("algorithm1", "viscous_leapfrog")
 """Viscous methods of one step and damping: the slowest mode predicts how many steps they take."""
 DYNAMIC = (*VISCOUS, "kinetic_damping", "fire", "adaptive")
@@ -67,8 +56,6 @@ CYCLING = "newton_multigrid"
 REPRODUCED = (*VISCOUS, FACTORISING)
 """Methods whose counts do not hang on rounding. The others choose between ways by the sign of small
 differences (FIRE's counts move by a fifth when a stiffness moves by 1e-15), or by a library."""
-BUDGET = 50
-"""Times the predicted steps after which a run has failed."""
 TIGHT = min(THRESHOLDS)
 TOLERANCES = (
     Tolerance("runs that failed", 0, "1", "every method is stable and must arrive at rest"),
@@ -178,18 +165,9 @@ def counted(case: tuple[Method, str, int]) -> list[dict[str, object]]:
     network, reference = bodies.network(body, fineness), bodies.at_rest(body, fineness)
     low, high = bodies.frequencies(body, fineness)
     cells_x, cells_y = bodies.cells(body, fineness)[:2]
-    reached: dict[float, tuple[int, int]] = {}
-    watch = partial(note_thresholds, reached, reference)
-    with suppress(SolverError):  # what was not reached is told as such
-        relax(
-            network,
-            method,
-            tolerance=AT_REST,
-            max_steps=BUDGET * predicted(high / low, min(THRESHOLDS)),
-            watch=watch,
-            look_every=stride(method.name, high / low),
-            frequencies=(low, high),
-        )
+    reached = counting.counted(
+        method, network, (low, high), lambda move: bodies.relative_error(move, reference)
+    )
     rows: list[dict[str, object]] = []
     for threshold in THRESHOLDS:
         steps, evaluations = reached.get(threshold, (0, 0))
@@ -210,29 +188,6 @@ def counted(case: tuple[Method, str, int]) -> list[dict[str, object]]:
             }
         )
     return rows
-
-
-def predicted(root_kappa: float, threshold: float) -> int:
-    """Steps after which the slowest mode, critically damped, is left with `threshold`.
-
-    x(t) = (1 + ωt) exp(-ωt) from rest, and ω dt = 2·SAFETY/√κ.
-    """
-    s = float(brentq(lambda s: math.log1p(s) - s - math.log(threshold), 0.0, 100.0))
-    return math.ceil(s * root_kappa / (2 * SAFETY))
-
-
-def stride(method: str, root_kappa: float) -> int:
-    """Steps between looks."""
-    return 1 if method in SINGLY else max(1, predicted(root_kappa, max(THRESHOLDS)) // LOOKS)
-
-
-def note_thresholds(reached: dict[float, tuple[int, int]], reference: Array, run: Run) -> bool:
-    """Note steps and evaluations where a threshold is first met; True when all are."""
-    error = bodies.relative_error(run.displacement, reference)
-    for threshold in THRESHOLDS:
-        if error <= threshold:
-            reached.setdefault(threshold, (run.steps, run.evaluations))
-    return len(reached) == len(THRESHOLDS)
 
 
 def expected(quantity: str, body: str) -> float:

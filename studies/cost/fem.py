@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from scipy.sparse.linalg import spsolve
-from tqdm import tqdm
 
 import reference_fem
 from msvalidate.judging.compare import fitted_power
@@ -114,9 +113,9 @@ def run(candidate: Mapping[str, Solve], setting: Setting) -> Evidence:
     """Time assembly and solution at every size, and hold the ways of ours together."""
     sizes, rounds = (QUICK_CELLS, QUICK_ROUNDS) if setting.quick else (CELLS, ROUNDS)
     cases = [(dim, cells) for dim, many in sizes.items() for cells in many]
-    silent = None if setting.progress else True
-    bar = tqdm(cases, desc="elements", delay=0.5, leave=False, disable=silent)
-    pairs = [timed(candidate["auto"], dim, cells, rounds) for dim, cells in bar]
+    pairs = setting.one_by_one(
+        lambda case: timed(candidate["auto"], *case, rounds), cases, "elements"
+    )
     laps = pd.DataFrame([row for rows, _ in pairs for row in rows])
     chosen = pd.DataFrame([row for _, row in pairs])
     table = summary(laps, "cpu_seconds")

@@ -193,15 +193,9 @@ def held(part: float, grown: float) -> str:
 
 def network_of(row: dict[Any, Any]) -> Network:
     """The network that a row is of."""
-    name = str(row["network"])
-    sizes = (*kernel.NODES, *kernel.QUICK_NODES)
-    return next(
-        net
-        for nodes in sizes
-        if abs(nodes - row["nodes"]) <= 0.1 * nodes
-        for net in [bodies.network(name, nodes)]
-        if len(net.points) == row["nodes"]
-    )
+    near = [n for n in (*kernel.NODES, *kernel.QUICK_NODES) if abs(n - row["nodes"]) <= 0.1 * n]
+    networks = (bodies.network(str(row["network"]), n) for n in near)
+    return next(net for net in networks if len(net.points) == row["nodes"])
 
 
 def plate_frequency(cells: int) -> float:

@@ -25,6 +25,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.counting import THRESHOLDS, predicted
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.relaxation.relax import Method
@@ -44,7 +45,7 @@ VISCOUS = ("viscous_leapfrog", "algorithm1")
 NEWTON = ("newton", "newton_multigrid")
 REPRODUCED = (*VISCOUS, "newton")
 """Methods whose counts do not hang on the last digits."""
-TIGHT = min(resting.THRESHOLDS)
+TIGHT = min(THRESHOLDS)
 VARIES = "varies"
 TOLERANCES = (
     Tolerance("runs that did not reach an error", 0, "1", "every method comes to rest here"),
@@ -103,10 +104,8 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
         for name in RELAXATIONS
         if nodes <= MOST_NODES.get(name, nodes)
     ]
-    # One after another: what is timed runs alone.
-    alone = Setting(quick=setting.quick, progress=setting.progress)
     rounds = 1 if setting.quick else ROUNDS
-    counted = alone.sweep(partial(measured, rounds), cases, "steps and seconds to rest")
+    counted = setting.one_by_one(partial(measured, rounds), cases, "steps and seconds to rest")
     table = pd.DataFrame([row for rows in counted for row in rows])
     grown = growth(table)
     return Evidence(
@@ -125,7 +124,7 @@ def measured(rounds: int, case: tuple[Method, int]) -> list[dict[str, Any]]:
     net, (low, high) = resting.plate(nodes), resting.frequencies(nodes)
     reached = resting.counted(method, nodes)
     rows, none = [], dict.fromkeys(resting.TIMED, 0.0)
-    for threshold in resting.THRESHOLDS:
+    for threshold in THRESHOLDS:
         steps, evaluations = reached.get(threshold, (0, 0))
         rows.append(
             {
@@ -136,7 +135,7 @@ def measured(rounds: int, case: tuple[Method, int]) -> list[dict[str, Any]]:
                 "outcome": "reached" if threshold in reached else "failed",
                 "steps_here": steps,
                 "evaluations_here": evaluations,
-                "predicted_steps": resting.predicted(high / low, threshold),
+                "predicted_steps": predicted(high / low, threshold),
             }
             | (resting.seconds(method, nodes, steps, rounds) if steps else none)
         )

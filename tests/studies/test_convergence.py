@@ -15,6 +15,7 @@ from msvalidate.studies.convergence import (
 )
 from scipy.sparse import csr_matrix
 
+from msvalidate.judging import counting
 from msvalidate.judging.evidence import UNGATED
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.baseline import files
@@ -54,7 +55,7 @@ def test_predicted_steps_are_those_of_a_critically_damped_oscillator():
         v = ((1 - h) * v - h * x) / (1 + h)
         x += h * v
         count += 1
-    assert steps.predicted(root_kappa, threshold) == pytest.approx(count, abs=2)
+    assert counting.predicted(root_kappa, threshold) == pytest.approx(count, abs=2)
 
 
 def test_counts_are_first_times_below_the_threshold(evidence):
