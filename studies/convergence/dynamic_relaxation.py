@@ -43,24 +43,18 @@ RESIDUAL = 1e-6
 LOOK_EVERY = 10
 TOLERANCES = (
     Tolerance(
-        "steps of dynamic relaxation less those of an independent program, worst",
-        LOOK_EVERY,
-        "1",
+        "steps of dynamic relaxation less those of an independent program, worst", LOOK_EVERY, "1",
         "both look every ten steps, and rounding may let one arrive a look later",
     ),
     Tolerance(
-        "exponent of the steps of dynamic relaxation in kappa",
-        0.05,
-        "1",
+        "exponent of the steps of dynamic relaxation in kappa", 0.05, "1",
         "1/2 for one mode; ln of the largest residual's share adds a few per cent on small plates",
     ),
     Tolerance(
-        "exponent of steps x springs of dynamic relaxation in nodes",
-        0.1,
-        "1",
+        "exponent of steps x springs of dynamic relaxation in nodes", 0.1, "1",
         "3/2; boundary springs add 0.04 and the clamped edge takes 0.02 at these sizes",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **steps.COLUMNS,
     "kappa": "ratio of the squares of highest and lowest natural frequency (1)",

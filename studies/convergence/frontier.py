@@ -65,34 +65,27 @@ AT_REST = 1e-7
 """Tolerance of the explicit relaxation: its own error is then far below that of the spacing."""
 TOLERANCES = (
     Tolerance(
-        "springs over Q1 elements on the same cells, error, worst factor between them",
-        2.5,
-        "1",
+        "springs over Q1 elements on the same cells, error, worst factor between them", 2.5, "1",
         "bent, N cells of springs are too stiff by 1.25/N^2, Q1 with full integration by about "
         "half of that; on the plate they are nearer to each other",
         layer="agreement",
     ),
     Tolerance(
         "order of Q2 elements against twice the exponent of the clamped corner, worst body",
-        0.1,
-        "1",
+        0.1, "1",
         "the fit is over three to five sizes, and the smooth part of the error, of order 4, is a "
         "tenth of the whole on the coarsest",
     ),
     Tolerance(
-        "relaxed springs against Newton's, relative distance over sqrt(kappa), times 1e7",
-        1.0,
-        "1",
+        "relaxed springs against Newton's, relative distance over sqrt(kappa), times 1e7", 1.0, "1",
         "stops at 1e-7 of the forces, times a lever of the order of kappa^(1/2)",
     ),
     Tolerance(
-        "uncertainty of the reference over the smallest error that it judges, worst body",
-        1.0,
-        "1",
+        "uncertainty of the reference over the smallest error that it judges, worst body", 1.0, "1",
         "an error below it is none; the uncertainty is what the last refinement changed, several "
         "times what it left",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **steps.COLUMNS,
     "model": "springs and how they came to rest, or the elements",

@@ -51,77 +51,56 @@ EXPECTED = {
 RESTARTING = ("kinetic_damping", "adaptive", "conjugate_gradients")
 CHECKED, QUICK_CHECKED = (6, 8, 10), (6, 8)
 """Cells along an edge of cubes that multigrid and a factor both bring to rest."""
-NEARER = "nearer to {} than to {}"
 TOLERANCES = (
     Tolerance(
-        "exponent of steps in kappa, viscous methods on the cube, worst",
-        0.08,
-        "1",
+        "exponent of steps in kappa, viscous methods on the cube, worst", 0.08, "1",
         "1/2 less what Algorithm 1 loses: of first order, damped critically for the exact motion, "
         "its two rates lie sqrt(e) apart, e = 1.8/sqrt(kappa) = 0.09 on the coarsest cube, which "
         "costs sqrt(e)/4 of the exponent there",
     ),
     Tolerance(
-        "exponent of steps in nodes, viscous leapfrog on the cube",
-        0.08,
-        "1",
+        "exponent of steps in nodes, viscous leapfrog on the cube", 0.08, "1",
         "1/3: n cells have n + 1 nodes along an edge, so that it is (1 + 1/n)/3 at first, 0.06 "
         "more with 6 cells; the clamped side adds two hundredths",
     ),
     Tolerance(
-        "exponent of cost in nodes, viscous methods on the cube, worst",
-        0.15,
-        "1",
+        "exponent of cost in nodes, viscous methods on the cube, worst", 0.15, "1",
         "4/3, and as above; nodes of the surface have fewer springs, which adds 0.07",
     ),
     Tolerance(
         "exponent of steps in nodes, kinetic and adaptive damping and conjugate gradients on the "
-        "cube, worst",
-        1 / 6,
-        "1",
-        NEARER.format(
-            "1/3", "0, the report's constant time, and to 2/3, as steepest descent steps"
-        ),
+        "cube, worst", 1 / 6, "1",
+        "nearer to 1/3 than to 0, the report's constant time, and to 2/3, as steepest descent "
+        "steps",
     ),
     Tolerance(
-        "exponent of steps in nodes, FIRE on the cube",
-        0.27,
-        "1",
+        "exponent of steps in nodes, FIRE on the cube", 0.27, "1",
         "as above, and 0.1 more: its counts hang on the last digits, by a fifth on six times the "
         "nodes; still no constant",
     ),
     Tolerance(
-        "exponent of cycles in nodes, Newton's method by multigrid on the cube",
-        1 / 6,
-        "1",
-        NEARER.format("constant", "1/3, as explicit methods step"),
+        "exponent of cycles in nodes, Newton's method by multigrid on the cube", 1 / 6, "1",
+        "nearer to constant than to 1/3, as explicit methods step",
     ),
     Tolerance(
         "cube at rest by multigrid from that by a factor, over the largest displacement, worst",
-        1e-8,
-        "1",
+        1e-8, "1",
         "a hundredth of the smallest error that steps are counted to; forces are left at 1e-13, "
         "times a lever of the order of kappa, 1e4 at most",
     ),
     Tolerance(
-        "cube of elements: exponent of the factor's entries in unknowns",
-        1 / 6,
-        "1",
-        NEARER.format("4/3", "5/3, the band's; terms below the first fall as unknowns^(-1/3)"),
+        "cube of elements: exponent of the factor's entries in unknowns", 1 / 6, "1",
+        "nearer to 4/3 than to 5/3, the band's; terms below the first fall as unknowns^(-1/3)",
     ),
     Tolerance(
-        "cube of elements: exponent of the factor's products in unknowns",
-        1 / 6,
-        "1",
-        NEARER.format("2", "7/3, the band's"),
+        "cube of elements: exponent of the factor's products in unknowns", 1 / 6, "1",
+        "nearer to 2 than to 7/3, the band's",
     ),
     Tolerance(
-        "cube of elements: exponent of multigrid's cycles in unknowns",
-        1 / 6,
-        "1",
-        NEARER.format("constant", "1/3, conjugate gradients without it"),
+        "cube of elements: exponent of multigrid's cycles in unknowns", 1 / 6, "1",
+        "nearer to constant than to 1/3, conjugate gradients without it",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **steps.COLUMNS,
     "way": "of solving the elements of a cube: factor of the full matrix, factor in nested "

@@ -60,39 +60,29 @@ TIGHT = min(THRESHOLDS)
 TOLERANCES = (
     Tolerance("runs that failed", 0, "1", "every method is stable and must arrive at rest"),
     Tolerance(
-        "exponent of steps in kappa, viscous methods in the plane, worst",
-        0.05,
-        "1",
+        "exponent of steps in kappa, viscous methods in the plane, worst", 0.05, "1",
         "1/2 where the slowest mode is all; other modes and looks add a step or two per hundred on "
         "the coarsest",
     ),
     Tolerance(
-        "exponent of steps in nodes, viscous leapfrog on the plate",
-        0.05,
-        "1",
+        "exponent of steps in nodes, viscous leapfrog on the plate", 0.05, "1",
         "1/2 + O(1/cells): the clamped edge costs a few per cent of sqrt(kappa) on the coarsest",
     ),
     Tolerance(
-        "exponent of cost in nodes, viscous methods on the plate, worst",
-        0.1,
-        "1",
+        "exponent of cost in nodes, viscous methods on the plate, worst", 0.1, "1",
         "3/2, and as above; a spring more or less per node on the boundary adds up to 0.04",
     ),
     Tolerance(
-        "steps of viscous leapfrog over the prediction from kappa, worst",
-        0.05,
-        "1",
+        "steps of viscous leapfrog over the prediction from kappa, worst", 0.05, "1",
         "the prediction is of the slowest mode alone, as if it were the whole displacement; a look "
         "is taken every per cent or two of the way",
     ),
     Tolerance(
-        "steps of Newton's method to 1e-6, most",
-        0,
-        "1",
+        "steps of Newton's method to 1e-6, most", 0, "1",
         "rotations of 1e-4 leave an error of that size after the first, of its square after the "
         "second",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "body": "plate 1 m x 1 m, beam 5 m x 1 m or cube of 1 m, clamped on the left, sheared along "
     "y on the right",

@@ -49,13 +49,11 @@ MANY = 20
 ELEMENT = {2: "Q1", 3: "H1"}
 TOLERANCES = (
     Tolerance(
-        "displacement by each way from that by spsolve, over the largest, worst",
-        1e-9,
-        "1",
+        "displacement by each way from that by spsolve, over the largest, worst", 1e-9, "1",
         "rounding times the condition number, 1e-16 x 1e6 at most at these sizes; multigrid stops "
         "at a thousandth of what is asked here",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     **GROWTH,

@@ -49,24 +49,19 @@ METHOD = "newton_multigrid"
 TOLERANCES = (
     Tolerance(
         "iterations of Newton's method with multigrid at 1 % strain, most less fewest over sizes",
-        1,
-        "1",
+        1, "1",
         "the same continuous problem at any size; a residual near the tolerance may ask for one "
         "more",
     ),
     Tolerance(
-        "exponent of its multigrid cycles in nodes",
-        0.15,
-        "1",
+        "exponent of its multigrid cycles in nodes", 0.15, "1",
         "no growth but a logarithm: a cycle or two more on ten for each decade of nodes",
     ),
     Tolerance(
-        "bytes that a network keeps, a point, counted over predicted",
-        1e-12,
-        "1",
+        "bytes that a network keeps, a point, counted over predicted", 1e-12, "1",
         "a plate of n x n points has 4n² - 6n + 2 springs: a count, to the rounding of a quotient",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     "iterations": "of Newton's method at 1 % strain; 0 if it failed",

@@ -51,13 +51,11 @@ COARSE = 8
 """Cells along the plate whose highest frequency is solved for."""
 TOLERANCES = (
     Tolerance(
-        "highest frequency x spacing of plates, finest over coarsest",
-        0.02,
-        "1",
+        "highest frequency x spacing of plates, finest over coarsest", 0.02, "1",
         "the highest mode lives in a few cells: the edge shares its mass, whatever the size; the "
         "coarsest plate of 8 cells is as wide as the mode",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     "kilobytes": "size of both arrays of y = a x + y together (1000 bytes)",

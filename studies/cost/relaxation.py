@@ -50,34 +50,26 @@ VARIES = "varies"
 TOLERANCES = (
     Tolerance("runs that did not reach an error", 0, "1", "every method comes to rest here"),
     Tolerance(
-        "exponent of viscous steps in nodes, worst",
-        0.05,
-        "1",
+        "exponent of viscous steps in nodes, worst", 0.05, "1",
         "1/2 + O(1/cells): the clamped edge and a look every per cent cost a few per cent of the "
         "steps on the coarsest plate",
     ),
     Tolerance(
-        "exponent of the steps of kinetic damping in nodes, worst",
-        0.1,
-        "1",
+        "exponent of the steps of kinetic damping in nodes, worst", 0.1, "1",
         "1/2 as above; restarts come in whole numbers, about ten to an error of 1e-3, so that one "
         "more or less on a decade of nodes is 0.04",
     ),
     Tolerance(
-        "steps of viscous leapfrog to 1e-6 over the prediction, worst",
-        0.05,
-        "1",
+        "steps of viscous leapfrog to 1e-6 over the prediction, worst", 0.05, "1",
         "the prediction is of the slowest mode alone, as if it were the whole displacement; a look "
         "is taken every per cent of the way",
     ),
     Tolerance(
-        "iterations of Newton's methods to 1e-6, most less fewest over sizes, worst",
-        1,
-        "1",
+        "iterations of Newton's methods to 1e-6, most less fewest over sizes, worst", 1, "1",
         "shears of 1e-3 leave an error of that size after the first iteration, of its square after "
         "the second: near 1e-6, so that one size may need one more",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     **GROWTH,

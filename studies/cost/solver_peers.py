@@ -51,19 +51,15 @@ MOST_NODES = {SPSOLVE: 4_000, ngsolve_peer.CHOLESKY: 12_000}
 """Points up to which a factor without nested dissection, or of NGSolve, is waited for."""
 TOLERANCES = (
     Tolerance(
-        "SciPy's spsolve from ours on cubes, over the largest displacement, worst",
-        1e-9,
-        "1",
+        "SciPy's spsolve from ours on cubes, over the largest displacement, worst", 1e-9, "1",
         "rounding times the condition number, 1e-16 x 1e4, and some for the growth of pivots",
     ),
     Tolerance(
-        "SciPy's cg from ours on cubes, over the largest displacement, worst",
-        1e-5,
-        "1",
+        "SciPy's cg from ours on cubes, over the largest displacement, worst", 1e-5, "1",
         "1e-8 of the load is left, times a few for the part that an end load has of the softest "
         "motion, times the root of the unknowns, 300, from a mean component to the largest",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **SECONDS,
     "shape": "plate or cube of lattice, clamped on one side and sheared on the other; the cube "

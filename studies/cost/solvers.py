@@ -59,39 +59,29 @@ REPEATED = 12_000
 """Points beyond which an equilibrium is timed once, without an untimed turn before."""
 TOLERANCES = (
     Tolerance(
-        "exponent of multigrid's steps in points, plates and cubes, worst",
-        0.15,
-        "1",
+        "exponent of multigrid's steps in points, plates and cubes, worst", 0.15, "1",
         "0: a W-cycle takes as much off at any size; a step or two more on ten for each decade",
     ),
     Tolerance(
-        "difference of two answers over the sum of their stated errors, worst",
-        1.0,
-        "1",
+        "difference of two answers over the sum of their stated errors, worst", 1.0, "1",
         "each says how far it may be off, at the most",
     ),
     Tolerance(
-        "stated error, worst",
-        1e-12,
-        "1",
+        "stated error, worst", 1e-12, "1",
         "refined until doubles have no more digits, 1e-16; of a bar the rounding of springs' "
         "vectors counts by the square of its slenderness, 1e4",
     ),
     Tolerance(
-        "corrections of multigrid, most",
-        1.0,
-        "1",
+        "corrections of multigrid, most", 1.0, "1",
         "2: a solution and each correction leave 1e-5 of what was there, the third time 1e-15; "
         "one more where that is not yet below rounding",
     ),
     Tolerance(
-        "exponent of multigrid's bytes in springs, cubes",
-        0.1,
-        "1",
+        "exponent of multigrid's bytes in springs, cubes", 0.1, "1",
         "1: blocks of the tangent and of coarse levels, some part of these; the coarse ones lack "
         "neighbours at the surface, a few hundredths a decade. Of a factor's entries it is 4/3",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     **GROWTH,

@@ -32,19 +32,15 @@ ERROR = 1e-6
 WRONG = (1 / 3, 3.0)
 TOLERANCES = (
     Tolerance(
-        "price of a wrong damping over the predicted, logarithm to base 2",
-        0.3,
-        "1",
+        "price of a wrong damping over the predicted, logarithm to base 2", 0.3, "1",
         "steps to rest are within a fifth of those of the slowest mode alone, with either damping",
     ),
     Tolerance(
-        "bodies on which a third of the damping costs more than three times it",
-        0.0,
-        "1",
+        "bodies on which a third of the damping costs more than three times it", 0.0, "1",
         "the slowest mode's rates are ω/3 and ω/5.8, and the critical run's own factor 1 + ωt is "
         "common to both",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "price": "steps over those at critical damping, which are not the fewest (1)",

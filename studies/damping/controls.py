@@ -33,13 +33,11 @@ RATIO = 0.5
 FACTOR = direction.TOLERANCES[0].limit
 TOLERANCES = (
     Tolerance(
-        "smallest fault of the motion noticed, largest over the kinds",
-        1e-6,
-        "1",
+        "smallest fault of the motion noticed, largest over the kinds", 1e-6, "1",
         "identities hold to 1e-8 and 1e-7, a fault moves the free velocity by half of itself and "
         "the mode by a thirtieth of itself and more: at most 3e-7, and a factor of three",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "fault": "what is wrong with the motion",
     "unit": "how the fault is measured",

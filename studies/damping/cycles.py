@@ -36,20 +36,16 @@ FINE = 0.1
 PERIODS = 2
 TOLERANCES = (
     Tolerance(
-        "rises of the energy's mean over a period",
-        0.0,
-        "1",
+        "rises of the energy's mean over a period", 0.0, "1",
         "viscosity takes energy out of every mode, at hω <= 0.1 more in a period than the scheme's "
         "own swing gives back",
     ),
     Tolerance(
-        "fall of that mean in a period over exp(-cT), from 1",
-        0.02,
-        "1",
+        "fall of that mean in a period over exp(-cT), from 1", 0.02, "1",
         "the old velocity damps by the part h·c/2 more, 0.1 % of cT here, and in a period that is "
         "the undamped one the swings do not quite average out",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "period": "periods of the slowest mode since the start (1)",

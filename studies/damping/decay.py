@@ -39,13 +39,11 @@ FOLDS = 6.0
 """E-foldings that are watched; a rate is fitted to the second half, where one root is left."""
 TOLERANCES = (
     Tolerance(
-        "fitted rate of decay over the predicted, from 1",
-        0.02,
-        "1",
+        "fitted rate of decay over the predicted, from 1", 0.02, "1",
         "the old velocity damps by -ln(1 - hc)/h instead of c, h·c/2 more: 0.8 % at most where "
         "it swings; above critical damping that speeds up the fast root instead",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "motion": "what moves: a free pair of points, or a body in its lowest mode",

@@ -37,19 +37,15 @@ STIFF = 0.5
 STEPS = 30
 TOLERANCES = (
     Tolerance(
-        "factor of the velocity a step over the predicted, from 1",
-        1e-7,
-        "1",
+        "factor of the velocity a step over the predicted, from 1", 1e-7, "1",
         "linear to parts of 1e-6 in thirty steps; rounding is an eps of positions over "
         "displacements of 1e-6",
     ),
     Tolerance(
-        "part of the steps that turn the velocity round, from the predicted",
-        0.0,
-        "1",
+        "part of the steps that turn the velocity round, from the predicted", 0.0, "1",
         "a count; no predicted product of two velocities is near zero",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "moving": "what moves: a free pair of points, or a body let go with random speeds",

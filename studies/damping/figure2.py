@@ -47,41 +47,31 @@ RECURSION = 1e-8
 """Difference to the recursion that is rounding: an eps of positions over displacements of 1e-6."""
 TOLERANCES = (
     Tolerance(
-        "slowest mode against the oscillator, over h·ω",
-        1.0,
-        "1",
+        "slowest mode against the oscillator, over h·ω", 1.0, "1",
         "the kick comes half a step from where a midpoint rule has it, which moves the curve by "
         "h/2 times its largest speed ω, and the damping by h·c/2; twice that bounds it",
     ),
     Tolerance(
-        "order in the step of that difference, from that of the recursion",
-        2e-5,
-        "1",
+        "order in the step of that difference, from that of the recursion", 2e-5, "1",
         "Euler-Cromer's first order and what the next terms make of it: the recursion has all of "
         "them, and is met to 1e-8, which is 6e-6 of the smallest difference; over a factor of four "
         "in the step the two ends move a slope by 0.7 of that each",
     ),
     Tolerance(
-        "slowest mode against the scheme's recursion",
-        RECURSION,
-        "1",
+        "slowest mode against the scheme's recursion", RECURSION, "1",
         "rounding is an eps of positions over displacements of 1e-6, gathered over two periods; "
         "geometry changes the frequency of a shearing by the square of 1e-6",
     ),
     Tolerance(
-        "number of overshoots of the slowest mode from the predicted",
-        0.0,
-        "1",
+        "number of overshoots of the slowest mode from the predicted", 0.0, "1",
         "a count; no predicted overshoot is near the size that counts",
     ),
     Tolerance(
-        "time of its first two overshoots from the predicted",
-        2.0,
-        "steps",
+        "time of its first two overshoots from the predicted", 2.0, "steps",
         "the scheme is half a step ahead, and its old velocity raises the frequency by the part "
         "h·c/4 = 0.7 %, a step in 150; half a step is left for the parabola that finds a peak",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "step": "time step number",

@@ -58,35 +58,28 @@ PATIENCE = 20
 """Multiple of the predicted number of steps after which a run is given up."""
 TOLERANCES = (
     Tolerance(
-        "steps to rest over those of all modes, from 1",
-        0.02,
-        "1",
+        "steps to rest over those of all modes, from 1", 0.02, "1",
         "both are counted in looks, at least 50 in a run, and may end one look apart: the motion "
         "is linear to a part in a million only",
     ),
     Tolerance(
-        "steps to rest over those of the slowest mode alone, logarithm to base 2",
-        0.6,
-        "1",
+        "steps to rest over those of the slowest mode alone, logarithm to base 2", 0.6, "1",
         "the other modes may move the end by a swing, π/ω_d, which is 0.45 of the time to 1e-3 at "
         "ζ = 0.7; the scheme's own critical damping is 2ω(1 - hω/2), so that at 2ω with hω = 0.16 "
         "the slow root is a third slower",
     ),
     Tolerance(
-        "best damping from 2ω, logarithm to base 2",
-        0.7,
-        "1",
+        "best damping from 2ω, logarithm to base 2", 0.7, "1",
         "an overshoot exp(-πζ/√(1 - ζ²)) as small as the error is free: ζ = 0.91 for 1e-3; the "
         "scheme's own critical damping is up to 8 % lower; the grid adds a spacing, up to 41 %",
     ),
     Tolerance(
         "best damping from the best of the slowest mode alone, in spacings of the grid",
-        1.0 + 1e-9,
-        "1",
+        1.0 + 1e-9, "1",
         "both are points of one grid; looks and the other modes may let a neighbour win, in steps "
         "that are nearly as few, but none farther away: one spacing, to rounding",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "error": "displacement error that counts as rest, over the whole way to rest (1)",

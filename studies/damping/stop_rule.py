@@ -50,27 +50,22 @@ ROUNDING = 1e-6
 """Over the largest value of such a column: what another machine may give instead."""
 TOLERANCES = (
     Tolerance(
-        "step of the printed rule's stop, from that of the recursion of all modes",
-        1.0,
-        "steps",
+        "step of the printed rule's stop, from that of the recursion of all modes", 1.0, "steps",
         "the motion is linear to a part in a million, by which a speed may miss eps at one step "
         "and not at the next",
     ),
     Tolerance(
         "error at the printed rule's stop over that asked for, critical damping, log to base 2",
-        0.6,
-        "1",
+        0.6, "1",
         "e/(v/ω) = 1 + 1/ωt, 1.3 at the first stop; the scheme's own critical damping is "
         "2ω(1 - hω/2), so that at 2ω the slow root makes it up to 1.5",
     ),
     Tolerance(
-        "error at the printed rule's stop over the predicted, overdamped, from 1",
-        0.15,
-        "1",
+        "error at the printed rule's stop over the predicted, overdamped, from 1", 0.15, "1",
         "the slow root alone is left; its speed is that of the middle of a step, and points where "
         "the mode is largest need not be those where it started",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "asked": "error asked for, τ: eps is τ·ω·max|u| with the displacement u at rest (1)",

@@ -68,40 +68,30 @@ ROUNDING = {"loss": 3e-7, "velocity": 1e-6}
 a hundred looks gather. The plain form and both compiled paths differ by up to 1.4e-7 and 4e-7."""
 TOLERANCES = (
     Tolerance(
-        "loss of speed over 3β/s², from 1",
-        0.1,
-        "1",
+        "loss of speed over 3β/s², from 1", 0.1, "1",
         "the next terms of the dispersion are smaller by the order of (a/s)², at most 0.04, and "
         "(H/s)² = 0.16, with factors below one half",
     ),
     Tolerance(
-        "order in the spacing of the loss of speed, sides held",
-        0.1,
-        "1",
+        "order in the spacing of the loss of speed, sides held", 0.1, "1",
         "the loss is 3(a² - c0²h²)/24s², h in proportion to a; the next term is of order four, on "
         "the coarsest bar a fiftieth of it",
     ),
     Tolerance(
-        "speed extrapolated to no spacing against c0, sides held",
-        2e-4,
-        "1",
+        "speed extrapolated to no spacing against c0, sides held", 2e-4, "1",
         "what the line through the two finest, in a², leaves of the fourth order",
     ),
     Tolerance(
-        "velocity returned from the held end, over what came, from -1",
-        0.01,
-        "1",
+        "velocity returned from the held end, over what came, from -1", 0.01, "1",
         "a held end inverts every frequency whole; the peak has sunk by 3(β/s³)²(1.3² - 0.7²) m², "
         "0.3 % on the coarsest chain and twice that on the coarsest slender bar",
     ),
     Tolerance(
-        "stress at the held end over ρ·c0·v of what came, from 2",
-        0.02,
-        "1",
+        "stress at the held end over ρ·c0·v of what came, from 2", 0.02, "1",
         "both waves add there; the peak sinks as above, c0 is the speed of long waves only, and a "
         "clamped end of a slender bar cannot narrow, over a length of the order of H",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "sides": "whether points may move across the bar: held or free",

@@ -55,27 +55,21 @@ DRAWN = 80
 """Segments of the strips whose densities are drawn."""
 TOLERANCES = (
     Tolerance(
-        "exponent of the density at the edge, from the charge near it",
-        5e-3,
-        "1",
+        "exponent of the density at the edge, from the charge near it", 5e-3, "1",
         "the root's next term bends the slope by s/(12a), 0.008 at the far end of the fit and some "
         "0.002 in its middle; the charge of single segments weighs no more",
     ),
     Tolerance(
-        "charge within a tenth of half the width from the edge, over that of theory",
-        5e-4,
-        "1",
+        "charge within a tenth of half the width from the edge, over that of theory", 5e-4, "1",
         "what the last segment errs by, 0.04 of its own charge, its neighbours make good: the "
         "charge of k of them errs by 0.04/k² or so, and with 160 segments k is 20 or more",
     ),
     Tolerance(
-        "exponent of the free charge at the corner of a slab in air",
-        0.02,
-        "1",
+        "exponent of the free charge at the corner of a slab in air", 0.02, "1",
         "segments there err by a part in a hundred, and the three powers 0.63, 1 and 1.37 that are "
         "told apart at a ratio of 10 are close; the error falls with more segments",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "distance": "from the edge to the farther end of a segment, over half the width (1)",

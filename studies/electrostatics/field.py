@@ -33,13 +33,11 @@ GRID = (53, 27)
 """Points of the picture along and up. None of them lies on a face: fields jump there."""
 TOLERANCES = (
     Tolerance(
-        "potential in and around the slab, charges against elements",
-        2e-3,
-        "of the voltage",
+        "potential in and around the slab, charges against elements", 2e-3, "of the voltage",
         "elements of 8 layers err by 6e-4 in the capacitance, by order 3 from the 1.3e-3 by which "
         "6 and 12 layers differ, and next to an edge by two or three times as much",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "x": "place along the slab from its middle, over its height (1)",

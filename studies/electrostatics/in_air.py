@@ -53,42 +53,32 @@ REACHED = 0.5
 """How far from an electrode or its edge forces count as its own, over the height."""
 TOLERANCES = (
     Tolerance(
-        "capacitance of a slab in air, moments against elements",
-        2e-3,
-        "1",
+        "capacitance of a slab in air, moments against elements", 2e-3, "1",
         "graded segments leave some 1e-4, graded elements and the far boundary less",
     ),
     Tolerance(
         "error of the far boundary: half of what its two kinds differ by, over the capacitance",
-        2e-4,
-        "1",
+        2e-4, "1",
         "a dipole's energy outside falls with the square of the distance: (1/32)² times an eighth",
     ),
     Tolerance(
-        "change of the elements' capacitance with the last halving of cells",
-        2e-3,
-        "1",
+        "change of the elements' capacitance with the last halving of cells", 2e-3, "1",
         "graded to the edges, its errors fall with order 3: what is left is a seventh of it",
     ),
     Tolerance(
-        "pull on the top of a slab in air, moments against elements",
-        2e-3,
-        "1",
+        "pull on the top of a slab in air, moments against elements", 2e-3, "1",
         "as of the capacitance, whose derivative it is",
     ),
     Tolerance(
         "force along at an edge of the top of a slab in air, moments against elements",
-        2e-3,
-        "of that without the jump of permittivity",
+        2e-3, "of that without the jump of permittivity",
         "as of the capacitance, whose derivative it is too",
     ),
     Tolerance(
-        "stretch of half a slab in air, moments against elements",
-        5e-4,
-        "1",
+        "stretch of half a slab in air, moments against elements", 5e-4, "1",
         "stress across the middle, where fields are even: what remains is the far boundary's part",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "covered": "part of the top that its electrode covers (1)",

@@ -48,25 +48,21 @@ WAYS = tuple(product(PLACES, FORCES))
 TOLERANCES = (
     Tolerance(
         "forces by charges on springs and on nodes, farthest from their energy's derivatives",
-        1e-6,
-        "of the largest force",
+        1e-6, "of the largest force",
         "differences of fourth order with steps of a hundredth of a segment",
     ),
     Tolerance(
-        "order of the charge by charges on springs and on nodes",
-        0.1,
-        "1",
+        "order of the charge by charges on springs and on nodes", 0.1, "1",
         "the last piece's length makes the error; the next term is smaller by it over the gap",
     ),
     Tolerance(
         "sum of forces times places on wavy electrodes, from what the plane's law makes of it",
-        2e-14,
-        "of the sum of forces times the width",
+        2e-14, "of the sum of forces times the width",
         "the plane's energy has no unit of length, so its derivatives add up to nothing; in sums "
         "over pairs of points each adds its qq'/(2πε), -Σq²/(4πε) in all of charges that are "
         "neutral; rounding of 2e-16 times a condition of ten, and ten times that for differences",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "charges_on": "springs (each even), or nodes (each even on the halves of its springs)",

@@ -40,27 +40,21 @@ ACROSS, QUICK_ACROSS = (8, 12, 16, 24, 32), (8, 12, 16, 24)
 ORDER = 3.0
 TOLERANCES = (
     Tolerance(
-        "capacitance of a square plate",
-        4e-5,
-        "1",
+        "capacitance of a square plate", 4e-5, "1",
         "errors fall with order 3 to 2e-4 at 24 patches across, of which extrapolation by that "
         "order leaves a tenth; the accepted value is known to 1.5e-5",
     ),
     Tolerance(
-        "capacitance of a disc",
-        5e-6,
-        "1",
+        "capacitance of a disc", 5e-6, "1",
         "errors fall with order 3 to 3e-5 at 24 rings, of which extrapolation by that order leaves "
         "a tenth; the polygon in the disc's place errs by 2e-6",
     ),
     Tolerance(
-        "order of the capacitance of square and disc",
-        0.3,
-        "1",
+        "order of the capacitance of square and disc", 0.3, "1",
         "the next term is smaller by a patch in the middle over the half width, a sixth to an "
         "eighteenth, with a factor of order 1; rings bring half of it",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "body": "thin, alone in space: square plate or disc",

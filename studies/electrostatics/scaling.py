@@ -46,18 +46,15 @@ WIDTH = 6.0
 TOLERANCES = (
     Tolerance(
         "charges by iterations after a motion, farthest from those by a new factor",
-        1e-9,
-        "of the largest",
+        1e-9, "of the largest",
         "a residual of 1e-12 times the condition of the graded equations",
     ),
     Tolerance(
-        "GMRES steps after a motion by a hundredth of the gap, most",
-        12,
-        "1",
+        "GMRES steps after a motion by a hundredth of the gap, most", 12, "1",
         "each step gains the relative change of the equations, a tenth at most where segments "
         "turn: twelve for twelve digits",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "unknowns": "charges of both electrodes (1)",

@@ -51,26 +51,22 @@ HALF = 0.5 * (VOLTAGES[0] - VOLTAGES[1]) ** 2
 TOLERANCES = (
     Tolerance(
         "growth of σ²/(2ε) with a doubling of segments, over K²·ln 2/ε a halving of the last",
-        0.02,
-        "1",
+        0.02, "1",
         "the tip looks the same at every fineness; what differs is the first-order error of K², "
         "a few times 1/n",
     ),
     Tolerance(
-        "pull of point sums on the middle of wide strips, over coth(πd/l)",
-        2e-3,
-        "1",
+        "pull of point sums on the middle of wide strips, over coth(πd/l)", 2e-3, "1",
         "ends are 30 segments away, where points and segments differ by (1/30)²/24 or so, and the "
         "density by its margin of d/(30πl)·l/w",
     ),
     Tolerance(
         "consistent force along half a strip, finest, over that on a tip by the closed form",
-        2e-4,
-        "1",
+        2e-4, "1",
         "what even segments miss at the tip goes with their length over the gap, 0.025 and less, "
         "with a small factor: the tip's pull holds for the charge that is there",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "faces_over_exact": "Σσ²·l/(2ε) of a strip over the pull by the closed form (1)",

@@ -45,33 +45,28 @@ ORDER_BECAUSE = (
 TOLERANCES = (
     *(
         Tolerance(
-            f"capacitance of facing strips, graded segments, {weighting}",
-            1e-4,
-            "1",
+            f"capacitance of facing strips, graded segments, {weighting}", 1e-4, "1",
             "errors fall with order 2 from 1e-3 or so at 40 segments: 64 times less at 320",
         )
         for weighting in WEIGHTINGS
     ),
     *(
         Tolerance(
-            f"order of the capacitance, {grading} segments, {weighting}", 0.1, "1", ORDER_BECAUSE
+            f"order of the capacitance, {grading} segments, {weighting}", 0.1, "1",
+            ORDER_BECAUSE,
         )
         for grading, weighting in product(GRADINGS, WEIGHTINGS)
     ),
     Tolerance(
-        "Galerkin's capacitance above the closed form, largest",
-        1e-10,
-        "1",
+        "Galerkin's capacitance above the closed form, largest", 1e-10, "1",
         "a maximum over fewer charges is no larger; 1e-10 is rounding times the condition of the "
         "equations",
     ),
     Tolerance(
-        "capacitance of strips a thousand times as large",
-        1e-10,
-        "1",
+        "capacitance of strips a thousand times as large", 1e-10, "1",
         "per depth it has no unit of length; rounding times the condition of the equations",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "capacitance": "per depth over the permittivity (1)",
