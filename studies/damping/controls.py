@@ -30,6 +30,7 @@ PROBE = 1e-4
 """Size of the fault from which the smallest noticed one is extrapolated."""
 RATIO = 0.5
 """Damping over the critical one at which the block's mode is watched."""
+NEW_VELOCITY = "viscous force from the new velocity"
 FACTOR = direction.TOLERANCES[0].limit
 TOLERANCES = (
     Tolerance(
@@ -112,7 +113,7 @@ KINDS: dict[str, tuple[Fault, str]] = {
     "damping": (other_damping, "relative"),
     "kick": (other_kick, "relative"),
     "first kick": (first_kick, "part lost"),
-    "viscous force from the new velocity": (new_velocity, "part"),
+    NEW_VELOCITY: (new_velocity, "part"),
     "lagged force": (lagged_force, "part of a step"),
 }
 

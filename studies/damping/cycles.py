@@ -11,8 +11,6 @@ Expected   Single steps may rise. The scheme keeps v² + ω²x² - hω²xv witho
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -80,8 +78,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
 def watched(candidate: Motion, ratio: float) -> tuple[dict[str, object], pd.DataFrame]:
     """One row, and the energy against time."""
     body = bodies.loaded(*PLATE)
-    network = replace(body.network, force=np.zeros_like(body.network.force))
-    omega = float(body.frequencies[0])
+    network, omega = body.unloaded, float(body.frequencies[0])
     damping = 2 * ratio * omega
     cycle = int(np.ceil(2 * np.pi / omega * body.frequencies[-1] / FINE))
     dt = 2 * np.pi / omega / cycle

@@ -190,7 +190,7 @@ def watched(
 
 def recursion(omega: float, damping: float, dt: float, looks: int, every: int) -> Array:
     """Way (looks + 1,) of the mode from 0 to rest at 1, by the scheme's recursion."""
-    jump = bodies.powered(bodies.one_step(np.array([omega]), dt, damping), every)[0]
+    jump = np.linalg.matrix_power(bodies.one_step(np.array([omega]), dt, damping)[0], every)
     left = [np.array([1.0, 0.0])]
     for _ in range(looks):
         left.append(jump @ left[-1])

@@ -218,7 +218,7 @@ def steps_of_modes(
 ) -> dict[float, int]:
     """Steps after which the sum of all modes stays within each error, to a look."""
     omegas = body.frequencies
-    jump = bodies.powered(bodies.one_step(omegas, dt, damping), look)
+    jump = np.linalg.matrix_power(bodies.one_step(omegas, dt, damping), look)
     state = np.stack([body.shares, np.zeros(len(omegas))], axis=1)[:, :, None]
     last, done = dict.fromkeys(errors, 0), 0
     while True:
