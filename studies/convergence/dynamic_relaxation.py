@@ -81,15 +81,12 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     table = pd.DataFrame(rows)
     arrived = (table["outcome"] == "reached").all()
     cost = table["steps"] * table["springs"]
-    exponents = (
-        (fitted_power(table["kappa"], table["steps"]), fitted_power(table["nodes"], cost))
-        if arrived
-        else None
-    )
+    growth = ((table["kappa"], table["steps"]), (table["nodes"], cost))
+    in_kappa, in_nodes = (fitted_power(*pair).exponent if arrived else math.nan for pair in growth)
     seen = [
         worst(table["steps"], table["independent_steps"]),
-        Observed(exponents[0].exponent if exponents else math.nan, 0.5),
-        Observed(exponents[1].exponent if exponents else math.nan, 1.5),
+        Observed(in_kappa, 0.5),
+        Observed(in_nodes, 1.5),
     ]
     return Evidence(
         tables={"dynamic_relaxation": table},

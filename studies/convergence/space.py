@@ -125,12 +125,14 @@ def run(counted: pd.DataFrame, grown: pd.DataFrame, setting: Setting) -> Evidenc
         [row for rows in setting.sweep(eliminated, edges, "factors") for row in rows]
     )
     cycles = pd.DataFrame(setting.sweep(by_multigrid, solved, "multigrid"))
-    growing, growing_here = growth(factors), growth_here(cycles)
-    seen = [
-        *relaxations(grown),
-        Observed(max(apart_at_rest(edge) for edge in checked)),
-        *elements(growing, growing_here),
-    ]
+    growing = growth(factors)
+    counts = cycles.rename(columns={"cycles_here": "cycles", "products_here": "products"})
+    growing_here = growth(counts).rename(columns=steps.HERE)
+    at_rest = (
+        bodies.relative_error(bodies.by_multigrid(CUBE, edge), bodies.at_rest(CUBE, edge))
+        for edge in checked
+    )
+    seen = [*relaxations(grown), Observed(max(at_rest)), *elements(growing, growing_here)]
     return Evidence(
         tables={
             "factors": factors,
@@ -155,10 +157,7 @@ def eliminated(edge: int) -> list[dict[str, object]]:
     """Rows of one cube: counts of a full matrix, and in nested dissection."""
     mesh = cube_of_elements(edge)
     unknowns = mesh.dim * int(free_nodes(mesh).sum())
-    counts = {
-        FULL: elimination.full(unknowns),
-        DISSECTED: in_order(mesh, node_order(mesh)),
-    }
+    counts = {FULL: elimination.full(unknowns), DISSECTED: in_order(mesh, node_order(mesh))}
     return [
         {"way": way, "cells": edge, "unknowns": unknowns, **count._asdict()}
         for way, count in counts.items()
@@ -196,11 +195,6 @@ def by_multigrid(edge: int) -> dict[str, object]:
     }
 
 
-def apart_at_rest(edge: int) -> float:
-    """Distance of the cube of springs at rest by multigrid from that by a factor, relative."""
-    return bodies.relative_error(bodies.by_multigrid(CUBE, edge), bodies.at_rest(CUBE, edge))
-
-
 def growth(factors: pd.DataFrame) -> pd.DataFrame:
     """Exponents of entries and products in the unknowns."""
     return pd.DataFrame(
@@ -217,35 +211,29 @@ def growth(factors: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def growth_here(cycles: pd.DataFrame) -> pd.DataFrame:
-    """Exponents of what multigrid takes, in the unknowns."""
-    counts = cycles.rename(columns={"cycles_here": "cycles", "products_here": "products"})
-    return growth(counts).rename(columns=steps.HERE)
-
-
 def relaxations(grown: pd.DataFrame) -> list[Observed]:
     """What the tolerances of springs judge, in their order."""
-    on = (CUBE,)
-    return [
-        steps.exponent(grown, "steps in kappa", on, steps.VISCOUS),
-        steps.exponent(grown, "steps in nodes", on, ("viscous_leapfrog",)),
-        steps.exponent(grown, "cost in nodes", on, steps.VISCOUS),
-        steps.exponent(grown, "steps in nodes", on, RESTARTING),
-        steps.exponent(grown, "steps in nodes", on, ("fire",)),
-        steps.exponent(grown, "cycles in nodes", on, ("newton_multigrid",)),
-    ]
+    asked = (
+        ("steps in kappa", steps.VISCOUS),
+        ("steps in nodes", ("viscous_leapfrog",)),
+        ("cost in nodes", steps.VISCOUS),
+        ("steps in nodes", RESTARTING),
+        ("steps in nodes", ("fire",)),
+        ("cycles in nodes", ("newton_multigrid",)),
+    )
+    return [steps.exponent(grown, quantity, (CUBE,), methods) for quantity, methods in asked]
 
 
 def elements(growing: pd.DataFrame, growing_here: pd.DataFrame) -> list[Observed]:
     """What the tolerances of elements judge, in their order."""
     fits = growing.set_index(["way", "quantity"])["exponent"]
     here = growing_here.set_index(["way", "quantity"])["exponent_here"]
-    judged = [
-        (fits, DISSECTED, "entries"),
-        (fits, DISSECTED, "products"),
-        (here, MULTIGRID, "cycles"),
-    ]
-    return [Observed(float(of[way, what]), EXPECTED[way, what]) for of, way, what in judged]
+    judged = (
+        (fits, (DISSECTED, "entries")),
+        (fits, (DISSECTED, "products")),
+        (here, (MULTIGRID, "cycles")),
+    )
+    return [Observed(float(found[what]), EXPECTED[what]) for found, what in judged]
 
 
 def findings(

@@ -209,16 +209,8 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
             fits["cost in nodes"] = fitted_power(part["nodes"], cost)
         if method == CYCLING:
             fits["cycles in nodes"] = fitted_power(part["nodes"], part["evaluations"])
-        rows += [
-            {
-                "body": body,
-                "method": method,
-                "threshold": threshold,
-                "quantity": quantity,
-                **fit._asdict(),
-            }
-            for quantity, fit in fits.items()
-        ]
+        head = {"body": body, "method": method, "threshold": threshold}
+        rows += [head | {"quantity": what} | fit._asdict() for what, fit in fits.items()]
     return pd.DataFrame(rows)
 
 
@@ -231,7 +223,10 @@ def observed(table: pd.DataFrame, grown: pd.DataFrame) -> list[Observed]:
         exponent(grown, "steps in kappa", bodies.PLANE, VISCOUS),
         exponent(grown, "steps in nodes", ("plate",), ("viscous_leapfrog",)),
         exponent(grown, "cost in nodes", ("plate",), VISCOUS),
-        worst_or_nan(viscous["steps"] / viscous["predicted_steps"], 1.0),
+        # Where no run came so far NaN, which fails.
+        worst(viscous["steps"] / viscous["predicted_steps"], 1.0)
+        if len(viscous)
+        else Observed(math.nan, 1.0),
         Observed(int(newton["steps"].max()), 2),
     ]
 
@@ -250,11 +245,6 @@ def exponent(
     if len(rows) < len(on) * len(methods):
         return Observed(math.nan, reference)
     return worst(rows["exponent"], reference)
-
-
-def worst_or_nan(values: pd.Series, reference: float) -> Observed:
-    """The value farthest from the reference; NaN, which fails, where no run came so far."""
-    return worst(values, reference) if len(values) else Observed(math.nan, reference)
 
 
 def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:

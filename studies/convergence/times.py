@@ -175,16 +175,8 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
         if len(part) < 3:
             continue
         fit = fitted_power(part["nodes"].iloc[-4:], part["wall_seconds"].iloc[-4:])
-        rows.append(
-            {
-                "body": body,
-                "method": method,
-                "threshold": threshold,
-                "exponent_of_seconds": fit.exponent,
-                "low_of_seconds": fit.low,
-                "high_of_seconds": fit.high,
-            }
-        )
+        row = {"body": body, "method": method, "threshold": threshold}
+        rows.append(row | {f"{name}_of_seconds": end for name, end in fit._asdict().items()})
     return pd.DataFrame(rows)
 
 

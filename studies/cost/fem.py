@@ -206,12 +206,11 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for (axes, task, program), part in table.groupby(["axes", "task", "program"], sort=False):
         row = {"axes": axes, "task": task, "program": program}
-        names = ("exponent_here", "low_here", "high_here")
         if len(part) < 3 or (part["cpu_seconds"] == ABSENT).any():
-            rows.append(row | dict.fromkeys(names, ABSENT))
+            rows.append(row | dict.fromkeys(GROWTH, ABSENT))
             continue
         fit = fitted_power(part["unknowns"], part["cpu_seconds"].astype(float))
-        rows.append(row | dict(zip(names, fit, strict=True)))
+        rows.append(row | dict(zip(GROWTH, fit, strict=True)))
     return pd.DataFrame(rows)
 
 

@@ -152,8 +152,7 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
         if method == "newton_multigrid":
             grows["cycles"] = part["evaluations_here"]
         for quantity, values in grows.items():
-            fit = fitted_power(part["nodes"], values)
-            fitted = dict(zip(("exponent_here", "low_here", "high_here"), fit, strict=True))
+            fitted = dict(zip(GROWTH, fitted_power(part["nodes"], values), strict=True))
             rows.append({"method": method, "threshold": threshold, "quantity": quantity} | fitted)
     return pd.DataFrame(rows)
 

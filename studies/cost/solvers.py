@@ -222,10 +222,8 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
         part = table[table["shape"] == body]
         for quantity, column in (("steps", "steps_of_multigrid_here"), ("seconds", "cpu_seconds")):
             fit = fitted_power(part["points"], part[column].astype(float))
-            rows.append(
-                {"shape": body, "quantity": quantity}
-                | dict(zip(("exponent_here", "low_here", "high_here"), fit, strict=True))
-            )
+            row = {"shape": body, "quantity": quantity}
+            rows.append(row | dict(zip(GROWTH, fit, strict=True)))
     return pd.DataFrame(rows)
 
 
