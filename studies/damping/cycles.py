@@ -129,8 +129,7 @@ def draw(tables: Tables) -> Figure:
     figure, (axis,) = figures.new(size=(4.2, 3.2))
     axis.plot(table["period"], table["energy"], color=figures.COLOURS[0], label="energy")
     axis.plot(table["period"], table["mean"], color=figures.COLOURS[1], label="mean over a period")
-    axis.set_title(f"c = {RATIOS[0]:g} of critical", fontsize=9)
-    axis.set_xlabel("periods of the slowest mode")
+    axis.set(title=f"c = {RATIOS[0]:g} of critical", xlabel="periods of the slowest mode")
     axis.set_ylabel("energy over that at the start (1)")
     axis.legend(fontsize=8)
     return figure

@@ -139,7 +139,6 @@ def draw(tables: Tables) -> Figure:
     told = [bodies.decay(1.0, 2 * ratio) / (2 * ratio) for ratio in ratios]
     axis.loglog(ratios, told, color="black", lw=0.9, label="closed form")
     axis.axhline(free, color=figures.COLOURS[1], ls="--", label="free motion")
-    axis.set_xlabel("damping c over 2ω (1)")
-    axis.set_ylabel("rate of decay of the velocity over c (1)")
+    axis.set(xlabel="damping c over 2ω (1)", ylabel="rate of decay of the velocity over c (1)")
     axis.legend(fontsize=8)
     return figure

@@ -141,16 +141,14 @@ def finding(table: pd.DataFrame) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Factor of the velocity a step against time step times damping."""
-    table = tables["direction"]
     figure, (axis,) = figures.new(size=(4.2, 3.3))
-    for place, (name, own) in enumerate(table.groupby("moving", sort=False)):
-        colour, marker = figures.COLOURS[place], figures.MARKERS[place]
-        axis.plot(own["h_c"], own["factor"], marker, color=colour, label=str(name), ms=6)
+    for place, (name, own) in enumerate(tables["direction"].groupby("moving", sort=False)):
+        style = figures.numbered(place)
+        axis.plot(own["h_c"], own["factor"], ls="", label=str(name), ms=6, **style)
         axis.plot(own["h_c"], own["factor_predicted"], ".", color="white", ms=3)
-        axis.axvline(own["limit"].iloc[0], color=colour, lw=0.8, ls=":")
+        axis.axvline(own["limit"].iloc[0], color=style["color"], lw=0.8, ls=":")
     axis.axhline(1.0, color="grey", lw=0.8, ls="--")
-    axis.set_xlabel("time step times damping, hc (1)")
-    axis.set_ylabel("factor of the velocity a step (1)")
-    axis.set_title("white dots: predicted; dotted lines: stability limits", fontsize=9)
+    axis.set(xlabel="time step times damping, hc (1)", ylabel="factor of the velocity a step (1)")
+    axis.set_title("white dots: predicted; dotted lines: stability limits")
     axis.legend(fontsize=8)
     return figure

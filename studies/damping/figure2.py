@@ -278,22 +278,17 @@ def figured(value: object) -> str:
 
 def draw(tables: Tables) -> Figure:
     """x-t curves of the loaded corner and of the slowest mode."""
-    curves = tables["figure2"]
     figure, axes = figures.new(2, size=(3.7, 3.3), sharey=True)
-    for axis, (column, title) in zip(
-        axes,
-        (("x_particle", "upper loaded corner"), ("x_mode", "slowest mode, and predicted")),
-        strict=True,
-    ):
-        for colour, own in zip(figures.COLOURS, by_ratio(curves), strict=False):
+    titles = {"x_particle": "upper loaded corner", "x_mode": "slowest mode, and predicted"}
+    for axis, (column, title) in zip(axes, titles.items(), strict=True):
+        for colour, own in zip(figures.COLOURS, by_ratio(tables["figure2"]), strict=False):
             label = f"c = {own['c_over_critical'].iloc[0]:g} of critical"
             axis.plot(own["step"], own[column], color=colour, label=label)
             if column == "x_mode":
                 every = own.iloc[:: max(1, len(own) // 25)]
                 axis.plot(every["step"], every["x_predicted"], "o", color=colour, ms=2.5)
         axis.axhline(1.0, color="grey", lw=0.8, ls="--")
-        axis.set_title(title, fontsize=9)
-        axis.set_xlabel("time step")
+        axis.set(title=title, xlabel="time step")
     axes[1].plot([], [], "o", color="black", ms=2.5, label="closed form")
     axes[0].set_ylabel("displacement over that at rest (1)")
     figures.shared_legend(figure, axes, columns=3)

@@ -272,16 +272,14 @@ def draw(tables: Tables) -> Figure:
     rest = tables["rest"]
     figure, axes = figures.new(len(ERRORS), size=(3.9, 3.5), sharey=True)
     for axis, error in zip(axes, ERRORS, strict=True):
-        for place, (name, own) in enumerate(
-            rest[rest["error"] == error].groupby("body", sort=False)
-        ):
-            colour = figures.COLOURS[place % len(figures.COLOURS)]
-            marker = figures.MARKERS[place % len(figures.MARKERS)]
-            axis.loglog(own["c_over_critical"], own["steps"], marker, color=colour, label=str(name))
-            axis.loglog(own["c_over_critical"], own["steps_slowest"], color=colour, lw=0.9)
+        shown = rest[rest["error"] == error].groupby("body", sort=False)
+        for place, (name, own) in enumerate(shown):
+            style, c = figures.numbered(place), own["c_over_critical"]
+            axis.loglog(c, own["steps"], ls="", label=str(name), **style)
+            axis.loglog(c, own["steps_slowest"], color=style["color"], lw=0.9)
         axis.plot([], [], color="black", lw=0.9, label="slowest excited mode alone")
         axis.axvline(1.0, color="grey", lw=0.8, ls="--")
-        axis.set_title(f"to a displacement error of {error:g}", fontsize=9)
+        axis.set_title(f"to a displacement error of {error:g}")
         axis.set_xlabel("damping c over 2ω of the slowest excited mode (1)")
     axes[0].set_ylabel("time steps to rest")
     figures.shared_legend(figure, axes, columns=2)

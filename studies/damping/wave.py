@@ -289,20 +289,15 @@ def draw(tables: Tables) -> Figure:
     shades = diagram.pcolormesh(
         grid.columns, grid.index, grid, cmap="RdBu", vmin=-1, vmax=1, rasterized=True
     )
-    bar_ = figure.colorbar(shades, ax=diagram)
-    bar_.set_label("velocity over that struck (1)")
-    diagram.set_title("bar with its sides held, struck at the right", fontsize=9)
-    diagram.set_xlabel("place along the bar (m)")
-    diagram.set_ylabel("time (s)")
+    figure.colorbar(shades, ax=diagram, label="velocity over that struck (1)")
+    diagram.set_title("bar with its sides held, struck at the right")
+    diagram.set(xlabel="place along the bar (m)", ylabel="time (s)")
     for place, (sides, own) in enumerate(table.groupby("sides", sort=False)):
-        colour, marker = figures.COLOURS[place], figures.MARKERS[place]
-        fineness = own["spacing_over_s"] ** 2
-        losses.plot(fineness, own["loss"], marker, color=colour, label=f"sides {sides}")
-        losses.plot(fineness, own["loss_predicted"], color=colour, lw=0.9)
+        style, fineness = figures.numbered(place), own["spacing_over_s"] ** 2
+        losses.plot(fineness, own["loss"], ls="", label=f"sides {sides}", **style)
+        losses.plot(fineness, own["loss_predicted"], color=style["color"], lw=0.9)
     losses.plot([], [], color="black", lw=0.9, label="3β/s², predicted")
-    losses.set_xlim(left=0)
-    losses.set_ylim(bottom=0)
-    losses.set_title("speed lost to dispersion", fontsize=9)
+    losses.set(title="speed lost to dispersion", xlim=(0, None), ylim=(0, None))
     losses.set_xlabel("(spacing over the pulse's deviation s)² (1)")
     losses.set_ylabel("1 - speed/c0 (1)")
     losses.legend(fontsize=8)
