@@ -130,22 +130,12 @@ def counted(method: Method, n: int) -> dict[str, object]:
 def draw(tables: Tables) -> Figure:
     """Steps against the condition number: counted here, by the other program, and the least."""
     table = tables[NAME]
+    kappa, other = table["kappa"], table["independent_steps"]
     figure, (axis,) = new(size=(4.2, 3.2))
-    kappa = table["kappa"]
-    axis.loglog(
-        kappa,
-        table["independent_steps"],
-        "s",
-        color=COLOURS[1],
-        ms=8,
-        mfc="none",
-        label="independent program",
-    )
+    axis.loglog(kappa, other, "s", color=COLOURS[1], ms=8, mfc="none", label="independent program")
     axis.loglog(kappa, table["steps"], "o", color=COLOURS[0], label="this one")
-    axis.loglog(
-        kappa, table["least_steps"], ":", color="black", label="from the spectral radius alone"
-    )
-    axis.set_xlabel("condition number kappa")
-    axis.set_ylabel("steps to a residual of 1e-6")
+    least = table["least_steps"]
+    axis.loglog(kappa, least, ":", color="black", label="from the spectral radius alone")
+    axis.set(xlabel="condition number kappa", ylabel="steps to a residual of 1e-6")
     axis.legend()
     return figure

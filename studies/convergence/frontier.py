@@ -280,18 +280,11 @@ def draw(tables: Tables) -> Figure:
     for axis, body in zip(axes, bodies.PLANE, strict=True):
         part = table[table["body"] == body]
         for index, (model, rows) in enumerate(part.groupby("model", sort=False)):
-            axis.loglog(
-                rows["wall_seconds"],
-                rows["error"],
-                marker=MARKERS[index],
-                color=DRAWN[str(model)],
-                label=str(model),
-            )
-        axis.axhline(
-            part["reference_error"].iloc[0], ls=":", color="grey", label="the reference's own error"
-        )
-        axis.set_title(body, fontsize=9)
-        axis.set_xlabel("seconds from problem to displacement")
+            style = {"marker": MARKERS[index], "color": DRAWN[str(model)]}
+            axis.loglog(rows["wall_seconds"], rows["error"], label=str(model), **style)
+        own = part["reference_error"].iloc[0]
+        axis.axhline(own, ls=":", color="grey", label="the reference's own error")
+        axis.set(title=body, xlabel="seconds from problem to displacement")
         axis.set_ylabel("relative error at the probes")
     shared_legend(figure, axes, columns=2)
     return figure

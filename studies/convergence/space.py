@@ -325,14 +325,8 @@ def draw(tables: Tables) -> Figure:
             axis.loglog(edge, values, label=str(way), **DRAWN[str(way)])
             if quantity == "products":
                 slope = 3 * EXPECTED[str(way), quantity]
-                axis.loglog(
-                    edge,
-                    0.4 * values[-1] * (edge / edge[-1]) ** slope,
-                    SLOPES[str(way)],
-                    color="black",
-                    label=f"n^{slope:.0f}",
-                )
-        axis.set_xlabel("n, nodes along the edge")
-        axis.set_ylabel(label)
+                line = 0.4 * values[-1] * (edge / edge[-1]) ** slope
+                axis.loglog(edge, line, SLOPES[str(way)], color="black", label=f"n^{slope:.0f}")
+        axis.set(xlabel="n, nodes along the edge", ylabel=label)
     figures.shared_legend(figure, axes, columns=3)
     return figure

@@ -30,7 +30,6 @@ from msvalidate.judging.counting import THRESHOLDS, predicted
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
-from msvalidate.output.figures import COLOURS, MARKERS
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 
@@ -292,12 +291,8 @@ def draw_cost(tables: Tables) -> Figure:
 def style(method: str) -> dict[str, Any]:
     """How a method is drawn, in every figure the same."""
     index = list(RELAXATIONS).index(method)
-    return {
-        "marker": MARKERS[index % len(MARKERS)],
-        "color": COLOURS[index % len(COLOURS)],
-        "linestyle": "-" if index < len(COLOURS) else "--",
-        "label": method.replace("_", " "),
-    }
+    line = "-" if index < len(figures.COLOURS) else "--"
+    return figures.numbered(index) | {"linestyle": line, "label": method.replace("_", " ")}
 
 
 SLOPES = {2: ":", 3: "-."}
@@ -315,15 +310,9 @@ def _drawn(table: pd.DataFrame, quantity: str) -> Figure:
         slope = expected(f"{quantity} in nodes", body)
         nodes = np.array([part["nodes"].min(), part["nodes"].max()], dtype=float)
         start = 0.6 * part[part["method"] == part["method"].iloc[0]][quantity].iloc[0]
-        axis.loglog(
-            nodes,
-            start * (nodes / nodes[0]) ** slope,
-            SLOPES[bodies.dim(body)],
-            color="black",
-            label=f"slope {Fraction(slope).limit_denominator(9)}",
-        )
-        axis.set_title(body, fontsize=9)
-        axis.set_xlabel("nodes")
+        line, label = SLOPES[bodies.dim(body)], f"slope {Fraction(slope).limit_denominator(9)}"
+        axis.loglog(nodes, start * (nodes / nodes[0]) ** slope, line, color="black", label=label)
+        axis.set(title=body, xlabel="nodes")
     axes[0].set_ylabel(LABELS[quantity])
     figures.shared_legend(figure, axes, columns=4)
     return figure

@@ -45,15 +45,12 @@ ELEMENTS = {
     3: {"fem_h1": ("H1", "superlu"), "fem_h1_multigrid": ("H1", "multigrid")},
 }
 """Axes of a body -> name in tables -> element and solver."""
+FACTOR = {"marker": "^", "color": "black", "label": "fem, factor"}
+MULTIGRID = {"marker": "v", "color": "black", "linestyle": "--", "label": "fem, multigrid"}
 ELEMENTS_DRAWN: dict[str, dict[str, Any]] = {
-    "fem_q1": {"marker": "^", "color": "black", "label": "fem, factor"},
-    "fem_h1": {"marker": "^", "color": "black", "label": "fem, factor"},
-    "fem_h1_multigrid": {
-        "marker": "v",
-        "color": "black",
-        "linestyle": "--",
-        "label": "fem, multigrid",
-    },
+    "fem_q1": FACTOR,
+    "fem_h1": FACTOR,
+    "fem_h1_multigrid": MULTIGRID,
 }
 BY_FREQUENCIES = ("algorithm1", "viscous_leapfrog", "kinetic_damping", "fire")
 """Methods whose step or damping is set by natural frequencies."""
@@ -219,8 +216,6 @@ def draw(tables: Tables) -> Figure:
             seconds = rows["wall_seconds"] + rows["setup_seconds"]
             how = ELEMENTS_DRAWN.get(str(method)) or steps.style(str(method))
             axis.loglog(rows["nodes"], seconds, **how)
-        axis.set_title(body, fontsize=9)
-        axis.set_xlabel("nodes")
-        axis.set_ylabel("seconds to an error of 1e-6")
+        axis.set(title=body, xlabel="nodes", ylabel="seconds to an error of 1e-6")
     shared_legend(figure, axes, columns=3)
     return figure

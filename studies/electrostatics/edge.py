@@ -227,35 +227,23 @@ def draw(tables: Tables) -> Figure:
     along, near = tables["density"], tables["edge_charge"]
     figure, (across, edge) = figures.new(2, size=(3.7, 3.2))
     for place, (ratio, line) in enumerate(along.groupby("width_over_gap", sort=False)):
-        style: dict[str, Any] = {
-            "color": figures.COLOURS[place],
-            "label": f"facing strips, w/d = {ratio:g}",
-        }
-        across.plot(line["place"], line["density"], **style)
+        colour, label = figures.COLOURS[place], f"facing strips, w/d = {ratio:g}"
+        across.plot(line["place"], line["density"], color=colour, label=label)
         half = line[line["place"] < 0]
         gaps = (1 + half["place"]) * float(str(ratio)) / 2
-        edge.loglog(gaps, half["density"], **style)
+        edge.loglog(gaps, half["density"], color=colour, label=label)
     across.axhline(1.0, color="grey", ls=":", lw=1)
     across.text(0, 0.93, "plates without end", ha="center", va="top", fontsize=7, color="grey")
-    across.set_ylim(0, 6)
-    across.set_xlabel("place over half the width (1)")
+    across.set(xlabel="place over half the width (1)", ylim=(0, 6))
     across.set_ylabel("charge per area over εV/d (1)")
     middle = near["distance"] - np.diff(near["distance"], prepend=0.0) / 2
-    edge.loglog(
-        middle,
-        near["density_over_mean"],
-        "o",
-        color="black",
-        mfc="none",
-        ms=3.5,
-        label="strip alone, over its mean",
-    )
+    alone: dict[str, Any] = {"mfc": "none", "ms": 3.5, "label": "strip alone, over its mean"}
+    edge.loglog(middle, near["density_over_mean"], "o", color="black", **alone)
     s = np.geomspace(middle.min(), 1.0, 60)
     exact = 2 / np.pi / np.sqrt(1 - (1 - s) ** 2)
     edge.loglog(s, exact, color="black", lw=0.8, label="1/(π√(a² - x²))")
     ends = np.array([middle.min(), 0.05])
     edge.loglog(ends, 0.8 * np.sqrt(0.1 / ends), ":", color="grey", label="exponent -1/2")
-    edge.set_xlabel("distance from the edge over gap, or half width a (1)")
-    edge.set_ylabel("density (1)")
+    edge.set(xlabel="distance from the edge over gap, or half width a (1)", ylabel="density (1)")
     figures.shared_legend(figure, [across, edge], columns=3)
     return figure

@@ -9,6 +9,8 @@ Expected   One potential, whoever finds it. Field lines bend at bare faces: the 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -92,31 +94,21 @@ def draw(tables: Tables) -> Figure:
     for axis, ratio in zip(axes, table["permittivity_ratio"].unique(), strict=True):
         rows = table[table["permittivity_ratio"] == ratio]
         grids = {c: rows.pivot_table(index="y", columns="x", values=c) for c in SHOWN}
-        x, y = (grids["potential"].columns.to_numpy(), grids["potential"].index.to_numpy())
-        shades = axis.contourf(x, y, grids["potential"], levels, cmap="RdBu_r", extend="both")
-        axis.contour(
-            x, y, grids["potential"], levels, colors="white", linewidths=0.4, linestyles="solid"
-        )
-        axis.streamplot(
-            x,
-            y,
-            grids["field_x"],
-            grids["field_y"],
-            color="#444444",
-            linewidth=0.6,
-            arrowsize=0.6,
-        )
-        axis.add_patch(
-            Rectangle((-LENGTH / 2, 0), LENGTH, 1, fill=False, ls="--", ec="black", lw=0.9)
-        )
+        potential = grids["potential"]
+        x, y = potential.columns.to_numpy(), potential.index.to_numpy()
+        shades = axis.contourf(x, y, potential, levels, cmap="RdBu_r", extend="both")
+        lines: dict[str, Any] = {"colors": "white", "linewidths": 0.4, "linestyles": "solid"}
+        axis.contour(x, y, potential, levels, **lines)
+        field = (grids["field_x"], grids["field_y"])
+        axis.streamplot(x, y, *field, color="#444444", linewidth=0.6, arrowsize=0.6)
+        low = (-LENGTH / 2, 0)
+        axis.add_patch(Rectangle(low, LENGTH, 1, fill=False, ls="--", ec="black", lw=0.9))
         half = CASES[0].covered * LENGTH / 2
         axis.plot([-half, half], [1, 1], color="black", lw=3)
         axis.plot([-LENGTH / 2, LENGTH / 2], [0, 0], color="black", lw=3)
         axis.grid(visible=False)
-        axis.set_aspect("equal")
-        axis.set_title(f"permittivity ratio {ratio:g}; equal axes", fontsize=9)
+        axis.set(title=f"permittivity ratio {ratio:g}; equal axes", aspect="equal")
         axis.set_ylabel("y over height (1)")
     axes[-1].set_xlabel("x over height (1)")
-    bar = figure.colorbar(shades, ax=axes)
-    bar.set_label("potential over voltage (1)")
+    figure.colorbar(shades, ax=axes, label="potential over voltage (1)")
     return figure

@@ -253,27 +253,18 @@ def draw(tables: Tables) -> Figure:
     for axis, (ours, theirs, name) in zip(compared, shown, strict=True):
         for place, (covered, rows) in enumerate(table.groupby("covered", sort=False)):
             colour, part = figures.COLOURS[place], f"{float(str(covered)):.0%} covered"
-            ratio = rows["permittivity_ratio"]
+            ratio, charges = rows["permittivity_ratio"], f"{part}, charges"
             axis.semilogx(ratio, rows[theirs], color=colour, label=f"{part}, elements")
-            axis.semilogx(
-                ratio, rows[ours], "o", color=colour, mfc="none", label=f"{part}, charges"
-            )
+            axis.semilogx(ratio, rows[ours], "o", color=colour, mfc="none", label=charges)
         axis.set_xticks([1, 3, 10], ["1", "3", "10"])
-        axis.set_xlabel("permittivity over air's (1)")
-        axis.set_ylabel(name)
-        axis.set_ylim(bottom=0)
+        axis.set(xlabel="permittivity over air's (1)", ylabel=name, ylim=(0, None))
     compared[0].legend(fontsize=7)
     for place, (kind, rows) in enumerate(far.groupby("far", sort=False)):
-        box.semilogx(
-            rows["reach"],
-            rows["capacitance_elements"],
-            marker=figures.MARKERS[place],
-            color=figures.COLOURS[place + 2],
-            label=f"far boundary {kind}",
-        )
+        style = {"marker": figures.MARKERS[place], "color": figures.COLOURS[place + 2]}
+        label = f"far boundary {kind}"
+        box.semilogx(rows["reach"], rows["capacitance_elements"], label=label, **style)
     box.set_xticks(list(REACHES), [f"{reach:g}" for reach in REACHES])
-    box.set_title("ratio 3, 100 % covered", fontsize=9)
-    box.set_xlabel("its distance over the slab's length (1)")
+    box.set(title="ratio 3, 100 % covered", xlabel="its distance over the slab's length (1)")
     box.set_ylabel("capacitance per depth over ε (1)")
     box.legend(fontsize=7)
     return figure

@@ -186,19 +186,15 @@ def draw(tables: Tables) -> Figure:
     """Errors of charge and stretch against the number of springs."""
     table = tables["nodes"]
     figure, (charge, stretch) = figures.new(2, size=(3.5, 3.1))
-    for place, ((where, how), rows) in enumerate(
-        table.groupby(["charges_on", "forces_by"], sort=False)
-    ):
-        style = {"color": figures.COLOURS[place], "marker": figures.MARKERS[place]}
-        name = f"on {where}, {how}"
+    groups = table.groupby(["charges_on", "forces_by"], sort=False)
+    for place, ((where, how), rows) in enumerate(groups):
+        style, name = figures.numbered(place), f"on {where}, {how}"
         if how == "derivatives":
             charge.loglog(rows["segments"], rows["charge_error"].abs(), label=name, **style)
         stretch.loglog(rows["segments"], rows["stretch_error"].abs(), label=name, **style)
-    n = np.array([table["segments"].min(), table["segments"].max()])
     for axis, column in ((charge, "charge_error"), (stretch, "stretch_error")):
-        top = 1.6 * table[column].abs().max()
-        axis.loglog(n, top * n[0] / n, ":", color="grey", label="order 1")
-        axis.set_xticks(*[sorted(set(table["segments"]))] * 2)
+        figures.draw_order(axis, table["segments"], 1.6 * table[column].abs().max(), 1)
+        figures.tick_at(axis, table["segments"])
         axis.set_xlabel("springs of each electrode (1)")
     charge.set_ylabel("relative error of the charge (1)")
     stretch.set_ylabel("relative error of w·dW/dw (1)")

@@ -13,7 +13,6 @@ from __future__ import annotations
 from functools import partial
 from itertools import product
 
-import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -126,19 +125,13 @@ def finding(limits: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Errors against the number of patches along a side."""
     table = tables["plates"]
+    table = table.assign(error=(table["capacitance_over_accepted"] - 1).abs())
     figure, (axis,) = figures.new(size=(4.2, 3.3))
     for place, (body, rows) in enumerate(table.groupby("body", sort=False)):
-        axis.loglog(
-            rows["patches_across"],
-            (rows["capacitance_over_accepted"] - 1).abs(),
-            marker=figures.MARKERS[place],
-            color=figures.COLOURS[place],
-            label=str(body),
-        )
-    n = np.array([table["patches_across"].min(), table["patches_across"].max()])
-    top = 2 * (table["capacitance_over_accepted"] - 1).abs().max()
-    axis.loglog(n, top * (n[0] / n) ** ORDER, ":", color="grey", label=f"order {ORDER:g}")
-    axis.set_xticks(*[sorted(set(table["patches_across"]))] * 2)
+        style = figures.numbered(place)
+        axis.loglog(rows["patches_across"], rows["error"], label=str(body), **style)
+    figures.draw_order(axis, table["patches_across"], 2 * table["error"].max(), ORDER)
+    figures.tick_at(axis, table["patches_across"])
     axis.set_xlabel("patches along a side, rings of the disc (1)")
     axis.set_ylabel("relative error of the capacitance (1)")
     axis.legend(fontsize=8)
