@@ -180,12 +180,11 @@ def drawing(tables: Tables) -> Figure:
         for ratio, colour in zip(ratios, figures.COLOURS, strict=False):
             here = rows[rows["permittivity_ratio"] == ratio]
             for source, line in here.groupby("source"):
-                style = "-" if source == "FEM" else "."
-                who = "FEM" if source == "FEM" else "springs"
-                shown = broken(line[["x", "uy"]]) if source == "FEM" else line
-                axis.plot(
-                    shown["x"], shown["uy"], style, color=colour, label=f"{who}, ratio {ratio:g}"
-                )
+                who, style, shown = "springs", ".", line
+                if source == "FEM":
+                    who, style, shown = "FEM", "-", broken(line[["x", "uy"]])
+                label = f"{who}, ratio {ratio:g}"
+                axis.plot(shown["x"], shown["uy"], style, color=colour, label=label)
         axis.set(xlabel="x (m)", ylim=(-3.2, 0.4), title=names[covered])
     axes[0].set_ylabel("deflection uy\nover the uniform slab's (1)")
     figures.shared_legend(figure, axes, columns=3)
