@@ -24,6 +24,7 @@ from matplotlib.figure import Figure
 
 import reference_fem
 from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.counting import TIGHT
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -244,7 +245,7 @@ def findings(
     growing_here: pd.DataFrame,
 ) -> tuple[str, ...]:
     """What the report's two sentences come to where it said them."""
-    tight = grown[(grown["body"] == CUBE) & (grown["threshold"] == steps.TIGHT)]
+    tight = grown[(grown["body"] == CUBE) & (grown["threshold"] == TIGHT)]
     explicit = tight[tight["method"].isin(steps.EXPLICIT)]
     rises = explicit[explicit["quantity"] == "steps in nodes"]
     works = explicit[explicit["quantity"] == "cost in nodes"]
@@ -256,7 +257,7 @@ def findings(
     said = (
         f"The report's O(n), its time to rest constant, in space and by its own viscous motion: "
         f"{'refuted' if refuted else 'not decided by these sizes'}. Theory has steps as "
-        f"nodes^(1/3) and work as nodes^(4/3). Steps to an error of {steps.TIGHT:g} grow as the "
+        f"nodes^(1/3) and work as nodes^(4/3). Steps to an error of {TIGHT:g} grow as the "
         f"nodes to the power of: {powers(rises)}; work: {powers(works)}. {ends(counted)}"
     )
     fits = pd.concat([growing, growing_here.rename(columns={v: k for k, v in steps.HERE.items()})])
@@ -287,7 +288,7 @@ def ends(counted: pd.DataFrame) -> str:
     """Steps of the report's algorithm on the smallest cube and on the largest."""
     done = counted[
         (counted["body"] == CUBE)
-        & (counted["threshold"] == steps.TIGHT)
+        & (counted["threshold"] == TIGHT)
         & (counted["method"] == "algorithm1")
         & (counted["outcome"] == "reached")
     ]

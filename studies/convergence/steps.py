@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.judging import counting
 from msvalidate.judging.compare import fitted_power, worst
-from msvalidate.judging.counting import THRESHOLDS, predicted
+from msvalidate.judging.counting import THRESHOLDS, TIGHT, predicted
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -55,7 +55,6 @@ CYCLING = "newton_multigrid"
 REPRODUCED = (*VISCOUS, FACTORISING)
 """Methods whose counts do not hang on rounding. The others choose between ways by the sign of small
 differences (FIRE's counts move by a fifth when a stiffness moves by 1e-15), or by a library."""
-TIGHT = min(THRESHOLDS)
 TOLERANCES = (
     Tolerance("runs that failed", 0, "1", "every method is stable and must arrive at rest"),
     Tolerance(

@@ -30,6 +30,7 @@ from msvalidate.dynamics.integrate import SPECTRUM_ERROR
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging import counting
 from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.counting import TIGHT
 from msvalidate.judging.evidence import Evidence, Tables
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.figures import new, shared_legend
@@ -70,7 +71,7 @@ def run(candidate: Mapping[str, Method], counted: pd.DataFrame, setting: Setting
     """Time each run of the table of steps that came to its end, and the same bodies by elements."""
     repeats = 1 if setting.quick else REPEATS
     if setting.quick:
-        counted = counted[counted["threshold"] == steps.TIGHT]
+        counted = counted[counted["threshold"] == TIGHT]
     todo = records(counted[counted["outcome"] == "reached"])
     rows = setting.one_by_one(partial(timed, candidate, repeats), todo, "seconds to rest")
     rows += by_elements(counted, repeats)
@@ -179,7 +180,7 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
 
 def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
     """Who is fastest on the largest bodies, and how seconds grow."""
-    tight = table[table["threshold"] == steps.TIGHT]
+    tight = table[table["threshold"] == TIGHT]
     said = []
     for body in bodies.SIZES:
         part = tight[tight["body"] == body]
@@ -193,7 +194,7 @@ def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
             f"{ranks}."
         )
     for body in ("plate", "cube"):
-        part = grown[(grown["body"] == body) & (grown["threshold"] == steps.TIGHT)]
+        part = grown[(grown["body"] == body) & (grown["threshold"] == TIGHT)]
         decided = part[part["high_of_seconds"] - part["low_of_seconds"] < DECIDED]
         powers = ", ".join(
             f"{row.method} nodes^{row.exponent_of_seconds:.2f} [{row.low_of_seconds:.2f}, "
@@ -208,7 +209,7 @@ def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
 def draw(tables: Tables) -> Figure:
     """Seconds to an error of 1e-6 against the nodes, with lattice or mesh and frequencies."""
     table = tables["times"]
-    tight = table[table["threshold"] == steps.TIGHT]
+    tight = table[table["threshold"] == TIGHT]
     figure, axes = new(len(bodies.SIZES), size=(3.6, 3.4))
     for axis, body in zip(axes, bodies.SIZES, strict=True):
         part = tight[tight["body"] == body]

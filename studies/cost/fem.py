@@ -30,7 +30,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Box, Isotropic, Mask
 from reference_fem.elasticity import stiffness
 
-from . import fem_drawing, fem_ways, kernel, ngsolve_peer
+from . import drawing, fem_ways, kernel, ngsolve_peer
 from .fem_ways import Solve
 from .timing import ABSENT, GROWTH, QUICK_ROUNDS, ROUNDS, SECONDS, in_turn, summary
 
@@ -131,7 +131,7 @@ def run(candidate: Mapping[str, Solve], setting: Setting) -> Evidence:
         },
         observed={TOLERANCES[0].quantity: Observed(largest)},
         tolerances=TOLERANCES,
-        figures={"fem": fem_drawing.draw},
+        figures={"fem": drawing.elements},
         columns=COLUMNS,
         findings=findings(table, chosen),
     )

@@ -27,7 +27,7 @@ from msvalidate.judging.evidence import Evidence
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 
-from . import bodies, kernel_drawing, lammps_peer, plain
+from . import bodies, drawing, lammps_peer, plain
 from .timing import ABSENT, ROUNDS, SINGLE, in_turn, summary
 
 NODES = (1_000, 10_000, 100_000, 1_000_000)
@@ -108,7 +108,7 @@ def run(candidate: Moving, setting: Setting) -> Evidence:
         tables={"kernel": table, "kernel_rounds": rounds},
         observed={},
         tolerances=(),
-        figures={"kernel": kernel_drawing.draw},
+        figures={"kernel": drawing.kernel},
         columns=COLUMNS,
         findings=findings(table),
     )

@@ -32,7 +32,7 @@ from msvalidate.problem import SolverError
 from msvalidate.relaxation.relax import Method, relax
 from reference_fem.elasticity import stiffness
 
-from . import bodies, fem, kernel, relaxation_drawing, start_up
+from . import bodies, drawing, fem, kernel, start_up
 from .fem_ways import Solve
 from .timing import ROUNDS, in_turn
 
@@ -97,7 +97,7 @@ def run(method: Method, ways: Mapping[str, Solve], setting: Setting) -> Evidence
         tables={"large": table, "memory": weighed, "network_arrays": arrays},
         observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
         tolerances=TOLERANCES,
-        figures={"large": relaxation_drawing.draw_large},
+        figures={"large": drawing.large},
         columns=COLUMNS,
         findings=findings(table, weighed),
     )

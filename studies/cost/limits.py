@@ -31,7 +31,7 @@ from msvalidate.network import Network
 from msvalidate.problem import Array
 from msvalidate.relaxation.run import SAFETY
 
-from . import bodies, kernel, limits_drawing
+from . import bodies, drawing, kernel
 from .timing import ABSENT, ROUNDS, SINGLE, in_turn
 
 KILOBYTES = (256, 4_096, 262_144)
@@ -94,7 +94,7 @@ def run(timed: pd.DataFrame, setting: Setting) -> Evidence:
         },
         observed={TOLERANCES[0].quantity: Observed(fine / small, 1.0)},
         tolerances=TOLERANCES,
-        figures={"roofline": limits_drawing.roofline, "real_time": limits_drawing.real_time},
+        figures={"roofline": drawing.roofline, "real_time": drawing.real_time},
         columns=COLUMNS,
         findings=(*findings(reached, memory, arithmetic), *told(real)),
     )

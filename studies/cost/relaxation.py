@@ -25,13 +25,13 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.judging.compare import fitted_power, worst
-from msvalidate.judging.counting import THRESHOLDS, predicted
+from msvalidate.judging.counting import THRESHOLDS, TIGHT, predicted
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 
-from . import kernel, relaxation_drawing, resting
+from . import drawing, kernel, resting
 from .timing import GROWTH, ROUNDS, SECONDS
 
 NODES = (1_000, 3_000, 10_000, 30_000, 100_000)
@@ -45,7 +45,6 @@ VISCOUS = ("viscous_leapfrog", "algorithm1")
 NEWTON = ("newton", "newton_multigrid")
 REPRODUCED = (*VISCOUS, "newton")
 """Methods whose counts do not hang on the last digits."""
-TIGHT = min(THRESHOLDS)
 VARIES = "varies"
 TOLERANCES = (
     Tolerance("runs that did not reach an error", 0, "1", "every method comes to rest here"),
@@ -104,7 +103,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
         tables={"relaxation": shown(table), "relaxation_growth": grown},
         observed=dict(zip((t.quantity for t in TOLERANCES), judged(table, grown), strict=True)),
         tolerances=TOLERANCES,
-        figures={"relaxation": relaxation_drawing.draw},
+        figures={"relaxation": drawing.relaxation},
         columns=COLUMNS,
         findings=findings(table, grown),
     )

@@ -31,7 +31,7 @@ from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.tangent.cycles import Cycles
 from msvalidate.tangent.inverse import Solver
 
-from . import bodies, kernel, large, refinement, relaxation, solver_peers, solvers_drawing
+from . import bodies, drawing, kernel, large, refinement, relaxation, solver_peers
 from .timing import GROWTH, QUICK_ROUNDS, SECONDS, Act, Lap, in_turn, lap
 
 Rest = solver_peers.Rest
@@ -127,7 +127,7 @@ def run(rest: Rest, steps: Callable[[Network], int], setting: Setting) -> Eviden
         tables={"equilibria": table, "equilibria_growth": grown, "equilibria_memory": weighed},
         observed=judged(table, grown, weighed),
         tolerances=TOLERANCES,
-        figures={"equilibria": solvers_drawing.draw},
+        figures={"equilibria": drawing.equilibria},
         columns=COLUMNS,
         findings=findings(table, grown),
     )
