@@ -80,7 +80,6 @@ COLUMNS = {
     "exponent": "of the distance in the density, from the charge near the edge (1)",
     "exponent_expected": "the same by theory (1)",
     "charge_near_edge": "within a tenth of half the width from the edge, over that of theory (1)",
-    "place": "middle of a segment over half the width, 0 in the strip's middle (1)",
     "density": "charge per area of both faces, times the gap over permittivity and voltage (1)",
 }
 

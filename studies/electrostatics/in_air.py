@@ -130,11 +130,9 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
         figures={"in_air": draw},
         columns=COLUMNS,
         findings=(finding(table),),
-        rounding={
-            "capacitance_difference": 1e-8,
-            "boundary_error": 1e-8,
-            "elements_change": 1e-8,
-        },
+        rounding=dict.fromkeys(
+            ("capacitance_difference", "boundary_error", "elements_change"), 1e-8
+        ),
     )
 
 
@@ -162,15 +160,8 @@ def beside(candidate: Solver, segments: int, layers: int, case: Case) -> dict[st
     coarse = float(reference(case, layers // 2, FAR[0]).totals[0])
     natural, floating = (float(one.totals[0]) for one in fine)
     elements = (natural + floating) / 2
-    both = (
-        (faces.points - (0.0, 1.0), candidate.forces_in_air(found)),
-        on_nodes(fine),
-    )
-    loads = {
-        f"{name}{whose}": load
-        for whose, (points, forces) in zip(("", "_elements"), both, strict=True)
-        for name, load in summed(points, forces, case).items()
-    }
+    ours = summed(faces.points - (0.0, 1.0), candidate.forces_in_air(found), case)
+    theirs = summed(*on_nodes(fine), case)
     return {
         "covered": case.covered,
         "permittivity_ratio": case.ratio,
@@ -179,7 +170,8 @@ def beside(candidate: Solver, segments: int, layers: int, case: Case) -> dict[st
         "capacitance_difference": float(found.totals[0]) / elements - 1,
         "boundary_error": abs(floating - natural) / (2 * elements),
         "elements_change": natural / coarse - 1,
-        **loads,
+        **ours,
+        **{f"{name}_elements": load for name, load in theirs.items()},
     }
 
 

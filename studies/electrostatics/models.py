@@ -74,8 +74,6 @@ COLUMNS = {
     **common.COLUMNS,
     "model": "kernel of charges and what surrounds the slab",
     "depth_over_gap": 'of the plates (1); "endless" in the plane',
-    "forces_by": "derivatives of the energy, or point sums: Coulomb's law between middles of "
-    "springs, halves to each end, or between nodes",
     "charge_over_plane": "of the upper electrode over that of the plane model (1)",
     "squeeze_in_middle": "force downwards on the middle gap's width over that of ½ε(V/d)² (1)",
     "squeeze_over_plane": "force downwards on the upper electrode over the plane model's (1)",
@@ -89,7 +87,6 @@ COLUMNS = {
     "collocation on the same springs (1)",
     "plates_over_plane": "the same of plates in space whose charge is free along the depth, over "
     "that of the closed form (1)",
-    "place": "middle of a segment over half the width, 0 in the strip's middle (1)",
     "squeeze": "force downwards on a point over its part of the width, over ½ε(V/d)² (1)",
     "along_here": "force along the strip on a point, outward to the right, over εV²/(4d) (1)",
 }

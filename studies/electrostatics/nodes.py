@@ -66,17 +66,11 @@ TOLERANCES = (
 COLUMNS = {
     **common.COLUMNS,
     "charges_on": "springs (each even), or nodes (each even on the halves of its springs)",
-    "forces_by": "derivatives of the energy, or point sums: Coulomb's law between middles of "
-    "springs, halves to each end, or between nodes",
     "charge_error": "charge over the closed form's, less 1 (1)",
-    "pull_error": "force between flat strips over dW/dd of the closed form, less 1 (1)",
-    "stretch_error": "forces along flat strips times their place, over w·dW/dw of the closed form, "
-    "less 1 (1)",
     "edge_along": "force along the strip on the edge's point over the closed form's on a tip (1)",
     "own_error": "farthest force on wavy electrodes from differences of their own energy, over the "
     "largest (1)",
     "own_moment": "net moment over the sum of forces times the width (1)",
-    "order": "exponent of the length of segments that fits the errors (1)",
 }
 
 

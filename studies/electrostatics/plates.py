@@ -17,7 +17,6 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.dielectric.charges import disc_capacitance, square_capacitance
-from msvalidate.dielectric.charges.patches import Patches
 from msvalidate.dielectric.charges.plates import disc, plate
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
@@ -61,7 +60,6 @@ COLUMNS = {
     "patches": "of the body (1)",
     "capacitance_over_accepted": "capacitance over the accepted one (1)",
     "extrapolated": "the same of endless patches, by order 3 from the two finest meshes (1)",
-    "order": "exponent of the length of segments that fits the errors (1)",
 }
 
 
@@ -83,20 +81,16 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
 
 
-def patched(body: str, across: int) -> Patches:
-    """A body as patches."""
-    return BODIES[body][0](across)
-
-
 def found(candidate: Solver, case: tuple[str, int]) -> dict[str, object]:
     """Row of one mesh."""
     body, across = case
-    patches = patched(body, across)
+    made, accepted = BODIES[body]
+    patches = made(across)
     return {
         "body": body,
         "patches_across": across,
         "patches": len(patches.corners),
-        "capacitance_over_accepted": candidate.plates(patches) / BODIES[body][1],
+        "capacitance_over_accepted": candidate.plates(patches) / accepted,
     }
 
 
@@ -113,13 +107,11 @@ def limit(body: str, rows: pd.DataFrame) -> dict[str, object]:
 
 def finding(limits: pd.DataFrame) -> str:
     """Extrapolated values, in a sentence."""
-    said = [
-        f"{body} {value - 1:+.1e} (order {order:.2f})"
-        for body, order, value in zip(
-            limits["body"], limits["order"], limits["extrapolated"], strict=True
-        )
-    ]
-    return "Capacitance in space over the accepted one, less 1: " + ", ".join(said) + "."
+    said = ", ".join(
+        f"{row.body} {row.error:+.1e} (order {row.order:.2f})"
+        for row in limits.assign(error=limits["extrapolated"] - 1).itertuples()
+    )
+    return f"Capacitance in space over the accepted one, less 1: {said}."
 
 
 def draw(tables: Tables) -> Figure:

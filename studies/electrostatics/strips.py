@@ -72,7 +72,6 @@ COLUMNS = {
     "capacitance": "per depth over the permittivity (1)",
     "capacitance_exact": "the same by the closed form (1)",
     "capacitance_error": "of the method of moments over the closed form, less 1 (1)",
-    "order": "exponent of the length of segments that fits the errors (1)",
     "order_expected": "order that theory gives (1)",
     "capacitance_limit": "by the nearer of its limits (1)",
     "limit": "wide plates: w/d + (1 + ln(2πw/d))/π; two wires: π/arcosh(2d/w), of a quarter of the "
