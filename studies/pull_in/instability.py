@@ -39,6 +39,13 @@ SHOWN = 1
 CHANGED = 0.1
 """Part by which a number may differ between the coarsest mesh and the finest and not be the
 mesh's."""
+WAVED = (
+    "critical_infinite",
+    "mode_wavelength_over_h",
+    "wavelength_infinite",
+    "wavelength_over_spacing",
+)
+"""Columns of a mode inside the slab; there are none of one at its edges."""
 WAVES = 48
 """Wavelengths among which an infinite slab's softest is looked for, before it is refined."""
 COLUMNS = {
@@ -91,6 +98,17 @@ TOLERANCES = (
 )  # fmt: skip
 
 
+ROUNDING = {
+    # Brackets of voltages, 1e-4 of them, and what an eigenvalue and a mode are known to there.
+    **dict.fromkeys(("critical_over_pull_in", "voltage_over_pull_in", "voltage"), 1e-3),
+    **dict.fromkeys(("left", "softest", "softest_infinite", "edge_moved_over_spacing"), 1e-2),
+    **dict.fromkeys(("x_m", "y_m", "at_edge"), 0.05),
+    **dict.fromkeys(("mode_wavelength_over_h", "wavelength_over_spacing"), 0.05),
+    # The grid of wavelengths, where the voltage is flat.
+    "wavelength_infinite": 0.02,
+}
+
+
 def run(candidate: Way, setting: Setting) -> Evidence:
     """Follow every branch on every mesh."""
     layers = QUICK_LAYERS if setting.quick else LAYERS
@@ -130,17 +148,6 @@ def run(candidate: Way, setting: Setting) -> Evidence:
     )
 
 
-ROUNDING = {
-    # Brackets of voltages, 1e-4 of them, and what an eigenvalue and a mode are known to there.
-    **dict.fromkeys(("critical_over_pull_in", "voltage_over_pull_in", "voltage"), 1e-3),
-    **dict.fromkeys(("left", "softest", "softest_infinite", "edge_moved_over_spacing"), 1e-2),
-    **dict.fromkeys(("x_m", "y_m", "at_edge"), 0.05),
-    **dict.fromkeys(("mode_wavelength_over_h", "wavelength_over_spacing"), 0.05),
-    # The grid of wavelengths, where the voltage is flat.
-    **dict.fromkeys(("wavelength_infinite",), 0.02),
-}
-
-
 def followed(
     way: Way, case: tuple[str, int]
 ) -> tuple[dict[str, object], list[dict[str, object]], pd.DataFrame]:
@@ -170,14 +177,6 @@ def followed(
         for volts, value in branch.seen
     ]
     return row, rows, shape(name, layers, branch)
-
-
-WAVED = (
-    "critical_infinite",
-    "mode_wavelength_over_h",
-    "wavelength_infinite",
-    "wavelength_over_spacing",
-)
 
 
 def waved(branch: Branch, layers: int) -> dict[str, object]:

@@ -70,7 +70,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
             low,
         ),
     }
-    rows = [
+    table = pd.DataFrame(
         {
             "body": body,
             "permittivity": OTHER,
@@ -79,8 +79,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
             "thickness_scaled": scaled,
         }
         for body, (thickness, scaled, voltage) in seen.items()
-    ]
-    table = pd.DataFrame(rows)
+    )
     top = uniform.pull_in(height=HEIGHT, axial=AXIAL, diagonal=DIAGONAL, permittivity=OTHER)
     values = (
         worst(table["thickness"], table["thickness_scaled"]),

@@ -130,20 +130,15 @@ def run(candidate: Way, setting: Setting) -> Evidence:
         worst((1 - told["thickness"]) / (1 - told["thickness_elements"].astype(float)), 1.0),
     )
     return Evidence(
-        tables={
-            "between_walls": table,
-            "pull_in": ends,
-            "bonded": long,
-            "sweep_cost": costs,
-        },
+        tables={"between_walls": table, "pull_in": ends, "bonded": long, "sweep_cost": costs},
         observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
         tolerances=TOLERANCES,
         figures={"sweep": draw},
         columns=COLUMNS,
         findings=findings(ends, long, costs.iloc[0]),
         # How far equilibria and turning points stop from their limit.
-        rounding={"pull_in_thickness": 1e-4, "pull_in_voltage": 1e-7, "thickness_elements": 1e-7}
-        | {"thickness": 1e-8, "squeeze_over_outer": 1e-7},
+        rounding={"pull_in_thickness": 1e-4, "thickness": 1e-8}
+        | dict.fromkeys(("pull_in_voltage", "thickness_elements", "squeeze_over_outer"), 1e-7),
     )
 
 
