@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -91,8 +92,7 @@ class Film:
     @property
     def height(self) -> float:
         """Once stretched (m)."""
-        springs = {"axial": AXIAL, "diagonal": DIAGONAL}
-        return HEIGHT * uniform.relaxed_thickness(self.stretch, **springs)
+        return HEIGHT * uniform.relaxed_thickness(self.stretch, axial=AXIAL, diagonal=DIAGONAL)
 
     @property
     def voltage(self) -> float:
@@ -102,15 +102,8 @@ class Film:
 
     def bonded(self, layers: int) -> Actuator:
         """The film as an actuator of springs, fully covered, its ends held along it by a frame."""
-        return slab(
-            self.length,
-            HEIGHT,
-            layers,
-            axial=AXIAL,
-            diagonal=DIAGONAL,
-            prestretch=self.stretch,
-            sides="sliding",
-        )
+        how: dict[str, Any] = {"prestretch": self.stretch, "sides": "sliding"}
+        return slab(self.length, HEIGHT, layers, axial=AXIAL, diagonal=DIAGONAL, **how)
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,17 +25,8 @@ from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Mask
 
-from . import edges, profile_drawing
-from .bodies import (
-    COVERED,
-    HEIGHT,
-    Candidate,
-    body,
-    elastic,
-    tips,
-    uniform_deflection,
-    upper,
-)
+from . import bodies, edges, profile_drawing
+from .bodies import COVERED, HEIGHT, Candidate, body, elastic, tips, upper
 
 SAID = {"full": "fully covered", "partial": "covered in the middle"}
 VOLTAGE = 0.01
@@ -82,8 +73,7 @@ TOLERANCES = (
     ),
 )  # fmt: skip
 COLUMNS = {
-    "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
-    "layers": "cells up the slab's height",
+    **bodies.COLUMNS,
     "spacing": "length of a spring along an axis (m)",
     "difference_away": "largest |springs - FEM| farther than half a height from the electrode's "
     "edges, over the largest |FEM| there (1)",
@@ -102,10 +92,7 @@ COLUMNS = {
     "growth_extrapolated": "growth in the limit, from three of them with terms of order 1/2 and 1; "
     '"none" before there are three (1)',
     "growth_exact": "F·c·ln 2 over a uniform slab's deflection (1)",
-    "x": "place along the slab, from its left end (m)",
     "ux": "displacement along x over a uniform slab's deflection (1)",
-    "uy": "displacement along y over a uniform slab's deflection (1)",
-    "source": "whose displacement: springs with their layers, or FEM",
     "edge_distance": "distance from the nearest edge of the upper electrode (m)",
 }
 
@@ -141,10 +128,7 @@ def evidence(faces: Mapping[str, Face]) -> Evidence:
         },
         observed=observe(profile, edge),
         tolerances=TOLERANCES,
-        figures={
-            "profile": profile_drawing.profiles,
-            "profile_order": profile_drawing.orders,
-        },
+        figures={"profile": profile_drawing.profiles, "profile_order": profile_drawing.orders},
         columns=COLUMNS,
         findings=findings(profile, edge),
         rounding={"at_edge": 1e-9, "ux": 1e-9, "uy": 1e-9},
@@ -158,7 +142,7 @@ def lattices(candidate: Candidate, covered: str, layers: tuple[int, ...]) -> Fac
         actuator = body(covered, n)
         points = actuator.network.points
         top = upper(points)
-        move = candidate(actuator, VOLTAGE)[top] / uniform_deflection(VOLTAGE)
+        move = candidate(actuator, VOLTAGE)[top] / bodies.uniform_deflection(VOLTAGE)
         found[n] = points[top, 0], move, np.zeros_like(move)
     return found
 
@@ -168,7 +152,7 @@ def solid(covered: str, layers: int, mesh: int) -> tuple[Array, Array, Array]:
     """Displacement by finite elements at the upper points of a lattice, and its uncertainty."""
     actuator = body(covered, layers)
     points = actuator.network.points
-    top, scale = upper(points), uniform_deflection(VOLTAGE)
+    top, scale = upper(points), bodies.uniform_deflection(VOLTAGE)
     coarse, fine = (elastic(m, actuator, VOLTAGE)[top] / scale for m in (mesh // 2, mesh))
     return points[top, 0], fine, np.abs(fine - coarse)
 
@@ -208,7 +192,7 @@ def compared(covered: str, face: Face) -> pd.DataFrame:
 
 def at_edges(covered: str, face: Face) -> pd.DataFrame:
     """Rows of one slab: its right edge, which moves on as the lattice is halved."""
-    exact = edges.growth(covered) / uniform_deflection(1.0)
+    exact = edges.growth(covered) / bodies.uniform_deflection(1.0)
     rows = []
     for axis, component in enumerate("xy"):
         seen = np.nan
