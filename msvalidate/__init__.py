@@ -1,7 +1,91 @@
 """Validation of spring networks against elasticity theory and independent finite elements.
 
-Nothing is imported here: ``python -m msvalidate.study --help`` must not wait for numpy. Import the
-module that holds what you need, ``from msvalidate.network import Network``.
+What most users need is offered here by name, ``from msvalidate import Box, equilibrium``; the
+packages hold the rest. A name is imported when it is first used, as ``python -m msvalidate --help``
+must not wait for numpy.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 __version__ = "0.1.0"
+
+_HOMES = {
+    "bodies.calibrate": ("calibrate",),
+    "bodies.cut_network": ("cut_network",),
+    "bodies.fit": ("fitted_constants",),
+    "bodies.lattice_network": ("lattice_network",),
+    "bodies.mesh_file": ("read_mesh",),
+    "constants.homogenise": ("homogenised",),
+    "dynamics.integrate": ("motion",),
+    "dynamics.integrators": ("INTEGRATORS",),
+    "dynamics.spectrum": ("natural_frequencies",),
+    "judging.evidence": ("judge",),
+    "lattice": (
+        *("cut_lattice", "fill", "mesh_lattice", "patterns", "square", "triangular", "turned"),
+        *("voronoi", "voronoi_box"),
+    ),
+    "network": ("spring_network",),
+    "problem": (
+        *("Anisotropic", "BodyForce", "Box", "Isotropic", "Mesh", "PointForce", "Polygon"),
+        *("Problem", "ProblemError", "SolverError", "Support", "Traction"),
+    ),
+    "relaxation.relax": ("relax",),
+    "relaxation.relaxations": ("RELAXATIONS",),
+    "statics.equilibrium": ("equilibrium",),
+    "statics.stress": ("fitted_stress",),
+}
+"""Module -> the names of it that are offered here."""
+
+__all__ = ["__version__", *sorted(name for names in _HOMES.values() for name in names)]  # noqa: PLE0604
+
+if TYPE_CHECKING:  # the same for readers of types
+    from msvalidate.bodies.calibrate import calibrate as calibrate
+    from msvalidate.bodies.cut_network import cut_network as cut_network
+    from msvalidate.bodies.fit import fitted_constants as fitted_constants
+    from msvalidate.bodies.lattice_network import lattice_network as lattice_network
+    from msvalidate.bodies.mesh_file import read_mesh as read_mesh
+    from msvalidate.constants.homogenise import homogenised as homogenised
+    from msvalidate.dynamics.integrate import motion as motion
+    from msvalidate.dynamics.integrators import INTEGRATORS as INTEGRATORS
+    from msvalidate.dynamics.spectrum import natural_frequencies as natural_frequencies
+    from msvalidate.judging.evidence import judge as judge
+    from msvalidate.lattice import cut_lattice as cut_lattice
+    from msvalidate.lattice import fill as fill
+    from msvalidate.lattice import mesh_lattice as mesh_lattice
+    from msvalidate.lattice import patterns as patterns
+    from msvalidate.lattice import square as square
+    from msvalidate.lattice import triangular as triangular
+    from msvalidate.lattice import turned as turned
+    from msvalidate.lattice import voronoi as voronoi
+    from msvalidate.lattice import voronoi_box as voronoi_box
+    from msvalidate.network import spring_network as spring_network
+    from msvalidate.problem import Anisotropic as Anisotropic
+    from msvalidate.problem import BodyForce as BodyForce
+    from msvalidate.problem import Box as Box
+    from msvalidate.problem import Isotropic as Isotropic
+    from msvalidate.problem import Mesh as Mesh
+    from msvalidate.problem import PointForce as PointForce
+    from msvalidate.problem import Polygon as Polygon
+    from msvalidate.problem import Problem as Problem
+    from msvalidate.problem import ProblemError as ProblemError
+    from msvalidate.problem import SolverError as SolverError
+    from msvalidate.problem import Support as Support
+    from msvalidate.problem import Traction as Traction
+    from msvalidate.relaxation.relax import relax as relax
+    from msvalidate.relaxation.relaxations import RELAXATIONS as RELAXATIONS
+    from msvalidate.statics.equilibrium import equilibrium as equilibrium
+    from msvalidate.statics.stress import fitted_stress as fitted_stress
+
+
+def __getattr__(name: str) -> object:
+    """A name of `__all__`, imported now (PEP 562)."""
+    for module, names in _HOMES.items():
+        if name in names:
+            globals()[name] = getattr(import_module(f"{__name__}.{module}"), name)
+            return globals()[name]
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -29,7 +29,7 @@ from msvalidate.problem import (
     prescribed,
     vectors_at,
 )
-from msvalidate.problem.checks import instance, shown
+from msvalidate.problem.checks import instance, shaped, shown
 from reference_fem.elasticity import elastic_tensor, solver_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
@@ -76,8 +76,7 @@ class Solution:
             instance("material", self.material, Material)
         if self.pressure is not None:
             wanted = self.body.vertices.shape
-            if np.shape(self.pressure) != wanted:
-                raise ProblemError(f"pressure: shape {np.shape(self.pressure)}; give {wanted}")
+            shaped("pressure", np.asarray(self.pressure), *wanted)
             self.pressure.setflags(write=False)
 
     @property

@@ -35,7 +35,7 @@ def solve(
         the centre; in space the first face's corners counter-clockwise as seen from the others,
         then edges, faces and the centre. Mid-sides off straight edges curve them.
     element
-        "Q1", "Q2", "P1" or "P2" in the plane, "H1", "H2", "T1" or "T2" in space.
+        A name in `ELEMENTS`: "Q2", "P1" and so on in the plane, "H1", "T2" in space.
     material
         Plane state and thickness are the material's.
     fixed

@@ -33,7 +33,7 @@ def refuse_locked(body: Discretisation, C: Array) -> None:
         If the cells are of the first degree, the material nearly incompressible, and the cells not
         small enough for that.
     """
-    if body.element.degree > 1 or not np.isfinite(C).all():  # the residual refuses the latter
+    if not body.element.locks or not np.isfinite(C).all():  # the residual refuses the latter
         return
     ratio = bulk_over_shear(C)
     if ratio <= NEARLY:
@@ -41,11 +41,11 @@ def refuse_locked(body: Discretisation, C: Array) -> None:
     size = body_size(body)
     share = ratio * cell_size(body) ** 2 / size**2
     if share > LOCKED:
-        name = body.element.name
+        name, (better, *_) = body.element.name, body.element.raised
         raise SolverError(
             f"finite elements: cells of {name} lock: lambda/mu is {ratio:.3g}, and cells of "
             f"{cell_size(body):.3g} m in a body {size:.3g} m thick store {share:.2g} of its energy "
-            f"as change of volume; take {name[0]}2 with mixed=True, or {name[0]}2, or "
+            f"as change of volume; take {better} with mixed=True, or {better}, or "
             "allow_locked=True to look at locking"
         )
 

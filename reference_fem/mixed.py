@@ -35,11 +35,14 @@ from msvalidate.problem.checks import chosen, instance
 from reference_fem.effort import within_memory
 from reference_fem.elasticity import arrays, full_tensor, weighted
 from reference_fem.mesh.discretisation import Discretisation, discretise
+from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.systems.cells import mixed_cells
 from reference_fem.systems.refined import Inverse, refined
 from reference_fem.systems.solver import ACCEPTED, RESIDUAL, Solved, refuse_shapes, too_ill
 
-TAYLOR_HOOD = {"P2-P1": "P2", "Q2-Q1": "Q2", "T2-T1": "T2", "H2-H1": "H2"}
+TAYLOR_HOOD = {
+    f"{name}-{kind.first.name}": name for name, kind in ELEMENTS.items() if kind.degree == 2
+}
 """Elements of displacement and pressure, and the first of the two."""
 SINGULAR = 1e-14
 """What a mode leaves that the system does not feel, relative to the terms that cancel: rounding."""
@@ -64,7 +67,7 @@ def solve_mixed(
     points, cells
         As for `solve`, of a quadratic element.
     element
-        "P2-P1" or "Q2-Q1" in the plane, "T2-T1" or "H2-H1" in space.
+        A name in `TAYLOR_HOOD`: "P2-P1" or "Q2-Q1" in the plane, "T2-T1" or "H2-H1" in space.
     material
         Isotropic, in plane strain or solid, with 0 < nu <= 1/2.
     fixed, nodal_forces

@@ -1,27 +1,62 @@
-"""Order of the tests: the longest files first, so that several workers end together."""
+"""Order of the tests, and what small forms of studies left or leave."""
 
 from __future__ import annotations
 
 import contextlib
+import csv
 import os
 import pickle
 from functools import cache
+from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from msvalidate.judging import catalogue
 from msvalidate.judging.sweep import Setting
+from msvalidate.output import baseline
+
+SLOW = Path(__file__).with_name("slow.csv")
+"""Tests that are too long for each change: in `kept`, parts of names of the cases that stay in
+`make test`, parted by |. `make slow` runs the rest."""
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
+    """Mark what the list says; the longest files first, so that several workers end together."""
+    with SLOW.open(encoding="utf-8", newline="") as file:
+        listed = {row["test"]: row["kept"] for row in csv.DictReader(file)}
+    for item in items:
+        name, bracket, case = item.nodeid.partition("[")
+        if name in listed:
+            kept = [part for part in listed[name].split("|") if part]
+            if not any(part in bracket + case for part in kept):
+                item.add_marker(pytest.mark.slow)
     items.sort(
         key=lambda item: (item.path.name != "test_studies.py", "studies" not in item.path.parts)
     )
 
 
 @pytest.fixture(scope="session")
+def small_tables():
+    """Name of a study -> its tables in the small form, as the baseline has them.
+
+    `check` runs every study and holds it to these, so tests of what a table says do not run it
+    once more. Columns that depend on the machine are left out.
+    """
+
+    @cache
+    def of(name):
+        paths = sorted((baseline.home("quick") / name).glob("*.csv"))
+        assert paths, f"no baseline of {name}"
+        return {path.stem: pd.read_csv(path) for path in paths}
+
+    return of
+
+
+@pytest.fixture(scope="session")
 def small_form(tmp_path_factory):
-    """Name of a study -> its evidence in the small form, made once in a run of the tests.
+    """Name of a study -> its evidence in the small form, made once in a run of the tests; slow.
 
     Several files of tests look at the same small forms; workers share them through files.
     """

@@ -12,14 +12,21 @@ from pathlib import Path
 
 import pytest
 
+from tests.forked import completed
+
 ROOT = Path(__file__).parents[1]
 PROGRAM = [sys.executable, "-m", "msvalidate.study"]
 
 
-def run(*arguments, cwd=None, script=None, **variables):
-    """Run the program in a folder of its own; with `script`, python code that calls it."""
-    command = [sys.executable, "-c", script] if script else PROGRAM
+def run(*arguments, cwd=None, script=None, fresh=False, **variables):
+    """Run the program in a folder of its own; with `script`, python code that calls it.
+
+    Forked from a process with the libraries, unless a `fresh` one is asked for.
+    """
     environment = os.environ | {"PYTHONPATH": str(ROOT)} | variables
+    if not fresh and hasattr(os, "fork"):
+        return completed(arguments, script, cwd, environment)
+    command = [sys.executable, "-c", script] if script else PROGRAM
     return subprocess.run(
         [*command, *arguments],
         capture_output=True,
@@ -71,8 +78,27 @@ def test_report_tells_where_it_comes_from(finished):
     assert str(folder) not in page + done.stdout
 
 
-def test_quiet_run_prints_nothing(tmp_path):
-    done = run("poisson", "--quick", "-q", "--no-plots", "--out=r", cwd=tmp_path)
+TINY = '''"""How long is μ ± σ²?"""
+import pandas as pd
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+FAULTS = {}
+def run(setting):
+    table = pd.DataFrame({"length": range(50), "word": "μ ± σ²"})
+    return Evidence({"t": table}, {"gap": Observed(0.0)}, (Tolerance("gap", 0.5, "m", "so"),),
+                    columns={"length": "place (m)", "word": "σ²"}, findings=("found: μ",))
+'''
+
+
+@pytest.fixture
+def tiny(tmp_path):
+    """Environment in which there is a study `tiny`, whose tables and findings are no ASCII."""
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / "tiny.py").write_text(TINY, encoding="utf-8")
+    return {"MSVALIDATE_STUDIES": str(tmp_path / "own")}
+
+
+def test_quiet_run_prints_nothing(tmp_path, tiny):
+    done = run("tiny", "-q", "--no-plots", "--out=r", cwd=tmp_path, fresh=True, **tiny)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert not list(tmp_path.rglob("*.png"))
     assert "--out=DIR" in (tmp_path / "r" / "report.html").read_text(encoding="utf-8")
@@ -119,13 +145,13 @@ def test_list_names_each_study_with_its_question():
 def test_help_and_list_import_nothing_heavy():
     """Waiting for numpy before printing a help text is what users notice first."""
     script = (
-        "import sys; from msvalidate import study\n"
+        "import sys; from msvalidate.cli import program as study\n"
         "try: study.main(sys.argv[1:])\n"
         "except SystemExit: pass\n"
         "import json; print(json.dumps(sorted(sys.modules)), file=sys.stderr)"
     )
     for arguments in (["--help"], ["list"]):
-        done = run(*arguments, script=script)
+        done = run(*arguments, script=script, fresh=True)
         loaded = set(json.loads(done.stderr.splitlines()[-1]))
         assert not loaded & {"numpy", "scipy", "pandas", "matplotlib", "numba", "skfem", "tqdm"}
 
@@ -198,7 +224,8 @@ def test_bad_command_lines(arguments, message, tmp_path):
 
 PATCHED = """
 import sys
-from msvalidate import catalogue, study
+from msvalidate.cli import program as study
+from msvalidate.judging import catalogue
 from types import SimpleNamespace
 {body}
 catalogue.load = lambda name: SimpleNamespace(__doc__="?", run=run)
@@ -300,7 +327,7 @@ def test_verbose_crash_shows_where(tmp_path):
     assert "Traceback" in done.stderr
 
 
-BROKEN = "from msvalidate import report\nreport.publish = lambda *_: {}['key']\n"
+BROKEN = "from msvalidate.output import report\nreport.publish = lambda *_: {}['key']\n"
 
 
 @pytest.mark.parametrize("verbose", [True, False])
@@ -324,7 +351,7 @@ def run(setting):
                     (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: new()[0]},
                     columns={"x": "place (m)"})"""
     script = PATCHED.format(body=body)
-    done = run(cwd=tmp_path, script=script, MPLBACKEND=backend)
+    done = run(cwd=tmp_path, script=script, fresh=True, MPLBACKEND=backend)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "r" / "poisson" / "f.png").read_bytes().startswith(b"\x89PNG")
 
@@ -372,7 +399,9 @@ def test_streams_that_are_closed_full_or_left(line, code, said, tmp_path):
 
 def test_results_and_exit_code_without_any_stream(tmp_path):
     body = "import os\nfor number in range(3): os.close(number)\nsys.stdout = sys.stderr = None\n"
-    script = f"import sys\nfrom msvalidate import study\n{body}study._prepare_streams()\n"
+    script = (
+        f"import sys\nfrom msvalidate.cli import program as study\n{body}study._prepare_streams()\n"
+    )
     script += PATCHED.format(body=ENDINGS["tolerance missed"][2])
     done = run(cwd=tmp_path, script=script)
     assert (done.returncode, done.stdout, done.stderr) == (1, "", "")
@@ -410,7 +439,7 @@ def test_python_that_drops_docstrings(tmp_path):
     script = PATCHED.format(body=ENDINGS["tolerance missed"][2]).replace(
         '__doc__="?"', "__doc__=None"
     )
-    done = run(cwd=tmp_path, script=script, PYTHONOPTIMIZE="2")
+    done = run(cwd=tmp_path, script=script, fresh=True, PYTHONOPTIMIZE="2")
     assert done.returncode == 1, done.stderr
     page = (tmp_path / "r" / "report.html").read_text(encoding="utf-8")
     assert "which formula is right, and for what?" in page
@@ -454,12 +483,12 @@ def test_a_full_disk_names_the_file_that_was_wanted(tmp_path):
     assert not [p for p in tmp_path.rglob("*") if p.is_file()], "nothing half-written"
 
 
-@pytest.mark.parametrize("arguments", [["list"], ["poisson", "--quick", "--no-plots"]])
-def test_a_reader_that_leaves_is_no_failure(arguments, tmp_path):
+@pytest.mark.parametrize("arguments", [["list"], ["tiny", "--quick", "--no-plots"]])
+def test_a_reader_that_leaves_is_no_failure(arguments, tmp_path, tiny):
     process = subprocess.Popen(
         [*PROGRAM, *arguments],
         cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        env=os.environ | {"PYTHONPATH": str(ROOT)} | tiny,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -480,16 +509,11 @@ def test_a_missed_tolerance_is_told_even_to_a_reader_that_left(tmp_path):
     assert "Error" not in done.stderr
 
 
-def test_a_terminal_without_unicode_still_gets_its_tables(tmp_path):
-    done = subprocess.run(
-        [*PROGRAM, "poisson", "--quick", "--no-plots"],
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "ascii"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+def test_a_terminal_without_unicode_still_gets_its_tables(tmp_path, tiny):
+    ascii_only = {"PYTHONIOENCODING": "ascii"} | tiny
+    done = run("tiny", "--quick", "--no-plots", cwd=tmp_path, fresh=True, **ascii_only)
     assert done.returncode == 0, done.stderr
+    assert "found: ?" in done.stdout
 
 
 def test_interrupt_ends_quietly(tmp_path):
@@ -511,21 +535,15 @@ def test_interrupt_ends_quietly(tmp_path):
     assert not (tmp_path / "r").exists()
 
 
-def test_a_foreign_package_named_studies_is_refused(tmp_path):
-    (tmp_path / "studies").mkdir()
-    (tmp_path / "studies" / "__init__.py").touch()
-    done = run("poisson", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "another package named 'studies' comes before msvalidate's own" in done.stderr
-
-
 # --- check and report -----------------------------------------------------------------------------
 
 CHECKED = """
 import sys
 import time
 from pathlib import Path
-from msvalidate import baseline, catalogue, study
+from msvalidate.cli import program as study
+from msvalidate.judging import catalogue
+from msvalidate.output import baseline
 from types import SimpleNamespace
 {body}
 catalogue.names = lambda: ["poisson"]
@@ -682,7 +700,7 @@ def test_a_changelog_that_is_no_utf8_is_told_before_the_work(checked):
 KILLED = """
 import os
 from pathlib import Path
-from msvalidate import report
+from msvalidate.output import report
 class Killed(BaseException): pass
 count = last = 0
 def counted(act):
@@ -724,7 +742,7 @@ def test_a_reason_and_its_baseline_appear_together(checked):
 FORKED = """
 import os, signal, time
 from pathlib import Path
-from msvalidate import report
+from msvalidate.output import report
 base, log = Path("base/quick/poisson/t.csv"), Path("CHANGELOG.md")
 before, said = base.read_bytes(), log.read_bytes()
 found = []

@@ -29,8 +29,9 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 
-from msvalidate import baseline, catalogue
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging import catalogue
+from msvalidate.output import baseline
 from msvalidate.output.figures import new
 from msvalidate.problem import ProblemError
 
@@ -169,7 +170,7 @@ def test_any_number_of_jobs_finds_the_same(tmp_path):
     assert content(one) == content(two)
     assert len(content(one)) == 3 * 4 + 1
     lines = read(two / "log").splitlines()
-    ended = [re.sub(r"\d\.\d s$", "… s", line) for line in lines]
+    ended = [re.sub(r"\d+\.\d s$", "… s", line) for line in lines]
     assert ended[:-1] == [
         "stability: 1 of 1 held, … s",
         "poisson: 1 of 1 held, … s",
@@ -201,7 +202,11 @@ def test_a_worker_that_dies_costs_its_study_alone(tmp_path):
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 @pytest.mark.parametrize(
     ("how", "jobs", "code"),
-    [(signal.SIGKILL, 1, -9), (signal.SIGKILL, 2, -9), (signal.SIGINT, 2, 130)],
+    [
+        (signal.SIGKILL, 2, -9),
+        pytest.param(signal.SIGKILL, 1, -9, marks=pytest.mark.slow),
+        pytest.param(signal.SIGINT, 2, 130, marks=pytest.mark.slow),
+    ],
 )
 def test_a_run_that_is_ended_has_told_how_far_it_came(how, jobs, code, tmp_path):
     """Killed, it has no time to end its workers: they end themselves."""

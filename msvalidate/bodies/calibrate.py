@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from msvalidate.bodies.uniform_tension import tried
+from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.lattice_constants import by_route, default_constants
-from msvalidate.constants.routes import Calibration
 from msvalidate.lattice import Lattice, Pattern
 from msvalidate.problem import Isotropic
 from msvalidate.problem.material import State

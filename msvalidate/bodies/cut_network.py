@@ -30,8 +30,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.lattice_constants import stiffnesses
-from msvalidate.constants.routes import Calibration
 from msvalidate.lattice import Constants
 from msvalidate.lattice.cut import CutLattice
 from msvalidate.lattice.outline import crossed, outline, outside, straight_pieces

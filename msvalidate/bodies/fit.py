@@ -246,12 +246,10 @@ def _cases(
             )
     cases = []
     for network, target, weight in zip(networks, wanted, weights, strict=True):
-        u, w = coordinates("wanted displacement", target), finite("weights", weight)
-        if u.shape != network.points.shape or w.shape != u.shape[:1] or w.min() < 0:
-            raise ProblemError(
-                f"wanted displacement {u.shape}, weights {w.shape}: give {network.points.shape} "
-                "and one of 0 or more a point"
-            )
+        u = coordinates("wanted displacement", target, *network.points.shape)
+        w = finite("weights", weight, len(u))
+        if w.min() < 0:
+            raise ProblemError(f"weights: {w.min():g}; give one of 0 or more a point")
         free = np.flatnonzero(~network.held.ravel())
         root = np.sqrt(np.repeat(w, network.dim))[free]
         largest = float(np.abs(u).max(initial=0.0)) or 1.0  # squares of small numbers are none

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.lattice_constants import stiffnesses
-from msvalidate.constants.routes import Calibration
-from msvalidate.lattice import Constants, CutLattice, Lattice, boundary_weights
+from msvalidate.lattice import Constants, CutLattice, Lattice, VoronoiLattice, boundary_weights
 from msvalidate.lattice.corners import quadrilateral_shares
 from msvalidate.network import Network, spring_network
 from msvalidate.network.laws.local_shear import LocalShear
@@ -147,7 +147,7 @@ def _nodal_force(problem: Problem, lattice: Lattice) -> Array:
 def _traction_force(load: Traction, lattice: Lattice) -> Array:
     """Forces (n, d) per thickness of a traction."""
     body = lattice.domain
-    if isinstance(body, Box) and lattice.side_area is not None:
+    if isinstance(body, Box) and isinstance(lattice, VoronoiLattice):
         for area, (name, (axis, end)) in zip(lattice.side_area.T, SIDES.items(), strict=False):
             corners = body.side(name).corners(body.span)
             if load.region.select(corners, body.tolerance).all():

@@ -32,11 +32,6 @@ FORMATS = {".msh": "gmsh", ".vtu": "vtu", ".vtk": "vtk", ".inp": "abaqus"}
 """Suffix -> meshio's name of the format."""
 PLANE = 1e-9
 """Part of a plane mesh's size within which its third coordinate is one: the placement of a body."""
-REMEDIES = {
-    "quad8": "its middles are missing; write quad9 (Gmsh: Mesh.SecondOrderIncomplete = 0)",
-    "hexahedron20": "its middles are missing; write hexahedron27 (Gmsh: "
-    "Mesh.SecondOrderIncomplete = 0)",
-}
 
 
 def read_mesh(path: str | Path, unit: float = 1.0) -> Mesh:
@@ -131,10 +126,23 @@ def _body_cells(content: Any, said: str) -> tuple[str, Index]:
         raise ProblemError(f"{said}: cells of several kinds, {found}; mesh the body with one kind")
     (name,) = count
     if name not in SHAPES:
-        known = [shape.name for shape in SHAPES.values() if shape.dim == dim]
-        remedy = REMEDIES.get(name, f"write {', '.join(known[:-1])} or {known[-1]}")
-        raise ProblemError(f"{said}: {found} cells; {remedy}")
+        raise ProblemError(f"{said}: {found} cells; {_remedy(name, dim)}")
     return name, np.concatenate([block.data for block in blocks]).astype(np.intp)
+
+
+def _remedy(name: str, dim: int) -> str:
+    """What to write instead of cells that are not known, by meshio's name."""
+    family, number = name.rstrip("0123456789"), name.lstrip("abcdefghijklmnopqrstuvwxyz")
+    shapes = [shape for shape in SHAPES.values() if shape.dim == dim]
+    known = [shape.name for shape in shapes]
+    for shape in shapes:
+        fuller = shape.degree == 2 and shape.straight.name == family
+        if fuller and number and int(number) < len(shape.nodes):
+            return (
+                f"its middles are missing; write {shape.name} (Gmsh: "
+                "Mesh.SecondOrderIncomplete = 0)"
+            )
+    return f"write {', '.join(known[:-1])} or {known[-1]}"
 
 
 def _coordinates(points: Any, dim: int, unit: float) -> Array:

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.routes import Body, Calibration
-from msvalidate.lattice import CutLattice, Lattice, fill
+from msvalidate.constants.calibration import Body, Calibration
+from msvalidate.lattice import CutLattice, Lattice, PatternLattice, fill
 from msvalidate.linear_algebra.factor import NoMemoryError, factorised
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
@@ -98,9 +98,12 @@ def _smaller(lattice: Lattice) -> tuple[Lattice, float]:
 
     The body itself, where it is no larger, or nobody knows what repeats in it.
     """
-    pattern, box = lattice.pattern, lattice.domain
-    if len(lattice.points) <= MOST_TRIED or pattern is None or not isinstance(box, Box):
+    box = lattice.domain
+    if len(lattice.points) <= MOST_TRIED or not isinstance(box, Box):
         return lattice, 1.0
+    if not isinstance(lattice, PatternLattice):
+        return lattice, 1.0
+    pattern = lattice.pattern
     edge = lattice.spacing * np.array(pattern.size)
     counts = np.rint(np.array(box.size) / edge)
     shrink = (MOST_TRIED / len(lattice.points)) ** (1 / box.dim)

@@ -13,7 +13,7 @@ HELD, MISSED, USAGE, FAILED, NOTHING, INTERRUPTED = 0, 1, 2, 3, 4, 130
 PROGRAM = "python -m msvalidate.study"
 VERBS = ("list", "check", "report")
 """Names that are no studies."""
-PLACES = {"--out": "DIR", "--junit": "FILE"}
+PLACES = {"--out": "DIR", "--junit": "FILE", "--studies": "DIR"}
 """Options whose value is the reader's own affair: option -> what a report shows in its place."""
 EPILOG = f"""\
 examples:
@@ -42,15 +42,30 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     args.verb = args.names[0] if args.names[0] in VERBS else "run"
     asked = args.names[args.verb != "run" :]
     _refuse_mixed(parser, args.names, asked)
+    _join(parser, args.folders)
     known = catalogue.names()
     args.named = asked not in ([], ["all"])
     args.studies = list(dict.fromkeys(asked)) if args.named else known
     for name in args.studies:
         if name not in known:
             parser.error(f"unknown study {name!r}: {catalogue.suggestion(name)}")
+    foreign = [name for name in args.studies if args.update and not catalogue.is_ours(name)]
+    if foreign:
+        parser.error(
+            f"--update: {foreign[0]} is a study of your own and has no baseline; leave it out"
+        )
     args.form = "quick" if args.quick or (args.verb == "check" and not args.full) else "full"
     _refuse_misplaced(parser, args)
     return args
+
+
+def _join(parser: argparse.ArgumentParser, folders: Sequence[Path]) -> None:
+    """Let a user's own studies be found, or end the program with the reason why not."""
+    for folder in folders:
+        try:
+            catalogue.join(folder)
+        except ImportError as error:
+            parser.error(str(error))
 
 
 def _refuse_mixed(
@@ -109,6 +124,16 @@ def _parser() -> argparse.ArgumentParser:
         default=Path("reports/latest"),
         metavar="DIR",
         help="folder for tables, figures, report.html and verdict.json (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--studies",
+        dest="folders",
+        action="append",
+        type=_path,
+        default=[],
+        metavar="DIR",
+        help="a folder with studies of your own, each a module with a function run; may be given "
+        "again for another",
     )
     parser.add_argument(
         "--seed",

@@ -179,7 +179,9 @@ def _ended(args: argparse.Namespace, arguments: Sequence[str]) -> tuple[list[Out
     setting = Setting(quick=args.form == "quick", seed=args.seed, progress=not args.quiet)
     against = args.form if args.verb == "check" and not args.update else ""
     command = tuple(as_shown(arguments))
-    tasks = [Task(name, setting, command, args.plots, against) for name in args.studies]
+    # A study of a user's own has no baseline here: its tolerances alone judge it.
+    compared = {name: against if catalogue.is_ours(name) else "" for name in args.studies}
+    tasks = [Task(name, setting, command, args.plots, compared[name]) for name in args.studies]
 
     def began(name: str) -> None:
         if args.verbose:
@@ -190,7 +192,7 @@ def _ended(args: argparse.Namespace, arguments: Sequence[str]) -> tuple[list[Out
         for outcome in outcomes:
             found[outcome.name] = outcome
             codes += _told(outcome, args)
-            if against and outcome.result and not outcome.compared:
+            if compared[outcome.name] and outcome.result and not outcome.compared:
                 message = f"study {outcome.name}: no {against} baseline, nothing compared; make "
                 message += f"one with check {outcome.name} --update"
                 codes.append(_error(message, NOTHING))

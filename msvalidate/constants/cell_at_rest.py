@@ -25,7 +25,6 @@ from msvalidate.linear_algebra.refine import EPS, LARGEST_ERROR
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.tangent.mechanism import NO_STIFFNESS as NO_ENERGY
 
-SOLVERS = ("auto", "direct", "multigrid")
 DENSE = 300
 """Motions of a cell up to which those without stiffness are counted: dense matrices."""
 MULTIGRID = {2: 200_000, 3: 6_000}
@@ -91,7 +90,7 @@ def at_rest(
     stretch
         Elongations (m, v) in m with the points held.
     solver
-        One of `SOLVERS`.
+        One of `inverse.SOLVERS`.
 
     Raises
     ------

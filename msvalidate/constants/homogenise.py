@@ -16,21 +16,29 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.constants.cell_at_rest import SOLVERS, at_rest
+from msvalidate.constants.cell_at_rest import at_rest
 from msvalidate.constants.stiffness import ALIKE, spring_tensor, voigt_directions
-from msvalidate.lattice import WEIGHTS, Constants, Lattice, Pattern, boundary_weights
+from msvalidate.lattice import (
+    WEIGHTS,
+    Constants,
+    Lattice,
+    Pattern,
+    PatternLattice,
+    boundary_weights,
+)
 from msvalidate.lattice.filled import cells_bordered
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.checks import (
     chosen,
     finite,
+    indices,
     instance,
-    integers,
     metres,
     refuse_too_many,
     shown,
     whole,
 )
+from msvalidate.tangent.inverse import SOLVERS
 
 NO_SPRING = 1e-24
 """Stiffness of a spring, over the stiffest one's, below which it is none."""
@@ -113,14 +121,12 @@ def network_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arra
         If the constants are not one a kind, there is no such rule, or the lattice is irregular.
     """
     instance("lattice", lattice, Lattice)
-    k = finite("spring constants", constants)
-    if k.shape != (lattice.kinds,):
-        raise ProblemError(
-            f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
-        )
+    k = finite(
+        "spring constants", constants, lattice.kinds, need=f"give {lattice.kinds}, one a kind"
+    )
     chosen("boundary weights", weights, WEIGHTS)
-    pattern = lattice.pattern
-    if pattern is not None:
+    if isinstance(lattice, PatternLattice):
+        pattern = lattice.pattern
         if weights == "per_cell":  # every cell that a spring borders brings one of its own
             pattern = replace(pattern, factor=pattern.factor * cells_bordered(pattern))
         return homogenised(pattern, constants, lattice.spacing).tensor
@@ -201,7 +207,7 @@ def periodic(
     SolverError
         If a large network has a motion without stiffness, or the tensor can't be told.
     """
-    n, pairs = whole("points of the cell", count, 1), integers("springs", springs)
+    n = whole("points of the cell", count, 1)
     refuse_too_many("periodic network", n)
     chosen("solver", solver, SOLVERS)
     vector, k = finite("vectors", vectors), finite("stiffness", stiffness)
@@ -211,12 +217,7 @@ def periodic(
         )
     affine = spring_tensor(vector, k, volume)
     k = np.where(k >= NO_SPRING * k.max(), k, 0.0)
-    if pairs.shape != (len(k), 2):
-        raise ProblemError(
-            f"springs: {pairs.dtype} {pairs.shape}; give whole numbers {(len(k), 2)}"
-        )
-    if pairs.min() < 0 or pairs.max() >= n:
-        raise ProblemError(f"springs: {pairs.min()} to {pairs.max()}; there are {n} points")
+    pairs = indices("springs", springs, n, len(k), 2)
     length = np.linalg.norm(vector, axis=1)[:, None]
     normal = vector / length
     found = at_rest(n, pairs, normal, k, length * voigt_directions(normal), solver)

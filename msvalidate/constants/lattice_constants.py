@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from msvalidate.constants.routes import ROUTES, Calibration, by_first, refuse_soft_cells
-from msvalidate.constants.spring_constants import along_axes, edge_constants
+from msvalidate.constants.calibration import Calibration
+from msvalidate.constants.routes import ROUTES, by_first, refuse_soft_cells
+from msvalidate.constants.spring_constants import edge_constants, target_of
 from msvalidate.constants.stiffness import ALIKE, is_alike, isotropic_tensor
-from msvalidate.lattice import Constants, Lattice, Pattern, patterns
+from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, patterns
 from msvalidate.problem import Array, Isotropic, Material, Mesh, ProblemError
 from msvalidate.problem.checks import chosen, finite, instance, metres, number, shown
 
@@ -29,7 +30,7 @@ ORDINARY = 1e100
 def by_route(
     material: Isotropic, lattice: Pattern | Lattice, spacing: float | None, route: str | None
 ) -> Calibration:
-    """What `calibrate.calibrated` returns, but for what it says of the body.
+    """What `bodies.calibrate.calibrated` returns, but for what it says of the body.
 
     Raises
     ------
@@ -44,12 +45,11 @@ def by_route(
             f"calibrate: a modulus of {material.E:g} Pa and a thickness of {material.thickness:g} "
             "m; choose units that give ordinary numbers"
         )
-    if route is None:
-        found = by_first(material, pattern, unit)
-    else:
+    if route is not None:
         chosen("route", route, ROUTES)
-        found = ROUTES[route](material, pattern, unit)
-    if found.volume < 0 and not (isinstance(lattice, Lattice) and lattice.pattern is None):
+    lead = by_first if route is None else ROUTES[route]
+    found = lead(target_of(material, pattern), pattern, unit)
+    if found.volume < 0 and isinstance(lattice, Pattern | PatternLattice):
         refuse_soft_cells(pattern, unit, found)
     return found
 
@@ -65,7 +65,7 @@ def default_constants(material: Material, lattice: Lattice) -> Constants:
     instance("lattice", lattice, Lattice)
     if not isinstance(material, Isotropic):
         raise ProblemError("spring constants: the material is a tensor; give the constants")
-    if isinstance(lattice.domain, Mesh) and lattice.pattern is None:
+    if isinstance(lattice.domain, Mesh) and not isinstance(lattice, PatternLattice):
         return edge_constants(material)
     return by_route(material, lattice, None, "springs").constants
 
@@ -132,10 +132,10 @@ def _refuse_stranger(given: Calibration, lattice: Lattice, material: Material) -
 
 def _is_material(given: Calibration, material: Isotropic, pattern: Pattern) -> bool:
     """Whether the tensor of a calibration is that of the material along the lattice's axes."""
-    E, nu = along_axes(material, pattern)
-    if (pattern.dim - 1) * nu >= 1:
+    target = target_of(material, pattern)
+    if (pattern.dim - 1) * target.nu >= 1:
         return False
-    return is_alike(given.tensor, isotropic_tensor(pattern.dim, E, nu))
+    return is_alike(given.tensor, isotropic_tensor(pattern.dim, target.E, target.nu))
 
 
 def _repeats(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern, float]:
@@ -145,7 +145,7 @@ def _repeats(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern
         return lattice, metres("spacing", 1.0 if spacing is None else spacing)
     if spacing is not None:
         raise ProblemError(f"spacing: {shown(spacing)}; a body has its own, leave it out")
-    if lattice.pattern is not None:
+    if isinstance(lattice, PatternLattice):
         return lattice.pattern, lattice.spacing
     if lattice.name in PATTERN_OF:
         return PATTERN_OF[lattice.name](), 1.0  # plane tensors do not depend on it

@@ -20,115 +20,25 @@ What is said of E, nu and the anisotropy is read off the tensor that the constan
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
+from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.homogenise import follows_strain, homogenised
-from msvalidate.constants.spring_constants import along_axes, isotropic_constants
+from msvalidate.constants.spring_constants import Target, isotropic_constants, target_at_cauchy
 from msvalidate.constants.stable_range import least_ratio, least_volume
-from msvalidate.constants.stiffness import ALIKE, CAUCHY, UNIT, moduli
+from msvalidate.constants.stiffness import ALIKE, UNIT, moduli
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.network.laws.local_shear import shear_tensor
-from msvalidate.problem import Array, Isotropic, ProblemError
-from msvalidate.problem.material import State
-
-Verdict = Literal["exact", "first order", "unstable", "not known"]
+from msvalidate.problem import Array, ProblemError
 
 
-@dataclass(frozen=True)
-class Body:
-    """What a body made of a calibrated lattice does under uniform tension, each axis in turn.
-
-    Parameters
-    ----------
-    verdict
-        "exact": it follows the material to rounding, whatever its size. "first order": its sides
-        cut springs, which leaves an error that halves with the spacing. "unstable": its tangent
-        has a negative or no stiffness for some motion, so that it has no equilibrium to show.
-        "not known": it was not tried.
-    error
-        The largest error of a displacement's component over the largest displacement, of the worst
-        axis, where the verdict is of first order; 0 where it is exact, or else NaN.
-    points
-        Of the body that was tried: that one, or a smaller one of the same lattice, whose error is
-        then taken to be in proportion to the spacing over the body's least length.
-    """
-
-    verdict: Verdict
-    error: float
-    points: int
-
-    def __str__(self) -> str:
-        if self.verdict == "exact":
-            return "uniform strain is exact in this body"
-        if self.verdict == "first order":
-            return (
-                "this body's sides cut springs: under uniform tension displacements are off by "
-                f"about {100 * self.error:.2g} % of the largest, half of that with half the spacing"
-            )
-        if self.verdict == "unstable":
-            return "this body is unstable: take another ratio or lattice"
-        return "what this body does was not tried"
-
-
-@dataclass(frozen=True, eq=False)
-class Calibration:
-    """Constants of a lattice, and the isotropic material that they make.
-
-    Parameters
-    ----------
-    constants
-        Of the central springs (N/m, thickness included), one a kind.
-    volume
-        κ of the energy of a cell's volume, 0 if there is none: N/m in the plane (thickness
-        included), Pa in a solid; the same for cells of any size.
-    shear
-        k_t of the shear springs (N/m), one a kind, 0 if there are none.
-    E, nu
-        Young's modulus (Pa) and Poisson's ratio of the material that the tensor is.
-    zener
-        2·C44/(C11 - C12) of the tensor, 1 where it is isotropic.
-    route
-        One of `ROUTES`.
-    tensor
-        Voigt tensor, (3, 3) in N/m or (6, 6) in Pa, of the endless lattice, its points at rest.
-    lattice, spacing, thickness
-        What all of this is for: the pattern's name, its unit's length (m), and the thickness (m).
-        In the plane it serves any spacing.
-    body
-        What the body does that was given; None of a pattern, and all of the above is of endless
-        lattices.
-    """
-
-    constants: Constants
-    volume: float
-    shear: Constants
-    E: float
-    nu: float
-    zener: float
-    route: str
-    tensor: Array
-    lattice: str
-    spacing: float
-    thickness: float
-    body: Body | None = None
-
-    def __post_init__(self) -> None:
-        self.tensor.setflags(write=False)
-
-    def __str__(self) -> str:
-        end = "of an endless lattice; bodies differ" if self.body is None else str(self.body)
-        return f"{self.lattice} lattice by {self.route}: E = {self.E:g} Pa, nu = {self.nu:g}; {end}"
-
-
-def by_first(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
+def by_first(target: Target, pattern: Pattern, spacing: float) -> Calibration:
     """By springs alone where they will do, or else with a volume energy.
 
     Parameters
     ----------
-    material, pattern
+    target, pattern
         What is to be, and of what.
     spacing
         Length (m) of the pattern's unit.
@@ -139,44 +49,42 @@ def by_first(material: Isotropic, pattern: Pattern, spacing: float) -> Calibrati
         If neither leads there.
     """
     try:
-        return _by_springs(material, pattern, spacing)
+        return _by_springs(target, pattern, spacing)
     except ProblemError:
         if not follows_strain(pattern):
             raise
-        return _by_volume(material, pattern, spacing)
+        return _by_volume(target, pattern, spacing)
 
 
-def _by_springs(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
-    constants = isotropic_constants(material, pattern, spacing)
+def _by_springs(target: Target, pattern: Pattern, spacing: float) -> Calibration:
+    constants = isotropic_constants(target, pattern, spacing)
     tensor = homogenised(pattern, constants, spacing).tensor
     none = (0.0,) * pattern.kinds
-    return _found(material, pattern, spacing, constants, 0.0, none, "springs", tensor)
+    return _calibration(target, pattern, spacing, constants, 0.0, none, "springs", tensor)
 
 
-def _by_volume(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
+def _by_volume(target: Target, pattern: Pattern, spacing: float) -> Calibration:
     """Springs of the material's μ at Cauchy's ratio; κ = λ - μ."""
-    E, nu = along_axes(material, pattern)
-    d = pattern.dim
+    E, nu, d = target.E, target.nu, pattern.dim
     _refuse_loose_points(pattern)
     room = 1 - (d - 1) * nu
     if room <= 0:
         raise ProblemError(
-            f"{pattern.name} lattice: nu = {material.nu:g} in {material.state}; nothing is "
-            "compressible, and κ would be infinite: take nu below 1/2, such as 0.499"
+            f"{pattern.name} lattice: nu = {target.material.nu:g} in {target.material.state}; "
+            "nothing is compressible, and κ would be infinite: take nu below 1/2, such as 0.499"
         )
     kappa = E * ((d + 1) * nu - 1) / (2 * (1 + nu) * room)
     springs = _at_cauchy(E / (2 * (1 + nu)), pattern, spacing)
     normal = np.arange(len(springs.tensor)) < d
     tensor = springs.tensor + kappa * np.outer(normal, normal)
-    return _found(
-        material, pattern, spacing, springs.constants, kappa, springs.shear, "volume energy", tensor
+    return _calibration(
+        target, pattern, spacing, springs.constants, kappa, springs.shear, "volume energy", tensor
     )
 
 
-def _by_shear(material: Isotropic, pattern: Pattern, spacing: float) -> Calibration:
+def _by_shear(target: Target, pattern: Pattern, spacing: float) -> Calibration:
     """Springs whose shear springs bring their μ to the material's."""
-    E, nu = along_axes(material, pattern)
-    d = pattern.dim
+    E, nu, d = target.E, target.nu, pattern.dim
     _refuse_loose_points(pattern)
     alpha = (1 - (d + 1) * nu) / (1 + nu)
     part = 1 + d / 2 * alpha
@@ -195,12 +103,12 @@ def _by_shear(material: Isotropic, pattern: Pattern, spacing: float) -> Calibrat
     volume = spacing**d * float(np.prod(pattern.size))
     added = shear_tensor(vectors, np.array(shear)[kind] * pattern.factor, volume)
     tensor = springs.tensor + added
-    return _found(
-        material, pattern, spacing, springs.constants, 0.0, shear, "shear springs", tensor
+    return _calibration(
+        target, pattern, spacing, springs.constants, 0.0, shear, "shear springs", tensor
     )
 
 
-ROUTES: Mapping[str, Callable[[Isotropic, Pattern, float], Calibration]] = {
+ROUTES: Mapping[str, Callable[[Target, Pattern, float], Calibration]] = {
     "springs": _by_springs,
     "volume energy": _by_volume,
     "shear springs": _by_shear,
@@ -208,8 +116,8 @@ ROUTES: Mapping[str, Callable[[Isotropic, Pattern, float], Calibration]] = {
 """How a lattice may come to be a material."""
 
 
-def _found(
-    material: Isotropic,
+def _calibration(
+    target: Target,
     pattern: Pattern,
     spacing: float,
     constants: Constants,
@@ -218,8 +126,8 @@ def _found(
     route: str,
     tensor: Array,
 ) -> Calibration:
-    """The material, of a state and thickness, that a tensor is."""
-    found = moduli(tensor)
+    """The material, of the state and thickness asked for, that a tensor is."""
+    material, found = target.material, moduli(tensor)
     E, nu = found.E / material.thickness, found.nu
     if material.state == "plane_strain":
         nu = nu / (1 + nu)
@@ -241,9 +149,7 @@ def _found(
 
 def _at_cauchy(mu: float, pattern: Pattern, spacing: float) -> Calibration:
     """Springs of a shear modulus (N/m or Pa) and the ratio that central springs have."""
-    nu = CAUCHY[pattern.dim]
-    state: State = "plane_stress" if pattern.dim == 2 else "solid"
-    return _by_springs(Isotropic(2 * mu * (1 + nu), nu, state), pattern, spacing)
+    return _by_springs(target_at_cauchy(mu, pattern), pattern, spacing)
 
 
 def refuse_soft_cells(pattern: Pattern, spacing: float, found: Calibration) -> None:

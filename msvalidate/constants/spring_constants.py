@@ -8,6 +8,7 @@ other ratios: honeycomb (k1 + 3 k2)/(k1 + 9 k2), between 1/3 and 1.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares, nnls
@@ -28,6 +29,7 @@ from msvalidate.constants.stiffness import (
 )
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.problem import Array, Isotropic, ProblemError
+from msvalidate.problem.material import State
 
 CLOSED: Mapping[str, Callable[[Isotropic], Constants]] = {
     "square": square_constants,
@@ -38,8 +40,25 @@ START = 1e-3
 """Least constant to start a search from, relative to the largest: at zero springs are gone."""
 
 
-def along_axes(material: Isotropic, pattern: Pattern) -> tuple[float, float]:
-    """E and nu of the lattice's own axes: in-plane ones (N/m), or those of the solid (Pa).
+@dataclass(frozen=True)
+class Target:
+    """An isotropic material as a lattice's own axes see it: what constants are sought for.
+
+    Parameters
+    ----------
+    E, nu
+        Of the lattice's axes: in-plane ones, E in N/m with the thickness, or the solid's, in Pa.
+    material
+        What is asked for, to name it and to give its closed form.
+    """
+
+    E: float
+    nu: float
+    material: Isotropic
+
+
+def target_of(material: Isotropic, pattern: Pattern) -> Target:
+    """A material as a pattern's axes see it.
 
     Raises
     ------
@@ -47,10 +66,17 @@ def along_axes(material: Isotropic, pattern: Pattern) -> tuple[float, float]:
         If the material is of another dimension.
     """
     if pattern.dim == 2:
-        return in_plane(material)
+        return Target(*in_plane(material), material)
     if material.state != "solid":
         raise ProblemError(f"{pattern.name} lattice: material in {material.state}; give a solid")
-    return material.E, material.nu
+    return Target(material.E, material.nu, material)
+
+
+def target_at_cauchy(mu: float, pattern: Pattern) -> Target:
+    """The material of a shear modulus (N/m or Pa) with the ratio that central springs have."""
+    nu = CAUCHY[pattern.dim]
+    state: State = "plane_stress" if pattern.dim == 2 else "solid"
+    return target_of(Isotropic(2 * mu * (1 + nu), nu, state), pattern)
 
 
 def edge_constants(material: Isotropic) -> tuple[float]:
@@ -72,8 +98,8 @@ def edge_constants(material: Isotropic) -> tuple[float]:
     return (E,)
 
 
-def isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -> Constants:
-    """Spring constants (N/m), one a kind, that make a pattern the material by springs alone.
+def isotropic_constants(target: Target, pattern: Pattern, spacing: float) -> Constants:
+    """Spring constants (N/m), one a kind, that make a pattern a material by springs alone.
 
     By closed form where there is one, by the pattern's own rules where one leaves the material's
     ratio, or by search: linear where points follow a uniform strain, on the relaxed tensor
@@ -81,7 +107,7 @@ def isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -
 
     Parameters
     ----------
-    material, pattern
+    target, pattern
         What is to be, and what repeats.
     spacing
         Length (m) of the pattern's unit.
@@ -91,9 +117,9 @@ def isotropic_constants(material: Isotropic, pattern: Pattern, spacing: float) -
     ProblemError
         With the reason and the nearest that there is, if there are none.
     """
-    E, nu = along_axes(material, pattern)
+    E, nu = target.E, target.nu
     if pattern.name in CLOSED:
-        return CLOSED[pattern.name](material)
+        return CLOSED[pattern.name](target.material)
     for rule in pattern.rules.values():
         solid = _isotropic(pattern, rule, spacing)
         if solid is not None and abs(nu - solid.nu) <= ALIKE:

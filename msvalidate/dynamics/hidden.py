@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from msvalidate.dynamics.integrators import Moving
+from msvalidate.linear_algebra.norms import largest
 from msvalidate.network import Network
 from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import Array, SolverError
@@ -62,8 +63,8 @@ def by_positions(network: Network, start: Array, velocity: Array) -> bool:
         (n, d) in m and m/s.
     """
     run = Run("", *2 * (Moving(start, velocity, np.zeros_like(start)),), rounded=0.0)
-    far = max(_largest(start), _expected(network, run))
-    lengths = (_largest(network.points + start), _largest(network.rest_length))
+    far = max(largest(start), _expected(network, run))
+    lengths = (largest(network.points + start), largest(network.rest_length))
     return math.isfinite(far) and far * SPARE >= 0.5 * EPS * max(lengths)
 
 
@@ -73,7 +74,7 @@ def refuse_hidden(network: Network, run: Run) -> None:
     What nothing loads may come to rest, in many calls: positions tell its end as they tell its
     start, and from there a few roundings of a velocity are no motion.
     """
-    moved = max(_largest(run.start.x), _largest(run.end.x))
+    moved = max(largest(run.start.x), largest(run.end.x))
     at, lengths = _position_rounding(network, run), EPS * run.rounded
     slender = lengths * max(_size(network) / float(network.rest_length.min()), 1.0)
     if moved * DIGITS >= max(at, slender):
@@ -118,18 +119,14 @@ def _strained(network: Network, displacement: Array) -> float:
     i, j = network.springs.T
     v, w = network.vector, displacement[j] - displacement[i]
     along = (v / np.linalg.norm(v, axis=1)[:, None] * w).sum(axis=1)
-    return _largest(along)
+    return largest(along)
 
 
 def _position_rounding(network: Network, run: Run) -> float:
     """Rounding (m) of the largest coordinate that is free to move."""
     ends = [np.abs(network.points + one.x) for one in (run.start, run.end)]
-    return 0.5 * EPS * _largest(np.where(network.held, 0.0, np.maximum(*ends)))
+    return 0.5 * EPS * largest(np.where(network.held, 0.0, np.maximum(*ends)))
 
 
 def _size(network: Network) -> float:
     return float(np.ptp(network.points, axis=0).max())
-
-
-def _largest(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from scipy.linalg import eigvalsh
@@ -104,27 +106,37 @@ def natural_frequencies(
         lowest, highest = squares[:count], squares[-1]
     else:
         highest = _largest(matrix, tolerance)
-        way = Solver(network, solver)
-        if count > FEW or zero:
-            way.refuse_too_large(
-                f"natural frequencies: {count} of a body with {zero} rigid motions"
-            )
-        if count > FEW or zero or way.is_direct:
-            lowest = _smallest(network, matrix, count, highest, tolerance)
-        else:
-            try:
-                lowest = _smallest_by_cycles(
-                    network, place, cycle, matrix, count, highest, tolerance
-                )
-            except UnsettledError as error:
-                way.give_way(error)
-                lowest = _smallest(network, matrix, count, highest, tolerance)
+        by_factor = partial(_smallest, network, matrix, count, highest, tolerance)
+        by_cycles = partial(
+            _smallest_by_cycles, network, place, cycle, matrix, count, highest, tolerance
+        )
+        lowest = _lowest_of_large(Solver(network, solver), (count, zero), by_factor, by_cycles)
     if lowest[0] < -1e-10 * highest:
         raise SolverError(
             f"natural frequencies: omega² = {lowest[0]:g} 1/s²; the network is unstable there"
         )
     lowest = _told_from_rounding(network, place, lowest, highest, zero)
     return np.sqrt(np.maximum(lowest, 0.0)), float(np.sqrt(highest))
+
+
+def _lowest_of_large(
+    way: Solver,
+    asked: tuple[int, int],
+    by_factor: Callable[[], Array],
+    by_cycles: Callable[[], Array],
+) -> Array:
+    """Lowest squares (count,) of a large network; `asked` are the count and its rigid motions."""
+    count, zero = asked
+    if count > FEW or zero:
+        way.refuse_too_large(f"natural frequencies: {count} of a body with {zero} rigid motions")
+        return by_factor()
+    if way.is_direct:
+        return by_factor()
+    try:
+        return by_cycles()
+    except UnsettledError as error:
+        way.give_way(error)
+        return by_factor()
 
 
 def _rigid_motions(network: Network, position: Array, *, allowed: bool) -> int:

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from msvalidate.kernels.cells import volume_curvature
 from msvalidate.kernels.compiling import compiled
+from msvalidate.kernels.values import Axes, Cells
+from msvalidate.problem import Array, Index
 
 
 def curvature(
-    axes: Any,
-    u: Any,
-    way: Any,
-    springs: Any,
-    vector: Any,
-    stiffness: Any,
-    rest_length: Any,
-    volumes: Any,
-) -> Any:
+    axes: Axes,
+    u: Array,
+    way: Array,
+    springs: Index,
+    vector: Array,
+    stiffness: Array,
+    rest_length: Array,
+    volumes: Cells,
+) -> float:
     """Second derivative of the energy along `way`."""
     total = volume_curvature(axes, u, way, volumes)
     for e in range(len(springs)):

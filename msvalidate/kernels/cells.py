@@ -13,7 +13,6 @@ free of the digits that V and V0 share.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from numba.extending import overload
 
@@ -29,21 +28,26 @@ from msvalidate.kernels.corners import (
     still,
 )
 from msvalidate.kernels.lanes import WIDTH, spread, total
+from msvalidate.kernels.values import Axes, Body, Cells, Corners, Lane, Type, Vector
+from msvalidate.problem import Array, Index
+
+Shape = Callable[[Body, Body], tuple[Lane, Body]]
+"""Change of a multiple of V, and its slope, of cells at rest and their displacement."""
 
 
-def _minus(a: Any, b: Any) -> Any:
+def _minus(a: Vector, b: Vector) -> Vector:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-def _plus(a: Any, b: Any) -> Any:
+def _plus(a: Vector, b: Vector) -> Vector:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-def _dot(a: Any, b: Any) -> Any:
+def _dot(a: Vector, b: Vector) -> Lane:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _cross(a: Any, b: Any) -> Any:
+def _cross(a: Vector, b: Vector) -> Vector:
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -57,14 +61,16 @@ _dot = compiled(_dot, fused=True, inner=True)
 _cross = compiled(_cross, fused=True, inner=True)
 
 
-def _area(P: Any, Q: Any, dp: Any, dq: Any) -> Any:
+def _area(P: Vector, Q: Vector, dp: Vector, dq: Vector) -> tuple[Lane, Vector, Vector]:
     """Change of p × q from P and Q on, and its slopes in p and q."""
     px, py, qx, qy = P[0] + dp[0], P[1] + dp[1], Q[0] + dq[0], Q[1] + dq[1]
     change = (dp[0] * qy - dp[1] * qx) + (P[0] * dq[1] - P[1] * dq[0])
     return change, (qy, -qx), (-py, px)
 
 
-def _determinant(P: Any, Q: Any, R: Any, dp: Any, dq: Any, dr: Any) -> Any:
+def _determinant(
+    P: Vector, Q: Vector, R: Vector, dp: Vector, dq: Vector, dr: Vector
+) -> tuple[Lane, Vector, Vector, Vector]:
     """Change of p·(q × r) from P, Q and R on, and its slopes in p, q and r."""
     p, q, r = _plus(P, dp), _plus(Q, dq), _plus(R, dr)
     across = _cross(q, r)
@@ -76,13 +82,13 @@ _area = compiled(_area, fused=True, inner=True)
 _determinant = compiled(_determinant, fused=True, inner=True)
 
 
-def _triangle(X: Any, u: Any) -> Any:
+def _triangle(X: Body, u: Body) -> tuple[Lane, Body]:
     """2 V = x1 × x2."""
     change, at_1, at_2 = _area(X[0], X[1], u[0], u[1])
     return change, (at_1, at_2)
 
 
-def _quadrilateral(X: Any, u: Any) -> Any:
+def _quadrilateral(X: Body, u: Body) -> tuple[Lane, Body]:
     """2 V = x2 × (x3 - x1), of the diagonals."""
     across = X[2][0] - X[0][0], X[2][1] - X[0][1]
     moved_across = u[2][0] - u[0][0], u[2][1] - u[0][1]
@@ -90,13 +96,15 @@ def _quadrilateral(X: Any, u: Any) -> Any:
     return change, ((-at_3[0], -at_3[1]), at_2, at_3)
 
 
-def _tetrahedron(X: Any, u: Any) -> Any:
+def _tetrahedron(X: Body, u: Body) -> tuple[Lane, Body]:
     """6 V = x1·(x2 × x3)."""
     change, at_1, at_2, at_3 = _determinant(X[0], X[1], X[2], u[0], u[1], u[2])
     return change, (at_1, at_2, at_3)
 
 
-def _columns(a: Any, b: Any, c: Any, d: Any, end: Any) -> Any:
+def _columns(
+    a: Vector, b: Vector, c: Vector, d: Vector, end: Vector
+) -> tuple[Vector, Vector, Vector]:
     """Columns p, q and r of one of the determinants of a hexahedron."""
     return _plus(_minus(c, a), _minus(d, b)), _minus(end, c), b
 
@@ -104,7 +112,7 @@ def _columns(a: Any, b: Any, c: Any, d: Any, end: Any) -> Any:
 _columns = compiled(_columns, fused=True, inner=True)
 
 
-def _hexahedron(X: Any, u: Any) -> Any:
+def _hexahedron(X: Body, u: Body) -> tuple[Lane, Body]:
     """12 V, three determinants round the diagonal from corner 0 to corner 6.
 
     The volume of the trilinear map, so the one between bilinear faces: J. Grandy, *Efficient
@@ -131,7 +139,7 @@ def _hexahedron(X: Any, u: Any) -> Any:
     return first + second + third, slope
 
 
-_SHAPES: dict[tuple[int, int], tuple[Callable[..., Any], float]] = {
+_SHAPES: dict[tuple[int, int], tuple[Shape, float]] = {
     (2, 2): (_triangle, 1 / 2),
     (2, 3): (_quadrilateral, 1 / 2),
     (3, 3): (_tetrahedron, 1 / 6),
@@ -140,32 +148,48 @@ _SHAPES: dict[tuple[int, int], tuple[Callable[..., Any], float]] = {
 """(axes, corners but the first) of a cell -> a multiple of its volume, and what part V is of it."""
 
 
-def _multiple(X: Any, u: Any) -> Any:
+def _multiple(X: Body, u: Body) -> tuple[Lane, Body]:
     """Change and slope of a multiple of V, of the shape with so many corners."""
     raise NotImplementedError
 
 
-def _part(X: Any) -> Any:
+def _part(X: Body) -> float:
     """What part of the multiple V is."""
     raise NotImplementedError
 
 
+def _sizes(kind: Type) -> tuple[int, int]:
+    """Axes, and corners but the first, of the type of a body.
+
+    Numba has the makers of overloads annotated as what they make, though they are shown types.
+    """
+    return len(kind.dtype), len(kind)
+
+
 @overload(_multiple, jit_options={"forceinline": True, "fastmath": {"contract"}})
-def _multiple_of_shape(X: Any, u: Any) -> Any:
-    return _SHAPES[len(X.dtype), len(X)][0]
+def _multiple_of_shape(X: Body, u: Body) -> Shape:
+    return _SHAPES[_sizes(X)][0]
 
 
 @overload(_part)
-def _part_of_shape(X: Any) -> Any:
-    part = _SHAPES[len(X.dtype), len(X)][1]
+def _part_of_shape(X: Body) -> Callable[[Body], float]:
+    part = _SHAPES[_sizes(X)][1]
 
-    def the_part(X: Any) -> Any:
+    def the_part(X: Body) -> float:
         return part
 
     return the_part
 
 
-def _response(axes: Any, corners: Any, X: Any, u: Any, laws: Any, first: Any, count: Any) -> Any:
+def _response(
+    axes: Axes,
+    corners: Corners,
+    X: Array,
+    u: Array,
+    laws: tuple[Index, Array, Array],
+    first: int,
+    count: int,
+) -> tuple[Lane, Lane, Body]:
     """Energy of some cells, and their force: a factor and a slope."""
     cells, kappa, rest = laws
     at_rest = gather(axes, corners, X, cells, first, count)
@@ -181,17 +205,17 @@ _response = compiled(_response, fused=True, inner=True)
 
 
 def push(
-    axes: Any,
-    corners: Any,
-    X: Any,
-    u: Any,
-    cells: Any,
-    kappa: Any,
-    rest: Any,
-    begin: Any,
-    end: Any,
-    F: Any,
-) -> Any:
+    axes: Axes,
+    corners: Corners,
+    X: Array,
+    u: Array,
+    cells: Index,
+    kappa: Array,
+    rest: Array,
+    begin: int,
+    end: int,
+    F: Array,
+) -> float:
     """Add the force of the cells from `begin` to `end` to F (n, d); return their energy.
 
     They sit at X + u, points at rest and displacements, and have the stiffness κ (c,) and the
@@ -215,8 +239,8 @@ def push(
 push = compiled(push, fused=True)
 
 
-def _bent(axes: Any, u: Any, way: Any, volumes: Any) -> Any:
-    corners, points, cells, kappa, rest = volumes
+def _bent(axes: Axes, u: Array, way: Array, volumes: Cells) -> float:
+    corners, points, cells, kappa, rest = volumes  # type: ignore[misc]  # some
     bend = spread(0.0)
     for e in range(0, len(cells), WIDTH):
         count = min(WIDTH, len(cells) - e)
@@ -234,15 +258,15 @@ def _bent(axes: Any, u: Any, way: Any, volumes: Any) -> Any:
     return total(bend)
 
 
-def _nothing_bent(axes: Any, u: Any, way: Any, volumes: Any) -> Any:
+def _nothing_bent(axes: Axes, u: Array, way: Array, volumes: Cells) -> float:
     return 0.0
 
 
-def volume_curvature(axes: Any, u: Any, way: Any, volumes: Any) -> Any:
+def volume_curvature(axes: Axes, u: Array, way: Array, volumes: Cells) -> float:
     """Second derivative of the energy of all cells along `way`. No volumes are ()."""
     raise NotImplementedError
 
 
 @overload(volume_curvature, jit_options={"fastmath": {"contract"}})
-def _volume_curvature(axes: Any, u: Any, way: Any, volumes: Any) -> Any:
+def _volume_curvature(axes: Axes, u: Array, way: Array, volumes: Cells) -> Callable[..., float]:
     return _bent if len(volumes) else _nothing_bent

@@ -11,6 +11,7 @@ last stands in the places left, without a stiffness.
 from __future__ import annotations
 
 import operator
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from llvmlite import ir
@@ -19,31 +20,36 @@ from numba.core.errors import TypingError
 from numba.extending import overload
 
 from msvalidate.kernels.lanes import LANES, WIDTH, Lanes, instruction
+from msvalidate.kernels.values import Builder, Code, Context, Instruction, Lane, Signature, Type
+from msvalidate.problem import Array
+
+Ends = tuple[Code, Code | None]
+"""Pointers to the first two components of a corner, and to its third in space."""
 
 _DOUBLE, _INDEX, _FUSED = ir.DoubleType(), ir.IntType(64), ("contract",)
 
 
-def _shuffled(builder: Any, a: Any, b: Any, places: list[int]) -> Any:
+def _shuffled(builder: Builder, a: Code, b: Code, places: list[int]) -> Code:
     kind = ir.VectorType(ir.IntType(32), len(places))
     return builder.shuffle_vector(a, b, ir.Constant(kind, places))
 
 
-def _undefined() -> Any:
+def _undefined() -> Code:
     return ir.Constant(ir.VectorType(_DOUBLE, WIDTH), ir.Undefined)
 
 
-def _loaded(builder: Any, pointer: Any) -> Any:
+def _loaded(builder: Builder, pointer: Code) -> Code:
     value = builder.load(pointer)
     value.align = 8
     return value
 
 
-def _contiguous(*arrays: Any) -> None:
+def _contiguous(*arrays: Type) -> None:
     if any(array.layout != "C" for array in arrays):
         raise TypingError("corners: arrays must be C-contiguous")
 
 
-def _lanes(builder: Any, first: Any, count: Any) -> list[Any]:
+def _lanes(builder: Builder, first: Code, count: Code) -> list[Code]:
     """Numbers of the cells side by side, from the first on."""
     last = builder.sub(count, _INDEX(1))
     steps = [_INDEX(0)]
@@ -52,7 +58,13 @@ def _lanes(builder: Any, first: Any, count: Any) -> list[Any]:
     return [builder.add(first, step) for step in steps]
 
 
-def _points(context: Any, builder: Any, arrays: Any, given: Any, sizes: tuple[int, int]) -> Any:
+def _points(
+    context: Context,
+    builder: Builder,
+    arrays: tuple[Type, Type],
+    given: Sequence[Code],
+    sizes: tuple[int, int],
+) -> Callable[[int], list[Ends]]:
     """Function (corner) -> pointers to it in each cell: to its first two components and its third.
 
     `arrays` are the types of values and cells, `given` their values, first cell and count.
@@ -66,7 +78,7 @@ def _points(context: Any, builder: Any, arrays: Any, given: Any, sizes: tuple[in
     rows = [builder.mul(lane, _INDEX(k)) for lane in _lanes(builder, *given[2:])]
     pair = ir.VectorType(_DOUBLE, 2).as_pointer()
 
-    def at(row: Any, corner: int) -> Any:
+    def at(row: Code, corner: int) -> Ends:
         index = builder.load(builder.gep(cells, [builder.add(row, _INDEX(corner))]))
         whole = index if index.type == _INDEX else widened(index, _INDEX)
         first = builder.gep(values, [whole])
@@ -75,7 +87,7 @@ def _points(context: Any, builder: Any, arrays: Any, given: Any, sizes: tuple[in
     return lambda corner: [at(row, corner) for row in rows]
 
 
-def _read(builder: Any, pointers: list[Any]) -> list[Any]:
+def _read(builder: Builder, pointers: list[Ends]) -> list[Code]:
     """A corner of all cells as it lies: [x0 y0 x2 y2], [x1 y1 x3 y3], in space [z0 z1 z2 z3]."""
     pairs = [_loaded(builder, pair) for pair, _ in pointers]
     values = [_shuffled(builder, pairs[i], pairs[i + 2], [0, 1, 2, 3]) for i in (0, 1)]
@@ -87,13 +99,13 @@ def _read(builder: Any, pointers: list[Any]) -> list[Any]:
     return [*values, third]
 
 
-def _turned(builder: Any, read: list[Any]) -> list[Any]:
+def _turned(builder: Builder, read: list[Code]) -> list[Code]:
     """What `_read` gave, or differences of it, as a value per axis; the reverse is `_returned`."""
     places = [[axis, 4 + axis, 2 + axis, 6 + axis] for axis in (0, 1)]
     return [_shuffled(builder, read[0], read[1], place) for place in places] + read[2:]
 
 
-def _returned(builder: Any, values: list[Any]) -> list[tuple[Any, Any]]:
+def _returned(builder: Builder, values: list[Code]) -> list[tuple[Code, Code | None]]:
     """Values per axis as (first two components, third) of each cell."""
     places = [0, 4, 2, 6], [1, 5, 3, 7]
     both = [_shuffled(builder, values[0], values[1], order) for order in places]
@@ -106,12 +118,12 @@ def _returned(builder: Any, values: list[Any]) -> list[tuple[Any, Any]]:
     return out
 
 
-def _leaves(builder: Any, body: Any) -> list[Any]:
+def _leaves(builder: Builder, body: Code) -> list[Code]:
     unpacked: Any = cgutils.unpack_tuple
     return [value for vector in unpacked(builder, body) for value in unpacked(builder, vector)]
 
 
-def _bundled(context: Any, builder: Any, body: Any, values: list[Any]) -> Any:
+def _bundled(context: Context, builder: Builder, body: Type, values: list[Code]) -> Code:
     d = len(body.dtype)
     vectors = [
         context.make_tuple(builder, body.dtype, values[i : i + d]) for i in range(0, len(values), d)
@@ -121,15 +133,17 @@ def _bundled(context: Any, builder: Any, body: Any, values: list[Any]) -> Any:
 
 @instruction
 def gather(
-    _typing: Any, axes: Any, corners: Any, values: Any, cells: Any, first: Any, count: Any
-) -> Any:
+    _typing: Context, axes: Type, corners: Type, values: Type, cells: Type, first: Type, count: Type
+) -> Instruction:
     """Corners of cells (c, k) among values (n, d): of `count` of them from `first` on."""
     _contiguous(values, cells)
     d, k = len(axes), len(corners)
     tuple_of: Any = types.UniTuple
     body = tuple_of(tuple_of(LANES, d), k - 1)
 
-    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
+    ) -> Code:
         points = _points(context, builder, (values, cells), given[2:], (d, k))
         seen = [_read(builder, points(corner)) for corner in range(k)]
         turned = []
@@ -143,16 +157,16 @@ def gather(
 
 @instruction
 def pull(
-    _typing: Any,
-    axes: Any,
-    corners: Any,
-    out: Any,
-    cells: Any,
-    first: Any,
-    count: Any,
-    force: Any,
-    slope: Any,
-) -> Any:
+    _typing: Context,
+    axes: Type,
+    corners: Type,
+    out: Type,
+    cells: Type,
+    first: Type,
+    count: Type,
+    force: Type,
+    slope: Type,
+) -> Instruction:
     """Take force · slope from `out` (n, d) at all corners but the first, which gets their sum.
 
     One cell after the other, for they may share a corner.
@@ -160,7 +174,9 @@ def pull(
     _contiguous(out, cells)
     d, k = len(axes), len(corners)
 
-    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
+    ) -> Code:
         points = _points(context, builder, (out, cells), given[2:6], (d, k))
         back = [builder.fmul(given[6], value) for value in _leaves(builder, given[7])]
         sums = back[:d]
@@ -179,12 +195,14 @@ def pull(
     return types.void(axes, corners, out, cells, types.int64, types.int64, force, slope), code
 
 
-def _reader(beyond: bool) -> Any:
+def _reader(beyond: bool) -> Callable[[Array, int, int], Lane]:
     @instruction
-    def some(_typing: Any, values: Any, first: Any, count: Any) -> Any:
+    def some(_typing: Context, values: Type, first: Type, count: Type) -> Instruction:
         _contiguous(values)
 
-        def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        def code(
+            context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
+        ) -> Code:
             data = context.make_array(values)(context, builder, given[0]).data
             lanes, read = _lanes(builder, *given[1:]), _undefined()
             for lane, number in enumerate(lanes):
@@ -208,10 +226,12 @@ numbers_or_zero = _reader(beyond=False)
 
 
 @instruction
-def moved(_typing: Any, body: Any, move: Any) -> Any:
+def moved(_typing: Context, body: Type, move: Type) -> Instruction:
     """Corners after a displacement of theirs."""
 
-    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
+    ) -> Code:
         pairs = zip(*(_leaves(builder, one) for one in given), strict=True)
         return _bundled(context, builder, body, [builder.fadd(*pair) for pair in pairs])
 
@@ -219,10 +239,12 @@ def moved(_typing: Any, body: Any, move: Any) -> Any:
 
 
 @instruction
-def still(_typing: Any, body: Any) -> Any:
+def still(_typing: Context, body: Type) -> Instruction:
     """No displacement, of as many corners."""
 
-    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
+    ) -> Code:
         none = ir.Constant(ir.VectorType(_DOUBLE, WIDTH), [ir.Constant(_DOUBLE, 0.0)] * WIDTH)
         return _bundled(context, builder, body, [none for _ in _leaves(builder, given[0])])
 
@@ -230,10 +252,12 @@ def still(_typing: Any, body: Any) -> Any:
 
 
 @instruction
-def inner(_typing: Any, slope: Any, move: Any) -> Any:
+def inner(_typing: Context, slope: Type, move: Type) -> Instruction:
     """Sum over corners and axes of the products of two bodies' components."""
 
-    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
+    ) -> Code:
         pairs = list(zip(*(_leaves(builder, one) for one in given), strict=True))
         total = builder.fmul(*pairs[0], flags=_FUSED)
         for pair in pairs[1:]:
@@ -244,26 +268,30 @@ def inner(_typing: Any, slope: Any, move: Any) -> Any:
 
 
 @instruction
-def quotient(_typing: Any, a: Any, b: Any) -> Any:
+def quotient(_typing: Context, a: Type, b: Type) -> Instruction:
     """Compute a/b."""
 
-    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
+    ) -> Code:
         return builder.fdiv(*given)
 
     return LANES(LANES, LANES), code
 
 
 @instruction
-def _negative(_typing: Any, a: Any) -> Any:
-    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+def _negative(_typing: Context, a: Type) -> Instruction:
+    def code(
+        context: Context, builder: Builder, signature: Signature, given: Sequence[Code]
+    ) -> Code:
         return builder.fneg(*given)
 
     return LANES(LANES), code
 
 
 @overload(operator.neg)
-def _negated(a: Any) -> Any:
-    def negated(a: Any) -> Any:
+def _negated(a: Lane) -> Callable[[Lane], Lane] | None:
+    def negated(a: Lane) -> Lane:
         return _negative(a)
 
     return negated if isinstance(a, Lanes) else None

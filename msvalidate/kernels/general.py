@@ -5,16 +5,17 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from msvalidate.kernels import sweep
 from msvalidate.kernels.rows import aligned
+from msvalidate.kernels.sweep import Pushing
+from msvalidate.kernels.values import Small
 from msvalidate.network import Network
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.layout import BLOCK, TOGETHER, Layout
-from msvalidate.problem import LONGEST, Array, ProblemError
+from msvalidate.problem import LONGEST, Array, Index, ProblemError
 
 CACHE = 2**22
 """Bytes that waves of steps may hold between them: what one core may count on of the last cache."""
@@ -60,10 +61,13 @@ class Sweep:
         self.place[n, :d] = 2 * LONGEST
         self._keep, self._push = _zeros(n), _zeros(n)
 
-    def _springs_of(self) -> tuple[Any, ...]:
+    def _springs_of(self) -> tuple[Index, Small, Small, Array]:
         layout, wide = self.layout, 2 * self._half
-        ends = ((wide * places).astype(np.uint32) for places in (layout.owner, layout.other))
-        return layout.first, *ends, self._in_turn(layout.stiffness, layout.tension)
+        owner, other = (
+            (wide * layout.owner).astype(np.uint32),
+            (wide * layout.other).astype(np.uint32),
+        )
+        return layout.first, owner, other, self._in_turn(layout.stiffness, layout.tension)
 
     def _in_turn(self, *laws: Array) -> Array:
         """Values of springs in the order in which `sweep` computes four of them, law by law."""
@@ -74,12 +78,12 @@ class Sweep:
             fours[:, at] = law.reshape(-1, TOGETHER)[:, turn]
         return values
 
-    def _cells_of(self, cells: Volumes | None) -> tuple[Any, ...]:
+    def _cells_of(self, cells: Volumes | None) -> tuple[Index, Array, Array, Index] | tuple[()]:
         layout = self.layout
         if cells is None or not len(layout.cells):
             return ()
-        laws = (law[layout.cell_order] for law in (cells.stiffness, cells.rest_volume))
-        return 2 * self._half * layout.cells, *laws, layout.first_cell
+        kappa, rest = cells.stiffness[layout.cell_order], cells.rest_volume[layout.cell_order]
+        return 2 * self._half * layout.cells, kappa, rest, layout.first_cell
 
     @property
     def bytes_a_step(self) -> int:
@@ -99,7 +103,7 @@ class Sweep:
     def _tables(self) -> tuple[Array, Array, Array]:
         return self.place.ravel(), self.flow.ravel(), self._forces
 
-    def _cells_in(self, place: Array, flow: Array) -> tuple[Any, ...]:
+    def _cells_in(self, place: Array, flow: Array) -> Pushing:
         if not self._cells:
             return ()
         corners = tuple(range(self._cells[0].shape[1]))

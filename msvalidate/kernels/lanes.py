@@ -10,7 +10,7 @@ has.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -18,6 +18,8 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
+
+from msvalidate.kernels.values import Builder, Code, Context, Instruction, Lane, Signature, Type
 
 WIDTH = 4
 """Numbers in a value: 256 bits, a register of AVX2 and half of one of AVX-512."""
@@ -37,12 +39,12 @@ class Lanes(types.Type):
 LANES = Lanes()
 
 
-def instruction(function: Callable[..., Any]) -> Any:
+def instruction(function: Callable[..., Instruction]) -> Callable[..., Any]:
     """Numba's intrinsic, of no type: calls have other arguments than the function that makes it."""
     return intrinsic(function)
 
 
-def _model(manager: Any, kind: Any) -> Any:
+def _model(manager: Any, kind: Type) -> Any:
     model: Any = models.PrimitiveModel
     return model(manager, kind, _VECTOR)
 
@@ -50,22 +52,24 @@ def _model(manager: Any, kind: Any) -> Any:
 register_model(Lanes)(_model)
 
 
-def _constant(value: float) -> Any:
+def _constant(value: float) -> Code:
     return ir.Constant(_VECTOR, [ir.Constant(_DOUBLE, value)] * WIDTH)
 
 
-def _pointer(builder: Any, start: Any, index: Any) -> Any:
+def _pointer(builder: Builder, start: Code, index: Code) -> Code:
     return builder.bitcast(builder.gep(start, [index]), _VECTOR.as_pointer())
 
 
 @instruction
-def start(_typing: Any, array: Any) -> Any:
+def start(_typing: Context, array: Type) -> Instruction:
     """Where an array's numbers begin: what inner functions take, since arrays count who holds them.
 
     The array must outlive it.
     """
 
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+    ) -> Code:
         return context.make_array(signature.args[0])(context, builder, values[0]).data
 
     pointer: Any = types.CPointer
@@ -73,10 +77,12 @@ def start(_typing: Any, array: Any) -> Any:
 
 
 @instruction
-def load(_typing: Any, begin: Any, index: Any) -> Any:
+def load(_typing: Context, begin: Type, index: Type) -> Instruction:
     """The `WIDTH` float64 from an int64 index behind a `start` on, unchecked."""
 
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+    ) -> Code:
         loaded = builder.load(_pointer(builder, *values))
         loaded.align = 8
         return loaded
@@ -85,17 +91,19 @@ def load(_typing: Any, begin: Any, index: Any) -> Any:
 
 
 @instruction
-def store(_typing: Any, begin: Any, index: Any, value: Any) -> Any:
+def store(_typing: Context, begin: Type, index: Type, value: Type) -> Instruction:
     """Put a value to an int64 index behind a `start`, unchecked."""
 
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+    ) -> Code:
         builder.store(values[2], _pointer(builder, *values[:2])).align = 8
         return context.get_dummy_value()
 
     return types.void(begin, types.int64, LANES), code
 
 
-def _widened(builder: Any, value: Any) -> Any:
+def _widened(builder: Builder, value: Code) -> Code:
     """A number as a value with it in every place; a value as it is."""
     if value.type == _VECTOR:
         return value
@@ -105,20 +113,24 @@ def _widened(builder: Any, value: Any) -> Any:
 
 
 @instruction
-def spread(_typing: Any, number: Any) -> Any:
+def spread(_typing: Context, number: Type) -> Instruction:
     """A number in every place."""
 
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+    ) -> Code:
         return _widened(builder, values[0])
 
     return LANES(types.float64), code
 
 
 @instruction
-def one_on(_typing: Any, before: Any, value: Any) -> Any:
+def one_on(_typing: Context, before: Type, value: Type) -> Instruction:
     """A value moved one place up: the last number of `before`, then all but its own last."""
 
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+    ) -> Code:
         places = [WIDTH - 1 + place for place in range(WIDTH)]
         moved = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), places)
         return builder.shuffle_vector(*values, moved)
@@ -127,10 +139,12 @@ def one_on(_typing: Any, before: Any, value: Any) -> Any:
 
 
 @instruction
-def where_positive(_typing: Any, condition: Any, value: Any, other: Any) -> Any:
+def where_positive(_typing: Context, condition: Type, value: Type, other: Type) -> Instruction:
     """`value` where `condition` is above 0, `other` elsewhere, NaN included."""
 
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+    ) -> Code:
         above = builder.fcmp_ordered(">", values[0], _constant(0.0))
         return builder.select(above, *values[1:])
 
@@ -138,10 +152,12 @@ def where_positive(_typing: Any, condition: Any, value: Any, other: Any) -> Any:
 
 
 @instruction
-def total(_typing: Any, value: Any) -> Any:
+def total(_typing: Context, value: Type) -> Instruction:
     """Sum of the numbers of a value, first to last."""
 
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+    ) -> Code:
         added = builder.extract_element(values[0], _INDEX(0))
         for place in range(1, WIDTH):
             added = builder.fadd(added, builder.extract_element(values[0], _INDEX(place)))
@@ -151,10 +167,12 @@ def total(_typing: Any, value: Any) -> Any:
 
 
 @instruction
-def load_half(_typing: Any, begin: Any, index: Any) -> Any:
+def load_half(_typing: Context, begin: Type, index: Type) -> Instruction:
     """The two float64 from an int64 index behind a `start` on, then two zeros, unchecked."""
 
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+    ) -> Code:
         half = ir.VectorType(ir.DoubleType(), 2)
         loaded = builder.load(
             builder.bitcast(builder.gep(*values[:1], [values[1]]), half.as_pointer())
@@ -166,12 +184,14 @@ def load_half(_typing: Any, begin: Any, index: Any) -> Any:
     return LANES(begin, types.int64), code
 
 
-def picked(*places: int) -> Any:
+def picked(*places: int) -> Callable[[Lane, Lane], Lane]:
     """Function of two values: the numbers at such places, the second's counted on from 4."""
 
     @instruction
-    def chosen(_typing: Any, a: Any, b: Any) -> Any:
-        def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def chosen(_typing: Context, a: Type, b: Type) -> Instruction:
+        def code(
+            context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+        ) -> Code:
             kind = ir.VectorType(ir.IntType(32), len(places))
             return builder.shuffle_vector(*values, ir.Constant(kind, places))
 
@@ -181,7 +201,7 @@ def picked(*places: int) -> Any:
 
 
 @instruction
-def root_and_quotient(_typing: Any, value: Any, square: Any) -> Any:
+def root_and_quotient(_typing: Context, value: Type, square: Type) -> Instruction:
     """√square and value/√square.
 
     Processors divide and take roots in a unit of its own, beside what they load, add and multiply:
@@ -189,7 +209,9 @@ def root_and_quotient(_typing: Any, value: Any, square: Any) -> Any:
     from a guess by bits, took longer in both sweeps.
     """
 
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+    ) -> Code:
         find: Any = cgutils.get_or_insert_function
         kind = ir.FunctionType(_VECTOR, [_VECTOR])
         length = builder.call(find(builder.module, kind, f"llvm.sqrt.v{WIDTH}f64"), [values[1]])
@@ -200,14 +222,16 @@ def root_and_quotient(_typing: Any, value: Any, square: Any) -> Any:
     return pair(LANES, 2)(LANES, LANES), code
 
 
-def _combining(sign: Any, name: str) -> None:
+def _combining(sign: Callable[..., object], name: str) -> None:
     """Teach Numba `sign` of two values, or of a value and a float64."""
 
-    def generic(_self: Any, args: Any, _keywords: Any) -> Any:
+    def generic(_self: object, args: tuple[Type, ...], _keywords: object) -> Signature | None:
         made: Any = signature
         return made(LANES, *args) if set(args) in ({LANES}, {LANES, types.float64}) else None
 
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def code(
+        context: Context, builder: Builder, signature: Signature, values: Sequence[Code]
+    ) -> Code:
         return getattr(builder, name)(*map(partial(_widened, builder), values), flags=_FUSED)
 
     lower: Any = lower_builtin

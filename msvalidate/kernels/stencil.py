@@ -6,15 +6,14 @@ that follow, adds their forces to this row and takes them from those, which are 
 the row's forces are complete, no later row asks where it was, and it moves. So each spring is
 computed once and memory is passed over once a step. Rows that a step has left may take the next one
 while they are in the cache: several steps run as waves behind each other, as many rows apart as
-springs reach, with the same operations for every place. Oracle: `kernels.springs`.
+springs reach, with the same operations for every place. The same steps by lists of springs are in
+`sweep`, the plain form of the forces in `msvalidate.network.internal_force`.
 
 A spring joins two columns that are neighbours or the same. It is counted with the lower of them,
 so that its forces go to this column or `one_on`.
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 from msvalidate.kernels.compiling import compiled
 from msvalidate.kernels.grid import Grid
@@ -30,10 +29,17 @@ from msvalidate.kernels.lanes import (
 )
 from msvalidate.kernels.lanes import where_positive as where
 from msvalidate.kernels.rows import aligned, in_rows, out_of_rows
-from msvalidate.problem import Array
+from msvalidate.kernels.values import Axes, Done, Padded, Pointer, Spring
+from msvalidate.problem import Array, Index
 
 CACHE = 2**18
 """Bytes that waves of steps may hold between them: half of a usual second cache, for one thread."""
+Laws = tuple[Index, Array, Array, Array, Index]
+"""Rows ahead of each group of springs, laws, vectors at rest, weights, and special blocks."""
+Columns = tuple[Pointer[float], int, Pointer[int]]
+"""Weights of springs in the columns, where those of a kind begin, and which blocks are special."""
+Tables = tuple[int, Pointer[int], Pointer[float], Pointer[float], Pointer[float], Pointer[int]]
+"""Number of groups of springs, and where each of the `Laws` begins."""
 
 
 def advance(
@@ -82,7 +88,7 @@ def bytes_a_step(grid: Grid) -> int:
     return int(8 * size * (2 * 2 * d + 2) + grid.still.nbytes + grid.law.nbytes)
 
 
-def _at(axes: Any, values: Any, apart: Any, index: Any) -> Any:
+def _at(axes: Axes, values: Pointer[float], apart: int, index: int) -> Padded:
     """Components of a vector, of which in the plane the third is not used."""
     x, y = load(values, index), load(values, index + apart)
     return x, y, load(values, index + 2 * apart) if len(axes) == 3 else x
@@ -91,7 +97,7 @@ def _at(axes: Any, values: Any, apart: Any, index: Any) -> Any:
 _at = compiled(_at, inner=True)
 
 
-def _put(axes: Any, values: Any, apart: Any, index: Any, vector: Any) -> Any:
+def _put(axes: Axes, values: Pointer[float], apart: int, index: int, vector: Padded) -> None:
     store(values, index, vector[0])
     store(values, index + apart, vector[1])
     if len(axes) == 3:
@@ -101,21 +107,21 @@ def _put(axes: Any, values: Any, apart: Any, index: Any, vector: Any) -> Any:
 _put = compiled(_put, inner=True)
 
 
-def _plus(a: Any, b: Any) -> Any:
+def _plus(a: Padded, b: Padded) -> Padded:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 _plus = compiled(_plus, inner=True)
 
 
-def _one_on(before: Any, now: Any) -> Any:
+def _one_on(before: Padded, now: Padded) -> Padded:
     return one_on(before[0], now[0]), one_on(before[1], now[1]), one_on(before[2], now[2])
 
 
 _one_on = compiled(_one_on, inner=True)
 
 
-def _law(axes: Any, law: Any, vector: Any, first: Any, kind: Any) -> Any:
+def _law(axes: Axes, law: Pointer[float], vector: Pointer[float], first: int, kind: int) -> Spring:
     """A spring's k and k·L0, and its vector at rest."""
     at, k = len(axes) * kind, 2 * (first + kind)
     z = vector[at + 2] if len(axes) == 3 else 0.0
@@ -125,7 +131,9 @@ def _law(axes: Any, law: Any, vector: Any, first: Any, kind: Any) -> Any:
 _law = compiled(_law, inner=True)
 
 
-def _pull(axes: Any, law: Any, a: Any, b: Any, special: Any, weight: Any) -> Any:
+def _pull(
+    axes: Axes, law: Spring, a: Padded, b: Padded, special: bool, weight: tuple[Pointer[float], int]
+) -> Padded:
     """Force on `a` of the springs from there to `b`, which are displacements of their ends.
 
     In `special` columns each counts by its weight, and beyond the lattice is nothing, whatever the
@@ -148,8 +156,15 @@ _pull = compiled(_pull, inner=True)
 
 
 def _between(
-    axes: Any, u: Any, size: Any, f: Any, pitch: Any, rows: Any, laws: Any, columns: Any
-) -> Any:
+    axes: Axes,
+    u: Pointer[float],
+    size: int,
+    f: Pointer[float],
+    pitch: int,
+    rows: tuple[int, int, int, int],
+    laws: tuple[Spring, Spring, Spring],
+    columns: Columns,
+) -> None:
     """Add the forces of the springs between two rows, which lean back, stand or lean forward."""
     here, there, own, other = rows
     back, up, on = laws
@@ -184,9 +199,18 @@ _between = compiled(_between)
 
 
 def _move(
-    axes: Any, u: Any, size: Any, still: Any, f: Any, pitch: Any, rows: Any, law: Any, columns: Any,
-    dt: Any, watched: Any,
-) -> Any:  # fmt: skip
+    axes: Axes,
+    u: Pointer[float],
+    size: int,
+    still: Pointer[float],
+    f: Pointer[float],
+    pitch: int,
+    rows: tuple[int, int],
+    law: Spring,
+    columns: Columns,
+    dt: float,
+    watched: bool,
+) -> float:
     """Add the forces of a row's own springs and move it; return Σ m v², where `watched`."""
     here, own = rows
     weight, first, special = columns
@@ -223,9 +247,18 @@ _move = compiled(_move)
 
 
 def _row(
-    axes: Any, u: Any, size: Any, still: Any, f: Any, pitch: Any, tables: Any, ring: Any, row: Any,
-    dt: Any, watched: Any,
-) -> Any:  # fmt: skip
+    axes: Axes,
+    u: Pointer[float],
+    size: int,
+    still: Pointer[float],
+    f: Pointer[float],
+    pitch: int,
+    tables: Tables,
+    ring: int,
+    row: int,
+    dt: float,
+    watched: bool,
+) -> float:
     """All that a step does at a row."""
     groups, ahead, law, vector, weight, special = tables
     slots, long, first = ahead[groups - 1] + 1, len(axes) * pitch, 3 * groups * row
@@ -248,9 +281,18 @@ _row = compiled(_row, inner=True)
 
 
 def _advance(
-    axes: Any, moving: Any, still: Any, pitch: Any, laws: Any, force: Any, waves: Any,
-    dt: Any, steps: Any, kinetic: Any, to_peak: Any,
-) -> Any:  # fmt: skip
+    axes: Axes,
+    moving: Array,
+    still: Array,
+    pitch: int,
+    laws: Laws,
+    force: Array,
+    waves: int,
+    dt: float,
+    steps: int,
+    kinetic: float,
+    to_peak: bool,
+) -> Done:
     """Steps done, kinetic energy of the last, and whether it ended there because that fell."""
     ahead, law, vector, weight, special = laws
     reach, rows, size = ahead[-1], len(law), moving.shape[1]

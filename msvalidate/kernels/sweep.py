@@ -13,16 +13,24 @@ form: `msvalidate.network.internal_force`, and `msvalidate.dynamics.integrate.mo
 
 from __future__ import annotations
 
-from typing import Any
-
 from msvalidate.kernels.cells import push as push_cells
 from msvalidate.kernels.compiling import compiled
 from msvalidate.kernels.lanes import load, load_half, root_and_quotient, spread, start, store, total
 from msvalidate.kernels.turning import components, crossed, first_halves, halves_added, pairs, rows
+from msvalidate.kernels.values import Axes, Corners, Done, Lane, Pointer, Small, Vector
 from msvalidate.network.layout import BLOCK, TOGETHER
+from msvalidate.problem import Array, Index
+
+Springs = tuple[Index, Small, Small, Array]
+"""First spring of each place, where its owner and its other end are in the tables, and laws."""
+Lists = tuple[Pointer[int], Pointer[int], Pointer[int], Pointer[float], Pointer[float] | None]
+"""Where these begin, and compliances where the energy is asked for."""
+Pushing = tuple[Corners, Array, Array, Index, Array, Array, Index, Array] | tuple[()]
+"""Cells: k, places at rest, displacements, where corners are in these, κ, volumes at rest, first
+cells of the blocks, and the flow that takes the forces; empty where there are none."""
 
 
-def _apart(axes: Any, place: Any, i: Any, j: Any) -> Any:
+def _apart(axes: Axes, place: Pointer[float], i: int, j: int) -> Lane:
     """Vector from place i to place j; in the plane its two parts, side by side."""
     apart = load(place, j) - load(place, i)
     if len(axes) == 3:
@@ -33,7 +41,9 @@ def _apart(axes: Any, place: Any, i: Any, j: Any) -> Any:
 _apart = compiled(_apart, inner=True)
 
 
-def _vectors(axes: Any, place: Any, owner: Any, other: Any, e: Any) -> Any:
+def _vectors(
+    axes: Axes, place: Pointer[float], owner: Pointer[int], other: Pointer[int], e: int
+) -> Vector:
     """Components of the vectors of four springs from e on."""
     i, j = owner[e >> 1], owner[(e >> 1) + 1]
     a = _apart(axes, place, i, other[e])
@@ -49,7 +59,14 @@ def _vectors(axes: Any, place: Any, owner: Any, other: Any, e: Any) -> Any:
 _vectors = compiled(_vectors, inner=True)
 
 
-def _pull(axes: Any, place: Any, springs: Any, e: Any, end: Any, forces: Any) -> Any:
+def _pull(
+    axes: Axes,
+    place: Pointer[float],
+    springs: tuple[Pointer[int], Pointer[int], Pointer[float], Pointer[float] | None],
+    e: int,
+    end: int,
+    forces: Pointer[float],
+) -> float:
     """Put the forces of springs on their owners one after the other; return twice their energy."""
     owner, other, laws, compliance = springs
     at, stored = 0, spread(0.0)
@@ -79,14 +96,21 @@ def _pull(axes: Any, place: Any, springs: Any, e: Any, end: Any, forces: Any) ->
 _pull = compiled(_pull, fused=True, inner=True)
 
 
-def _force_of(axes: Any, forces: Any, spring: Any) -> Any:
+def _force_of(axes: Axes, forces: Pointer[float], spring: int) -> Lane:
     return load(forces, 4 * spring) if len(axes) == 3 else load_half(forces, 2 * spring)
 
 
 _force_of = compiled(_force_of, inner=True)
 
 
-def _gathered(axes: Any, flow: Any, other: Any, forces: Any, mine: Any, i: Any) -> Any:
+def _gathered(
+    axes: Axes,
+    flow: Pointer[float],
+    other: Pointer[int],
+    forces: Pointer[float],
+    mine: tuple[int, int, int],
+    i: int,
+) -> Lane:
     """Force on place i, from earlier ones and its own springs, whose other ends get the opposite.
 
     `mine` is the first of its springs, the one behind the last, and the block's first.
@@ -107,7 +131,15 @@ def _gathered(axes: Any, flow: Any, other: Any, forces: Any, mine: Any, i: Any) 
 _gathered = compiled(_gathered, inner=True)
 
 
-def _moved(axes: Any, place: Any, flow: Any, point: Any, i: Any, force: Any, dt: Any) -> Any:
+def _moved(
+    axes: Axes,
+    place: Pointer[float],
+    flow: Pointer[float],
+    point: tuple[Pointer[float], float, float, float],
+    i: int,
+    force: Lane,
+    dt: float,
+) -> Lane:
     """Move place i under a force; m·v² of it in lanes, in the plane twice."""
     still, keep, push, mass = point
     own = load(still, i)
@@ -127,7 +159,15 @@ def _moved(axes: Any, place: Any, flow: Any, point: Any, i: Any, force: Any, dt:
 _moved = compiled(_moved, fused=True, inner=True)
 
 
-def _block(axes: Any, tables: Any, springs: Any, cells: Any, points: Any, dt: Any, b: Any) -> Any:
+def _block(
+    axes: Axes,
+    tables: tuple[Pointer[float], Pointer[float], Pointer[float]],
+    springs: Lists,
+    cells: Pushing,
+    points: tuple[int, Pointer[float], Pointer[float], Pointer[float], Pointer[float]],
+    dt: float,
+    b: int,
+) -> float:
     """Move the places of block b by one step; twice their kinetic energy."""
     place, flow, forces = tables
     n, still, keep, push, mass = points
@@ -146,11 +186,11 @@ def _block(axes: Any, tables: Any, springs: Any, cells: Any, points: Any, dt: An
     return total(twice) / (4 - len(axes))
 
 
-def _push(axes: Any, cells: Any, b: Any) -> Any:
+def _push(axes: Axes, cells: Pushing, b: int) -> float:
     """Add the forces of a block's cells to the flow; return their energy."""
     stored = 0.0
     if len(cells):
-        corners, rest, displacement, lists, kappa, volume, first, flow = cells
+        corners, rest, displacement, lists, kappa, volume, first, flow = cells  # type: ignore[misc]  # some
         stored = push_cells(
             axes, corners, rest, displacement, lists, kappa, volume, first[b], first[b + 1], flow
         )
@@ -161,7 +201,7 @@ _push = compiled(_push, inner=True)
 _block = compiled(_block, fused=True, inner=True)
 
 
-def _starts(springs: Any) -> Any:
+def _starts(springs: Springs) -> tuple[Pointer[int], Pointer[int], Pointer[int], Pointer[float]]:
     first, owner, other, laws = springs
     return start(first), start(owner), start(other), start(laws)
 
@@ -170,16 +210,16 @@ _starts = compiled(_starts, inner=True)
 
 
 def run(
-    axes: Any,
-    tables: Any,
-    springs: Any,
-    cells: Any,
-    points: Any,
-    step: Any,
-    schedule: Any,
-    kinetic: Any,
-    to_peak: Any,
-) -> Any:
+    axes: Axes,
+    tables: tuple[Array, Array, Array],
+    springs: Springs,
+    cells: Pushing,
+    points: tuple[Array, Array, Array, Array],
+    step: Array,
+    schedule: tuple[int, int, int],
+    kinetic: float,
+    to_peak: bool,
+) -> Done:
     """Steps done, kinetic energy of the last, and whether it ended there because that fell.
 
     `schedule` is the number of steps, of waves, and of blocks in a piece, which no spring is longer
@@ -214,7 +254,13 @@ def run(
 run = compiled(run, fused=True)
 
 
-def force(axes: Any, tables: Any, springs: Any, compliance: Any, cells: Any) -> Any:
+def force(
+    axes: Axes,
+    tables: tuple[Array, Array, Array],
+    springs: Springs,
+    compliance: Array,
+    cells: Pushing,
+) -> float:
     """Put the forces of springs and cells into the flow; return their energy."""
     place, flow, forces = start(tables[0]), start(tables[1]), start(tables[2])
     lists = (*_starts(springs), start(compliance))
@@ -234,7 +280,14 @@ def force(axes: Any, tables: Any, springs: Any, compliance: Any, cells: Any) -> 
 force = compiled(force, fused=True)
 
 
-def enter(order: Any, rest: Any, still: Any, moving: Any, tables: Any, half: Any) -> Any:
+def enter(
+    order: Index,
+    rest: Array,
+    still: Array,
+    moving: tuple[Array, Array, Array, Array],
+    tables: tuple[Array, Array, Array, Array],
+    half: int,
+) -> None:
     """Put displacement, velocity, keep and push of points where their places are.
 
     `order` is the point of each place; `tables` are where these four `moving` go.
@@ -254,7 +307,14 @@ def enter(order: Any, rest: Any, still: Any, moving: Any, tables: Any, half: Any
 enter = compiled(enter)
 
 
-def leave(order: Any, tables: Any, moved: Any, half: Any, begin: Any, end: Any) -> Any:
+def leave(
+    order: Index,
+    tables: tuple[Array, Array],
+    moved: tuple[Array, Array],
+    half: int,
+    begin: int,
+    end: int,
+) -> None:
     """Take displacement and velocity of points from the places from `begin` to `end`."""
     u, v = moved
     place, flow = tables

@@ -6,10 +6,9 @@ a vector and a 0.
 
 from __future__ import annotations
 
-from typing import Any
-
 from msvalidate.kernels.compiling import compiled
 from msvalidate.kernels.lanes import picked
+from msvalidate.kernels.values import Lane
 
 first_halves = picked(0, 1, 4, 5)
 second_halves = picked(2, 3, 6, 7)
@@ -19,7 +18,7 @@ _even = picked(0, 4, 2, 6)
 _odd = picked(1, 5, 3, 7)
 
 
-def halves_added(a: Any, b: Any, c: Any, d: Any) -> Any:
+def halves_added(a: Lane, b: Lane, c: Lane, d: Lane) -> tuple[Lane, Lane]:
     """Components x and y of the sums of the halves of four rows."""
     ab, cd = _even(a, b), _even(c, d)
     x = first_halves(ab, cd) + second_halves(ab, cd)
@@ -30,7 +29,7 @@ def halves_added(a: Any, b: Any, c: Any, d: Any) -> Any:
 halves_added = compiled(halves_added, inner=True)
 
 
-def components(a: Any, b: Any, c: Any, d: Any) -> Any:
+def components(a: Lane, b: Lane, c: Lane, d: Lane) -> tuple[Lane, Lane, Lane]:
     """Components x, y and z of four rows."""
     ab, cd, odd_ab, odd_cd = _even(a, b), _even(c, d), _odd(a, b), _odd(c, d)
     return first_halves(ab, cd), first_halves(odd_ab, odd_cd), second_halves(ab, cd)
@@ -39,7 +38,7 @@ def components(a: Any, b: Any, c: Any, d: Any) -> Any:
 components = compiled(components, inner=True)
 
 
-def pairs(x: Any, y: Any) -> Any:
+def pairs(x: Lane, y: Lane) -> tuple[Lane, Lane]:
     """Pairs (x, y), two in a value: those of numbers 0 and 2, then those of 1 and 3."""
     return _even(x, y), _odd(x, y)
 
@@ -47,7 +46,7 @@ def pairs(x: Any, y: Any) -> Any:
 pairs = compiled(pairs, inner=True)
 
 
-def rows(x: Any, y: Any, z: Any, w: Any) -> Any:
+def rows(x: Lane, y: Lane, z: Lane, w: Lane) -> tuple[Lane, Lane, Lane, Lane]:
     """Four rows (x, y, z, w)."""
     even, odd, further_even, further_odd = _even(x, y), _odd(x, y), _even(z, w), _odd(z, w)
     return (

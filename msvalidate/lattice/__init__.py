@@ -9,7 +9,7 @@ at random, `mesh_lattice` takes a mesh's edges.
 from msvalidate.lattice import patterns
 from msvalidate.lattice.cut import CutLattice, cut_lattice
 from msvalidate.lattice.edges import EDGE_RULES, mesh_lattice
-from msvalidate.lattice.filled import WEIGHTS, Lattice, boundary_weights, fill
+from msvalidate.lattice.filled import WEIGHTS, Lattice, PatternLattice, boundary_weights, fill
 from msvalidate.lattice.pattern import Constants, Pattern, repeated
 from msvalidate.lattice.plane import (
     SIN60,
@@ -20,7 +20,7 @@ from msvalidate.lattice.plane import (
     zigzag_block,
 )
 from msvalidate.lattice.turned import turned
-from msvalidate.lattice.voronoi import STIFFNESS_RULES, voronoi, voronoi_box
+from msvalidate.lattice.voronoi import STIFFNESS_RULES, VoronoiLattice, voronoi, voronoi_box
 
 __all__ = [
     "EDGE_RULES",
@@ -31,6 +31,8 @@ __all__ = [
     "CutLattice",
     "Lattice",
     "Pattern",
+    "PatternLattice",
+    "VoronoiLattice",
     "boundary_weights",
     "cut_lattice",
     "diagonal_square",

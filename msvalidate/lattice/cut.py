@@ -19,13 +19,13 @@ slit or crack narrower than a cell, it joins them: take cells smaller than the g
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from msvalidate.lattice.corners import corners_of_cell
-from msvalidate.lattice.filled import Lattice
+from msvalidate.lattice.filled import PatternLattice
 from msvalidate.lattice.outline import inside, moments, outline
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import levels
@@ -50,8 +50,8 @@ SLIVER = 1e-2
 conditioned as an uncut lattice's, and errors are as without. From 0.1 on what is lost shows."""
 
 
-@dataclass(frozen=True, eq=False)
-class CutLattice(Lattice):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CutLattice(PatternLattice):
     """A lattice whose outer cells are cut; its points may lie up to a cell outside the body.
 
     Parameters
@@ -66,10 +66,10 @@ class CutLattice(Lattice):
         Part of the body's area or volume in cells that were left out, as slivers or by the rule.
     """
 
-    fraction: Array = field(default_factory=lambda: np.ones(0))
-    corner_volume: Array = field(default_factory=lambda: np.ones(0))
-    inside: Mask = field(default_factory=lambda: np.ones(0, dtype=bool))
-    lost: float = 0.0
+    fraction: Array
+    corner_volume: Array
+    inside: Mask
+    lost: float
 
     def weights_at(self, places: Array) -> tuple[Index, Array]:
         """Points (q, corners) and weights (q, corners) that interpolate at places (q, d) in m.
@@ -82,9 +82,7 @@ class CutLattice(Lattice):
         ProblemError
             If the places do not fit the lattice's dimension, or are not finite.
         """
-        places = coordinates("places", places)
-        if places.ndim != 2 or places.shape[1] != self.points.shape[1]:
-            raise ProblemError(f"places: {places.shape}; give (q, {self.points.shape[1]})")
+        places = coordinates("places", places, "q", self.points.shape[1])
         low = self.points[self.cells[:, 0]]
         h, d = self.spacing, places.shape[1]
         cell = _nearest(low, h, places)
@@ -180,8 +178,7 @@ def _refuse_misfit(pattern: Pattern, domain: Domain, rule: str, sliver: float) -
     if pattern.dim != domain.dim:
         raise ProblemError(f"{pattern.name} lattice: a {shown(domain)}; give one of {pattern.dim}D")
     chosen("cut lattice: rule", rule, RULES)
-    if not 0 <= number("cut lattice: sliver", sliver) < 1:
-        raise ProblemError(f"cut lattice: sliver {sliver:g}; give 0 or more and less than 1")
+    number("cut lattice: sliver", sliver, least=0, below=1)
 
 
 def _laid(

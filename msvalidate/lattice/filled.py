@@ -52,15 +52,10 @@ class Lattice:
     point_volume
         (n,) area (m²) or volume (m³) of each point.
     factor
-        (m,) stiffness of each spring inside relative to the constant of its kind, by default 1.
-    pattern, spacing
-        What repeats and the length of its unit (m), where the lattice is a piece of one.
+        (m,), or one for all: stiffness of springs inside relative to the constant of their kind.
     regular
         Whether its facets are those of equal cells, which a load on part of a side can be made to
         end with.
-    side_area
-        (n, 2d) part (m or m²) of each side of a box that is a point's own, in the order of `SIDES`,
-        where its springs need just that of a traction; None where the facets say who takes what.
     """
 
     name: str
@@ -73,15 +68,12 @@ class Lattice:
     share: Array
     sharing: Index
     point_volume: Array
-    factor: Array = field(default_factory=lambda: np.ones(0))
-    pattern: Pattern | None = None
-    spacing: float = 0.0
+    factor: Array = field(default_factory=lambda: np.ones(()))
     regular: bool = True
-    side_area: Array | None = None
 
     def __post_init__(self) -> None:
-        if not len(self.factor):
-            object.__setattr__(self, "factor", np.ones(len(self.springs)))
+        if not np.ndim(self.factor):
+            object.__setattr__(self, "factor", np.full(len(self.springs), float(self.factor)))
         for item in fields(self):
             value = getattr(self, item.name)
             if isinstance(value, np.ndarray):
@@ -101,6 +93,22 @@ class Lattice:
     def kinds(self) -> int:
         """Number of kinds of spring."""
         return int(self.kind.max()) + 1
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PatternLattice(Lattice):
+    """A lattice that is a piece of what repeats.
+
+    Parameters
+    ----------
+    pattern
+        What repeats.
+    spacing
+        Length (m) of its unit.
+    """
+
+    pattern: Pattern
+    spacing: float
 
 
 def boundary_weights(lattice: Lattice, rule: str) -> Array:
@@ -126,7 +134,7 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
     return lattice.borders
 
 
-def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> Lattice:
+def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> PatternLattice:
     """Whole cells of a pattern in a box along the axes.
 
     Springs that would leave the box are left out; a spring in a side counts the half that lies
@@ -167,7 +175,7 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> Lattice:
     springs, which = joined(pattern, number)
     inside = np.nonzero(number >= 0)[-1]
     volume = box.volume / math.prod(n) * pattern.volume / math.prod(pattern.size)
-    return Lattice(
+    return PatternLattice(
         name=pattern.name,
         domain=box,
         points=points,

@@ -81,9 +81,7 @@ class Pattern:
         said = f"pattern {self.name}"
         size = _edges(said, self.size)
         d = len(size)
-        points = coordinates(f"{said}: points", self.points)
-        if points.ndim != 2 or points.shape[1] != d or not len(points):
-            raise ProblemError(f"{said}: points {points.shape}; give (n, {d})")
+        points = coordinates(f"{said}: points", self.points, "n>0", d)
         if (points < 0).any() or (points >= size).any():
             raise ProblemError(f"{said}: points reach outside the cell; give 0 <= x < size")
         springs = integers(f"{said}: springs", self.springs)

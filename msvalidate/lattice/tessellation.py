@@ -308,10 +308,8 @@ def _unit(points: Array, box: Box) -> float:
 
 
 def _places(points: Array, dim: int) -> Array:
-    x = np.array(coordinates("points", points))
-    if x.ndim != 2 or x.shape[1] != dim or not len(x):
-        raise ProblemError(f"points: shape {x.shape}; give (n, {dim}), n at least 1")
-    return x
+    need = f"give (n, {dim}), n at least 1"
+    return np.array(coordinates("points", points, "n>0", dim, need=need))
 
 
 def _boxed(points: Array, box: Box) -> tuple[Array, Array]:

@@ -7,6 +7,7 @@ the Delaunay triangles and tetrahedra. The report tried it in the plane.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,6 +28,20 @@ STIFFNESS_RULES = ("1", "1/L", "A/L")
 LOOSE = 1e-3
 """Σ n nᵀ along some direction, over the directions n of its springs, below which a point swings."""
 RULES: Mapping[str, Constants] = {"unit": (1.0,)}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class VoronoiLattice(Lattice):
+    """A random lattice in a box, whose sides are shared out among Voronoi cells.
+
+    Parameters
+    ----------
+    side_area
+        (n, 2d) part (m or m²) of each side of the box that is a point's own, in the order of
+        `SIDES`: its springs need just that of a traction, whatever the facets.
+    """
+
+    side_area: Array
 
 
 def voronoi(
@@ -103,7 +118,7 @@ def relative_stiffness(vectors: Array, area: Array, rule: str) -> Array:
 
 def voronoi_box(
     box: Box, spacing: float, *, points: str = "jittered", stiffness: str = "A/L", seed: int = 0
-) -> Lattice:
+) -> VoronoiLattice:
     """Random lattice that fills a box: points in its corners, on its edges and sides, and inside.
 
     A spring in a side has half of its facet inside the box, one in two sides a quarter: its share.
@@ -140,7 +155,7 @@ def voronoi_box(
     # A brace has no facet in the box; it gets a mean one.
     area = np.concatenate([cells.area, np.full(len(braces), cells.area.mean())]) / share
     vectors = x[springs[:, 1]] - x[springs[:, 0]]
-    return Lattice(
+    return VoronoiLattice(
         name="Voronoi",
         domain=box,
         points=x,

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msvalidate.linear_algebra.double_double import ROUNDING, Pair, added, pair
+from msvalidate.linear_algebra.norms import largest
 from msvalidate.problem import Array, SolverError
 
 LARGEST_ERROR = 1e-6
@@ -105,15 +106,15 @@ def refined(
     """
     u, ahead = start, _Combined()
     best, waited, steps, scale = np.inf, 0, 0, 1.0
-    before = size = _largest(start.hi)
+    before = size = largest(start.hi)
     rates: list[float] = []
     while steps < MOST_STEPS and waited < patience:
         step = ahead.step(solve(residual(u)))
-        size = _largest(step)
+        size = largest(step)
         if not np.isfinite(size):
             return Refined(u, np.inf, steps)
         u, steps = added(u, pair(step)), steps + 1
-        scale = _largest(u.hi)
+        scale = largest(u.hi)
         if size <= ENOUGH * scale:
             return Refined(u, 2 * size / scale if scale else 0.0, steps, settled=True)
         if solved or steps > 1:
@@ -167,7 +168,7 @@ def tried(residual: Residual, solve: Solve, rate: float, known: Array) -> float:
         return residual(added(u, pair(-known)))
 
     found = refined(left, solve, pair(solve(load)), rate)
-    error = _largest(added(found.solution, pair(-known)).hi) / _largest(known)
+    error = largest(added(found.solution, pair(-known)).hi) / largest(known)
     return max(1.0, error / max(found.error, ENOUGH))
 
 
@@ -199,7 +200,3 @@ def refuse_vanishing(moved: float, title: str) -> None:
             f"{title}: moves by {moved:.3g} m, where doubles run out of digits; choose units that "
             "give ordinary displacements, or raise the load"
         )
-
-
-def _largest(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0))

@@ -12,12 +12,8 @@ from msvalidate.problem.checks import finite, integers
 
 def pairs_of(springs: ArrayLike, n: int) -> Index:
     """Springs (m, 2) as pairs of different ones of n points."""
-    pairs = integers("springs", springs)
-    if pairs.size == 0 or pairs.ndim != 2 or pairs.shape[1] != 2:
-        raise ProblemError(f"springs: shape {pairs.shape}; give whole numbers (m, 2)")
-    bad = np.flatnonzero((pairs < 0).any(axis=1) | (pairs >= n).any(axis=1))
-    if len(bad):
-        raise ProblemError(f"springs: {pairs[bad[0]]} at index {bad[0]}; there are {n} points")
+    pairs = integers("springs", springs, "m>0", 2, need="give whole numbers (m, 2)")
+    _refuse_beyond("springs", pairs, n)
     own = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
     if len(own):
         raise ProblemError(f"springs: {pairs[own[0]]} at index {own[0]} joins a point to itself")
@@ -32,11 +28,16 @@ def corners_of(given: ArrayLike, n: int, d: int) -> Index:
             f"cells: {cells.shape} of points ({n}, {d}); give triangles or quadrilaterals in the "
             "plane, tetrahedra or hexahedra in space"
         )
-    bad = np.flatnonzero((cells < 0).any(axis=1) | (cells >= n).any(axis=1))
-    if len(bad):
-        raise ProblemError(f"cells: {cells[bad[0]]} at index {bad[0]}; there are {n} points")
+    _refuse_beyond("cells", cells, n)
     cells.setflags(write=False)
     return cells
+
+
+def _refuse_beyond(name: str, rows: Index, n: int) -> None:
+    """Raise `ProblemError` with the first row (k, any) that names none of n points."""
+    bad = np.flatnonzero(((rows < 0) | (rows >= n)).any(axis=1))
+    if len(bad):
+        raise ProblemError(f"{name}: {rows[bad[0]]} at index {bad[0]}; there are {n} points")
 
 
 def filled(name: str, value: ArrayLike, count: int) -> Array:

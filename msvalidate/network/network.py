@@ -81,9 +81,7 @@ class Network:
     cells: Index | None = None
 
     def __post_init__(self) -> None:
-        points = coordinates("points", self.points)
-        if points.ndim != 2 or points.shape[1] not in {2, 3} or not len(points):
-            raise ProblemError(f"points: shape {points.shape}; give (n, 2) or (n, 3)")
+        points = coordinates("points", self.points, "n>0", (2, 3))
         n, d = points.shape
         springs = pairs_of(self.springs, n)
         m = len(springs)
@@ -95,10 +93,8 @@ class Network:
             ("displacement", (n, d), coordinates),
             ("force", (n, d), finite),
         ):
-            value = checked(name, getattr(self, name))
-            if value.shape != shape:
-                raise ProblemError(f"{name}: shape {value.shape}; this network needs {shape}")
-            object.__setattr__(self, name, value)
+            need = f"this network needs {shape}"
+            object.__setattr__(self, name, checked(name, getattr(self, name), *shape, need=need))
         held, moved = booleans("held", self.held, (n, d)), self.displacement
         refuse("stiffness", self.stiffness, self.stiffness < 0, "N/m; it must be 0 or more")
         refuse(
@@ -229,9 +225,7 @@ def spring_network(
         If an array does not fit, a spring joins a point to itself, names a point that is not
         there or has no length, or a value is out of range.
     """
-    x = coordinates("points", points)
-    if x.ndim != 2:
-        raise ProblemError(f"points: shape {x.shape}; give (n, 2) or (n, 3)")
+    x = coordinates("points", points, "n", (2, 3))
     pairs = pairs_of(springs, len(x))
     distance = np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)
     zero = np.zeros(x.shape)

@@ -13,7 +13,7 @@ from datetime import datetime
 from importlib.metadata import version
 from pathlib import Path
 
-import msvalidate
+from msvalidate import __version__
 
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "numba", "pandas", "matplotlib")
 
@@ -34,7 +34,7 @@ def provenance(
     """
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return {
-        "msvalidate": f"{msvalidate.__version__}, commit {commit()}",
+        "msvalidate": f"{__version__}, commit {commit()}",
         "Python": f"{platform.python_implementation()} {platform.python_version()}",
         "libraries": libraries,
         "processor": f"{processor()}, {cores()} cores available",
@@ -47,7 +47,7 @@ def provenance(
 
 def commit() -> str:
     """Commit of the checkout that this package runs from; "unknown" for an installed wheel."""
-    root = Path(msvalidate.__file__).resolve().parents[1]
+    root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
         return "unknown (not a checkout)"
     try:

@@ -8,7 +8,7 @@ from scipy.spatial import KDTree
 from msvalidate.problem.arrays import Array, Index, Mask
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.motions import place_name
-from msvalidate.problem.shapes import SHAPES, Shape, meetings
+from msvalidate.problem.shapes import Shape, meetings
 
 FLAT = 1e-12
 """A cell whose Jacobian is this part of the product of its sides, or less, has no volume."""
@@ -148,7 +148,7 @@ def _straight_and_bent(
 
     Straight cells reach no further than their corners: far fewer points are near them.
     """
-    straight = SHAPES[kind.name.rstrip("0123456789")]
+    straight = kind.straight
     amid = straight.values(kind.nodes) @ points[cells[:, : kind.corners]]
     bent = np.abs(points[cells] - amid).max(axis=(1, 2)) > tolerance
     each = ((straight, np.flatnonzero(~bent)), (kind, np.flatnonzero(bent)))

@@ -12,16 +12,21 @@ its type, where these can be taken exactly, and is refused where something would
 
 Single counts (`whole`) are written by hand, and a float there is a slip: a length for a number of
 cells. They are whole by type.
+
+A shape is told by its sizes (`shaped`), a range by its ends (`number`), so that messages are made
+in one place.
 """
 
 from __future__ import annotations
 
+import math
 import reprlib
 from collections.abc import Iterable
 from contextlib import suppress
+from itertools import product
 from numbers import Real
 from types import UnionType
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,6 +62,47 @@ def shown(value: object) -> str:
     return line if len(line) <= LONGEST_SHOWN else f"{line[: LONGEST_SHOWN - 3]}..."
 
 
+Size = int | str | tuple[int, ...]
+"""A number along one axis of an array; a letter for any, "n>1" for any above 1; one of several."""
+Kept = TypeVar("Kept", bound=np.ndarray)
+
+
+def shaped(name: str, array: Kept, *sizes: Size, need: str = "") -> Kept:
+    """Return an array of a shape, one size an axis.
+
+    `need` says what to give in other words than the sizes.
+
+    Raises
+    ------
+    ProblemError
+        If it has another shape.
+    """
+    fits = array.ndim == len(sizes) and all(
+        _fits(length, size) for length, size in zip(array.shape, sizes, strict=True)
+    )
+    if not fits:
+        raise ProblemError(f"{name}: shape {array.shape}; {need or f'give {_as_shape(sizes)}'}")
+    return array
+
+
+def _fits(length: int, size: Size) -> bool:
+    """Whether an axis of this length is of a size."""
+    if isinstance(size, str):
+        return length > int(size.partition(">")[2] or -1)
+    return length in size if isinstance(size, tuple) else length == size
+
+
+def _as_shape(sizes: tuple[Size, ...]) -> str:
+    """Sizes as messages have them: (n, 2) or (n, 3), n above 1."""
+    choices = product(*(size if isinstance(size, tuple) else (size,) for size in sizes))
+    least = [size.partition(">") for size in sizes if isinstance(size, str) and ">" in size]
+    names = [[str(size).partition(">")[0] for size in choice] for choice in choices]
+    shapes = [f"({', '.join(one)}{',' if len(one) == 1 else ''})" for one in names]
+    return ", ".join(
+        [" or ".join(shapes), *(f"{letter} above {most}" for letter, _, most in least)]
+    )
+
+
 def instance(name: str, value: object, kind: type | UnionType) -> None:
     """Raise `ProblemError` unless `value` is of a kind, or of one of a union of kinds."""
     if not isinstance(value, kind):
@@ -78,23 +124,33 @@ def numbers(name: str, values: Any) -> Array:
         return np.array(given, dtype=float, order="C")
 
 
-def finite(name: str, values: ArrayLike) -> Array:
-    """Return `values` as a read-only float array of its own.
+def finite(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Array:
+    """Return `values` as a read-only float array of its own, `shaped` where sizes are given.
 
     Raises
     ------
     ProblemError
-        If a value is masked, is missing, is not a number or is infinite.
+        If a value is masked, is missing, is not a number or is infinite, or the shape is another.
     """
     array = numbers(name, values)
+    if sizes:
+        shaped(name, array, *sizes, need=need)
     _refuse(name, array, ~np.isfinite(array), "every value must be finite")
     array.setflags(write=False)
     return array
 
 
-def integers(name: str, values: ArrayLike) -> Index:
-    """Return `values` as an array of whole numbers of its own; raise `ProblemError` unless so."""
+def integers(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Index:
+    """Return `values` as an array of whole numbers of its own, `shaped` where sizes are given.
+
+    Raises
+    ------
+    ProblemError
+        If a value is not a whole number, or the shape is another.
+    """
     given = _real(name, values)
+    if sizes:
+        shaped(name, given, *sizes, need=need)
     if given.dtype.kind == "f":
         _refuse(name, given, ~np.isfinite(given), "every value must be finite")
         if (given != np.round(given)).any():
@@ -116,19 +172,49 @@ def booleans(name: str, values: Any, shape: tuple[int, ...]) -> Mask:
     return np.array(given, dtype=bool, order="C")
 
 
-def coordinates(name: str, values: ArrayLike) -> Array:
+def indices(name: str, values: ArrayLike, count: int, *sizes: Size, need: str = "") -> Index:
+    """Return numbers of some of `count` points, from 0, as `integers` does.
+
+    Raises
+    ------
+    ProblemError
+        If one is of no point, or the shape is another.
+    """
+    array = integers(name, values, *sizes, need=need)
+    if array.size and (array.min() < 0 or array.max() >= count):
+        raise ProblemError(
+            f"{name}: points {array.min()} to {array.max()}; there are {count}, from 0"
+        )
+    return array
+
+
+def coordinates(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Array:
     """Return places or displacements (m) as `finite` does, none beyond `LONGEST`."""
-    array = finite(name, values)
+    array = finite(name, values, *sizes, need=need)
     remedy = f"take a unit in which nothing is beyond {LONGEST:g} m"
     _refuse(name, array, np.abs(array) > LONGEST, remedy)
     return array
 
 
-def number(name: str, value: ArrayLike) -> float:
-    """Return `value` as a float; raise `ProblemError` unless it is one finite number."""
+def number(
+    name: str,
+    value: ArrayLike,
+    *,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    most: float = math.inf,
+    below: float = math.inf,
+    unit: str = "",
+) -> float:
+    """Return `value` as a float; raise `ProblemError` unless it is one finite number in a range."""
     given = finite(name, value)
     if given.ndim:
         raise ProblemError(f"{name}: {shown(value)}; give one number")
+    if not (above < given < below and least <= given <= most):
+        said = {f"above {above:g}": above, f"of {least:g} or more": least}
+        said |= {f"at most {most:g}": most, f"below {below:g}": below}
+        ends = " and ".join(words for words, end in said.items() if math.isfinite(end))
+        raise ProblemError(f"{name}: {shown(value)}{unit and ' ' + unit}; give a number {ends}")
     return float(given)
 
 

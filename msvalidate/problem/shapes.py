@@ -6,7 +6,7 @@ Nodes are numbered as in VTK (and meshio): corners, mid-sides, middles of faces,
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -28,10 +28,6 @@ AT_REST, SINGULAR = 1e-12, 1e-15
 slopes that is added to them, so that a place where the map has no inverse raises no error."""
 AT_ONCE = 20_000
 """Pairs of a point and a cell that are looked into at once: 27 nodes of each take 40 MB."""
-BULGE = {1: 5 / 4, 2: 5 / 3, 3: 2.0}
-"""How far a quadratic map of so many axes reaches beyond its nodes at most, as a multiple of their
-distance from any place: the largest sum of its shape functions' magnitudes (Lebesgue's constant).
-On a line 5/4, so 25/16 in a square and 125/64 in a cube; 5/3 in a triangle, 2 in a tetrahedron."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +47,8 @@ class Shape:
     simplex
         Whether a line (of one axis), triangle or tetrahedron; else a square or cube.
     degree
-        1 of straight sides, 2 with mid-sides.
+        1 of straight sides, 2 with mid-sides. Squares and cubes of degree 2 may lack their middles
+        (serendipity).
     """
 
     name: str
@@ -74,22 +71,38 @@ class Shape:
             return ring
         return np.array([self._with_middles(corners) for corners in ring])
 
+    @property
+    def facet(self) -> Shape:
+        """The shape of its facets."""
+        return FACETS[self.dim, self.facets.shape[1]]
+
+    @property
+    def straight(self) -> Shape:
+        """The shape of the corners alone."""
+        return SHAPES[self.name.rstrip("0123456789")]
+
     def _with_middles(self, ring: Index) -> list[int]:
-        """Corners of a facet, the middles of its edges, and its own where a square has one."""
+        """Corners of a facet, the middles of its edges, and its own where it has one."""
         following = np.roll(ring, -1)
         groups = [ring] if len(ring) == 2 else list(np.column_stack([ring, following]))
         if len(ring) == 4:
             groups.append(ring)
         middles = [self.nodes[group].mean(axis=0) for group in groups]
         apart = [np.abs(self.nodes - middle).sum(axis=1) for middle in middles]
-        return [*ring.tolist(), *(int(distance.argmin()) for distance in apart)]
+        there = [int(distance.argmin()) for distance in apart if distance.min() == 0]
+        return [*ring.tolist(), *there]
 
     @cached_property
     def powers(self) -> Index:
         """Exponents (k, dim) of the monomials that the shape functions are made of."""
         every = product(range(self.degree + 1), repeat=self.dim)
-        fit = [p for p in every if not self.simplex or sum(p) <= self.degree]
-        return np.array(fit)
+        if self.simplex:
+            return np.array([p for p in every if sum(p) <= self.degree])
+        if len(self.nodes) == (self.degree + 1) ** self.dim:
+            return np.array(list(every))
+        # Serendipity: of degree 2 but for linear factors (Arnold and Awanou 2011,
+        # doi:10.1007/s10208-011-9087-3).
+        return np.array([p for p in every if sum(q for q in p if q > 1) <= self.degree])
 
     @cached_property
     def _coefficients(self) -> Array:
@@ -108,6 +121,19 @@ class Shape:
             monomials = self.powers[:, axis] * _monomials(places, lowered)
             parts.append(monomials @ self._coefficients)
         return np.stack(parts, axis=2)
+
+    @cached_property
+    def bulge(self) -> float:
+        """How far its map reaches beyond its nodes at most, as a multiple of their distance.
+
+        The largest sum of the shape functions' magnitudes (Lebesgue's constant), from any place:
+        5/4 on a line with a middle, 3 in a square without.
+        """
+        if self.degree == 1:
+            return 1.0
+        # Of all these it is largest at halves, thirds or quarters of the unit cell.
+        at = np.array(list(product(np.linspace(0.0, 1.0, 13), repeat=self.dim)))
+        return float(np.abs(self.values(self.clipped(at))).sum(axis=1).max())
 
     @property
     def middle(self) -> Array:
@@ -166,21 +192,20 @@ def _monomials(places: Array, powers: Index) -> Array:
     return np.asarray(np.prod(places[:, None, :] ** powers, axis=2))
 
 
-def _shape(
-    names: tuple[str, str],
+def _shapes(
     corners: Sequence[tuple[int, ...]],
     rings: Sequence[tuple[int, ...]],
-    between: Sequence[tuple[int, ...]],
+    names: Mapping[str, Sequence[tuple[int, ...]]],
 ) -> list[Shape]:
-    """The shape with straight sides and the one with middles of some groups of corners."""
+    """Shapes of the same corners, by meshio's names: each with middles of some groups of them."""
     straight = np.array(corners, dtype=float)
-    middles = [straight[list(group)].mean(axis=0) for group in between]
     simplex = len(corners) == straight.shape[1] + 1
-    outside = tuple(rings)
-    return [
-        Shape(names[0], straight, len(corners), outside, simplex, 1),
-        Shape(names[1], np.array([*straight, *middles]), len(corners), outside, simplex, 2),
-    ]
+    found = []
+    for name, groups in names.items():
+        middles = [straight[list(group)].mean(axis=0) for group in groups]
+        nodes = np.array([*straight, *middles])
+        found.append(Shape(name, nodes, len(corners), tuple(rings), simplex, 2 if groups else 1))
+    return found
 
 
 _TRIANGLE = [(0, 1), (1, 2), (2, 0)]
@@ -192,29 +217,26 @@ _UNIT_CUBE = [(x, y, z) for z in (0, 1) for x, y in [(0, 0), (1, 0), (1, 1), (0,
 
 SHAPES = {
     shape.name: shape
-    for pair in (
-        _shape(("line", "line3"), [(0,), (1,)], [(0,), (1,)], [(0, 1)]),
-        _shape(("triangle", "triangle6"), [(0, 0), (1, 0), (0, 1)], _TRIANGLE, _TRIANGLE),
-        _shape(
-            ("quad", "quad9"),
+    for family in (
+        _shapes([(0,), (1,)], [(0,), (1,)], {"line": [], "line3": [(0, 1)]}),
+        _shapes([(0, 0), (1, 0), (0, 1)], _TRIANGLE, {"triangle": [], "triangle6": _TRIANGLE}),
+        _shapes(
             [(0, 0), (1, 0), (1, 1), (0, 1)],
             _SQUARE,
-            [*_SQUARE, (0, 1, 2, 3)],
+            {"quad": [], "quad9": [*_SQUARE, (0, 1, 2, 3)]},
         ),
-        _shape(
-            ("tetra", "tetra10"),
+        _shapes(
             [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)],
             _TETRAHEDRON,
-            [*_TRIANGLE, (0, 3), (1, 3), (2, 3)],
+            {"tetra": [], "tetra10": [*_TRIANGLE, (0, 3), (1, 3), (2, 3)]},
         ),
-        _shape(
-            ("hexahedron", "hexahedron27"),
+        _shapes(
             _UNIT_CUBE,
             _CUBE,
-            [*_CUBE_EDGES, *_CUBE, (0, 1, 2, 3, 4, 5, 6, 7)],
+            {"hexahedron": [], "hexahedron27": [*_CUBE_EDGES, *_CUBE, tuple(range(8))]},
         ),
     )
-    for shape in pair
+    for shape in family
 }
 CELLS = tuple(name for name, shape in SHAPES.items() if shape.dim > 1)
 """Names of what a mesh may consist of."""
@@ -267,9 +289,7 @@ def meetings(shape: Shape, places: Array, points: Array, tolerance: float) -> tu
     if not len(points):
         return np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp)
     middle = places.mean(axis=1)
-    reach = np.linalg.norm(places - middle[:, None], axis=2).max(axis=1)
-    if shape.degree == 2:
-        reach = reach * BULGE[shape.dim]
+    reach = shape.bulge * np.linalg.norm(places - middle[:, None], axis=2).max(axis=1)
     near = KDTree(points).query_ball_point(middle, reach * (1 + 1e-9) + tolerance)
     cell = np.repeat(np.arange(len(places)), [len(each) for each in near])
     point = np.fromiter((i for each in near for i in each), dtype=np.intp, count=len(cell))

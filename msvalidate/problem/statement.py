@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from msvalidate.problem.arrays import AXES, PLACEMENT, Array, Field, Index, Mask
-from msvalidate.problem.checks import coordinates, finite, instance, shown
+from msvalidate.problem.checks import coordinates, finite, instance, positive, shown
 from msvalidate.problem.domain import Box, Domain, corners_of
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.material import Material
@@ -109,6 +109,30 @@ class BodyForce:
     """Force per volume (N/m³): d components, or a field of points (n, d) -> (n, d)."""
 
     force: tuple[float, ...] | Field
+
+    @classmethod
+    def gravity(cls, density: float, acceleration: tuple[float, ...]) -> BodyForce:
+        """The weight of a body, or what else accelerates all of its mass alike.
+
+        Parameters
+        ----------
+        density
+            Mass density (kg/m³), as `material.density`.
+        acceleration
+            d components (m/s²), such as (0.0, -9.81): downwards along y.
+
+        Raises
+        ------
+        ProblemError
+            If the density is not above zero, or the acceleration not 2 or 3 finite numbers.
+        """
+        rho, g = positive("gravity: density", density, "kg/m³"), finite("gravity", acceleration)
+        if g.shape not in {(2,), (3,)}:
+            raise ProblemError(
+                f"gravity: {shown(acceleration)}; give 2 or 3 components in m/s², such as "
+                "(0.0, -9.81)"
+            )
+        return cls(tuple(rho * float(each) for each in g))
 
 
 Load = PointForce | Traction | BodyForce

@@ -113,8 +113,8 @@ class _Multigrid:
         before, self.residual = self.residual, residual
         if not before:
             return FIRST_PART
-        allowed = max(self.run.tolerance * self.run.force_met(), self.run.rounding)
-        part = max((residual / before) ** 2, ENOUGH * allowed / max(residual, 1e-300))
+        enough = ENOUGH * self.run.test.allowed()
+        part = max((residual / before) ** 2, enough / max(residual, 1e-300))
         return min(FIRST_PART, max(LEAST_PART, part))
 
     def look_after(self, rate: float) -> None:

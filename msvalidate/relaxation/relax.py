@@ -15,10 +15,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from tqdm import tqdm
 
+from msvalidate.linear_algebra.norms import largest
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite, instance, positive, shown, whole
-from msvalidate.relaxation.run import LOOK_EVERY, Relaxation, Run, largest, together
+from msvalidate.relaxation.monitor import Monitor
+from msvalidate.relaxation.run import LOOK_EVERY, Relaxation, Run, together
 from msvalidate.statics.equilibrium import Equilibrium, displacement_of, refuse_folded
 from msvalidate.statics.path import Path, Way, way_of
 from msvalidate.statics.polish import error_of
@@ -128,28 +130,33 @@ def relax(
     for stage in stages:
         loose = tolerance if stage is network else max(tolerance, STOPOVER)
         run = Run(stage, method.title, loose, known, begun)
-        if network.held.all():
-            found, at_ease = run.result([], 0.0), False
-        else:
-            with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
-                found, at_ease = _walked(run, method, (max_steps, look_every), watch)
+        found, at_ease = _walked(run, method, (max_steps, look_every), watch)
         done.append(found)
         begun = found.equilibrium.displacement
         if not at_ease:  # ended by its watcher
-            break
-    found = together(done)
-    if at_ease and not is_stable(network, found.equilibrium.position, run.cycle):
+            return together(done)
+    return _judged(together(done), run, allow_folded=allow_folded)
+
+
+def _judged(found: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:
+    """A run at rest with the error of where it rests; refused where that is no answer.
+
+    Raises
+    ------
+    SolverError
+        If it rests where it is unstable, with cells that are folded, or off by all that it moved.
+    """
+    network = run.network
+    if not is_stable(network, found.equilibrium.position, run.cycle):
         raise SolverError(
-            f"{method.title} came to rest after {found.steps} steps where the network is unstable "
+            f"{run.title} came to rest after {found.steps} steps where the network is unstable "
             "(some motion from there meets no stiffness, or less); disturb the symmetry or reduce "
             "the load"
         )
-    if not at_ease:
-        return found
     if not allow_folded:
-        refuse_folded(network, found.equilibrium, f"{method.title} after {found.steps} steps")
+        refuse_folded(network, found.equilibrium, f"{run.title} after {found.steps} steps")
     error = error_of(network, found.equilibrium.displacement, run.cycle)
-    _refuse_lost(network, found, error, method.title)
+    _refuse_lost(network, found, error, run.title)
     return replace(found, equilibrium=replace(found.equilibrium, error=error))
 
 
@@ -213,14 +220,23 @@ def _known(frequencies: tuple[float, float] | None) -> tuple[float, float] | Non
 def _walked(
     run: Run, method: Method, steps: tuple[int | None, int | None], watch: Watch | None
 ) -> tuple[Relaxation, bool]:
-    """The run at its end, and whether that is rest."""
+    """The run at its end, and whether that is rest; what is held at every point is not asked."""
+    if run.network.held.all():
+        return Monitor(run).result(0.0), False
+    with np.errstate(over="ignore", invalid="ignore"):  # a diverged run is refused as such
+        return _looked_after(run, method, steps, watch)
+
+
+def _looked_after(
+    run: Run, method: Method, steps: tuple[int | None, int | None], watch: Watch | None
+) -> tuple[Relaxation, bool]:
+    """The same of a run that moves: walked from look to look."""
     given, stride = steps
     walk = method.walk(run)
     next(walk)  # prepares
     allowed = given or run.most_steps()
     look_every = stride or max(method.look_every, run.look_every)
-    started = time.perf_counter()
-    looks = [run.look()]
+    started, monitor = time.perf_counter(), Monitor(run)
     with tqdm(
         total=1.0,
         desc=method.title,
@@ -230,15 +246,15 @@ def _walked(
         bar_format="{desc}: {percentage:3.0f}% of the way to rest{postfix} [{elapsed}]",
     ) as bar:
         while True:
-            at_ease = run.resting(looks[-1])
+            seen = monitor.look()
+            if not bar.disable:
+                monitor.show(bar)
+            at_ease = run.test.met(seen.residual, seen.kinetic)
             enough = watch is not None and watch(run)
             if at_ease or enough:
-                return run.result(looks, time.perf_counter() - started), at_ease
+                return monitor.result(time.perf_counter() - started), at_ease
             if run.steps >= allowed:
-                raise SolverError(run.unfinished(looks[-1]))
+                raise SolverError(monitor.unfinished)
             run.until = min(run.steps + look_every, allowed)
             while run.block > 0:
                 next(walk)
-            looks.append(run.look())
-            if not bar.disable:
-                run.show(bar, looks)

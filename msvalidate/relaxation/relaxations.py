@@ -14,11 +14,12 @@ import numpy as np
 
 from msvalidate import kernels
 from msvalidate.dynamics.integrators import LEAPFROG
+from msvalidate.linear_algebra.norms import largest
 from msvalidate.network import tangent
 from msvalidate.problem import Array, SolverError
 from msvalidate.relaxation.newton import NEWTON, NEWTON_MULTIGRID
 from msvalidate.relaxation.relax import Method
-from msvalidate.relaxation.run import SAFETY, Run, largest, patiently
+from msvalidate.relaxation.run import SAFETY, Run, patiently
 from msvalidate.relaxation.viscous import ALGORITHM1, viscous
 
 # FIRE's numbers are the paper's.
@@ -167,7 +168,7 @@ def _conjugate_gradients(run: Run) -> Iterator[None]:
         way += steepest
         if np.vdot(force, way) <= 0 or not _searched(run, way):
             way[:] = steepest
-            if not _searched(run, way) and largest(force) > ROUNDED * run.rounding:
+            if not _searched(run, way) and largest(force) > ROUNDED * run.test.rounding:
                 raise SolverError(
                     f"{run.title}: no step along the force lowers its slope at iteration "
                     f"{run.steps + 1}; the network collapses under this load: reduce it"

@@ -8,11 +8,12 @@ from typing import Literal
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import largest
 from msvalidate.linear_algebra.refine import InaccurateError
 from msvalidate.network import Network
 from msvalidate.network.folds import count_folded, description, folded_cells
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import chosen, coordinates, instance, shown
+from msvalidate.problem.checks import chosen, coordinates, instance
 from msvalidate.statics.following import Followed, follow, is_stressed
 from msvalidate.statics.linear_solution import solved
 from msvalidate.statics.path import Path, way_of
@@ -148,13 +149,8 @@ def displacement_of(network: Network, start: Equilibrium | Array | None) -> Arra
     if start is None:
         return None
     given = start.displacement if isinstance(start, Equilibrium) else start
-    moved = coordinates("start", given)
-    if moved.shape != network.points.shape:
-        raise ProblemError(
-            f"start: shape {shown(moved.shape)}; give an equilibrium of this network, or its "
-            f"displacement {network.points.shape}"
-        )
-    return moved
+    need = f"give an equilibrium of this network, or its displacement {network.points.shape}"
+    return coordinates("start", given, *network.points.shape, need=need)
 
 
 def refuse_folded(network: Network, found: Equilibrium, title: str) -> None:
@@ -191,7 +187,7 @@ def at_rest(
         displacement=displacement,
         position=position,
         reaction=np.where(network.held, -left, 0.0),
-        residual=_largest(left[~network.held]),
+        residual=largest(left[~network.held]),
         iterations=iterations,
         error=error,
         folded=count_folded(network.simplices, position),
@@ -208,7 +204,7 @@ def _linear(network: Network, solver: str) -> Equilibrium:
         displacement=found.displacement,
         position=position,
         reaction=found.reaction,
-        residual=_largest(found.balance[~network.held]),
+        residual=largest(found.balance[~network.held]),
         iterations=1 + found.steps,
         error=found.error,
         folded=count_folded(network.simplices, position),
@@ -304,7 +300,3 @@ def _hidden(network: Network, solver: Solver) -> str:
     except SolverError:  # such as a rope, which stands by its tension alone
         return ""
     return "" if beyond_doubt(found) else why(network, found.softness)
-
-
-def _largest(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0))

@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from msvalidate.linear_algebra.norms import largest
 from msvalidate.network import Network, internal_force
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array, SolverError
@@ -160,7 +161,7 @@ def newton(way: Way, solver: Solver, start: Station, t: float, steps: int = ITER
                 raise
             return Arrival(None, iteration)
         # Judged with the tangent of the same place: the one before would miss a bifurcation.
-        arrived = _largest(ahead) <= _rounding(x)
+        arrived = largest(ahead) <= _rounding(x)
         if arrived and (np.abs(balance) <= small)[~network.held].all():
             if not _is_stable(network, x, K):
                 return Arrival(None, iteration + 1)
@@ -265,16 +266,12 @@ def _is_gap(way: Way, solver: Solver, a: Station, b: Station, found: Followed) -
 
 def _is_near(station: Station, other: Station, far: Station) -> bool:
     """Whether two stations are one, beside how far they are from a third."""
-    apart = _largest(station.position - other.position)
-    return apart <= SAME * _largest(other.position - far.position) + _rounding(other.position)
+    apart = largest(station.position - other.position)
+    return apart <= SAME * largest(other.position - far.position) + _rounding(other.position)
 
 
 def _rounding(x: Array) -> float:
     return float(4 * np.finfo(float).eps * np.abs(x).max())
-
-
-def _largest(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0))
 
 
 def is_stressed(network: Network) -> bool:

@@ -159,11 +159,8 @@ def _applied(network: Network, given: Callable[[float], Applied], t: float) -> A
         ("force", force, finite),
         ("displacement", displacement, coordinates),
     ):
-        array = checked(f"path: {name} at t = {t:g}", value)
-        if array.shape != network.points.shape:
-            raise ProblemError(
-                f"path: {name} at t = {t:g} of shape {array.shape}; return {network.points.shape}"
-            )
+        need = f"return {network.points.shape}"
+        array = checked(f"path: {name} at t = {t:g}", value, *network.points.shape, need=need)
         found.append(array)
     if found[1][~network.held].any():
         point = int(np.flatnonzero((~network.held & (found[1] != 0)).any(axis=1))[0])

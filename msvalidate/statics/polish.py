@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from msvalidate.linear_algebra.double_double import ROUNDING, Pair, added, pair
+from msvalidate.linear_algebra.norms import largest
 from msvalidate.linear_algebra.refine import (
     DOUBTFUL,
     ENOUGH,
@@ -129,9 +130,9 @@ def polished(
         system, moved = _newton(network, u, near, solver)
     u = moved.solution
     _refuse_far(_turn(network, u.hi - before))
-    refuse_vanishing(_largest(u.hi), TITLE)
+    refuse_vanishing(largest(u.hi), TITLE)
     error = system.stated(moved)
-    refuse_inaccurate(error, TITLE, _why(network, _largest(u.hi), system.found.softness))
+    refuse_inaccurate(error, TITLE, _why(network, largest(u.hi), system.found.softness))
     system.refuse_unstable()
     return Polished(u.hi, u.lo, error, moved.steps)
 
@@ -155,11 +156,11 @@ def _newton(network: Network, u: Pair, near: Network, solver: Solver) -> tuple[_
         system = _Nonlinear(network, u, near, None, solver)
         step = system.newton_step()
         steps += step.steps + 1
-        sizes.append(_largest(step.solution.hi))
+        sizes.append(largest(step.solution.hi))
         if not np.isfinite(sizes[-1]) or _turn(network, step.solution.hi) > LARGEST_TURN:
             break
         u = added(u, step.solution)
-        scale = _largest(u.hi) or 1.0
+        scale = largest(u.hi) or 1.0
         if sizes[-1] <= ENOUGH * scale:
             return system, Refined(u, 2 * sizes[-1] / scale, steps, settled=True)
         error = 2 * sizes[-1] / scale
@@ -173,23 +174,23 @@ def error_of(network: Network, displacement: Array, found: Regular | Cycle | Non
     `found` is a factor of the tangent there, or a multigrid cycle close by, where there is one.
     Without a factor conjugate gradients make one correction.
     """
-    largest = _largest(displacement)
-    if network.held.all() or not largest:
+    size = largest(displacement)
+    if network.held.all() or not size:
         return 0.0 if network.held.all() else _error_of_nothing(network)
     start = pair(displacement)
     near = centred(network)
     solver = Solver(near)
     if isinstance(found, Cycle) or (found is None and not solver.is_direct):
         step = _by_cycles(network, start, near, found)
-        return 2 * _largest(step) / largest
+        return 2 * largest(step) / size
     try:
         known_one = found if isinstance(found, Regular) else None
         system = _Nonlinear(network, start, near, known_one, solver)
         moved = system.refined()
     except SolverError:
         return math.inf
-    apart = _largest(added(moved.solution, pair(-displacement)).hi)
-    return (apart * 1.01) / largest + system.stated(moved) * _largest(moved.solution.hi) / largest
+    apart = largest(added(moved.solution, pair(-displacement)).hi)
+    return (apart * 1.01) / size + system.stated(moved) * largest(moved.solution.hi) / size
 
 
 def _error_of_nothing(network: Network) -> float:
@@ -243,7 +244,7 @@ class _Nonlinear:
         """Displacement (n, d) in m that the factor gives for a force, scaled as `left`."""
         motion = np.zeros(force.shape)
         right = force[self.free]  # over the tangent a small one may leave the range of doubles
-        size = 2.0 ** (math.frexp(_largest(right))[1] - 1)
+        size = 2.0 ** (math.frexp(largest(right))[1] - 1)
         solved = self.found.inverse.solve(right / size) * self.state.stiffness
         motion[self.free] = solved * (size * self.unit)
         return motion
@@ -273,7 +274,7 @@ class _Nonlinear:
         rate, times = self.found.rate, 1.0
         if rate > DOUBTFUL:
             times = tried(self._linear, self._solve_linear, rate, known(self.free, self.found.mode))
-        pulled = self.state.pulled * self.unit / _largest(moved.solution.hi)
+        pulled = self.state.pulled * self.unit / largest(moved.solution.hi)
         return stated(moved, self.found.softness, times, pulled)
 
     def _linear(self, motion: Pair) -> Array:
@@ -309,7 +310,3 @@ def _turn(network: Network, move: Array) -> float:
     length = np.linalg.norm(network.vector, axis=1)
     change = np.linalg.norm(move[j] - move[i], axis=1) / length
     return float(np.nan_to_num(change, nan=np.inf).max(initial=0.0))
-
-
-def _largest(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0))

@@ -137,11 +137,8 @@ def point_stress(lattice: Lattice, stress: Array) -> Array:
         If the stresses are not one a cell, or a point is no cell's corner.
     """
     instance("lattice", lattice, Lattice)
-    given = finite("stress of the cells", stress)
-    if given.ndim != 2 or len(given) != len(lattice.cells):
-        raise ProblemError(
-            f"stress of the cells: shape {given.shape}; the lattice has {len(lattice.cells)} cells"
-        )
+    count = len(lattice.cells)
+    given = finite("stress of the cells", stress, count, "v", need=f"the lattice has {count} cells")
     corner, n = _corner_volume(lattice), len(lattice.points)
     around = np.bincount(lattice.cells.ravel(), corner.ravel(), n)
     (alone,) = np.nonzero(around == 0)

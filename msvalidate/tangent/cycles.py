@@ -15,7 +15,7 @@ from msvalidate.tangent.mechanism import is_loose, named
 from msvalidate.tangent.multigrid import (
     UNSEEN,
     Cycle,
-    Outcome,
+    Solved,
     conjugate_gradients,
     cycle_of,
     softest_motion,
@@ -108,7 +108,7 @@ class Cycles:
         found = self._settled(load, ROUGHLY)
         return found.solution[self._free], not found.negative and found.left <= ROUGHLY
 
-    def _settled(self, right: Array, part: float) -> Outcome:
+    def _settled(self, right: Array, part: float) -> Solved:
         """What conjugate gradients make of a load (f,), with a cycle of its own where it must."""
         while True:
             load = np.zeros(self.A.shape[0])

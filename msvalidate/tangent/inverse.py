@@ -90,6 +90,10 @@ class Regular:
         """The motion (n·d,) that the tangent resists least."""
         return self._softest[1]
 
+    def refuse_mechanism(self) -> None:
+        """Raise `SolverError` where the softest motion meets no stiffness."""
+        _refuse_no_stiffness(self.network, *self._softest)
+
     @property
     def rate(self) -> float:
         """Part of an error that a correction leaves, at the most."""
@@ -114,8 +118,7 @@ class Regular:
         if isinstance(found, Factor):
             return self._judged(inverse_iteration(found.solve, len(weight), weight))
         way, _, told = found.probed
-        if not told:
-            raise UnsettledError("multigrid: conjugate gradients do not tell whether it is stable")
+        _refuse_unsettled(told)
         soft, mode = self._judged(way)
         if 0 < soft < SOFT:
             way, told = found.softer(way)
@@ -124,8 +127,7 @@ class Regular:
             purer = softest_motion(found.A, self.network, self.position)
             if purer.any():
                 soft, mode = self._judged(purer[~self.network.held.ravel()])
-        if not told:
-            raise UnsettledError("multigrid: conjugate gradients do not tell whether it is stable")
+        _refuse_unsettled(told)
         return soft, mode
 
     def _judged(self, way: Array) -> tuple[float, Array]:
@@ -134,8 +136,7 @@ class Regular:
         free = ~self.network.held.ravel()
         mode[free], met[free] = way, self.diagonal
         soft = softness(self.network, self.position, mode, met)
-        if not abs(soft) > NO_STIFFNESS:
-            raise SolverError(named(self.network, mode))
+        _refuse_no_stiffness(self.network, soft, mode)
         return soft, mode
 
 
@@ -271,7 +272,7 @@ class Solver:
             stiffened = K + diags_array(STIFFENED * np.abs(K.diagonal()))
             factor = self.inverse(network, position, stiffened)
         found = Regular(network, position, factor, diagonal)
-        _ = found.softness  # refuses a mechanism
+        found.refuse_mechanism()
         return found
 
     def _multigrid(self, network: Network, position: Array, K: bsr_array) -> Cycles:
@@ -305,6 +306,17 @@ def joined(network: Network) -> Index:
     if network.shear is not None:
         pairs.append(network.shear.springs)
     return np.concatenate(pairs)
+
+
+def _refuse_unsettled(told: bool) -> None:
+    if not told:
+        raise UnsettledError("multigrid: conjugate gradients do not tell whether it is stable")
+
+
+def _refuse_no_stiffness(network: Network, soft: float, mode: Array) -> None:
+    """Raise `SolverError` for a motion (n·d,) that meets nothing: NaN is nothing too."""
+    if not abs(soft) > NO_STIFFNESS:
+        raise SolverError(named(network, mode))
 
 
 def _refuse_rounding(softness: float) -> None:

@@ -106,7 +106,7 @@ class Cycle:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class Solved:
     """What conjugate gradients found.
 
     Parameters
@@ -225,7 +225,7 @@ def conjugate_gradients(
     *,
     most: int = MOST_CYCLES,
     spectral: bool = False,
-) -> Outcome:
+) -> Solved:
     """Solve A x = force (n·d,) in N until the residual and the error are `part` of the first.
 
     The error is what a cycle makes of the residual: that hardly knows of a slender body's bending.
@@ -237,7 +237,7 @@ def conjugate_gradients(
     first = _norm(force), _norm(ahead)
     direction, power, left = ahead.copy(), _dot(residual, ahead), 1.0
     if not all(first):  # no load, or one whose squares are too small for numbers
-        return Outcome(x, 0, float(force.any()), negative=False)
+        return Solved(x, 0, float(force.any()), negative=False)
     lengths: list[float] = []
     turns: list[float] = []
     lowest = math.inf
@@ -246,7 +246,7 @@ def conjugate_gradients(
         stiff = _dot(direction, push)
         if not (stiff > 0 and power > 0):
             negative = bool(stiff <= 0 or power <= 0)
-            return Outcome(x, len(lengths), left, negative, lowest)
+            return Solved(x, len(lengths), left, negative, lowest)
         lengths.append(power / stiff)
         x += lengths[-1] * direction
         residual -= lengths[-1] * push
@@ -259,7 +259,7 @@ def conjugate_gradients(
         direction += ahead
         if spectral and left <= part:
             lowest = _lowest(np.array(lengths), np.array(turns))
-    return Outcome(x, len(lengths), left, negative=False, lowest=lowest)
+    return Solved(x, len(lengths), left, negative=False, lowest=lowest)
 
 
 def _lowest(lengths: Array, turns: Array) -> float:

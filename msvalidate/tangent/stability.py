@@ -23,6 +23,7 @@ from msvalidate.tangent.multigrid import push
 MODES = 8
 """Modes whose energies are taken: as many motions as may meet less than rounding."""
 SWEEPS = 3
+"""Inverse iterations on them all at once."""
 CLEAR = 10.0
 """Times rounding, that the stiffest of these modes must meet for all others to have their signs."""
 

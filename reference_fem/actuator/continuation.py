@@ -108,10 +108,7 @@ def sweep(
         raise ProblemError(
             f"voltages: {shown(voltages)}; give them rising, the first at 0 V or above"
         )
-    if not 0 < number("resolution", resolution) < 1:
-        raise ProblemError(
-            f"resolution: {shown(resolution)}; give a part of the voltage, from 0 to 1"
-        )
+    number("resolution", resolution, above=0, below=1)
     if start is not None and start.voltage > wanted[0]:
         raise ProblemError(
             f"start: at {start.voltage:g} V, above the first voltage, {wanted[0]:g} V; start below"

@@ -11,6 +11,7 @@ from msvalidate.problem.checks import metres, whole
 from reference_fem.electric.charges import FAR, charged
 from reference_fem.electric.mesh import GRADING, SlabMesh, slab_mesh
 from reference_fem.electric.slab import Slab
+from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.refinement import HIGHEST_ORDER, SAFETY, richardson, thrice
 
 MOST_DOUBLINGS = 60
@@ -79,7 +80,7 @@ def capacitance(
     )
     if np.isfinite(order):
         # Of energies the order is known: twice the element's degree, or the grading where √r rules.
-        known = min(2.0 * int(element[1]), grading)
+        known = min(2.0 * ELEMENTS[element].degree, grading)
         last = float(means[2][0] - means[1][0])
         value += last / (2**order - 1)
         left = SAFETY * abs(last) / (2 ** min(order, known) - 1)

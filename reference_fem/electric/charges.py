@@ -119,11 +119,11 @@ def charged(mesh: SlabMesh, voltages: ArrayLike | None = None, far: Far = "natur
         If the solution fails its residual check.
     """
     instance("mesh", mesh, SlabMesh)
-    given = finite("voltages", mesh.slab.voltages if voltages is None else voltages)
-    if given.shape != (len(mesh.conductors),):
-        raise ProblemError(
-            f"voltages: shape {given.shape}; give ({len(mesh.conductors)},), one an electrode"
-        )
+    count = len(mesh.conductors)
+    need = f"give ({count},), one an electrode"
+    given = finite(
+        "voltages", mesh.slab.voltages if voltages is None else voltages, count, need=need
+    )
     medium, values = _medium(mesh, far), np.zeros(len(mesh.body.points))
     for nodes, voltage in zip(mesh.conductors, given, strict=True):
         values[nodes] = voltage

@@ -77,12 +77,7 @@ class Dielectric:
         if self.body.dim != 2:
             raise ProblemError(f"body: {self.body.dim}D; forces and charges here are of the plane")
         size = len(self.body.points)
-        permittivity = finite("permittivity", self.permittivity)
-        if permittivity.shape != (len(self.body.cells),):
-            raise ProblemError(
-                f"permittivity: shape {permittivity.shape}; give ({len(self.body.cells)},), one a "
-                "cell"
-            )
+        permittivity = finite("permittivity", self.permittivity, len(self.body.cells))
         if (permittivity <= 0).any():
             cell = int(np.flatnonzero(permittivity <= 0)[0])
             raise ProblemError(
@@ -225,10 +220,7 @@ class Dielectric:
         return phi
 
     def _nodal(self, name: str, values: ArrayLike) -> Array:
-        array = finite(name, values)
-        if array.shape != self.held.shape:
-            raise ProblemError(f"{name}: shape {array.shape}; give {self.held.shape}, one a node")
-        return array
+        return finite(name, values, len(self.held))
 
 
 @dataclass(frozen=True, eq=False)

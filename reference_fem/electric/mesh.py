@@ -10,12 +10,13 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, place_name
-from msvalidate.problem.checks import chosen, coordinates, instance, number, positive, whole
+from msvalidate.problem.checks import chosen, coordinates, instance, number, positive, shaped, whole
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.electric.lines import mesh_lines
 from reference_fem.electric.slab import Slab
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import COINCIDENT, Discretisation, discretise
+from reference_fem.mesh.elements import ELEMENTS, of_dimension
 
 REACH = 30.0
 """Distance of the far boundary, in longer sides of the slab, unless given."""
@@ -90,10 +91,7 @@ class SlabMesh:
         ProblemError
             If the forces are not two components for each node of the mesh.
         """
-        if np.shape(forces) != self.body.points.shape:
-            raise ProblemError(
-                f"forces on all nodes: shape {np.shape(forces)}; give {self.body.points.shape}"
-            )
+        shaped("forces on all nodes", np.asarray(forces), *self.body.points.shape)
         passed = self._follow.factor(forces[self.air])
         return np.asarray(forces[self.nodes] - self._follow.link.T @ passed)
 
@@ -126,7 +124,7 @@ def slab_mesh(
         Cells up the slab's height, an even number. All spacings go with it, so that meshes of 10,
         20 and 40 layers are one family.
     element
-        "Q1" or "Q2".
+        Of quadrilaterals: "Q1", "Q2" and so on.
     grading
         1 spaces lines near edges and corners evenly; g > 1 as s^g. Meshes that shall be moved far
         need a mild one.
@@ -139,7 +137,7 @@ def slab_mesh(
         If an argument is out of range, or the far boundary is nearer than the slab's height.
     """
     instance("slab", slab, Slab)
-    chosen("element", element, ("Q1", "Q2"))
+    chosen("element", element, [name for name in of_dimension(2) if not ELEMENTS[name].simplex])
     half, odd = divmod(whole("layers", layers, 2), 2)
     if odd:
         raise ProblemError(f"layers: {layers}; give an even number, graded to both faces")
@@ -153,7 +151,7 @@ def slab_mesh(
             f"as {REACH * max(slab.length, slab.height):g} m"
         )
     lines = mesh_lines(slab, half, grading, far)
-    closest = min(float(np.diff(line).min()) for line in lines) / int(element[1])
+    closest = min(float(np.diff(line).min()) for line in lines) / ELEMENTS[element].degree
     told = COINCIDENT * max(float(np.ptp(line)) for line in lines)
     if closest <= 2 * told:
         raise ProblemError(
@@ -185,12 +183,7 @@ def moved_air(mesh: SlabMesh, displacement: Array) -> SlabMesh:
         If a cell is turned inside out.
     """
     instance("mesh", mesh, SlabMesh)
-    u = coordinates("displacement of the slab", displacement)
-    if u.shape != (len(mesh.nodes), 2):
-        raise ProblemError(
-            f"displacement of the slab: shape {u.shape}; give ({len(mesh.nodes)}, 2), one for each "
-            "of the mesh's slab nodes"
-        )
+    u = coordinates("displacement of the slab", displacement, len(mesh.nodes), 2)
     points = mesh.body.points.copy()
     points[mesh.nodes] += u
     points[mesh.air] -= mesh._follow.factor(mesh._follow.link @ u)

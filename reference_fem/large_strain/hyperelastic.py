@@ -223,11 +223,8 @@ class Fibres:
     cell: float
 
     def __post_init__(self) -> None:
-        r, k = coordinates("fibres", self.vectors), finite("stiffness of fibres", self.stiffness)
-        if r.ndim != 2 or r.shape[1] not in (2, 3) or not len(r):
-            raise ProblemError(f"fibres: shape {r.shape}; give vectors (s, 2) or (s, 3)")
-        if k.shape != (len(r),):
-            raise ProblemError(f"stiffness of fibres: shape {k.shape}; give {(len(r),)}")
+        r = coordinates("fibres", self.vectors, "s>0", (2, 3))
+        k = finite("stiffness of fibres", self.stiffness, len(r))
         if (k < 0).any():
             raise ProblemError(f"stiffness of fibres: {k.min()} N/m; give none below zero")
         if not np.linalg.norm(r, axis=1).all():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import permutations
 from typing import Literal
 
 import numpy as np
@@ -13,13 +12,7 @@ from numpy.typing import ArrayLike
 from msvalidate.problem import Array, Box, Index, ProblemError
 from msvalidate.problem.checks import chosen, coordinates, counts, positive, refuse_too_many, shown
 from reference_fem.mesh.discretisation import Discretisation, discretise
-from reference_fem.mesh.elements import ELEMENTS, Element
-
-MOST_NODES = {2: 4_000_000, 3: 1_000_000}
-"""Nodes of a mesh, by dimension, beyond which none is made: assembly takes 4 kB for each in the
-plane (Q2) and 15 kB in space (H1), as measured, so that 16 GB hold these."""
-MOST_NODES_OF = {"H2": 400_000}
-"""Fewer of these: 40 kB for each, as each shares a cell with 60 others."""
+from reference_fem.mesh.elements import ELEMENTS, Element, of_dimension
 
 
 def box_discretisation(
@@ -37,10 +30,10 @@ def box_discretisation(
     box
         The domain.
     cells
-        Number of quadrilaterals or hexahedra along each axis (one number serves all); P1 and P2
-        cut each in two, T1 and T2 in six.
+        Number of quadrilaterals or hexahedra along each axis (one number serves all); triangles
+        cut each in two, tetrahedra in six.
     element
-        "Q1", "Q2", "P1" or "P2" in the plane, "H1", "H2", "T1" or "T2" in space.
+        A name in `ELEMENTS` of the box's dimension: "Q2", "P1", "H1" and so on.
     grading
         1 spaces the lines evenly; g > 1 draws them to both ends of each axis as s^g, towards the
         corners, where clamped bodies have singular stress.
@@ -87,7 +80,7 @@ def lines_discretisation(lines: Sequence[Array], element: str) -> Discretisation
     ProblemError
         If the element is unknown or the cells are too many.
     """
-    chosen("element", element, _of_dimension(len(lines)))
+    chosen("element", element, of_dimension(len(lines)))
     name = f"mesh between {' x '.join(str(len(line)) for line in lines)} lines"
     _refuse_too_many_nodes(name, [len(line) - 1 for line in lines], element)
     return _on_grid([_subdivided(line, ELEMENTS[element].degree) for line in lines], element)
@@ -97,19 +90,16 @@ def _on_grid(lines: Sequence[Array], element: str) -> Discretisation:
     """Mesh whose nodes stand where coordinates (m) along each axis cross."""
     grid = np.meshgrid(*reversed(lines), indexing="ij")
     points = np.column_stack([x.ravel() for x in reversed(grid)])
-    number = np.arange(len(points)).reshape(grid[0].shape)
-    return discretise(points, _CUTS[element[0]](number, ELEMENTS[element].degree), element)
-
-
-def _of_dimension(dim: int) -> list[str]:
-    """Names of the elements of so many axes."""
-    return [name for name, kind in ELEMENTS.items() if kind.dim == dim]
+    cells = _cells(np.arange(len(points)).reshape(grid[0].shape), ELEMENTS[element])
+    used = np.zeros(len(points), dtype=bool)  # not every element has middles
+    used[cells] = True
+    return discretise(points[used], (np.cumsum(used) - 1)[cells], element)
 
 
 def _refuse_other_element(box: Box, element: str) -> None:
     if not isinstance(box, Box):
         raise ProblemError(f"mesh: {_word(element)} in a {shown(box)}; give a Box")
-    fitting = _of_dimension(box.dim)
+    fitting = of_dimension(box.dim)
     if not isinstance(element, str) or element not in fitting:
         raise ProblemError(
             f"mesh: {_word(element)} in a {shown(box)}; in {box.dim}D, give one of "
@@ -119,8 +109,8 @@ def _refuse_other_element(box: Box, element: str) -> None:
 
 def _refuse_too_many_nodes(name: str, cells: Sequence[int], element: str) -> None:
     """`name`: of the mesh, which has so many cells along each axis."""
-    nodes = math.prod(ELEMENTS[element].degree * n + 1 for n in cells)
-    refuse_too_many(name, nodes, MOST_NODES_OF.get(element, MOST_NODES[len(cells)]))
+    kind = ELEMENTS[element]
+    refuse_too_many(name, math.prod(kind.degree * n + 1 for n in cells), kind.most_nodes)
 
 
 def _refuse_wrong_lines(box: Box, grading: float, towards: object, through: object) -> None:
@@ -185,60 +175,18 @@ def _subdivided(line: Array, degree: int) -> Array:
     return fine
 
 
-def _quadrilaterals(number: Index, degree: int) -> Index:
-    """Cells in VTK order from the node numbers (rows along y) of a grid."""
-    if degree == 1:
-        return _cells(number, 1, [(0, 0), (0, 1), (1, 1), (1, 0)])
-    ring = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0), (1, 1)]
-    return _cells(number, 2, ring)
+def _cells(number: Index, kind: Element) -> Index:
+    """Cells (c, nodes) from the node numbers, [layer, row, column], of a box's grid.
 
-
-def _triangles(number: Index, degree: int) -> Index:
-    """Each quadrilateral cut along the diagonal that rises to the right."""
-    if degree == 1:
-        lower, upper = [(0, 0), (0, 1), (1, 1)], [(0, 0), (1, 1), (1, 0)]
-    else:
-        lower = [(0, 0), (0, 2), (2, 2), (0, 1), (1, 2), (1, 1)]
-        upper = [(0, 0), (2, 2), (2, 0), (1, 1), (2, 1), (1, 0)]
-    return np.concatenate([_cells(number, degree, lower), _cells(number, degree, upper)])
-
-
-def _hexahedra(number: Index, degree: int) -> Index:
-    """Cells in VTK order from the node numbers (layers along z, rows along y) of a grid."""
-    ring = [(0, 0), (0, 1), (1, 1), (1, 0)]
-    corners = np.array([(layer, *place) for layer in (0, 1) for place in ring])
-    return _cells(number, degree, _with_middles(corners, ELEMENTS[f"H{degree}"]))
-
-
-def _tetrahedra(number: Index, degree: int) -> Index:
-    """Each hexahedron cut into the six that share its rising diagonal (Kuhn 1960).
-
-    Each goes from the lowest corner to the highest along three edges, one for each order of axes.
+    Each block of `degree` intervals is cut as the element says, one cut of all blocks after the
+    other.
     """
-    cells = []
-    for first, second, third in permutations(np.eye(3, dtype=int)):
-        path = [0 * first, first, first + second, first + second + third]
-        if np.linalg.det([third, second, first]) < 0:  # places are (z, y, x)
-            path[1], path[2] = path[2], path[1]
-        places = _with_middles(np.array(path), ELEMENTS[f"T{degree}"])
-        cells.append(_cells(number, degree, places))
-    return np.concatenate(cells)
-
-
-def _with_middles(corners: Index, kind: Element) -> list[tuple[int, ...]]:
-    """Places (layer, row, column) of all nodes in a block of the grid, from those of corners."""
-    places = np.round(kind.degree * kind.means @ corners).astype(int)
-    return [tuple(place) for place in places.tolist()]
-
-
-_CUTS = {"Q": _quadrilaterals, "P": _triangles, "H": _hexahedra, "T": _tetrahedra}
-
-
-def _cells(number: Index, degree: int, places: Sequence[tuple[int, ...]]) -> Index:
-    """Node numbers at the given (layer, row, column) of every block of `degree` intervals."""
-    size = [n - degree for n in number.shape]
-    nodes = [
-        number[tuple(slice(p, n + p, degree) for p, n in zip(place, size, strict=True))].ravel()
-        for place in places
-    ]
-    return np.column_stack(nodes)
+    size = [n - kind.degree for n in number.shape]
+    found = []
+    for places in kind.in_block:
+        starts = [
+            tuple(slice(p, n + p, kind.degree) for p, n in zip(place[::-1], size, strict=True))
+            for place in places.tolist()
+        ]
+        found.append(np.column_stack([number[start].ravel() for start in starts]))
+    return np.concatenate(found)

@@ -15,11 +15,8 @@ from reference_fem.mesh.maps import determinant, mapped
 
 def checked_cells(cells: ArrayLike, kind: Element, points: int) -> Index:
     """Cells (c, nodes) as whole numbers of points that are there."""
-    t = integers("cells", cells)
-    if t.ndim != 2 or t.shape[1] != kind.nodes or not len(t):
-        raise ProblemError(
-            f"cells: shape {t.shape}; {kind.name} needs whole numbers (c, {kind.nodes})"
-        )
+    need = f"{kind.name} needs whole numbers (c, {kind.nodes})"
+    t = integers("cells", cells, "c>0", kind.nodes, need=need)
     if t.min() < 0 or t.max() >= points:
         raise ProblemError(f"cells: points {t.min()} to {t.max()}; there are 0 to {points - 1}")
     return t

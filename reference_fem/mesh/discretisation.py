@@ -199,10 +199,7 @@ class Discretisation:
         return np.asarray((after / before).min(axis=1))
 
     def _sampled(self, points: ArrayLike) -> Array:
-        x = coordinates("points to sample", points)
-        if x.ndim != 2 or x.shape[1] != self.dim:
-            raise ProblemError(f"points to sample: shape {x.shape}; give (p, {self.dim})")
-        return x
+        return coordinates("points to sample", points, "p", self.dim)
 
     @cached_property
     def _shapes(self) -> Cells:
@@ -230,9 +227,7 @@ def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisat
     """
     chosen("element", element, ELEMENTS)
     kind = ELEMENTS[element]
-    x = coordinates("points", points)
-    if x.ndim != 2 or x.shape[1] != kind.dim:
-        raise ProblemError(f"points: shape {x.shape}; {element} needs (n, {kind.dim})")
+    x = coordinates("points", points, "n", kind.dim, need=f"{element} needs (n, {kind.dim})")
     t = checked_cells(cells, kind, len(x))
     with within_memory(len(x), "nodes"):
         return _assembled(x, t, kind)
@@ -256,7 +251,8 @@ def _assembled(x: Array, t: Index, kind: Element) -> Discretisation:
     dofs = skfem.Dofs(mesh, kind.function)
     node = _numbered(x, listed, dofs)
     if len(round_):
-        whole = _CURVED[kind.name](x[node].T.copy(), mesh.t, sort_t=False)
+        nodes = x[node].T.copy()
+        whole = kind.mesh(nodes, mesh.t, elem=type(kind.function), sort_t=False)
         mapping, order = skfem.MappingIsoparametric(whole, kind.function), kind.curved_order
     basis = skfem.Basis(mesh, kind.function, mapping=mapping, intorder=order, dofs=dofs)
     return Discretisation(x, t, kind, basis, node, bool(len(round_)))
@@ -282,12 +278,3 @@ def _numbered(points: Array, listed: Index, dofs: Any) -> Index:
             "do on the sides they share; list corners, mid-sides, centre, and share whole sides"
         )
     return node
-
-
-_CURVED = {
-    "P2": skfem.MeshTri2,
-    "Q2": skfem.MeshQuad2,
-    "T2": skfem.MeshTet2,
-    "H2": skfem.MeshHex2,
-}
-"""Meshes of the library that hold the nodes of curved cells."""

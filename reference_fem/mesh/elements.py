@@ -1,9 +1,14 @@
-"""Finite elements: their nodes in VTK order, their sides, and what the library calls them."""
+"""Finite elements, a row of `ELEMENTS` each: all that is known by an element's name stands here.
+
+Nodes are in VTK order. Modules and tests ask the rows, so that a new element is a new row, and one
+of `msvalidate.problem.shapes` where a mesh may consist of its cells.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -16,29 +21,64 @@ Rings = tuple[tuple[int, ...], ...]
 
 @dataclass(frozen=True)
 class Element:
-    """A finite element: its cells in VTK order start with `corners` corner points.
+    """A finite element: its cells in VTK order start with their corners.
 
-    `integration_order` is the polynomial degree integrated exactly. The library's default is far
-    higher: it costs several times as much and differs from the usual Gauss rules. `curved_order`
-    is for cells with curved sides, whose gradients are no polynomials. `faces` are the corners of
-    its sides, each counter-clockwise as seen from outside. `order` are the corners as the library
-    lists them. `middles` are the corners that each further node lies amid. `linear` is the element
-    of the corners alone, `side` that of its sides.
+    Parameters
+    ----------
+    name, shape
+        Its name, and meshio's of its cells: a row of `msvalidate.problem.SHAPES`.
+    degree
+        Of the polynomials that it holds on parallelograms, parallelepipeds and simplices.
+    complete
+        Of those that it holds on any cells with straight edges. Below `degree` the error in the
+        mean falls by an order less on cells that are no parallelograms (Arnold, Boffi and Falk
+        2002, doi:10.1090/S0025-5718-02-01439-4).
+    integration_order
+        Polynomial degree integrated exactly. The library's default is far higher: it costs several
+        times as much and differs from the usual Gauss rules.
+    mesh, function, linear, side
+        The library's mesh of such cells, its element, that of the corners alone, and that of the
+        sides.
+    faces
+        Corners of its sides, each counter-clockwise as seen from outside.
+    order
+        The corners as the library lists them.
+    block
+        The cells that one block of a box's grid is cut into: the corners (x, y) or (x, y, z), each
+        0 or 1, of each.
+    most_nodes
+        Nodes of a mesh beyond which none is made: what 16 GB hold, as measured.
+    middles
+        The corners that each further node lies amid.
+    curved_order
+        As `integration_order`, in cells with curved sides, whose gradients are no polynomials.
     """
 
     name: str
-    dim: int
-    corners: int
+    shape: str
     degree: int
+    complete: int
     integration_order: int
-    curved_order: int
     mesh: Any
     function: Any
     linear: Any
     side: Any
     faces: Rings
     order: tuple[int, ...]
+    block: tuple[Rings, ...]
+    most_nodes: int
     middles: Rings = ()
+    curved_order: int = 4
+
+    @property
+    def dim(self) -> int:
+        """Number of axes."""
+        return len(self.block[0][0])
+
+    @property
+    def corners(self) -> int:
+        """Number of corners of a cell."""
+        return len(self.order)
 
     @property
     def nodes(self) -> int:
@@ -49,6 +89,25 @@ class Element:
     def simplex(self) -> bool:
         """Whether its cells are triangles or tetrahedra."""
         return self.corners == self.dim + 1
+
+    @property
+    def locks(self) -> bool:
+        """Whether meshes too coarse for a nearly incompressible material answer wrongly.
+
+        Of the first degree they do (`locking`); of the second they lose an order at most.
+        """
+        return self.degree == 1
+
+    @property
+    def first(self) -> Element:
+        """The element of the first degree on cells of the same corners."""
+        return next(kind for kind in ELEMENTS.values() if kind.mesh is self.mesh)
+
+    @property
+    def raised(self) -> tuple[str, ...]:
+        """Names of the elements of the second degree on cells of the same corners."""
+        same = (kind for kind in ELEMENTS.values() if kind.mesh is self.mesh)
+        return tuple(kind.name for kind in same if kind.degree == 2)
 
     @cached_property
     def means(self) -> Array:
@@ -70,6 +129,12 @@ class Element:
         """Node, in VTK order, of each of the library's functions on a cell."""
         apart = np.asarray(self.function.doflocs)[:, None] - self.places
         return np.asarray(np.abs(apart).sum(axis=2).argmin(axis=1))
+
+    @cached_property
+    def in_block(self) -> tuple[Index, ...]:
+        """Places (nodes, d) of each cell's nodes in a block, in steps of the grid of all nodes."""
+        cells = (np.round(self.degree * self.means @ np.array(each)) for each in self.block)
+        return tuple(places.astype(int) for places in cells)
 
     @cached_property
     def facets(self) -> Rings:
@@ -125,53 +190,157 @@ CUBE_EDGES = (*SQUARE, (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (
 CUBE_FACES = (CUBE[5], CUBE[3], CUBE[2], CUBE[4], CUBE[0], CUBE[1])
 AMID_CUBE = (*CUBE_EDGES, *CUBE_FACES, tuple(range(8)))
 
-_TRI = (skfem.MeshTri, skfem.ElementTriP1(), skfem.ElementTriP2())
-_QUAD = (skfem.MeshQuad, skfem.ElementQuad1(), skfem.ElementQuad2())
-_TET = (skfem.MeshTet, skfem.ElementTetP1(), skfem.ElementTetP2())
-_HEX = (skfem.MeshHex, skfem.ElementHex1(), skfem.ElementHex2())
-_LINE = (skfem.ElementLineP1(), skfem.ElementLineP2())
+
+UNIT_SQUARE = ((0, 0), (1, 0), (1, 1), (0, 1))
+UNIT_CUBE = tuple((x, y, z) for z in (0, 1) for x, y in UNIT_SQUARE)
+# Cut along the diagonal that rises to the right.
+HALVES = (((0, 0), (1, 0), (1, 1)), ((0, 0), (1, 1), (0, 1)))
 
 
-def _pair(
-    letter: str,
-    dim: int,
-    orders: tuple[int, int, int],
-    library: tuple[Any, Any, Any],
-    sides: tuple[Any, Any],
-    faces: Rings,
-    order: tuple[int, ...],
-    middles: Rings,
-) -> tuple[Element, Element]:
-    """The linear and the quadratic element of one shape; `orders` of their integration."""
-    mesh, first, second = library
-    shape, (low, high, curved) = (faces, order), orders
-    corners = len(order)
-    return (
-        Element(f"{letter}1", dim, corners, 1, low, low, mesh, first, first, sides[0], *shape),
-        Element(
-            f"{letter}2",
-            dim,
-            corners,
-            2,
-            high,
-            curved,
-            mesh,
-            second,
-            first,
-            sides[1],
-            *shape,
-            middles,
-        ),
-    )
+def _six_tetrahedra() -> tuple[Rings, ...]:
+    """The six that share a unit cube's rising diagonal (Kuhn 1960).
 
+    Each goes from the lowest corner to the highest along three edges, one for each order of axes.
+    """
+    found = []
+    for first, second, third in permutations(np.eye(3, dtype=int)[::-1]):  # along z first
+        path = [0 * first, first, first + second, first + second + third]
+        if np.linalg.det([first, second, third]) < 0:
+            path[1], path[2] = path[2], path[1]
+        found.append(tuple(tuple(place.tolist()) for place in path))
+    return tuple(found)
+
+
+MOST_IN_PLANE, MOST_IN_SPACE, MOST_OF_H2 = 4_000_000, 1_000_000, 400_000
+"""Nodes: assembly takes 4 kB for each in the plane (Q2) and 15 kB in space (H1), as measured, so
+that 16 GB hold these; of H2 40 kB, as each shares a cell with 60 others."""
+
+_quadrilateral = partial(
+    Element,
+    mesh=skfem.MeshQuad,
+    linear=skfem.ElementQuad1(),
+    faces=SQUARE,
+    order=RISING,
+    block=(UNIT_SQUARE,),
+    most_nodes=MOST_IN_PLANE,
+)
+_triangle = partial(
+    Element,
+    mesh=skfem.MeshTri,
+    linear=skfem.ElementTriP1(),
+    faces=TRIANGLE,
+    order=RISING[:3],
+    block=HALVES,
+    most_nodes=MOST_IN_PLANE,
+)
+_hexahedron = partial(
+    Element,
+    mesh=skfem.MeshHex,
+    linear=skfem.ElementHex1(),
+    faces=CUBE,
+    order=CUBE_ORDER,
+    block=(UNIT_CUBE,),
+    most_nodes=MOST_IN_SPACE,
+)
+_tetrahedron = partial(
+    Element,
+    mesh=skfem.MeshTet,
+    linear=skfem.ElementTetP1(),
+    faces=TETRAHEDRON,
+    order=RISING,
+    block=_six_tetrahedra(),
+    most_nodes=MOST_IN_SPACE,
+)
 
 ELEMENTS = {
     element.name: element
-    for pair in (
-        _pair("Q", 2, (2, 4, 4), _QUAD, _LINE, SQUARE, RISING, AMID_SQUARE),
-        _pair("P", 2, (1, 2, 4), _TRI, _LINE, TRIANGLE, RISING[:3], TRIANGLE),
-        _pair("H", 3, (2, 4, 4), _HEX, _QUAD[1:], CUBE, CUBE_ORDER, AMID_CUBE),
-        _pair("T", 3, (1, 2, 4), _TET, _TRI[1:], TETRAHEDRON, RISING, AMID_TETRAHEDRON),
+    for element in (
+        _quadrilateral(
+            name="Q1",
+            shape="quad",
+            degree=1,
+            complete=1,
+            integration_order=2,
+            function=skfem.ElementQuad1(),
+            side=skfem.ElementLineP1(),
+        ),
+        _quadrilateral(
+            name="Q2",
+            shape="quad9",
+            degree=2,
+            complete=2,
+            integration_order=4,
+            function=skfem.ElementQuad2(),
+            side=skfem.ElementLineP2(),
+            middles=AMID_SQUARE,
+        ),
+        _triangle(
+            name="P1",
+            shape="triangle",
+            degree=1,
+            complete=1,
+            integration_order=1,
+            function=skfem.ElementTriP1(),
+            side=skfem.ElementLineP1(),
+        ),
+        _triangle(
+            name="P2",
+            shape="triangle6",
+            degree=2,
+            complete=2,
+            integration_order=2,
+            function=skfem.ElementTriP2(),
+            side=skfem.ElementLineP2(),
+            middles=TRIANGLE,
+        ),
+        _hexahedron(
+            name="H1",
+            shape="hexahedron",
+            degree=1,
+            complete=1,
+            integration_order=2,
+            function=skfem.ElementHex1(),
+            side=skfem.ElementQuad1(),
+        ),
+        _hexahedron(
+            name="H2",
+            shape="hexahedron27",
+            degree=2,
+            complete=2,
+            integration_order=4,
+            function=skfem.ElementHex2(),
+            side=skfem.ElementQuad2(),
+            middles=AMID_CUBE,
+            most_nodes=MOST_OF_H2,
+        ),
+        _tetrahedron(
+            name="T1",
+            shape="tetra",
+            degree=1,
+            complete=1,
+            integration_order=1,
+            function=skfem.ElementTetP1(),
+            side=skfem.ElementTriP1(),
+        ),
+        _tetrahedron(
+            name="T2",
+            shape="tetra10",
+            degree=2,
+            complete=2,
+            integration_order=2,
+            function=skfem.ElementTetP2(),
+            side=skfem.ElementTriP2(),
+            middles=AMID_TETRAHEDRON,
+        ),
     )
-    for element in pair
 }
+
+
+def of_dimension(dim: int) -> list[str]:
+    """Names of the elements of so many axes."""
+    return [name for name, kind in ELEMENTS.items() if kind.dim == dim]
+
+
+def of_shape(shape: str) -> Element:
+    """The element that has the nodes of a mesh's cells, named as in `msvalidate.problem.SHAPES`."""
+    return next(kind for kind in ELEMENTS.values() if kind.shape == shape)

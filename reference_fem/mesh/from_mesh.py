@@ -6,21 +6,8 @@ import numpy as np
 
 from msvalidate.problem import Array, Index, Mesh, ProblemError
 from msvalidate.problem.checks import instance, refuse_too_many, shown
-from reference_fem.mesh.boxes import MOST_NODES
 from reference_fem.mesh.discretisation import Discretisation, discretise
-from reference_fem.mesh.elements import ELEMENTS, Element
-
-OWN = {
-    "triangle": "P1",
-    "triangle6": "P2",
-    "quad": "Q1",
-    "quad9": "Q2",
-    "tetra": "T1",
-    "tetra10": "T2",
-    "hexahedron": "H1",
-    "hexahedron27": "H2",
-}
-"""Shape of a mesh's cells -> the element that has their nodes."""
+from reference_fem.mesh.elements import ELEMENTS, Element, of_shape
 
 
 def mesh_discretisation(mesh: Mesh, element: str | None = None) -> Discretisation:
@@ -31,7 +18,7 @@ def mesh_discretisation(mesh: Mesh, element: str | None = None) -> Discretisatio
     mesh
         The domain.
     element
-        The one that has the nodes of the mesh's cells, taken by default; or the quadratic one on
+        The one that has the nodes of the mesh's cells, taken by default; or a quadratic one on
         linear cells, whose sides stay straight: the new nodes lie amid the corners.
 
     Raises
@@ -42,17 +29,20 @@ def mesh_discretisation(mesh: Mesh, element: str | None = None) -> Discretisatio
         If memory does not suffice.
     """
     instance("mesh", mesh, Mesh)
-    own = OWN[mesh.shape]
-    quadratic = f"{own[0]}2"
-    if element not in (None, own, quadratic):
-        choice = own if own == quadratic else f"{own} or {quadratic}"
-        raise ProblemError(f"mesh: element {shown(element)} on {mesh.shape} cells; give {choice}")
-    if element in (None, own):
-        refuse_too_many(str(mesh), len(mesh.points), MOST_NODES[mesh.dim])
-        return discretise(mesh.points, mesh.cells, own)
-    points, cells = _with_middles(mesh, ELEMENTS[quadratic])
-    refuse_too_many(f"{mesh} with {quadratic}", len(points), MOST_NODES[mesh.dim])
-    return discretise(points, cells, quadratic)
+    own = of_shape(mesh.shape)
+    raised = own.raised if own.degree == 1 else ()
+    if element not in (None, own.name, *raised):
+        raise ProblemError(
+            f"mesh: element {shown(element)} on {mesh.shape} cells; give "
+            f"{' or '.join((own.name, *raised))}"
+        )
+    kind = own if element is None else ELEMENTS[element]
+    if kind is own:
+        refuse_too_many(str(mesh), len(mesh.points), kind.most_nodes)
+        return discretise(mesh.points, mesh.cells, kind.name)
+    points, cells = _with_middles(mesh, kind)
+    refuse_too_many(f"{mesh} with {kind.name}", len(points), kind.most_nodes)
+    return discretise(points, cells, kind.name)
 
 
 def _with_middles(mesh: Mesh, kind: Element) -> tuple[Array, Index]:

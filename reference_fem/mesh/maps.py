@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
+from itertools import product
 
 import numpy as np
 
@@ -72,7 +73,7 @@ def _isoparametric(kind: Element, nodes: Array, local: Array) -> tuple[Array, li
 
 @cache
 def _control(name: str) -> Array:
-    """Matrix (nodes, nodes) from a quadratic cell's nodes to its Bernstein coefficients.
+    """Matrix (b, nodes) from a quadratic cell's nodes to its Bernstein coefficients.
 
     A cell lies in their hull: of an edge from a over m to b, they are a, b and 2m - (a + b)/2.
     """
@@ -83,10 +84,11 @@ def _control(name: str) -> Array:
         pairs = [tuple(np.flatnonzero(row)) for row in share[kind.corners :]]
         edges = [2 * share[:, a] * share[:, b] for a, b in pairs]
         return np.linalg.inv(np.column_stack([share**2, *edges]))
+    x = np.array(list(product((0.0, 0.5, 1.0), repeat=kind.dim)))  # some elements lack middles
     power = np.round(2 * x).astype(int)
     many = np.where(power == 1, 2, 1).prod(axis=1)
     each = x[:, None] ** power * (1 - x[:, None]) ** (2 - power)
-    return np.linalg.inv(many * each.prod(axis=2))
+    return np.linalg.inv(many * each.prod(axis=2)) @ kind.functions(x)[0].T
 
 
 def mapped(corners: Array, local: Array) -> tuple[Array, list[Array]]:

@@ -11,8 +11,8 @@ from scipy.spatial import Delaunay, KDTree
 
 from msvalidate.problem import Array, Polygon, ProblemError, Segment, place_name
 from msvalidate.problem.checks import coordinates, metres, refuse_too_many, shown, whole
-from reference_fem.mesh.boxes import MOST_NODES
 from reference_fem.mesh.discretisation import Discretisation, discretise
+from reference_fem.mesh.elements import ELEMENTS, MOST_IN_PLANE, of_dimension
 
 NODES_PER_TRIANGLE = 2
 """Corners and mid-sides of a large mesh of triangles for each triangle, at most."""
@@ -51,10 +51,11 @@ def polygon_discretisation(
         If an argument is out of range, triangles of this side don't make up the outline or are too
         many, a place is no vertex, or there is a depth and no place.
     """
-    triangular = isinstance(element, str) and element in ("P1", "P2")
+    triangles = [name for name in of_dimension(2) if ELEMENTS[name].simplex]
+    triangular = isinstance(element, str) and element in triangles
     if not isinstance(outline, Polygon) or not triangular:
-        name = shown(element).strip("'")
-        raise ProblemError(f"mesh: {name} in a {shown(outline)}; give a Polygon and P1 or P2")
+        name, choice = shown(element).strip("'"), " or ".join(triangles)
+        raise ProblemError(f"mesh: {name} in a {shown(outline)}; give a Polygon and {choice}")
     whole("mesh depth", depth, 0)
     whole("mesh rings", rings, 1)
     if depth and towards is None:
@@ -86,7 +87,7 @@ def _refined(mesh: Any, places: KDTree, spacing: float, depth: int, rings: int) 
         # Each becomes four; a neighbour or two of some are cut as well.
         name = f"mesh refined to depth {level + 1} of {depth} with {rings} rings"
         nodes = NODES_PER_TRIANGLE * (mesh.t.shape[1] + 3 * len(halved))
-        refuse_too_many(name, nodes, MOST_NODES[2])
+        refuse_too_many(name, nodes, MOST_IN_PLANE)
         mesh = mesh.refined(halved)
     return mesh
 
@@ -100,7 +101,7 @@ def _equilateral(outline: Polygon, side: float) -> Any:
     (left, low), (right, high) = local.min(axis=0), local.max(axis=0)
     size = float(right - left + 6) * float((high - low) / np.sqrt(0.75) + 5)
     nodes = 2 * NODES_PER_TRIANGLE * size
-    refuse_too_many(f"mesh of spacing {side:g} m", nodes, MOST_NODES[2])
+    refuse_too_many(f"mesh of spacing {side:g} m", nodes, MOST_IN_PLANE)
     row = np.arange(np.floor(low / np.sqrt(0.75)) - 1, np.ceil(high / np.sqrt(0.75)) + 2)
     column = np.arange(np.floor(left) - 2, np.ceil(right) + 3)
     across, along = np.meshgrid(row, column, indexing="ij")
@@ -151,7 +152,7 @@ def _with_midpoints(mesh: Any, element: str) -> Discretisation:
     a, b, c = (mesh.p[:, corner] for corner in t)
     clockwise = (b - a)[0] * (c - a)[1] < (b - a)[1] * (c - a)[0]
     t[1:, clockwise] = t[:0:-1, clockwise]
-    if element == "P1":
+    if ELEMENTS[element].degree == 1:
         return discretise(mesh.p.T, t.T, element)
     edges = np.sort(np.concatenate([t[[0, 1]], t[[1, 2]], t[[2, 0]]], axis=1), axis=0)
     ends, number = np.unique(edges, axis=1, return_inverse=True)

@@ -11,7 +11,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
 from msvalidate.judging.candidate import Candidate
 from msvalidate.judging.singularity import clamped_edge_exponent
-from msvalidate.lattice import Constants, Lattice, Pattern, fill, patterns
+from msvalidate.lattice import Constants, Pattern, PatternLattice, fill, patterns
 from msvalidate.problem import Anisotropic, Array, Box, Isotropic, Problem, Support, Traction
 from reference_fem.body import nodal_forces
 from reference_fem.extrapolation import extrapolated
@@ -142,7 +142,7 @@ def folded(case: SolidCase, points: Array) -> tuple[Array, Array]:
     return place, sign
 
 
-def grid(model: SolidModel, case: SolidCase, cells: int) -> Lattice:
+def grid(model: SolidModel, case: SolidCase, cells: int) -> PatternLattice:
     """The lattice with `cells` through the height."""
     along = round(case.length * cells)
     return fill(model.pattern, case.box, (along, cells, cells))

@@ -15,7 +15,7 @@ Coulomb's forces between their middles, half to each end. One question a file:
 - `scaling`: seconds, and iterations after the surface has moved;
 - `controls`: faulty solvers, and the smallest fault that this study notices.
 
-Candidate: charges and forces, by the method of moments in `msvalidate.electrostatics` by default.
+Candidate: charges and forces, the method of moments in `msvalidate.dielectric.charges` by default.
 Reference: closed forms, differences of energy, accepted values, and the finite elements of
 `reference_fem`, which share no code with it.
 """

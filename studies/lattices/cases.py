@@ -10,7 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.linalg import eigsh
 
 from msvalidate.constants.homogenise import Homogenised, homogenised
-from msvalidate.lattice import Constants, Lattice, Pattern, fill, patterns
+from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, fill, patterns
 from msvalidate.output import figures
 from msvalidate.problem import Anisotropic, Array, Box, ProblemError, SolverError
 
@@ -136,7 +136,7 @@ def tensor_of(solid: Solid, case: Case, spacing: float = 1.0) -> Array:
     return solid(case.pattern, case.constants, spacing).tensor
 
 
-def filled(case: Case, across: int) -> Lattice:
+def filled(case: Case, across: int) -> PatternLattice:
     """A box of whole cells, nearly a unit square or cube, about so many cells along its edges."""
     pattern = case.pattern
     base = proportions(pattern.size)
@@ -165,7 +165,7 @@ def box_of(lattice: Lattice) -> Box:
 
 def cells_along(lattice: Lattice) -> int:
     """Cells along the x axis of a box."""
-    if lattice.pattern is None:
+    if not isinstance(lattice, PatternLattice):
         raise ProblemError(f"{lattice.name} lattice: no piece of a pattern; give one that is")
     return round(box_of(lattice).size[0] / (lattice.spacing * lattice.pattern.size[0]))
 
@@ -184,7 +184,7 @@ def proportions(size: tuple[float, ...]) -> tuple[int, ...]:
     return best
 
 
-def material(solid: Solid, case: Case, lattice: Lattice) -> Anisotropic:
+def material(solid: Solid, case: Case, lattice: PatternLattice) -> Anisotropic:
     """The elastic body that a piece of lattice stands for.
 
     Raises

@@ -17,7 +17,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import homogenised
 from msvalidate.constants.stiffness import voigt_directions
 from msvalidate.judging.candidate import springs
-from msvalidate.lattice import Lattice, Pattern, fill
+from msvalidate.lattice import Lattice, Pattern, PatternLattice, fill
 from msvalidate.network import tangent
 from msvalidate.problem import VOIGT, Array, Box, Index, Mask, SolverError
 
@@ -48,7 +48,7 @@ def crosses(case: Case) -> bool:
     return bool((crossing(case.pattern) & (stiffness > 0)).any())
 
 
-def piece(pattern: Pattern, cells: tuple[int, ...]) -> Lattice:
+def piece(pattern: Pattern, cells: tuple[int, ...]) -> PatternLattice:
     """A box of so many cells, spacing 1 m."""
     return fill(pattern, Box(tuple((np.array(cells) * pattern.size).tolist())), cells)
 

@@ -2,7 +2,7 @@
 
 Points of a column move as u_j·exp(iqx), j up the height: springs give a Hermitian matrix of 2 by 2
 blocks that link a layer to the next. The top electrode is a chain of straight segments whose
-charges are even on each, as `msvalidate.electrostatics` has them; the field of the flat chain is
+charges are even on each as `msvalidate.dielectric.charges` has them; a flat chain's field is
 known, and so is what a wave does to it.
 
 A wave of a chain of spacing a has all k_m = q + 2πm/a. With s_m = sin(k_m·a/2)/(k_m·a/2), the gap

@@ -183,9 +183,7 @@ def _box_mesh(shape, counts=(2, 2, 2), size=(2.0, 1.0, 0.5), bend=lambda x: x, *
     kind = SHAPES[shape]
     d = kind.dim
     counts, size = np.array(counts[:d]), np.array(size[:d])
-    kinds = list(SHAPES)  # one of degree 2 after its own of degree 1
-    linear = SHAPES[kinds[kinds.index(shape) - (kind.degree - 1)]]
-    weights = linear.values(kind.nodes)
+    weights = kind.straight.values(kind.nodes)
     places = []
     for block in np.ndindex(*counts):
         for corners in _split(shape):

@@ -32,95 +32,93 @@ from processes import forked, prepare, tested_by, traced  # noqa: E402
 
 ROOT = HERE.parents[1]
 T, F = "tests/msvalidate", "tests/reference_fem"
-NETWORKS = [
-    f"{T}/test_{n}.py"
-    for n in (
-        "network",
-        "network_far",
-        "spectrum",
-        "body",
-        "supports",
-        "unstable",
-        "lengths",
-        "local_shear",
-    )
-]
+
+
+def _files(*names: str) -> list[str]:
+    """Patterns of the files of tests of these names, in the folder of whatever package."""
+    return [f"{T}/**/test_{name}.py" for name in names]
+
+
 MODULES: dict[str, tuple[list[str], list[str], int]] = {
     # name: files, tests, faults
     "integrators": (
-        ["msvalidate/dynamics/integrators.py"],
-        [f"{T}/test_{n}.py" for n in ("integrators", "integrators_on_networks", "integrate")],
+        ["msvalidate/dynamics/integrators*.py"],
+        _files("integrators", "integrators_on_networks", "integrate"),
         28,
     ),
-    "homogenise": (["msvalidate/constants/homogenise.py"], [f"{T}/test_homogenise.py"], 28),
+    "homogenise": (["msvalidate/constants/homogenise.py"], _files("homogenise"), 28),
     "calibrate": (
         ["msvalidate/bodies/calibrate.py", "msvalidate/constants/routes.py"],
-        [f"{T}/test_calibrate.py", f"{T}/test_uniform_tension.py"],
+        _files("calibrate", "uniform_tension"),
         28,
     ),
     "volumes": (
         ["msvalidate/network/laws/volumes.py"],
-        [
-            f"{T}/test_{n}.py"
-            for n in ("volumes", "volumes_by_hand", "network", "spectrum", "lengths")
-        ],
+        _files("volumes", "volumes_by_hand", "network", "spectrum", "lengths"),
         25,
     ),
-    "compare": (
-        ["msvalidate/judging/compare.py"],
-        [f"{T}/test_evidence.py", f"{T}/test_compare.py"],
+    "compare": (["msvalidate/judging/compare.py"], _files("evidence", "compare"), 25),
+    "baseline": (["msvalidate/output/baseline.py"], _files("baseline", "baseline_limits"), 25),
+    "stiffness": (["msvalidate/constants/stiffness.py"], _files("stiffness", "calibrate"), 25),
+    "network": (
+        ["msvalidate/network/network.py"],
+        _files(
+            "network",
+            "network_far",
+            "spectrum",
+            "lattice_network",
+            "body_exact",
+            "supports",
+            "unstable",
+            "lengths",
+            "local_shear",
+        ),
         25,
     ),
-    "baseline": (
-        ["msvalidate/output/baseline.py"],
-        [f"{T}/test_baseline.py", f"{T}/test_baseline_limits.py"],
+    "charges": (
+        ["msvalidate/dielectric/charges/*.py"],
+        [f"{T}/dielectric/charges"],
         25,
     ),
-    "stiffness": (
-        ["msvalidate/constants/stiffness.py"],
-        [f"{T}/test_{n}.py" for n in ("stiffness", "calibrate")],
-        25,
-    ),
-    "network": (["msvalidate/network/network.py"], NETWORKS, 25),
-    "electrostatics": (["msvalidate/electrostatics/*.py"], [f"{T}/electrostatics"], 25),
-    "kernels": (["msvalidate/kernels/*.py"], [], 25),
+    "kernels": (["msvalidate/kernels/*.py", "msvalidate/dielectric/kernels/*.py"], [], 25),
     "reference_fem": (["reference_fem/**/*.py"], [F], 25),
     "equilibrium": (
         ["msvalidate/statics/equilibrium.py", "msvalidate/linear_algebra/factor*.py"],
-        [f"{T}/test_{n}.py" for n in ("equilibrium*", "linear", "unstable", "path", "refinement")],
+        _files("equilibrium*", "factor", "unstable", "path", "refinement"),
         25,
     ),
 }
+KT, CT = f"{T}/kernels", f"{T}/dielectric/charges"
 CELLS = [
-    [f"{T}/test_kernels.py::test_{n}" for n in (
+    [f"{KT}/test_kernels.py::test_{n}" for n in (
         "cells_push_as_in_the_plain_form", "cells_add_to_what_is_there_whatever_their_groups",
         "a_number_that_is_none_comes_out_as_none",
     )],
-    [f"{T}/test_kernels.py::test_{n}" for n in (
+    [f"{KT}/test_kernels.py::test_{n}" for n in (
         "force_and_energy_are_those_of_the_plain_form", "curvature_is_that_of_the_tangent",
     )],
 ]  # fmt: skip
-FORCES = f"{T}/test_general.py::test_forces_and_steps_are_those_of_the_plain_form"
-LISTS = [[f"{FORCES}[2-none-False]", f"{FORCES}[3-none-False]"], [f"{T}/test_general.py"]]
-GRIDS = [[f"{T}/test_stencil.py"]]
+FORCES = f"{KT}/test_general.py::test_forces_and_steps_are_those_of_the_plain_form"
+LISTS = [[f"{FORCES}[2-none-False]", f"{FORCES}[3-none-False]"], [f"{KT}/test_general.py"]]
+GRIDS = [[f"{KT}/test_stencil.py"]]
 KERNELS = {
-    "__init__": [*LISTS, [f"{T}/test_stencil.py", f"{T}/test_kernels.py"]],
-    "cache": [[f"{T}/kernels/test_cache.py"]],
-    "bending": [[f"{T}/test_kernels.py::test_curvature_is_that_of_the_tangent"]],
+    "__init__": [*LISTS, [f"{KT}/test_stencil.py", f"{KT}/test_kernels.py"]],
+    "cache": [[f"{KT}/test_cache.py"]],
+    "bending": [[f"{KT}/test_kernels.py::test_curvature_is_that_of_the_tangent"]],
     "cells": CELLS,
     "charges": [
-        [f"{T}/kernels/test_charges.py"],
-        [f"{T}/electrostatics/test_forces.py", f"{T}/electrostatics/test_electrodes.py"],
+        [f"{KT}/test_charges.py"],
+        [f"{CT}/test_forces.py", f"{CT}/test_electrodes.py"],
     ],
-    "compiling": [[f"{T}/kernels/test_segments.py"]],
+    "compiling": [[f"{KT}/test_segments.py"]],
     "corners": CELLS,
-    "fluxes": [[f"{T}/kernels/test_fluxes.py"]],
+    "fluxes": [[f"{KT}/test_fluxes.py"]],
     "general": LISTS,
     "grid": GRIDS,
     "lanes": GRIDS + LISTS[:1],
-    "polygons": [[f"{T}/electrostatics/test_faces.py"], [f"{T}/electrostatics/test_patches.py"]],
+    "polygons": [[f"{CT}/test_faces.py"], [f"{CT}/test_patches.py"]],
     "rows": GRIDS + LISTS,
-    "segments": [[f"{T}/kernels/test_segments.py"], [f"{T}/kernels/test_charges.py"]],
+    "segments": [[f"{KT}/test_segments.py"], [f"{KT}/test_charges.py"]],
     "stencil": GRIDS,
     "sweep": LISTS,
     "turning": LISTS,
@@ -138,7 +136,7 @@ QUESTIONS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "network": [("benchmarks", ("patch",)), ("displacement", ("identities",))],
     "equilibrium": [("benchmarks", ("patch",)), ("pull_in", ("sweep",))],
     "kernels": [("cost", ("agreement",))],
-    "electrostatics": [("electrostatics", ("strips",)), ("electrostatics", ("shortcuts",))],
+    "charges": [("electrostatics", ("strips",)), ("electrostatics", ("shortcuts",))],
     "reference_fem": [("benchmarks", ("patch",)), ("benchmarks", ("ring",))],
 }
 """Module -> quick questions whose theory or agreement rows should notice."""
@@ -377,9 +375,9 @@ def asked_of_questions(one: Mutant, module: str, tree: Path, out: Path) -> tuple
 
 
 def _question(study: str, questions: tuple[str, ...]) -> int:
+    from msvalidate.judging import catalogue  # noqa: PLC0415
     from msvalidate.judging.evidence import held, judge  # noqa: PLC0415
     from msvalidate.judging.sweep import Setting  # noqa: PLC0415
-    from msvalidate.output import catalogue  # noqa: PLC0415
 
     given = {"questions": questions} if questions else {}
     evidence = catalogue.load(study).run(setting=Setting(quick=True), **given)

@@ -19,6 +19,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from reference_fem.mesh.elements import ELEMENTS, of_dimension
 from reference_fem.refinement import SAFETY, TRUSTED_ORDER, refine, richardson
 
 # A division by a change of zero must not warn.
@@ -281,7 +282,7 @@ def smooth_body():
     return Problem(BOX, Isotropic(E, nu), supports, (load,))
 
 
-@pytest.mark.parametrize("element", ["Q1", "Q2", "P1", "P2"])
+@pytest.mark.parametrize("element", of_dimension(2))
 def test_error_of_a_smooth_body_is_covered(element):
     # At nodes of the coarsest mesh, which every finer one keeps: each error is a smooth function of
     # the spacing there.
@@ -293,14 +294,16 @@ def test_error_of_a_smooth_body_is_covered(element):
         body = reference_fem.box_discretisation(BOX, cells, element)
         return reference_fem.solve_problem(smooth_body(), body).at(places).ravel()
 
-    estimate = refine(sampled, 16, {1: 1e-2, 2: 1e-5}[int(element[1])])
+    estimate = refine(sampled, 16, {1: 1e-2, 2: 1e-5}[ELEMENTS[element].degree])
     assert estimate.status == ("asymptotic",) * len(exact)
     # Nodes converge by twice the degree; the two that happen to lie near a zero of the error's
     # first term come within 0.2 on these meshes, all others within 0.03.
-    assert estimate.order == pytest.approx(np.full(len(exact), 2.0 * int(element[1])), abs=0.2)
+    assert estimate.order == pytest.approx(
+        np.full(len(exact), 2.0 * ELEMENTS[element].degree), abs=0.2
+    )
     assert (np.abs(estimate.value - exact) <= estimate.uncertainty).all()
     # Not by luck: the price of caution is a factor of about 4 at order 2, 16 times 5 at order 4.
-    price = {1: 10, 2: 100}[int(element[1])]
+    price = {1: 10, 2: 100}[ELEMENTS[element].degree]
     assert (np.abs(estimate.value - exact) >= estimate.uncertainty / price).all()
 
 
@@ -330,7 +333,7 @@ def test_error_of_a_body_with_singular_corners_is_covered(grading):
         assert 1.3 < estimate.order[0] < 1.6
 
 
-@pytest.mark.parametrize("element", ["Q1", "Q2", "P1", "P2"])
+@pytest.mark.parametrize("element", of_dimension(2))
 @pytest.mark.parametrize("grading", [1.0, 2.0])
 def test_largest_error_of_a_clamped_body_is_covered(element, grading):
     # What `refine` promises of all values together; one value's own order may come out too high.

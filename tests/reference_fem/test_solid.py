@@ -27,12 +27,12 @@ from msvalidate.problem import (
 from reference_fem.body import nodal_forces
 from reference_fem.elasticity import elastic_tensor, full_tensor, stiffness
 from reference_fem.mesh import ELEMENTS, discretise
-from reference_fem.mesh.elements import CUBE
+from reference_fem.mesh.elements import CUBE, of_dimension
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
 
-SOLIDS = ("H1", "T1", "H2", "T2")
+SOLIDS = of_dimension(3)
 BOX = Box((1.2, 0.8, 1.0))
 ROUNDING = 1e-12
 """Relative: a direct solve of a few hundred unknowns leaves 1e-14."""
@@ -294,7 +294,7 @@ def errors(body, displacement):
 def convergence(problem, element):
     """Orders and levels (displacement, gradient); levels in units of the interpolant's error."""
     found, interpolated = [], []
-    for n in (6, 12) if element[1] == "1" else (3, 6):
+    for n in (6, 12) if ELEMENTS[element].degree == 1 else (3, 6):
         body = reference_fem.box_discretisation(BOX, n, element)
         found.append(errors(body, reference_fem.solve_problem(problem, body).displacement))
         interpolated.append(errors(body, exact(body.points)))
@@ -303,7 +303,7 @@ def convergence(problem, element):
 
 def verdict(element, orders, levels, nearest, farthest):
     """What is wrong: nothing, for a sound solver. Bounded below too: too good is wrong as well."""
-    degree = int(element[1])
+    degree = ELEMENTS[element].degree
     checks = {
         "order of the displacement": abs(orders[0] - degree - 1) <= 0.1,
         "order of the gradient": abs(orders[1] - degree) <= 0.1,
@@ -445,9 +445,9 @@ def test_point_force_is_a_force(element):
 @solids
 def test_box_mesh_covers_the_box(element):
     body = reference_fem.box_discretisation(BOX, (5, 3, 2), element, 2.0)
-    assert body.points.shape == ((6 * 4 * 3, 3) if element[1] == "1" else (11 * 7 * 5, 3))
-    shapes = {"H1": (30, 8), "T1": (180, 4), "H2": (30, 27), "T2": (180, 10)}
-    assert body.cells.shape == shapes[element]
+    kind = ELEMENTS[element]
+    assert body.points.shape == ({1: 6 * 4 * 3, 2: 11 * 7 * 5}[kind.degree], 3)
+    assert body.cells.shape == (180 if kind.simplex else 30, kind.nodes)
     assert not body.curved
     np.testing.assert_array_equal(body.points.min(axis=0), 0)
     np.testing.assert_array_equal(body.points.max(axis=0), BOX.size)
@@ -459,7 +459,7 @@ def test_box_mesh_covers_the_box(element):
     assert set(uses.tolist()) == {1, 2}
     alone = body.points[faces[uses == 1]]
     assert all(BOX.on_boundary(face) for face in alone)
-    assert len(alone) == {"H": 1, "T": 2}[element[0]] * 2 * (5 * 3 + 5 * 2 + 3 * 2)
+    assert len(alone) == (1 + ELEMENTS[element].simplex) * 2 * (5 * 3 + 5 * 2 + 3 * 2)
 
 
 @solids

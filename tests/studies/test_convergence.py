@@ -27,12 +27,17 @@ QUICK = Setting(quick=True)
 
 
 @pytest.fixture(scope="module")
+def tables(small_tables):
+    return small_tables("convergence")
+
+
+@pytest.fixture(scope="module")
 def evidence(small_form):
     return small_form("convergence")
 
 
-def test_every_relaxation_at_every_size(evidence):
-    table = steps.together("steps", evidence.tables)
+def test_every_relaxation_at_every_size(tables):
+    table = steps.together("steps", tables)
     assert set(table["method"]) == set(RELAXATIONS)
     assert not table.duplicated(["body", "method", "cells_y", "threshold"]).any()
     for body, sizes in steps.QUICK.items():
@@ -58,15 +63,10 @@ def test_predicted_steps_are_those_of_a_critically_damped_oscillator():
     assert counting.predicted(root_kappa, threshold) == pytest.approx(count, abs=2)
 
 
-def test_counts_are_first_times_below_the_threshold(evidence):
+def test_counts_are_first_times_below_the_threshold():
     """Kinetic damping counted again, step by step."""
-    table = steps.together("steps", evidence.tables)
-    row = table[
-        (table["body"] == "plate")
-        & (table["cells_y"] == 8)
-        & (table["method"] == "kinetic_damping")
-        & (table["threshold"] == 1e-3)
-    ].iloc[0]
+    rows = steps.counted((RELAXATIONS["kinetic_damping"], "plate", 8))
+    (row,) = [row for row in rows if row["threshold"] == 1e-3]
     network, rest = bodies.network("plate", 8), bodies.at_rest("plate", 8)
     errors = []
 
@@ -101,6 +101,7 @@ def test_growth_of_a_power():
     assert grown.loc["cost in nodes", "exponent"] == pytest.approx(2)
 
 
+@pytest.mark.slow
 def test_counts_that_hang_on_rounding_are_told_and_not_gated(evidence):
     kept = files(evidence)
     heading = kept["steps_here.csv"].decode().splitlines()[0].split(",")
@@ -121,6 +122,7 @@ def test_reproduced_counts_do_not_hang_on_the_last_digits(monkeypatch):
         monkeypatch.undo()
 
 
+@pytest.mark.slow
 def test_seconds_are_told_and_not_gated(evidence):
     kept = files(evidence)
     for name in ("times", "growth_of_times", "frontier"):
@@ -159,15 +161,15 @@ def test_seconds_between_two_sizes():
     assert frontier.seconds_to(1e-4, rows) is None
 
 
-def test_elements_stand_beside_the_relaxations(evidence):
-    table = evidence.tables["times"]
+def test_elements_stand_beside_the_relaxations(tables):
+    table = tables["times"]
     for body, part in table.groupby("body"):
         assert set(part["method"]) == {*RELAXATIONS, *times.ELEMENTS[bodies.dim(body)]}
 
 
-def test_damping_that_follows_the_spacing_is_seen_in_space(evidence):
+def test_damping_that_follows_the_spacing_is_seen_in_space(tables):
     """The plane's rows see it too; here those of the cube must, each by its own limit."""
-    table = steps.together("growth", evidence.tables)
+    table = steps.together("growth", tables)
     spoilt_rows = [
         row
         for edge in steps.QUICK["cube"]

@@ -42,6 +42,11 @@ REST = [
 
 
 @pytest.fixture(scope="module")
+def tables(small_tables):
+    return small_tables("damping")
+
+
+@pytest.fixture(scope="module")
 def evidence(small_form):
     return small_form("damping")
 
@@ -51,9 +56,9 @@ def plate():
     return bodies.loaded("plate", (3, 3), "across")
 
 
-def test_public_columns(evidence):
-    assert list(evidence.tables["figure2"]) == FIGURE2
-    assert list(evidence.tables["rest"]) == REST
+def test_public_columns(tables):
+    assert list(tables["figure2"]) == FIGURE2
+    assert list(tables["rest"]) == REST
 
 
 def test_full_range_of_dampings():
@@ -167,8 +172,8 @@ def test_a_run_that_never_rests_is_refused(plate):
         rest.counted(frozen, plate, 1.0, 0.01, 1000, (1e-2,))
 
 
-def test_optimum_follows_the_excited_mode(evidence):
-    best = evidence.tables["optimum"].set_index(["body", "error"])
+def test_optimum_follows_the_excited_mode(tables):
+    best = tables["optimum"].set_index(["body", "error"])
     pulled = best.loc["plate pulled, 8 x 8"]
     assert (pulled["mode"] > 1).all()
     assert (pulled["omega_rad_s"] > 2 * pulled["omega_min_rad_s"]).all()
@@ -223,6 +228,7 @@ def test_a_rule_that_never_holds_is_refused():
         stop_rule.first(np.array([False, False]))
 
 
+@pytest.mark.slow
 def test_findings_name_no_empty_part(evidence):
     (said,) = [f for f in evidence.findings if "printed loop" in f]
     assert "0 of them" not in said
@@ -294,8 +300,8 @@ def test_peak_of_a_gaussian():
     assert wave.peak(t, 3 * np.exp(-((t - 4.33) ** 2) / 2)) == pytest.approx((4.33, 3.0))
 
 
-def test_wave_returns_inverted(evidence):
-    grid = evidence.tables["wave_xt"].pivot_table(index="time_s", columns="x", values="velocity")
+def test_wave_returns_inverted(tables):
+    grid = tables["wave_xt"].pivot_table(index="time_s", columns="x", values="velocity")
     middle = grid.iloc[:, grid.shape[1] // 2]
     assert middle.min() == pytest.approx(-1, abs=0.05)
     assert middle.max() == pytest.approx(1, abs=0.05)
@@ -364,8 +370,8 @@ def test_seed_changes_the_random_start_only():
         assert row["factor"] == pytest.approx(row["factor_predicted"], rel=1e-7)
 
 
-def test_energy_rises_in_steps_but_not_in_the_mean(evidence):
-    table = evidence.tables["cycles"]
+def test_energy_rises_in_steps_but_not_in_the_mean(tables):
+    table = tables["cycles"]
     assert (table["single_rises"] > 0).tolist()[0]
     assert (table["mean_rises"] == 0).all()
     assert cycles.rises(np.array([1.0, 0.5, 0.6, 0.6, 0.7])) == 2

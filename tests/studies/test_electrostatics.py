@@ -84,13 +84,18 @@ COLUMNS = {
 
 
 @pytest.fixture(scope="module")
+def tables(small_tables):
+    return small_tables("electrostatics")
+
+
+@pytest.fixture(scope="module")
 def evidence(small_form):
     return small_form("electrostatics")
 
 
 @pytest.mark.parametrize("table", COLUMNS)
-def test_public_columns(evidence, table):
-    assert list(evidence.tables[table]) == COLUMNS[table]
+def test_public_columns(tables, table):
+    assert list(tables[table]) == COLUMNS[table]
 
 
 def test_full_form_is_what_it_should_show():
@@ -114,6 +119,7 @@ def test_unknown_questions_are_refused(questions):
         electrostatics.run(setting=QUICK, questions=questions)
 
 
+@pytest.mark.slow
 def test_numbers_but_times_are_the_same_again(evidence):
     again = electrostatics.run(setting=QUICK, questions=("strips", "models"))
     for name, table in again.tables.items():
@@ -155,9 +161,9 @@ def test_circle_does_not_change_how_a_strip_shares_its_charge():
 
 
 @pytest.mark.parametrize("ratio", edge.PERMITTIVITY_RATIOS)
-def test_exponent_at_a_corner_fits_both_sides(ratio, evidence):
+def test_exponent_at_a_corner_fits_both_sides(ratio, tables):
     """Potential and flux are continuous across the bare face, sin λθ on both sides of it."""
-    rows = evidence.tables["corner"].set_index("permittivity_ratio")
+    rows = tables["corner"].set_index("permittivity_ratio")
     power = rows["exponent_expected"][ratio] + 1
     slab, air = np.pi / 2, 3 * np.pi / 2
     inside, outside = np.sin(power * slab), np.sin(power * air)
@@ -175,8 +181,8 @@ def test_fitted_exponent_is_that_of_given_charges():
         assert edge.fitted_exponent(start, end, charge) == pytest.approx(power, abs=1e-4)
 
 
-def test_last_segment_is_never_right(evidence):
-    tips = evidence.tables["edge"]["tip_over_exact"]
+def test_last_segment_is_never_right(tables):
+    tips = tables["edge"]["tip_over_exact"]
     assert (tips - 1).abs().min() > 1e-3
 
 
@@ -187,7 +193,7 @@ def test_pair_is_what_it_says():
     assert flat.count == wavy.count == 2
 
 
-def test_expected_growth_of_both_faces_by_another_route(evidence):
+def test_expected_growth_of_both_faces_by_another_route(tables):
     """K² from the charge near the edge of a fine strip, Q(s) = 2K·√s."""
     electrodes = facing_strips(shortcuts.RATIO, 1.0, 400)
     found = common.charges(electrodes)
@@ -197,7 +203,7 @@ def test_expected_growth_of_both_faces_by_another_route(evidence):
     told = 2 * np.log(2) / (np.pi * shortcuts.RATIO)
     # σ²/(2ε) over both edges: K²·ln 2, over the pull.
     assert squared * np.log(2) / pull == pytest.approx(told, rel=0.02)
-    faces = evidence.tables["both_faces"]
+    faces = tables["both_faces"]
     for _, rows in faces.groupby("grading"):
         assert rows["faces_over_exact"].is_monotonic_increasing
 
@@ -220,8 +226,8 @@ def test_forces_count_less_away_from_the_electrode():
     assert found["stretch"] == pytest.approx((1 + 10 + 3) / 0.5)
 
 
-def test_models_meet_where_they_should(evidence):
-    table = evidence.tables["models"]
+def test_models_meet_where_they_should(tables):
+    table = tables["models"]
     report = table[table["model"] == "report's"]["charge_over_plane"].tolist()
     assert report == sorted(report, reverse=True)
     assert report[-1] > 1

@@ -41,18 +41,18 @@ ROTATED = ["lattice", "k1", "k2", "angle_deg", "cells", "nu_springs", "nu_tensor
 
 
 @pytest.fixture(scope="module")
-def evidence(small_form):
-    return small_form("poisson")
+def tables(small_tables):
+    return small_tables("poisson")
 
 
-def test_public_columns(evidence):
-    assert list(evidence.tables["finite_size"]) == FINITE_SIZE
-    assert list(evidence.tables["direction"]) == DIRECTION
-    assert list(evidence.tables["rotated"]) == ROTATED
+def test_public_columns(tables):
+    assert list(tables["finite_size"]) == FINITE_SIZE
+    assert list(tables["direction"]) == DIRECTION
+    assert list(tables["rotated"]) == ROTATED
 
 
-def test_rows_of_the_finite_size_table(evidence):
-    table = evidence.tables["finite_size"]
+def test_rows_of_the_finite_size_table(tables):
+    table = tables["finite_size"]
     # weights x sizes x loadings x definitions, less the clamped single cell, which cannot deform.
     assert len(table) == 3 * 6 * 3 * 2 - 3 * 2
     assert not table.duplicated(["weights", "k2", "cells", "loading", "definition"]).any()
@@ -87,7 +87,13 @@ def test_stated_resolution_is_the_real_one(name):
     assert largest(0.9 * noticed) < finite_size.IDENTITY
 
 
-@pytest.mark.parametrize("fault", poisson.FAULTS)
+@pytest.mark.parametrize(
+    "fault",
+    [
+        pytest.param(name, marks=[] if name.startswith("diagonals") else [pytest.mark.slow])
+        for name in poisson.FAULTS
+    ],
+)
 def test_faults_are_caught_by_physics(fault):
     """By an identity or the finite elements, not by a remembered number."""
     verdict = judge(finite_size.run(**poisson.FAULTS[fault], setting=QUICK))
@@ -130,8 +136,8 @@ def test_the_clamped_quarter_is_the_whole_block(body):
     assert np.abs(whole - middle - quarter).max() < 1e-12 * block.STRAIN
 
 
-def test_rows_of_the_rotated_table(evidence):
-    table = evidence.tables["rotated"]
+def test_rows_of_the_rotated_table(tables):
+    table = tables["rotated"]
     assert not table.duplicated(["lattice", "k2", "angle_deg", "cells"]).any()
     square = table[table["lattice"] == "square"].set_index("angle_deg")
     k2 = square["k2"]
@@ -139,7 +145,7 @@ def test_rows_of_the_rotated_table(evidence):
     assert square["nu_tensor"][45].to_numpy() == pytest.approx((1 / (1 + 4 * k2))[45], abs=1e-12)
     triangles = table[table["lattice"] == "triangular"]
     assert triangles["nu_tensor"].to_numpy() == pytest.approx(1 / 3, abs=1e-12)
-    orders = evidence.tables["rotated_order"].set_index("angle_deg")["order"]
+    orders = tables["rotated_order"].set_index("angle_deg")["order"]
     assert (orders[0] == "exact").all()
 
 

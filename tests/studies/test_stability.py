@@ -69,17 +69,22 @@ COLUMNS = {
 
 
 @pytest.fixture(scope="module")
+def tables(small_tables):
+    return small_tables("stability")
+
+
+@pytest.fixture(scope="module")
 def evidence(small_form):
     return small_form("stability")
 
 
 @pytest.mark.parametrize("table", COLUMNS)
-def test_public_columns(evidence, table):
-    assert list(evidence.tables[table]) == COLUMNS[table]
+def test_public_columns(tables, table):
+    assert list(tables[table]) == COLUMNS[table]
 
 
-def test_every_scheme_body_and_damping_has_a_limit(evidence):
-    table = evidence.tables["limits"]
+def test_every_scheme_body_and_damping_has_a_limit(tables):
+    table = tables["limits"]
     assert not table.duplicated(["scheme", "body", "points_a_side", "damping_ratio"]).any()
     assert set(table["scheme"]) == set(INTEGRATORS)
     for name, rows in table.groupby("scheme"):
@@ -207,8 +212,8 @@ def test_exact_motion(share, ratio):
     assert order.swung(share, ratio) == pytest.approx(found, abs=1e-7)
 
 
-def test_verlet_loses_its_order_under_damping_and_leapfrog_keeps_it(evidence):
-    orders = evidence.tables["orders"].set_index(["scheme", "damping_ratio"])["order"]
+def test_verlet_loses_its_order_under_damping_and_leapfrog_keeps_it(tables):
+    orders = tables["orders"].set_index(["scheme", "damping_ratio"])["order"]
     assert orders["velocity_verlet", 0.0] == pytest.approx(2, abs=0.1)
     assert orders["velocity_verlet", 0.3] == pytest.approx(1, abs=0.1)
     assert orders["leapfrog", 0.3] == pytest.approx(2, abs=0.1)
@@ -261,17 +266,18 @@ def test_a_run_ends_where_it_leaves():
     assert len(calm.positions) == 21
 
 
-def test_findings_follow_the_tables(evidence):
-    table = evidence.tables["growth"]
+def test_findings_follow_the_tables(tables):
+    table = tables["growth"]
     assert "grows at every step" in growing.finding(table)
     assert "grows at none" in growing.finding(table.assign(growth_measured=0.0))
-    table = evidence.tables["misprints"]
+    table = tables["misprints"]
     assert "Euler-Cromer is explicit Euler" in misprints.finding(table)
     other = misprints.finding(table.assign(difference=0.5))
     assert "is not explicit Euler" in other
     assert "does not move" in other
 
 
+@pytest.mark.slow
 def test_figure_3_says_who_leaves(evidence):
     table = evidence.tables["figure3"].set_index(["scheme", "step_over_limit"])
     for name in TRUE:

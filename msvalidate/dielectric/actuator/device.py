@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, get_args
 
 import numpy as np
 
-from msvalidate.dielectric.actuator.surface import SAME_PLACE, off_surface, outline
+from msvalidate.dielectric.actuator.models import MODELS
+from msvalidate.dielectric.actuator.surface import off_surface, outline
 from msvalidate.dielectric.charges import Electrodes, chains
 from msvalidate.network import Network
 from msvalidate.problem import Array, Index, ProblemError, refuse_free_motions
-from msvalidate.problem.checks import chosen, finite, instance, integers, positive, shown
-
-Model = Literal["plane", "parallel_plates", "as_report", "in_air"]
-LARGEST_RATIO = 1e6
-"""Permittivity ratio in air up to which equilibria are sought: forces are differences of terms so
-many times as large, which rounding by some 1e-15 leaves known to 1e-9, and a residual is asked to
-be below 1e-8 of the loads. Beyond, an equilibrium that is not found says nothing of pull-in."""
+from msvalidate.problem.checks import chosen, indices, instance, positive, shaped, shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,15 +29,17 @@ class Actuator:
     permittivity
         Of the dielectric between them (F/m).
     model
-        "plane": exact line charges in a medium of this permittivity all around. "parallel_plates":
-        the field between plates at each place, the limit of waves long beside the gap; the bottom
-        electrode must be flat and held. "as_report": the report's kernel 1/(4πεr) and point forces.
-        "in_air": bare faces of the dielectric carry bound charge.
+        Of charges: one of `models.MODELS`.
     depth
         Of the body out of the plane (m): forces and energies are per depth times this.
     permittivity_ratio
-        Permittivity over that of what surrounds the body, up to `LARGEST_RATIO`; "in_air" alone
-        asks for it, other models leave it aside.
+        Permittivity over that of what surrounds the body, up to `models.LARGEST_RATIO`; "in_air"
+        alone asks for it, other models leave it aside.
+
+    Attributes
+    ----------
+    charged
+        The electrodes at the network's start; their points are those of `loaded`.
 
     Raises
     ------
@@ -55,9 +51,10 @@ class Actuator:
     network: Network
     electrodes: tuple[Index, ...]
     permittivity: float = 1.0
-    model: Model = "plane"
+    model: str = "plane"
     depth: float = 1.0
     permittivity_ratio: float = 1.0
+    charged: Electrodes = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         instance("network", self.network, Network)
@@ -66,13 +63,7 @@ class Actuator:
         positive("permittivity", self.permittivity, "F/m")
         positive("depth", self.depth, "m")
         positive("permittivity ratio", self.permittivity_ratio)
-        chosen("model", self.model, get_args(Model))
-        if self.model == "in_air" and self.permittivity_ratio > LARGEST_RATIO:
-            raise ProblemError(
-                f"permittivity ratio: {self.permittivity_ratio:g}; above {LARGEST_RATIO:g} forces "
-                "in air have too few digits: at such ratios the field outside counts for nothing, "
-                f"take {LARGEST_RATIO:g}"
-            )
+        chosen("model", self.model, MODELS)
         refuse_free_motions("network", self.network.points, self.network.held)
         given = self.electrodes
         if not isinstance(given, tuple | list) or len(given) != 2:
@@ -81,28 +72,10 @@ class Actuator:
             )
         kept = tuple(_chain(f"electrode {i}", line, self.network) for i, line in enumerate(given))
         object.__setattr__(self, "electrodes", kept)
-        self.charged  # refuses electrodes that touch  # noqa: B018
+        object.__setattr__(self, "charged", chains(*(self.network.start[line] for line in kept)))
         for i, line in enumerate(kept):
             _refuse_inside(f"electrode {i}", line, self.network)
-        if self.model == "parallel_plates":
-            self._refuse_no_plate(kept[1])
-
-    def _refuse_no_plate(self, bottom: Index) -> None:
-        height = self.network.start[bottom, 1]
-        if (
-            not self.network.held[bottom, 1].all()
-            or np.ptp(height)
-            > SAME_PLACE * np.abs(self.network.start[self.electrodes[0], 1] - height[0]).max()
-        ):
-            raise ProblemError(
-                "electrode 1: bends or can move up; between parallel plates the bottom one is flat "
-                'and held: take model="plane", or hold it'
-            )
-
-    @cached_property
-    def charged(self) -> Electrodes:
-        """The electrodes at the network's start; their points are those of `loaded`."""
-        return chains(*(self.network.start[line] for line in self.electrodes))
+        MODELS[self.model].refuse(self)
 
     @cached_property
     def outline(self) -> Index:
@@ -122,10 +95,7 @@ class Actuator:
         ProblemError
             If they cross or touch there, or positions are not one for each point.
         """
-        if np.shape(position) != self.network.points.shape:
-            raise ProblemError(
-                f"position: shape {np.shape(position)}; give {self.network.points.shape}"
-            )
+        shaped("position", np.asarray(position), *self.network.points.shape)
         return self.charged.moved(position[self.loaded])
 
     def potentials(self, voltage: float) -> Array:
@@ -135,14 +105,8 @@ class Actuator:
 
 def _chain(name: str, given: object, network: Network) -> Index:
     """A chain of points of the network, read-only."""
-    line = integers(name, finite(name, given))  # type: ignore[arg-type]
-    if line.ndim != 1 or len(line) < 2:
-        raise ProblemError(f"{name}: shape {line.shape}; give the numbers of 2 or more points")
-    n = len(network.points)
-    if line.min() < 0 or line.max() >= n:
-        raise ProblemError(
-            f"{name}: points {line.min()} to {line.max()}; the network has {n}, from 0"
-        )
+    need = "give the numbers of 2 or more points"
+    line = indices(name, given, len(network.points), "k>1", need=need)  # type: ignore[arg-type]
     pairs = _sorted_pairs(line)
     known = set(map(tuple, np.sort(network.springs, axis=1).tolist()))
     for i, j in pairs.tolist():

@@ -18,7 +18,7 @@ from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.models import electrified
 from msvalidate.dielectric.actuator.ways import WAYS, Frozen, Way
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import chosen, instance, number, positive
+from msvalidate.problem.checks import chosen, instance, number
 from msvalidate.statics.following import SMALLEST_INCREMENT
 
 TOLERANCE = 1e-10
@@ -120,9 +120,8 @@ def at_voltage(
     instance("actuator", actuator, Actuator)
     goal = number("voltage", voltage)
     chosen("method", method, WAYS)
-    for name, value in (("tolerance", tolerance), ("bracket", bracket)):
-        if positive(name, value) > LOOSEST:
-            raise ProblemError(f"{name}: {value:g}; give at most {LOOSEST:g}")
+    number("tolerance", tolerance, above=0, most=LOOSEST)
+    number("bracket", bracket, above=0, most=LOOSEST)
     held = _begun(actuator, start)
     if goal == held.voltage:
         return held if start is None else _near(actuator, held, goal, method, tolerance)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from msvalidate.dielectric.actuator.device import Actuator, Model
+from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.uniform import relaxed_thickness
 from msvalidate.lattice import Lattice, boundary_weights, square
 from msvalidate.network import Network, spring_network
@@ -31,7 +31,7 @@ def slab(
     sides: str = "free",
     depth: float = 1.0,
     density: float = 1.0,
-    model: Model = "plane",
+    model: str = "plane",
     permittivity_ratio: float = 1.0,
 ) -> Actuator:
     """A slab of squares with diagonals, bonded at its bottom; the bottom electrode covers it all.
@@ -108,9 +108,7 @@ def without_tips(actuator: Actuator, within: float) -> Actuator:
 def near_tips(actuator: Actuator, within: float) -> Mask:
     """Points (n,) within a distance (m) of an edge of the top electrode, at the start."""
     instance("actuator", actuator, Actuator)
-    distance = number("distance from a tip", within)
-    if distance < 0:
-        raise ProblemError(f"distance from a tip: {distance:g} m; give 0 or more")
+    distance = number("distance from a tip", within, least=0, unit="m")
     start, top = actuator.network.start, actuator.electrodes[0]
     away = np.linalg.norm(start[:, None] - start[top[[0, -1]]], axis=2).min(axis=1)
     size = float(np.ptp(start, axis=0).max())

@@ -1,22 +1,23 @@
 """What charges do to a network: forces on its points at a voltage, and how they change.
 
-A model is a function of an actuator, positions and a voltage that returns an `Electric`. With one
-more model, write such a function and add it to `MODELS`.
+A model is a function of a device, positions and a voltage that returns an `Electric`. With one more
+model, write such a function and add a row to `MODELS`: actuators take it by its name there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 
-from msvalidate.dielectric.actuator.device import Actuator
+from msvalidate.dielectric.actuator.surface import SAME_PLACE
 from msvalidate.dielectric.charges import (
     Charges,
     ChargesInAir,
+    Electrodes,
     Moments,
     ReportCharges,
     ReportModel,
@@ -29,7 +30,55 @@ from msvalidate.dielectric.charges import (
     tangent,
     tangent_in_air,
 )
+from msvalidate.network import Network
 from msvalidate.problem import Array, Index, ProblemError
+
+LARGEST_RATIO = 1e6
+"""Permittivity ratio in air up to which equilibria are sought: forces are differences of terms so
+many times as large, which rounding by some 1e-15 leaves known to 1e-9, and a residual is asked to
+be below 1e-8 of the loads. Beyond, an equilibrium that is not found says nothing of pull-in."""
+
+
+class Device(Protocol):
+    """What a model sees of an actuator: see `device.Actuator`."""
+
+    @property
+    def network(self) -> Network:
+        """The plane network."""
+
+    @property
+    def electrodes(self) -> tuple[Index, ...]:
+        """Chains of points of the top electrode and the bottom one."""
+
+    @property
+    def loaded(self) -> Index:
+        """(k,) points of the network that the electrodes' points are."""
+
+    @property
+    def outline(self) -> Index:
+        """(k,) points around the body."""
+
+    @property
+    def model(self) -> str:
+        """Name of one of `MODELS`."""
+
+    @property
+    def permittivity(self) -> float:
+        """F/m."""
+
+    @property
+    def permittivity_ratio(self) -> float:
+        """Permittivity over that of what surrounds the body."""
+
+    @property
+    def depth(self) -> float:
+        """Of the body out of the plane (m)."""
+
+    def lying(self, position: Array) -> Electrodes:
+        """The electrodes when the network is at positions (n, 2) in m."""
+
+    def potentials(self, voltage: float) -> Array:
+        """Potentials (2,) in V at a voltage (V)."""
 
 
 class Electric(Protocol):
@@ -147,22 +196,24 @@ class ParallelPlates:
         return self._scale * bend.reshape(2 * k, 2 * k)
 
 
-def _plane(actuator: Actuator, position: Array, voltage: float) -> Plane:
-    moments = Moments(actuator.lying(position), permittivity=actuator.permittivity)
-    charges = moments.charges(actuator.potentials(voltage))
-    return Plane(charges, actuator.loaded, actuator.depth)
+def _plane(device: Device, position: Array, voltage: float) -> Plane:
+    """Exact line charges in a medium of one permittivity all around."""
+    moments = Moments(device.lying(position), permittivity=device.permittivity)
+    charges = moments.charges(device.potentials(voltage))
+    return Plane(charges, device.loaded, device.depth)
 
 
-def _plates(actuator: Actuator, position: Array, voltage: float) -> ParallelPlates:
-    top, bottom = actuator.electrodes
+def _plates(device: Device, position: Array, voltage: float) -> ParallelPlates:
+    """The field between plates at each place: the bottom electrode must be flat and held."""
+    top, bottom = device.electrodes
     x, y = position[top].T
     gap = y - position[bottom[0], 1]
     spread = _spread(len(top)) * (1.0 if x[-1] > x[0] else -1.0)
     width = spread @ x
     if not (gap > 0).all() or not (width > 0).all():
         raise ProblemError("electrodes: they cross or touch; leave a gap")
-    charges = PlateCharges(voltage, gap, width, actuator.permittivity)
-    return ParallelPlates(charges, top, actuator.depth, spread)
+    charges = PlateCharges(voltage, gap, width, device.permittivity)
+    return ParallelPlates(charges, top, device.depth, spread)
 
 
 def _spread(k: int) -> Array:
@@ -219,34 +270,79 @@ class InAir:
         return self.depth * tangent_in_air(self.charges)
 
 
-def _report(actuator: Actuator, position: Array, voltage: float) -> Coulomb:
+def _report(device: Device, position: Array, voltage: float) -> Coulomb:
+    """The report's kernel 1/(4πεr) and point forces."""
     moments = ReportModel(
-        actuator.lying(position), permittivity=actuator.permittivity, depth=actuator.depth
+        device.lying(position), permittivity=device.permittivity, depth=device.depth
     )
-    charges = moments.charges(actuator.potentials(voltage))
-    return Coulomb(charges, actuator.loaded, actuator.depth)
+    charges = moments.charges(device.potentials(voltage))
+    return Coulomb(charges, device.loaded, device.depth)
 
 
-def _in_air(actuator: Actuator, position: Array, voltage: float) -> InAir:
-    around = actuator.outline
+def _in_air(device: Device, position: Array, voltage: float) -> InAir:
+    """Bare faces of the dielectric carry bound charge; asks for the permittivity ratio."""
+    around = device.outline
     moments = SlabInAir(
-        faces_of(position, around, actuator.electrodes),
-        ratio=actuator.permittivity_ratio,
-        permittivity=actuator.permittivity,
+        faces_of(position, around, device.electrodes),
+        ratio=device.permittivity_ratio,
+        permittivity=device.permittivity,
     )
-    return InAir(moments.charges(actuator.potentials(voltage)), around, actuator.depth)
+    return InAir(moments.charges(device.potentials(voltage)), around, device.depth)
 
 
-MODELS: dict[str, Callable[[Actuator, Array, float], Electric]] = {
-    "plane": _plane,
-    "parallel_plates": _plates,
-    "as_report": _report,
-    "in_air": _in_air,
+def _accept(device: Device) -> None:
+    """Any actuator will do."""
+
+
+def _refuse_no_plate(device: Device) -> None:
+    top, bottom = device.electrodes
+    network = device.network
+    height = network.start[bottom, 1]
+    if (
+        not network.held[bottom, 1].all()
+        or np.ptp(height) > SAME_PLACE * np.abs(network.start[top, 1] - height[0]).max()
+    ):
+        raise ProblemError(
+            "electrode 1: bends or can move up; between parallel plates the bottom one is flat "
+            'and held: take model="plane", or hold it'
+        )
+
+
+def _refuse_high_ratio(device: Device) -> None:
+    if device.permittivity_ratio > LARGEST_RATIO:
+        raise ProblemError(
+            f"permittivity ratio: {device.permittivity_ratio:g}; above {LARGEST_RATIO:g} forces "
+            "in air have too few digits: at such ratios the field outside counts for nothing, "
+            f"take {LARGEST_RATIO:g}"
+        )
+
+
+@dataclass(frozen=True)
+class Model:
+    """A model of charges.
+
+    Parameters
+    ----------
+    electrified
+        What it makes of a device at positions (n, 2) in m and a voltage (V).
+    refuse
+        Raises `ProblemError` for a device that it is not for.
+    """
+
+    electrified: Callable[[Device, Array, float], Electric]
+    refuse: Callable[[Device], None] = _accept
+
+
+MODELS: Mapping[str, Model] = {
+    "plane": Model(_plane),
+    "parallel_plates": Model(_plates, _refuse_no_plate),
+    "as_report": Model(_report),
+    "in_air": Model(_in_air, _refuse_high_ratio),
 }
-"""Name -> what it makes of an actuator at positions (n, 2) in m and a voltage (V)."""
+"""Name -> model."""
 
 
-def electrified(actuator: Actuator, position: Array, voltage: float) -> Electric:
+def electrified(device: Device, position: Array, voltage: float) -> Electric:
     """Charges of an actuator's own model at positions (n, 2) in m and a voltage (V).
 
     Raises
@@ -254,4 +350,4 @@ def electrified(actuator: Actuator, position: Array, voltage: float) -> Electric
     ProblemError
         If electrodes cross or touch there.
     """
-    return MODELS[actuator.model](actuator, position, voltage)
+    return MODELS[device.model].electrified(device, position, voltage)

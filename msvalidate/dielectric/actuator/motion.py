@@ -18,8 +18,9 @@ from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import instance, number, positive, whole
+from msvalidate.relaxation.monitor import DIVERGED
 from msvalidate.relaxation.relax import LOOSEST
-from msvalidate.relaxation.run import DIVERGED, LOOK_EVERY, SAFETY, patiently
+from msvalidate.relaxation.run import LOOK_EVERY, SAFETY, patiently
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +90,7 @@ def moving(
     """
     instance("actuator", actuator, Actuator)
     volts = number("voltage", voltage)
-    if positive("tolerance", tolerance) > LOOSEST:
-        raise ProblemError(f"tolerance: {tolerance:g}; give at most {LOOSEST:g}")
+    number("tolerance", tolerance, above=0, most=LOOSEST)
     every = whole("charges_every", charges_every, 1)
     step, rate, patience = _pace(actuator.network, dt, damping, tolerance, max_steps)
     run, looks = _Run(actuator, volts, start, step, rate), []

@@ -198,10 +198,7 @@ def bonded_film_limit() -> float:
 
 
 def _stretched(stretch: float) -> float:
-    wide = positive("stretch", stretch)
-    if not 1 / MOST_STRETCHED <= wide <= MOST_STRETCHED:
-        raise ProblemError(f"stretch: {wide:g}; give {1 / MOST_STRETCHED:g} to {MOST_STRETCHED:g}")
-    return wide
+    return number("stretch", stretch, least=1 / MOST_STRETCHED, most=MOST_STRETCHED)
 
 
 def _widened(stretch: float) -> float:

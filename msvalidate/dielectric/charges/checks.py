@@ -30,11 +30,7 @@ def refuse_dense(what: str, count: int) -> None:
 
 def in_plane(name: str, points: ArrayLike, *, least: int = 0) -> Array:
     """Return points (n, 2) in m; raise `ProblemError` unless they are such, `least` or more."""
-    given = coordinates(name, points)
-    if given.ndim != 2 or given.shape[1] != 2 or len(given) < least:
-        count = f", n above {least - 1}" if least else ""
-        raise ProblemError(f"{name}: shape {given.shape}; give (n, 2){count}")
-    return given
+    return coordinates(name, points, f"n>{least - 1}" if least else "n", 2)
 
 
 def moved_points(name: str, points: ArrayLike, shape: tuple[int, ...]) -> Array:
@@ -47,10 +43,7 @@ def moved_points(name: str, points: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 def owners(name: str, numbers: ArrayLike, count: int) -> Index:
     """Return numbers of electrodes or conductors; raise `ProblemError` unless one for each part."""
-    given = integers(name, numbers)
-    if given.shape != (count,):
-        raise ProblemError(f"{name}: shape {given.shape}; give ({count},)")
-    return given
+    return integers(name, numbers, count)
 
 
 def refuse_gaps(name: str, numbers: Index) -> None:
@@ -64,9 +57,7 @@ def refuse_gaps(name: str, numbers: Index) -> None:
 
 def voltages_of(owner: str, count: int, voltages: ArrayLike) -> Array:
     """Return voltages (count,) in V; raise `ProblemError` unless there is one an `owner`."""
-    given = finite("voltages", voltages)
-    if given.shape != (count,):
-        raise ProblemError(f"voltages: shape {given.shape}; give ({count},), one {owner}")
+    given = finite("voltages", voltages, count, need=f"give ({count},), one {owner}")
     for value in given[given != 0]:
         _refuse_extreme("voltages", float(value), "V")
     return given

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import shapely
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import freeze, in_plane, moved_points, owners, refuse_gaps
-from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
-from msvalidate.problem.checks import chosen, integers, metres, number, refuse_too_many, whole
+from msvalidate.dielectric.charges.contact import refuse_contact
+from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem.checks import chosen, indices, metres, number, refuse_too_many, whole
 
 GRADINGS = ("uniform", "cosine")
 
@@ -42,17 +42,10 @@ class Electrodes:
 
     def __post_init__(self) -> None:
         points = in_plane("points of electrodes", self.points)
-        segments = integers("segments", self.segments)
-        if segments.ndim != 2 or segments.shape[1] != 2 or not len(segments):
-            raise ProblemError(f"segments: shape {segments.shape}; give (m, 2), 1 or more")
-        if segments.min() < 0 or segments.max() >= len(points):
-            raise ProblemError(
-                f"segments: points {segments.min()} to {segments.max()}; there are {len(points)}, "
-                "from 0"
-            )
+        segments = indices("segments", self.segments, len(points), "m>0", 2)
         electrode = owners("electrode", self.electrode, len(segments))
         refuse_gaps("electrode", electrode)
-        _refuse_contact(points, segments, electrode)
+        refuse_contact(points, segments, electrode)
         freeze(self, points=points, segments=segments, electrode=electrode)
 
     @property
@@ -132,45 +125,3 @@ def facing_strips(
     return chains(
         strip(width, gap, segments, grading=grading), strip(width, 0.0, segments, grading=grading)
     )
-
-
-def _refuse_contact(points: Array, segments: Index, electrode: Index) -> None:
-    """Segments may meet at shared points of one electrode, nowhere else."""
-    ends = points[segments]
-    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-    near = PLACEMENT * float(np.ptp(points[segments.ravel()], axis=0).max())
-    short = np.flatnonzero(length <= near)
-    if len(short):
-        i = short[0]
-        raise ProblemError(
-            f"segment {i}: length {length[i]:g} m; leave it out, or move its points apart"
-        )
-    lines = shapely.linestrings(ends)
-    first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=near)
-    first, second = first[first < second], second[first < second]
-    other = electrode[first] != electrode[second]
-    if other.any():
-        i, j = first[other][0], second[other][0]
-        x, y = points[segments[i]].mean(axis=0)
-        raise ProblemError(
-            f"electrodes {electrode[i]} and {electrode[j]} cross or touch at segments {i} and {j} "
-            f"near ({x:g}, {y:g}) m; leave a gap"
-        )
-    shared = (segments[first][:, :, None] == segments[second][:, None, :]).any(axis=(1, 2))
-    crossed = ~shared | _folded(points, segments[first], segments[second])
-    if crossed.any():
-        i, j = first[crossed][0], second[crossed][0]
-        x, y = points[segments[i]].mean(axis=0)
-        raise ProblemError(
-            f"electrode {electrode[i]} crosses or touches itself at segments {i} and {j} near "
-            f"({x:g}, {y:g}) m; let neighbours share a point, and others keep apart"
-        )
-
-
-def _folded(points: Array, one: Index, other: Index) -> Array:
-    """Whether two segments with a shared point lie on each other."""
-    u, v = (points[pair[:, 1]] - points[pair[:, 0]] for pair in (one, other))
-    swap = (one[:, 0] == other[:, 0]) | (one[:, 1] == other[:, 1])
-    v = np.where(swap[:, None], v, -v)
-    cross, dot = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1)
-    return np.asarray((dot > 0) & (np.abs(cross) <= PLACEMENT * dot))

@@ -6,16 +6,22 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import shapely
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import freeze, in_plane, moved_points, owners
+from msvalidate.dielectric.charges.contact import BARE, refuse_electrodes, refuse_outline
 from msvalidate.dielectric.charges.electrodes import GRADINGS, strip
 from msvalidate.problem import PLACEMENT, Array, Index, Mask, ProblemError
-from msvalidate.problem.checks import chosen, coordinates, integers, metres, number, shown, whole
-
-BARE = -1
-"""In the place of an electrode's number: none."""
+from msvalidate.problem.checks import (
+    chosen,
+    coordinates,
+    indices,
+    integers,
+    metres,
+    number,
+    shown,
+    whole,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +49,8 @@ class Faces:
     def __post_init__(self) -> None:
         points = in_plane("points of faces", self.points, least=3)
         electrode = owners("electrode", self.electrode, len(points))
-        _refuse_outline(points)
-        _refuse_electrodes(electrode)
+        refuse_outline(points)
+        refuse_electrodes(electrode)
         freeze(self, points=points, electrode=electrode)
 
     @property
@@ -107,13 +113,8 @@ def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike,
     ProblemError
         If a chain leaves the outline, or as `Faces`.
     """
-    given, around = coordinates("points", points), integers("outline", outline)
-    if given.ndim != 2 or around.ndim != 1 or not len(around):
-        raise ProblemError(f"outline: shape {around.shape}; give (m,) numbers of points (n, 2)")
-    if around.min() < 0 or around.max() >= len(given):
-        raise ProblemError(
-            f"outline: points {around.min()} to {around.max()}; there are {len(given)}, from 0"
-        )
+    given = coordinates("points", points, "n", 2)
+    around = indices("outline", outline, len(given), "m>0")
     segment = {
         frozenset(pair): i
         for i, pair in enumerate(zip(around.tolist(), np.roll(around, -1).tolist(), strict=True))
@@ -122,9 +123,7 @@ def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike,
     if not isinstance(electrodes, tuple | list):
         raise ProblemError(f"electrodes: {shown(electrodes)}; give a tuple of chains of numbers")
     for k, chain in enumerate(electrodes):
-        numbers = integers(f"electrode {k}", chain)
-        if numbers.ndim != 1:
-            raise ProblemError(f"electrode {k}: shape {numbers.shape}; give (m,) numbers of points")
+        numbers = integers(f"electrode {k}", chain, "m")
         for pair in pairwise(numbers.tolist()):
             place = segment.get(frozenset(pair))
             if place is None:
@@ -169,9 +168,7 @@ def slab_faces(
     """
     chosen("grading", grading, GRADINGS)
     whole("segments", segments, 1)
-    part = number("covered", covered)
-    if not 0 < part <= 1:
-        raise ProblemError(f"covered: {shown(covered)}; give a part of the top above 0, at most 1")
+    part = number("covered", covered, above=0, most=1)
     half, top = 0.5 * metres("length", length), metres("height", height)
     edge = half * part
     stops = [(-half, 0.0), (half, 0.0), (half, top), (edge, top), (-edge, top), (-half, top)]
@@ -188,37 +185,3 @@ def slab_faces(
         points.append(start + share * step)
         electrode += [kind] * count
     return Faces(np.concatenate(points), np.array(electrode))
-
-
-def _refuse_outline(points: Array) -> None:
-    near = PLACEMENT * float(np.ptp(points, axis=0).max())
-    length = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
-    if (length <= near).any():
-        i = int(np.argmin(length))
-        raise ProblemError(
-            f"segment {i} of the faces: length {length[i]:g} m; leave its point out, the last is "
-            "not the first again"
-        )
-    ring = shapely.LinearRing(points)
-    if not ring.is_simple:
-        why = shapely.is_valid_reason(shapely.Polygon(points))
-        raise ProblemError(f"faces: the outline crosses or touches itself ({why}); part its sides")
-    if not ring.is_ccw:
-        raise ProblemError("faces: the outline runs clockwise; give its points the other way round")
-
-
-def _refuse_electrodes(electrode: Index) -> None:
-    known = np.unique(electrode)
-    if not np.array_equal(known[known != BARE], np.arange(max(2, known[-1] + 1))):
-        raise ProblemError(
-            f"electrode: {shown(known)}; give at least 0 and 1, and leave out none; -1 where the "
-            "face is bare"
-        )
-    after = np.roll(electrode, -1)
-    touching = np.flatnonzero((electrode != after) & (electrode != BARE) & (after != BARE))
-    if len(touching):
-        i = touching[0]
-        raise ProblemError(
-            f"electrodes {electrode[i]} and {after[i]} touch between segments {i} and "
-            f"{(i + 1) % len(electrode)}; leave a bare face between them"
-        )

@@ -15,7 +15,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
@@ -31,12 +30,10 @@ from msvalidate.dielectric.charges.checks import (
     refuse_gaps,
     voltages_of,
 )
+from msvalidate.dielectric.charges.contact import areas, refuse_overlap, refuse_tilted
 from msvalidate.dielectric.kernels import polygons
 from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
 from msvalidate.problem.checks import coordinates, instance
-
-OVERLAP = 1e-6
-"""Part of a patch that another may seem to cover: rounding of thin ones takes some 1e-10."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,20 +62,15 @@ class Patches:
     middle: Array
 
     def __post_init__(self) -> None:
-        corners = coordinates("corners of patches", self.corners)
-        if corners.ndim != 3 or corners.shape[1] < 3 or corners.shape[2] != 3 or not len(corners):
-            raise ProblemError(
-                f"corners of patches: shape {corners.shape}; give (n, c, 3), c above 2"
-            )
-        middle = coordinates("middles of patches", self.middle)
-        if middle.shape != (len(corners), 3):
-            raise ProblemError(f"middles of patches: shape {middle.shape}; give {len(corners), 3}")
+        need = "give (n, c, 3), c above 2"
+        corners = coordinates("corners of patches", self.corners, "n>0", "c>2", 3, need=need)
+        middle = coordinates("middles of patches", self.middle, len(corners), 3)
         conductor = owners("conductor", self.conductor, len(corners))
         refuse_gaps("conductor", conductor)
-        corners = np.where((_areas(corners) < 0)[:, None, None], corners[:, ::-1], corners)
+        corners = np.where((areas(corners) < 0)[:, None, None], corners[:, ::-1], corners)
         near = PLACEMENT * float(np.ptp(corners.reshape(-1, 3), axis=0).max())
-        _refuse_tilted(corners, middle, near)
-        _refuse_overlap(corners, conductor, middle, near)
+        refuse_tilted(corners, middle, near)
+        refuse_overlap(corners, conductor, middle, near)
         freeze(self, corners=corners, conductor=conductor, middle=middle)
 
     @property
@@ -89,7 +81,7 @@ class Patches:
     @property
     def area(self) -> Array:
         """(n,) in m²."""
-        return _areas(self.corners)
+        return areas(self.corners)
 
 
 class PatchMoments:
@@ -171,9 +163,7 @@ class PatchCharges:
 
     def potential(self, points: ArrayLike) -> Array:
         """Potential (k,) in V at points (k, 3) in m."""
-        at = coordinates("points", points)
-        if at.ndim != 2 or at.shape[1] != 3:
-            raise ProblemError(f"points: shape {at.shape}; give (k, 3)")
+        at = coordinates("points", points, "k", 3)
         seen = polygons.seen(at, self.moments.patches.corners)
         total: Array = seen @ self.density / (4 * np.pi * self.moments.permittivity)
         return total
@@ -211,52 +201,3 @@ def conductors(*bodies: Patches) -> Patches:
         np.concatenate([k + body.conductor for k, body in zip(before, bodies, strict=False)]),
         np.concatenate([body.middle for body in bodies]),
     )
-
-
-def _areas(corners: Array) -> Array:
-    """(n,) in m², positive where corners are in counter-clockwise order."""
-    first = corners[..., :2] - corners[:, :1, :2]
-    second = np.roll(first, -1, axis=1)
-    cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-    total: Array = 0.5 * cross.sum(axis=1)
-    return total
-
-
-def _refuse_tilted(corners: Array, middle: Array, near: float) -> None:
-    z = np.column_stack([corners[..., 2], middle[:, 2]])
-    tilt = np.ptp(z, axis=1)
-    if (tilt > near).any():
-        i = int(np.argmax(tilt))
-        raise ProblemError(
-            f"patch {i}: its corners and middle differ by {tilt[i]:g} m in z; give a polygon "
-            "parallel to z = 0"
-        )
-
-
-def _refuse_overlap(corners: Array, conductor: Index, middle: Array, near: float) -> None:
-    """Patches of one plane may share edges within a conductor, nothing else."""
-    flat = shapely.polygons(corners[..., :2])
-    bad = np.flatnonzero((_areas(corners) <= near**2) | ~shapely.is_valid(flat))
-    if len(bad):
-        raise ProblemError(
-            f"patch {bad[0]}: it has no area or crosses itself; give its corners in order"
-        )
-    outside = np.flatnonzero(~shapely.intersects_xy(flat, middle[:, 0], middle[:, 1]))
-    if len(outside):
-        raise ProblemError(f"patch {outside[0]}: its middle is beside it; give a point inside")
-    first, second = shapely.STRtree(flat).query(flat, predicate="dwithin", distance=near)
-    level = np.abs(corners[first, 0, 2] - corners[second, 0, 2]) <= near
-    first, second = first[(first < second) & level], second[(first < second) & level]
-    other = conductor[first] != conductor[second]
-    if other.any():
-        i, j = first[other][0], second[other][0]
-        raise ProblemError(
-            f"conductors {conductor[i]} and {conductor[j]} overlap or touch at patches {i} and "
-            f"{j}; leave a gap"
-        )
-    shared = shapely.area(shapely.intersection(flat[first], flat[second]))
-    smaller = np.minimum(shapely.area(flat[first]), shapely.area(flat[second]))
-    over = np.flatnonzero(shared > OVERLAP * smaller)
-    if len(over):
-        i, j = first[over[0]], second[over[0]]
-        raise ProblemError(f"patches {i} and {j}: they overlap; let them share edges only")

@@ -86,7 +86,4 @@ def disc(
 
 
 def _exponent(grading: float) -> float:
-    given = number("grading", grading)
-    if not 1 <= given <= STEEPEST:
-        raise ProblemError(f"grading: {shown(grading)}; give an exponent from 1 to {STEEPEST:g}")
-    return given
+    return number("grading", grading, least=1, most=STEEPEST)

@@ -1,12 +1,10 @@
 """Compiled sums over all pairs of segments: potentials, fields, forces and their changes.
 
 The integrals over a pair are those of `segments`, and points of the plane complex numbers as there.
-`msvalidate.electrostatics` gives them their meaning.
+`msvalidate.dielectric.charges` gives them their meaning.
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
@@ -19,12 +17,14 @@ from msvalidate.dielectric.kernels.segments import (
     terms_of,
 )
 from msvalidate.kernels.compiling import compiled
+from msvalidate.kernels.values import Complex
+from msvalidate.problem import Array, Index
 
 ON_IT = 1e-12
 """Distance from a segment over its length below which a point lies on it."""
 
 
-def means(start: Any, along: Any) -> Any:
+def means(start: Complex, along: Complex) -> Array:
     """Means of ln r between all segments (m, m), each with itself on the diagonal."""
     m = len(start)
     mean = np.empty((m, m))
@@ -38,7 +38,7 @@ def means(start: Any, along: Any) -> Any:
 means = compiled(means)
 
 
-def listed(first: Any, second: Any, start: Any, along: Any) -> Any:
+def listed(first: Index, second: Index, start: Complex, along: Complex) -> Array:
     """Means of ln r (k,) between listed pairs of segments."""
     mean = np.empty(len(first))
     for n in range(len(first)):
@@ -53,7 +53,7 @@ def listed(first: Any, second: Any, start: Any, along: Any) -> Any:
 listed = compiled(listed)
 
 
-def seen(points: Any, start: Any, along: Any) -> Any:
+def seen(points: Complex, start: Complex, along: Complex) -> Array:
     """Means of ln r over each segment as seen from points (k, m), on the segment too."""
     mean = np.empty((len(points), len(start)))
     for i in range(len(points)):
@@ -73,7 +73,7 @@ def seen(points: Any, start: Any, along: Any) -> Any:
 seen = compiled(seen)
 
 
-def fields(points: Any, start: Any, along: Any) -> Any:
+def fields(points: Complex, start: Complex, along: Complex) -> Complex:
     """Means of 1/R over each segment as seen from points (k, m).
 
     The conjugate is the field of a unit line charge, times 2πε: on the segment the mean of its
@@ -95,7 +95,7 @@ def fields(points: Any, start: Any, along: Any) -> Any:
 fields = compiled(fields)
 
 
-def pulled(start: Any, along: Any, ends: Any, charge: Any, nodes: int) -> Any:
+def pulled(start: Complex, along: Complex, ends: Index, charge: Array, nodes: int) -> Complex:
     """Derivative of Σᵢⱼ qᵢ·qⱼ·(mean of ln r)ᵢⱼ in the nodes (n,).
 
     Complex: that of a point z in x is its real part, in y minus its imaginary part.
@@ -118,7 +118,9 @@ def pulled(start: Any, along: Any, ends: Any, charge: Any, nodes: int) -> Any:
 pulled = compiled(pulled)
 
 
-def turned(start: Any, along: Any, ends: Any, charge: Any, nodes: int) -> Any:
+def turned(
+    start: Complex, along: Complex, ends: Index, charge: Array, nodes: int
+) -> tuple[Complex, Complex]:
     """First derivatives in the nodes of Σⱼ (mean of ln r)ᵢⱼ·qⱼ, second ones of the sum of `pulled`.
 
     They are (m, n) and (n, n), complex as there.

@@ -11,12 +11,12 @@ adds up to π for every segment of that line, exactly, and no charge is lost.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from msvalidate.dielectric.kernels.segments import jet
 from msvalidate.kernels.compiling import compiled
+from msvalidate.kernels.values import Complex
+from msvalidate.problem import Array, Index
 
 TOUCHING = 1e-9
 """Distance of two corners over the lengths of their segments below which they are one corner."""
@@ -24,7 +24,7 @@ CHAIN = np.array([[1.0, -1, 0], [0, 1, 0], [-1, 0, -1], [0, 0, 1]])
 """Derivatives of Z, A and B in the four ends of a pair."""
 
 
-def crossed(start: Any, along: Any) -> Any:
+def crossed(start: Complex, along: Complex) -> Complex:
     """G between all segments (m, m): through the first, of charge on the second. 0 by itself."""
     m = len(start)
     part = np.zeros((m, m), dtype=np.complex128)
@@ -39,7 +39,9 @@ def crossed(start: Any, along: Any) -> Any:
 crossed = compiled(crossed)
 
 
-def dragged(start: Any, along: Any, ends: Any, weight: Any, charge: Any, nodes: int) -> Any:
+def dragged(
+    start: Complex, along: Complex, ends: Index, weight: Array, charge: Array, nodes: int
+) -> Complex:
     """Derivative of Σᵢⱼ weightᵢ·chargeⱼ·Im Gᵢⱼ in the nodes (n,), complex.
 
     That of a point in x is its real part, in y minus its imaginary part.
@@ -74,7 +76,9 @@ def _inverse(r: complex, nothing: float) -> complex:
 _inverse = compiled(_inverse, inner=True)
 
 
-def twisted(start: Any, along: Any, ends: Any, weight: Any, charge: Any, nodes: int) -> Any:
+def twisted(
+    start: Complex, along: Complex, ends: Index, weight: Array, charge: Array, nodes: int
+) -> tuple[Complex, Complex, Complex]:
     """Derivatives in the nodes of Σⱼ Im Gᵢⱼ·chargeⱼ, of Σᵢ weightᵢ·Im Gᵢⱼ, and second ones of both.
 
     They are (m, n), (m, n) and (n, n), the last of the sum of `dragged`, complex as there. Second

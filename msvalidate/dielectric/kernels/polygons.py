@@ -12,14 +12,13 @@ second takes off what r does not fall below.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from msvalidate.kernels.compiling import compiled
+from msvalidate.problem import Array
 
 
-def edge(away: float, height: float, first: float, last: float) -> Any:
+def edge(away: float, height: float, first: float, last: float) -> float:
     """What one edge adds. On its own line `away` is 0, and so is all that it adds."""
     square = away * away + height * height
     if away == 0 or square == 0:
@@ -36,7 +35,7 @@ def edge(away: float, height: float, first: float, last: float) -> Any:
 edge = compiled(edge, inner=True)
 
 
-def seen(points: Any, corners: Any) -> Any:
+def seen(points: Array, corners: Array) -> Array:
     """∫dA/r (k, n) over polygons (n, c, 3) parallel to z = 0, as seen from points (k, 3).
 
     Corners are in counter-clockwise order; one that is repeated makes an edge of no length.

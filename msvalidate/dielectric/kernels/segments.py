@@ -17,7 +17,7 @@ The four terms cancel where R² is far above A·B. So segments far from each oth
 from the even moments of s·A - t·B about its middle, and a segment near a much shorter one is taken
 in pieces, each far from it or like it. Derivatives in Z, A and B give those in the ends.
 
-`msvalidate.electrostatics` gives these their meaning; `tests` hold them against quadrature.
+`msvalidate.dielectric.charges` gives these their meaning; `tests` hold them against quadrature.
 """
 
 from __future__ import annotations

@@ -68,12 +68,10 @@ class LocalShear:
     weights: Array
 
     def __post_init__(self) -> None:
-        points = coordinates("shear springs: points", self.points)
-        pairs = integers("shear springs", self.springs)
-        if points.ndim != 2 or points.shape[1] not in VOIGT:
-            raise ProblemError(f"shear springs: points {points.shape}; give (n, 2) or (n, 3)")
-        if pairs.ndim != 2 or pairs.shape[1:] != (2,) or not len(pairs):
-            raise ProblemError(f"shear springs: shape {pairs.shape}; give pairs of points (m, 2)")
+        points = coordinates("shear springs: points", self.points, "n", (2, 3))
+        pairs = integers(
+            "shear springs", self.springs, "m>0", 2, need="give pairs of points (m, 2)"
+        )
         if pairs.min() < 0 or pairs.max() >= len(points) or (pairs[:, 0] == pairs[:, 1]).any():
             raise ProblemError(
                 f"shear springs: points {pairs.min()} to {pairs.max()}; join different ones of 0 "
@@ -81,11 +79,7 @@ class LocalShear:
             )
         arrays = {"points": points, "springs": pairs}
         for name in ("stiffness", "weights"):
-            arrays[name] = finite(f"shear springs: {name}", getattr(self, name))
-            if arrays[name].shape != (len(pairs),):
-                raise ProblemError(
-                    f"shear springs: {name} {arrays[name].shape}; give ({len(pairs)},)"
-                )
+            arrays[name] = finite(f"shear springs: {name}", getattr(self, name), len(pairs))
         if arrays["weights"].min() < 0:
             raise ProblemError(
                 f"shear springs: a weight of {arrays['weights'].min():g}; give 0 or more"
@@ -100,7 +94,7 @@ class LocalShear:
                 f"shear springs: {pairs[none[0]].tolist()} at index {none[0]} are in one place, "
                 f"{length[none[0]]:g} m apart; join points that are not"
             )
-        _ = self.gradient  # refuses points that have no deformation gradient
+        _refuse_flat(self._spanned, pairs)
 
     @property
     def dim(self) -> int:
@@ -116,17 +110,22 @@ class LocalShear:
         return vector
 
     @cached_property
-    def gradient(self) -> csr_array:
-        """Operator (n·d, n) in 1/m: row n·d + b times a component's values is its ∂/∂X_b.
-
-        Least squares: Σ w (x_j - x_i) DᵀA⁻¹ over a point's springs, A = Σ w DDᵀ.
-        """
+    def _spanned(self) -> Array:
+        """Σ w DDᵀ (n, d, d) in m² over the springs of each point."""
         n, d = self.points.shape
         outer = self.weights[:, None, None] * self.vector[:, :, None] * self.vector[:, None, :]
         A = np.zeros((n, d, d))
         for end in self.springs.T:
             np.add.at(A, end, outer)
-        _refuse_flat(A, self.springs)
+        return A
+
+    @cached_property
+    def gradient(self) -> csr_array:
+        """Operator (n·d, n) in 1/m: row n·d + b times a component's values is its ∂/∂X_b.
+
+        Least squares: Σ w (x_j - x_i) DᵀA⁻¹ over a point's springs, A = Σ w DDᵀ.
+        """
+        A, (n, d) = self._spanned, self.points.shape
         joined = np.unique(self.springs)
         inverse = np.zeros(A.shape)
         inverse[joined] = np.linalg.inv(A[joined])
@@ -251,9 +250,7 @@ def _directions(vector: Array) -> tuple[Array, Array]:
 def _gradients(shear: LocalShear, position: Array) -> Array:
     """Deformation gradients (n, d, d), F_ab = ∂x_a/∂X_b."""
     instance("shear", shear, LocalShear)
-    x = coordinates("position", position)
-    if x.shape != shear.points.shape:
-        raise ProblemError(f"position: {x.shape}; give an array {shear.points.shape}")
+    x = coordinates("position", position, *shear.points.shape)
     n, d = x.shape
     return np.asarray((shear.gradient @ x).reshape(n, d, d).transpose(0, 2, 1))
 
@@ -305,7 +302,7 @@ def _shift_by_gradients(shear: LocalShear, F: Array) -> csr_array:
 
 
 def _refuse_flat(A: Array, springs: Index) -> None:
-    """A point that is joined, but whose springs leave out a direction."""
+    """Raise `ProblemError` for a point that is joined, but whose springs leave out a direction."""
     joined = np.unique(springs)
     values = np.linalg.eigvalsh(A[joined])
     flat = np.flatnonzero(values[:, 0] <= SPAN * values[:, -1])

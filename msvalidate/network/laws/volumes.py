@@ -24,8 +24,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
+from msvalidate.network.checks import corners_of
 from msvalidate.problem import Array, Index, ProblemError
-from msvalidate.problem.checks import coordinates, finite, instance, integers
+from msvalidate.problem.checks import coordinates, finite, instance, integers, shaped
 
 _HEXAHEDRON = (
     (0, 3, 2, 1),
@@ -87,21 +88,13 @@ class Volumes:
     stiffness: Array
 
     def __post_init__(self) -> None:
-        points, kappa = coordinates("points", self.points), finite("stiffness", self.stiffness)
-        cells = integers("cells", self.cells)
-        n, d = points.shape if points.ndim == 2 else (0, 0)
-        if cells.ndim != 2 or (d, cells.shape[1]) not in SURFACES or not len(cells):
-            raise ProblemError(
-                f"cells: {cells.shape} of points {points.shape}; give triangles or quadrilaterals "
-                "of points (n, 2), or tetrahedra or hexahedra of points (n, 3)"
-            )
-        bad = np.flatnonzero((cells < 0).any(axis=1) | (cells >= n).any(axis=1))
-        if len(bad):
-            raise ProblemError(f"cells: {cells[bad[0]]} at index {bad[0]}; there are {n} points")
-        if kappa.shape != (len(cells),):
-            raise ProblemError(
-                f"stiffness of volumes: shape {kappa.shape}; these cells need ({len(cells)},)"
-            )
+        need = "the points of cells are (n, 2) or (n, 3)"
+        points = coordinates("points", self.points, "n", (2, 3), need=need)
+        n, d = points.shape
+        cells = corners_of(self.cells, n, d)
+        count = len(shaped("cells", cells, "c>0", cells.shape[1]))
+        need = f"these cells need ({count},)"
+        kappa = finite("stiffness of volumes", self.stiffness, count, need=need)
         for name, value in (("points", points), ("cells", cells), ("stiffness", kappa)):
             object.__setattr__(self, name, value)
             value.setflags(write=False)
@@ -243,10 +236,8 @@ def mode_energy(volumes: Volumes, position: Array, motion: Array) -> float:
 def _fitting(name: str, volumes: Volumes, values: Array) -> Array:
     """Values (n, d) of the network's points, refused unless there is one for each."""
     instance("volumes", volumes, Volumes)
-    given = finite(name, values)
-    if given.shape != volumes.points.shape:
-        raise ProblemError(f"{name}: shape {given.shape}; give an array {volumes.points.shape}")
-    return given
+    shape = volumes.points.shape
+    return finite(name, values, *shape, need=f"give an array {shape}")
 
 
 def _padded(volumes: Volumes, values: Array, normal: float) -> Array:

@@ -29,7 +29,8 @@ from scipy.sparse import csr_array
 
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.routes import ROUTES, Calibration
+from msvalidate.constants.calibration import Calibration
+from msvalidate.constants.routes import ROUTES
 from msvalidate.constants.stable_range import least_ratio, least_volume
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.judging.compare import worst

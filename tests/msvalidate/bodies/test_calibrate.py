@@ -260,7 +260,7 @@ def test_a_random_lattice_is_not_isotropic_and_says_what_it_is():
         (
             lambda: calibrated(
                 Isotropic(1.0, 0.3),
-                replace(square(Box((1.0, 1.0)), 2), name="kagome", pattern=None),
+                replace(PLANE["triangles"], name="kagome"),
             ),
             "none known for kagome; give the constants, or calibrate the pattern",
         ),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import numpy as np
 import pytest
 
+import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import diagonal_square, fill, patterns, square, triangular, zigzag_block
 from msvalidate.problem import (
@@ -22,6 +24,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from reference_fem.body import nodal_forces
 
 NAN = float("nan")
 
@@ -124,6 +127,38 @@ def test_a_body_force_sums_to_its_integral():
     np.testing.assert_allclose(
         loaded(BodyForce((0.0, -9.81))).force.sum(axis=0), [0.0, -9.81 * 0.3 * 2], rtol=1e-13
     )
+
+
+PLATE = Isotropic(1e6, 1 / 3, "plane_stress", density=1100.0, thickness=0.2)
+SOLID = Isotropic(1e6, 1 / 4, "solid", density=1100.0)
+
+
+@pytest.mark.parametrize(
+    ("size", "cells", "law", "element"),
+    [
+        ((0.37, 0.185), (4, 2), PLATE, "Q2"),
+        ((1e4, 1.0), (10_000, 1), PLATE, "Q2"),
+        ((0.37, 0.185, 0.185), (4, 2, 2), SOLID, "H1"),
+    ],
+)
+def test_weight_is_density_times_volume_times_g_on_both_sides(size, cells, law, element):
+    box, g = Box(size), (1.5, -9.81, 0.3)[: len(size)]
+    held = Support(box.side("left"), (0.0,) * box.dim)
+    problem = Problem(box, law, (held,), (BodyForce.gravity(law.density, g),))
+    pattern = patterns.square() if box.dim == 2 else patterns.cubic18()
+    springs = lattice_network(problem, fill(pattern, box, cells))
+    elements = reference_fem.box_discretisation(box, cells, element)
+    weight = 1100.0 * math.prod(size) * law.thickness * np.array(g)
+    turning = moment(np.array([size]) / 2, weight[None])
+    for points, force in (
+        (springs.points, springs.force),
+        (elements.points, nodal_forces(problem, elements)),
+    ):
+        np.testing.assert_allclose(force.sum(axis=0), weight, rtol=1e-12)
+        room = 1e-12 * np.abs(turning).max()
+        np.testing.assert_allclose(moment(points, force), turning, rtol=0, atol=room)
+    # Mass and weight come from one density: the masses times g are the forces.
+    np.testing.assert_allclose(springs.force, np.outer(springs.mass, g), rtol=1e-12)
 
 
 def test_a_point_force_is_in_newtons_at_its_point():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import fill, patterns, repeated, turned, voronoi_box
+from msvalidate.lattice import Lattice, fill, patterns, repeated, turned, voronoi_box
 from msvalidate.lattice.point_sets import POINT_SETS
 from msvalidate.problem import (
     SIDES,
@@ -31,7 +31,7 @@ LATTICES = patterns.known()
 
 def by_facets(lattice):
     """A random body that takes tractions by its facets, as it does on part of a side."""
-    return replace(lattice, side_area=None)
+    return Lattice(**{each.name: getattr(lattice, each.name) for each in fields(Lattice)})
 
 
 BODIES = {

@@ -291,7 +291,10 @@ def test_springs_of_an_irregular_body_are_not_taken_for_its_solid(lattice):
         (lambda: homogenised(patterns.square(), (1.0, math.nan)), "square: spring constants: nan"),
         (lambda: homogenised(patterns.square(), (1.0, 1.0), 0.0), "spacing: 0.0 m"),
         (lambda: periodic(0, [[0, 0]], [[1.0, 0]], [1.0], 1.0), "points of the cell: 0"),
-        (lambda: periodic(1, [[0, 1]], [[1.0, 0]], [1.0], 1.0), "springs: 0 to 1; there are 1"),
+        (
+            lambda: periodic(1, [[0, 1]], [[1.0, 0]], [1.0], 1.0),
+            "springs: points 0 to 1; there are 1",
+        ),
         (
             lambda: periodic(1, [[0, 0.5]], [[1.0, 0]], [1.0], 1.0),
             "springs: [[0, 0.5]]; give",

@@ -154,14 +154,14 @@ def test_every_lattice_has_the_constants_of_its_material_by_default():
 
 
 @pytest.mark.parametrize(
-    ("change", "material", "message"),
+    ("name", "material", "message"),
     [
-        ({}, Anisotropic(np.eye(3)), "the material is a tensor; give the constants"),
-        ({"name": "kagome", "pattern": None}, THIRD, "none known for kagome; give the constants"),
+        ("square at 45°", Anisotropic(np.eye(3)), "the material is a tensor; give the constants"),
+        ("kagome", THIRD, "none known for kagome; give the constants"),
     ],
 )
-def test_constants_that_are_not_known_must_be_given(change, material, message):
-    lattice = replace(square(Box((1.0, 1.0)), 2), **change)
+def test_constants_that_are_not_known_must_be_given(name, material, message):
+    lattice = replace(diagonal_square(Box((1.0, 1.0)), 2), name=name)
     with pytest.raises(ProblemError, match=f"spring constants: {message}"):
         default_constants(material, lattice)
 

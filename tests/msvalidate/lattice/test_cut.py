@@ -275,7 +275,7 @@ def test_bodies_and_lattices_that_do_not_fit_are_refused():
         cut_lattice(patterns.square(), solid, 0.1)
     with refused("spacing 0.2 m in a prism 0.5 m high; choose a spacing that divides its height"):
         cut_lattice(patterns.cubic18(), solid, 0.2)
-    with refused("cut lattice: sliver 1"):
+    with refused("cut lattice: sliver: 1"):
         cut_lattice(patterns.square(), box, 0.1, sliver=1.0)
     with refused("cut lattice: rule: 'half'"):
         cut_lattice(patterns.square(), box, 0.1, rule="half")
@@ -306,7 +306,7 @@ def test_an_origin_counts_by_its_place_in_a_cell_alone():
 
 def test_places_to_interpolate_at_must_fit():
     lattice = cut_lattice(patterns.square(), Box((1.0, 1.0)), 0.25)
-    with refused("places: (2,); give (q, 2)"):
+    with refused("places: shape (2,); give (q, 2)"):
         lattice.weights_at(np.zeros(2))
     with refused("places: nan"):
         lattice.weights_at(np.full((1, 2), np.nan))

@@ -235,7 +235,7 @@ def test_there_is_no_compiled_form():
         ({"springs": [[0, 1], [1, 2], [2, 9]]}, "points 0 to 9; join different ones of 0 to 2"),
         ({"springs": [[0, 1], [1, 2], [2, 2]]}, "join different ones"),
         ({"springs": [[0, 1, 2]]}, r"give pairs of points \(m, 2\)"),
-        ({"stiffness": [1.0]}, r"stiffness \(1,\); give \(3,\)"),
+        ({"stiffness": [1.0]}, r"stiffness: shape \(1,\); give \(3,\)"),
         ({"stiffness": [1.0, np.inf, 1.0]}, "stiffness"),
         ({"weights": [1.0, -1.0, 1.0]}, "a weight of -1; give 0 or more"),
         ({"points": [[0.0], [1.0], [2.0]]}, "give"),

@@ -185,7 +185,7 @@ SQUARE = CELLS[2, 4]
         ({"stiffness": [1.0, 2.0]}, r"shape \(2,\); these cells need \(1,\)"),
         ({"stiffness": [-1e308]}, r"5e\+307 N/m meet at a point; choose units"),
         ({"cells": 3}, "give triangles or quadrilaterals"),
-        ({"points": SQUARE[:, :1]}, "cells"),
+        ({"points": SQUARE[:, :1]}, "points of cells"),
     ],
 )
 def test_what_is_no_cell_is_refused(given_, said):

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from msvalidate.judging.evidence import judge
+from msvalidate.judging.sweep import Setting
 from msvalidate.output import page, stored
 from msvalidate.output.provenance import provenance
 from msvalidate.studies import poisson
@@ -47,7 +48,7 @@ def browser(tmp_path_factory):
 
 
 def real_results(folder, evidence):
-    """The small form of a study, through its files."""
+    """What a study found, through its files."""
     result = stored.Result("poisson", poisson.__doc__, evidence, judge(evidence))
     origin = provenance(["a", "command"], 0, datetime.now(UTC), 1.5)
     for name, content in stored.files(result, origin).items():
@@ -88,8 +89,9 @@ def ugly_results():
 
 
 @pytest.fixture(scope="module")
-def real(tmp_path_factory, small_form):
-    return real_results(tmp_path_factory.mktemp("poisson"), small_form("poisson"))
+def real(tmp_path_factory):
+    evidence = poisson.finite_size.run(setting=Setting(quick=True))
+    return real_results(tmp_path_factory.mktemp("poisson"), evidence)
 
 
 @pytest.fixture(scope="module", params=["real", "ugly", "empty"])

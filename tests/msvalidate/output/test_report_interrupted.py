@@ -51,7 +51,7 @@ import time
 from pathlib import Path
 sys.path[:0] = {paths!r}
 import test_report_interrupted
-from msvalidate import report
+from msvalidate.output import report
 gap = float(sys.argv[1])
 if sys.argv[3:] == ["apart"]:
     report._exchanged = lambda *_: False
@@ -90,6 +90,7 @@ def values(out):
     return {row["observed"] for row in json.loads((out / "verdict.json").read_bytes())}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs kill -9")
 def test_killed_at_any_instant(tmp_path):
     """Killed while it publishes, again and again, a run leaves old results or new ones, whole."""
@@ -109,6 +110,7 @@ def test_killed_at_any_instant(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["r"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs kill -9")
 def test_killed_where_folders_cannot_be_exchanged(tmp_path):
     """Studies may then be of two runs, but each is whole, and the next run finds them all."""
@@ -127,6 +129,7 @@ def test_killed_where_folders_cannot_be_exchanged(tmp_path):
     assert not list(out.glob(".*"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="folders are locked on Unix")
 def test_two_runs_at_once_do_not_mix(tmp_path):
     out = tmp_path / "r"

@@ -129,6 +129,18 @@ def refused(message):
             "body force: (0.0, -9.81, 0.0); give 2 components",
         ),
         (lambda: plate(loads=(BodyForce((0.0, NAN)),)), "body force: nan at index 1"),
+        (lambda: BodyForce.gravity(0.0, (0.0, -9.81)), "gravity: density: 0.0 kg/m³; it must be"),
+        (lambda: BodyForce.gravity(NAN, (0.0, -9.81)), "gravity: density: nan"),
+        (lambda: BodyForce.gravity(1e3, -9.81), "gravity: -9.81; give 2 or 3 components in m/s²"),
+        (lambda: BodyForce.gravity(1e3, (0.0, NAN)), "gravity: nan at index 1"),
+        (
+            lambda: plate(loads=(BodyForce.gravity(1e3, (0.0, 0.0, -9.81)),)),
+            "body force: (0.0, 0.0, -9810.0); give 2 components",
+        ),
+        (
+            lambda: plate(loads=(BodyForce.gravity(1e300, (0.0, -1e300)),)),
+            "body force: -inf at index 1",
+        ),
         # the whole
         (
             lambda: Problem(BLOCK, SHEET, (Support(BLOCK.side("left"), (0.0, 0.0, 0.0)),)),

@@ -149,7 +149,7 @@ BAD = {
     "NaN": ([0.5, np.nan, 1.0], r"path: nan"),
     "words": ("half", r"path: expected numbers"),
     "no pair": (lambda t: t, r"path: at t = 1 no pair of force and displacement .*return two"),
-    "wrong shape": (lambda _: (np.zeros(3), np.zeros((3, 2))), r"path: force at t = 1 of shape"),
+    "wrong shape": (lambda _: (np.zeros(3), np.zeros((3, 2))), r"path: force at t = 1: shape"),
     "NaN inside": (
         lambda t: (np.full((3, 2), np.nan if t < 1 else 0) + truss(1e-3).force, np.zeros((3, 2))),
         r"path: force at t = [0-9.]+: nan",

@@ -13,6 +13,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.lattice import square
 from msvalidate.problem import (
+    SHAPES,
     BodyForce,
     Box,
     Isotropic,
@@ -27,17 +28,7 @@ from msvalidate.problem import (
 from reference_fem import box_discretisation, mesh_discretisation, solve_problem
 from reference_fem.body import nodal_forces
 from reference_fem.mesh import ELEMENTS
-from reference_fem.mesh.from_mesh import OWN
 
-SHAPES = {element: shape for shape, element in OWN.items()}
-FACETS = {
-    **dict.fromkeys(("P1", "Q1"), "line"),
-    **dict.fromkeys(("P2", "Q2"), "line3"),
-    "T1": "triangle",
-    "H1": "quad",
-    "T2": "triangle6",
-    "H2": "quad9",
-}
 ROUNDING = 1e-11
 """Relative: a condition number of 1e4 times the rounding of 1e-16, and the order of the sums."""
 
@@ -47,7 +38,7 @@ def refused(message):
 
 
 def box_of(element):
-    return Box((2.0, 1.0) if element[0] in "PQ" else (2.0, 1.0, 0.5))
+    return Box((2.0, 1.0, 0.5)[: ELEMENTS[element].dim])
 
 
 def asked(domain, left, right, dim):
@@ -63,7 +54,7 @@ def asked(domain, left, right, dim):
 
 def mesh_of(body):
     """The same cells as a mesh with both ends named."""
-    mesh = Mesh(body.points, body.cells, SHAPES[body.element.name])
+    mesh = Mesh(body.points, body.cells, body.element.shape)
     sides = {
         name: mesh.surface[(np.abs(body.points[:, 0] - x) < 1e-9)[mesh.surface].all(axis=1)]
         for name, x in (("left", 0.0), ("right", 2.0))
@@ -74,7 +65,7 @@ def mesh_of(body):
 def in_file(mesh, folder, form):
     """The mesh as a file gives it back, and what its ends are called there."""
     blocks = [(mesh.shape, mesh.cells)]
-    facet = FACETS[OWN[mesh.shape]]
+    facet = SHAPES[mesh.shape].facet.name
     blocks += [(facet, facets) for facets in mesh.boundaries.values()]
     tags = [np.full(len(cells), tag) for tag, (_, cells) in zip((7, 1, 2), blocks, strict=True)]
     points = np.column_stack([mesh.points, np.zeros((len(mesh.points), 3 - mesh.dim))])
@@ -116,13 +107,13 @@ def test_box_and_its_mesh_file_move_alike(element, form, tmp_path):
             assert np.abs(one - other).max() <= ROUNDING * np.abs(other).max()
 
 
-@pytest.mark.parametrize("element", ["P2", "Q2", "T2", "H2"])
+@pytest.mark.parametrize("element", [name for name, kind in ELEMENTS.items() if kind.degree == 2])
 def test_quadratic_elements_on_linear_cells(element):
     box = box_of(element)
     cells = (4, 3, 2)[: box.dim]
     problem = asked(box, box.side("left"), box.side("right"), box.dim)
     quadratic = box_discretisation(box, cells, element)
-    mesh = mesh_of(box_discretisation(box, cells, f"{element[0]}1"))
+    mesh = mesh_of(box_discretisation(box, cells, ELEMENTS[element].first.name))
     body = mesh_discretisation(mesh, element)
     assert len(body.points) == len(quadratic.points)
     on_mesh = asked(mesh, mesh.side("left"), mesh.side("right"), box.dim)
@@ -153,7 +144,7 @@ def annulus(element, inner=1.0, outer=2.0, cells=(4, 6)):
     r, angle = inner + (outer - inner) * unit.points[:, 0], np.pi / 2 * unit.points[:, 1]
     points = np.column_stack([r * np.cos(angle), r * np.sin(angle)])
     points[np.abs(points) < 1e-15] = 0.0
-    mesh = Mesh(points, unit.cells, SHAPES[element])
+    mesh = Mesh(points, unit.cells, ELEMENTS[element].shape)
     sides = {
         name: mesh.surface[(np.abs(unit.points[:, 0] - x) < 1e-9)[mesh.surface].all(axis=1)]
         for name, x in (("inner", 0.0), ("outer", 1.0))
@@ -223,7 +214,7 @@ def test_network_on_a_mesh_is_that_of_the_box():
     box = Box((2.0, 1.0))
     lattice = square(box, (4, 2))
     mesh = mesh_of(box_discretisation(box, (4, 2), "Q1"))
-    on_mesh = replace(lattice, domain=mesh, side_area=None)
+    on_mesh = replace(lattice, domain=mesh)
     networks = []
     for domain, grid, (left, right) in (
         (box, lattice, (box.side("left"), box.side("right"))),

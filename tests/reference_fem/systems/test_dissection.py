@@ -11,14 +11,15 @@ import reference_fem
 from msvalidate.problem import Box, Isotropic
 from reference_fem.elasticity import stiffness
 from reference_fem.mesh.assembly import pattern
+from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.systems import dissection
 from reference_fem.systems.dissection import elimination_order, node_order
 
 
-@pytest.mark.parametrize("element", ["Q1", "P2", "Q2", "P1", "H1", "T2", "T1", "H2"])
+@pytest.mark.parametrize("element", ELEMENTS)
 @pytest.mark.parametrize("cells", [1, 2, 5])
 def test_every_free_component_comes_once(element, cells):
-    dim = 2 if element[0] in "QP" else 3
+    dim = ELEMENTS[element].dim
     body = reference_fem.box_discretisation(Box((1.0,) * dim), cells, element, 1.5)
     np.testing.assert_array_equal(np.sort(node_order(body)), np.arange(len(body.points)))
     held = np.random.default_rng(0).random(body.points.shape) < 0.3
@@ -106,7 +107,7 @@ def test_a_pattern_is_the_sum_over_cells():
 @pytest.mark.parametrize("element", ["Q1", "P2", "H1"])
 def test_rounding_of_coordinates_changes_no_cut(element):
     # A square's or cube's axes are alike, and so are two cuts of an odd number of cells.
-    dim = 2 if element[0] in "QP" else 3
+    dim = ELEMENTS[element].dim
     body = reference_fem.box_discretisation(Box((0.37,) * dim), 11 if dim == 2 else 5, element)
     usual, eps = node_order(body), np.finfo(float).eps
     for seed in range(5):

@@ -80,7 +80,7 @@ def test_electrodes_must_be_two_chains(small):
     refused("give two chains", electrodes=(top,))
     refused("give two chains", electrodes=None)
     refused("2 or more points", electrodes=(top[:1], bottom))
-    refused("the network has 21", electrodes=(np.array([19, 20, 21]), bottom))
+    refused("there are 21", electrodes=(np.array([19, 20, 21]), bottom))
     refused("whole numbers", electrodes=(top + 0.5, bottom))
 
 

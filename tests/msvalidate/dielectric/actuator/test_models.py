@@ -9,8 +9,9 @@ import pytest
 
 from msvalidate.dielectric.actuator import PulledIn, at_voltage, lowest_modes, slab
 from msvalidate.dielectric.actuator.balance import out_of_balance, stiffness
-from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.dielectric.actuator.models import MODELS, Model, electrified
 from msvalidate.network import energy
+from msvalidate.problem import ProblemError
 
 
 def disturbed(body, size=0.03):
@@ -104,3 +105,20 @@ def test_electrodes_may_run_either_way(model):
     turned = replace(body, electrodes=tuple(line[::-1] for line in body.electrodes))
     one, other = at_voltage(body, 0.3), at_voltage(turned, 0.3)
     assert other.displacement == pytest.approx(one.displacement, abs=1e-12)
+
+
+def test_a_model_is_a_function_and_a_row(monkeypatch):
+    def halved(device, position, voltage):
+        return MODELS["plane"].electrified(device, position, voltage / 2)
+
+    def refuse(device):
+        if device.depth > 1:
+            raise ProblemError("depth: too deep")
+
+    monkeypatch.setitem(MODELS, "halved", Model(halved, refuse))
+    body = slab(4.0, 1.0, 2, covered=0.5, model="halved")
+    one, other = at_voltage(replace(body, model="plane"), 0.15), at_voltage(body, 0.3)
+    assert other.displacement == pytest.approx(one.displacement, abs=1e-10)
+    assert np.abs(one.displacement).max() > 1e-4
+    with pytest.raises(ProblemError, match="too deep"):
+        replace(body, depth=2.0)

@@ -1,0 +1,97 @@
+"""A calibration: constants, the material that they make, and what a body does with them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from msvalidate.lattice import Constants
+from msvalidate.problem import Array
+
+Verdict = Literal["exact", "first order", "unstable", "not known"]
+
+
+@dataclass(frozen=True)
+class Body:
+    """What a body made of a calibrated lattice does under uniform tension, each axis in turn.
+
+    Parameters
+    ----------
+    verdict
+        "exact": it follows the material to rounding, whatever its size. "first order": its sides
+        cut springs, which leaves an error that halves with the spacing. "unstable": its tangent
+        has a negative or no stiffness for some motion, so that it has no equilibrium to show.
+        "not known": it was not tried.
+    error
+        The largest error of a displacement's component over the largest displacement, of the worst
+        axis, where the verdict is of first order; 0 where it is exact, or else NaN.
+    points
+        Of the body that was tried: that one, or a smaller one of the same lattice, whose error is
+        then taken to be in proportion to the spacing over the body's least length.
+    """
+
+    verdict: Verdict
+    error: float
+    points: int
+
+    def __str__(self) -> str:
+        if self.verdict == "exact":
+            return "uniform strain is exact in this body"
+        if self.verdict == "first order":
+            return (
+                "this body's sides cut springs: under uniform tension displacements are off by "
+                f"about {100 * self.error:.2g} % of the largest, half of that with half the spacing"
+            )
+        if self.verdict == "unstable":
+            return "this body is unstable: take another ratio or lattice"
+        return "what this body does was not tried"
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """Constants of a lattice, and the isotropic material that they make.
+
+    Parameters
+    ----------
+    constants
+        Of the central springs (N/m, thickness included), one a kind.
+    volume
+        κ of the energy of a cell's volume, 0 if there is none: N/m in the plane (thickness
+        included), Pa in a solid; the same for cells of any size.
+    shear
+        k_t of the shear springs (N/m), one a kind, 0 if there are none.
+    E, nu
+        Young's modulus (Pa) and Poisson's ratio of the material that the tensor is.
+    zener
+        2·C44/(C11 - C12) of the tensor, 1 where it is isotropic.
+    route
+        One of `ROUTES`.
+    tensor
+        Voigt tensor, (3, 3) in N/m or (6, 6) in Pa, of the endless lattice, its points at rest.
+    lattice, spacing, thickness
+        What all of this is for: the pattern's name, its unit's length (m), and the thickness (m).
+        In the plane it serves any spacing.
+    body
+        What the body does that was given; None of a pattern, and all of the above is of endless
+        lattices.
+    """
+
+    constants: Constants
+    volume: float
+    shear: Constants
+    E: float
+    nu: float
+    zener: float
+    route: str
+    tensor: Array
+    lattice: str
+    spacing: float
+    thickness: float
+    body: Body | None = None
+
+    def __post_init__(self) -> None:
+        self.tensor.setflags(write=False)
+
+    def __str__(self) -> str:
+        end = "of an endless lattice; bodies differ" if self.body is None else str(self.body)
+        return f"{self.lattice} lattice by {self.route}: E = {self.E:g} Pa, nu = {self.nu:g}; {end}"

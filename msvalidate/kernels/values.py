@@ -1,0 +1,82 @@
+"""Names for the types of what compiled code takes and gives, and of what generates it.
+
+Numba finds types by itself, from the values of a call, and goes by no annotation: these are for
+readers, and for whatever checks types before anything runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from msvalidate.problem import Array, Index
+
+Number_co = TypeVar("Number_co", int, float, covariant=True)
+
+Complex = NDArray[np.complex128]
+"""Points and vectors of the plane, x + iy."""
+Small = NDArray[np.uint32]
+"""Places in tables, in half of the bytes of an `Index`."""
+
+
+class Lane(Protocol):
+    """`WIDTH` float64 side by side: see `lanes`."""
+
+    def __add__(self, other: Lane | float) -> Lane:
+        """Place by place, as all that follow."""
+
+    def __radd__(self, other: float) -> Lane: ...
+
+    def __sub__(self, other: Lane | float) -> Lane: ...
+
+    def __rsub__(self, other: float) -> Lane: ...
+
+    def __mul__(self, other: Lane | float) -> Lane: ...
+
+    def __rmul__(self, other: float) -> Lane: ...
+
+    def __neg__(self) -> Lane: ...
+
+
+class Pointer(Protocol[Number_co]):
+    """Where the numbers of a flat array begin: see `lanes.start`. No index is checked."""
+
+    def __getitem__(self, index: int) -> Number_co: ...
+
+
+Axes = tuple[int, ...]
+"""Its length, the dimension d, is a constant of the compiled form; what is in it does not count."""
+Corners = tuple[int, ...]
+"""The same of the k corners of a cell."""
+Vector = tuple[Lane, ...]
+"""The d components of `WIDTH` vectors."""
+Padded = tuple[Lane, Lane, Lane]
+"""The same as three, of which in the plane the last is not used."""
+Body = tuple[Vector, ...]
+"""`WIDTH` cells side by side: their k - 1 corners after the first, or vectors there (`corners`)."""
+
+Spring = tuple[float, float, float, float, float]
+"""Of one kind of spring of a lattice: k (N/m), k·L0 (N) and its vector X, Y, Z (m) at rest."""
+Cells = tuple[Corners, Array, Index, Array, Array] | tuple[()]
+"""Cells: points (n, d) at rest, where corners (c, k) begin there, κ (c,) and volumes (c,) at rest;
+empty where there are none."""
+Done = tuple[int, float, bool]
+"""Steps done, kinetic energy of the last, and whether it ended there because that fell."""
+
+Type = Any
+"""`numba.types.Type` of a value."""
+Builder = Any
+"""`llvmlite.ir.IRBuilder`: what writes machine code."""
+Code = Any
+"""`llvmlite.ir.Value`: a value of machine code."""
+Context = Any
+"""`numba.core.base.BaseContext`: what lays out the values of Numba's types."""
+Signature = Any
+"""`numba.core.typing.templates.Signature`: types of what a function takes and gives."""
+Generator = Callable[[Context, Builder, Signature, Sequence[Code]], Code]
+"""Writes the machine code of a call, from the values given."""
+Instruction = tuple[Signature, Generator]
+"""What the maker of an instruction returns, from the types given."""

@@ -1,0 +1,10 @@
+"""The norm by which residuals and moves are measured."""
+
+from __future__ import annotations
+
+from msvalidate.problem import Array
+
+
+def largest(values: Array) -> float:
+    """Largest magnitude: 0 of no values, NaN if there is one, without an array of magnitudes."""
+    return abs(float(max(values.max(), -values.min()))) if values.size else 0.0

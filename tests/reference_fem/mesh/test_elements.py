@@ -1,0 +1,74 @@
+"""Every row of `ELEMENTS` against the shapes of floor 0, which share no code with the library."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from msvalidate.problem import SHAPES, Isotropic
+from reference_fem.elasticity import elastic_tensor, stiffness
+from reference_fem.mesh import ELEMENTS, discretise
+
+every = pytest.mark.parametrize("element", ELEMENTS)
+SLANTED = np.array([[0.37, 0.11, -0.05], [-0.08, 0.29, 0.07], [0.03, -0.04, 0.41]])
+"""Edges (m) of a parallelepiped: what the unit cell's axes are mapped to."""
+
+
+def integrated_by_hand(shape, edges, C):
+    """Stiffness (nodes·d, nodes·d) of one cell without curved sides: ∫ BᵀCB, Gauss's 5 points.
+
+    A simplex is a cube collapsed: x, (1 - x) y, (1 - x)(1 - y) z.
+    """
+    d = shape.dim
+    x, w = np.polynomial.legendre.leggauss(5)
+    at = np.array(list(product((x + 1) / 2, repeat=d)))
+    weight = np.prod(list(product(w / 2, repeat=d)), axis=1)
+    if shape.simplex:
+        left = np.cumprod(np.column_stack([np.ones(len(at)), 1 - at]), axis=1)[:, :d]
+        weight *= left.prod(axis=1)
+        at = at * left
+    slopes = shape.slopes(at) @ np.linalg.inv(edges)
+    pairs = [(a, a) for a in range(d)] + ([(0, 1)] if d == 2 else [(1, 2), (0, 2), (0, 1)])
+    B = np.zeros((len(at), len(pairs), len(shape.nodes), d))
+    for row, (a, b) in enumerate(pairs):
+        B[:, row, :, a] += slopes[:, :, b]
+        if a != b:
+            B[:, row, :, b] += slopes[:, :, a]
+    B = B.reshape(len(at), len(pairs), -1)
+    weight *= abs(np.linalg.det(edges))
+    return np.einsum("q,qim,ij,qjn->mn", weight, B, C, B)
+
+
+def test_each_shape_of_cells_has_one_element():
+    solid = [name for name, shape in SHAPES.items() if shape.dim > 1]
+    assert sorted(solid) == sorted(kind.shape for kind in ELEMENTS.values())
+    assert all(name == kind.name for name, kind in ELEMENTS.items())
+
+
+@every
+def test_nodes_sides_and_functions_are_those_of_the_shape(element):
+    kind = ELEMENTS[element]
+    shape = SHAPES[kind.shape]
+    assert (kind.dim, kind.degree, kind.corners) == (shape.dim, shape.degree, shape.corners)
+    np.testing.assert_array_equal(kind.places, shape.nodes)
+    sides = {frozenset(facet) for facet in kind.facets}
+    assert sides == {frozenset(facet) for facet in shape.facets.tolist()}
+    at = np.random.default_rng(1).random((20, kind.dim)) / kind.dim
+    wanted = shape.values(at)[:, kind.listed]
+    np.testing.assert_allclose(kind.functions(at)[0].T, wanted, atol=1e-14)
+
+
+@every
+def test_the_stiffness_of_one_cell_is_the_integral_by_hand(element):
+    kind = ELEMENTS[element]
+    shape, d = SHAPES[kind.shape], kind.dim
+    edges = SLANTED[:d, :d]
+    law = Isotropic(7.0, 0.3, "plane_strain" if d == 2 else "solid")
+    points = shape.nodes @ edges.T
+    C = elastic_tensor(law)
+    found = stiffness(discretise(points, [range(kind.nodes)], element), law).toarray()
+    by_node = np.arange(kind.nodes * d).reshape(d, -1).T.ravel()  # unknowns run by component
+    wanted = integrated_by_hand(shape, edges, C)
+    np.testing.assert_allclose(found[np.ix_(by_node, by_node)], wanted, atol=1e-13 * wanted.max())

@@ -1,0 +1,97 @@
+"""A user's own studies are found, judged and told; a package called ``studies`` is no obstacle."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+STUDY = '''"""Is a bar of two springs in series as soft as theory says?"""
+from msvalidate import equilibrium, spring_network
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.sweep import Setting
+
+from ._bar import points
+
+FAULTS = {"stiffer by 1 %": {"candidate": 1.01}}
+
+
+def run(candidate=1.0, setting=Setting()):
+    stiffness = [candidate, candidate]
+    network = spring_network(
+        points(), [[0, 1], [1, 2]], stiffness,
+        held=[[True, True], [False, True], [False, True]], force=[[0, 0], [0, 0], [0.1, 0]],
+    )
+    end = equilibrium(network).displacement[2, 0]
+    return Evidence(
+        tables={},
+        observed={"end": Observed(end, 0.2)},
+        tolerances=[Tolerance("end", 1e-12, "m", "two springs in series: rounding")],
+    )
+'''
+BAR = "import numpy as np\n\n\ndef points():\n    return np.array([[0.0, 0], [1, 0], [2, 0]])\n"
+
+
+@pytest.fixture
+def own(tmp_path):
+    """A folder with a study `bar` in `mine`, and a package `studies` that ends Python."""
+    for folder, files in {
+        "mine": {"bar.py": STUDY, "_bar.py": BAR, "notes.py": '"""No study."""\n'},
+        "studies": {"__init__.py": "raise SystemExit('the wrong package')\n"},
+    }.items():
+        (tmp_path / folder).mkdir()
+        for name, text in files.items():
+            (tmp_path / folder / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def run(folder, *arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "msvalidate", *arguments],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(folder)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_a_study_of_ones_own_is_run_and_judged(own):
+    done = run(own, "check", "bar", "--studies", "mine", "--jobs", "2")
+    assert (done.returncode, "bar: 1 of 1 held" in done.stderr) == (0, True), done.stderr
+    assert (own / "reports" / "latest" / "verdict.json").is_file()
+    (own / "mine" / "bar.py").write_text(STUDY.replace("=1.0, s", "=1.01, s"), encoding="utf-8")
+    assert run(own, "bar", "--studies", "mine").returncode == 1
+
+
+def test_it_is_listed_and_helpers_are_not(own):
+    listed = run(own, "list", "--studies", "mine").stdout.splitlines()
+    assert [line.split()[0] for line in listed[:3]] == ["actuator", "bar", "benchmarks"]
+    assert not any("notes" in line or "_bar" in line for line in listed)
+
+
+def test_a_study_of_an_installed_package_is_found(own):
+    information = own / "springy-1.0.dist-info"
+    information.mkdir()
+    (information / "METADATA").write_text("Name: springy\nVersion: 1.0\n", encoding="utf-8")
+    entry = "[msvalidate.studies]\nsprings_in_series = mine.bar\n"
+    (information / "entry_points.txt").write_text(entry, encoding="utf-8")
+    assert "springs_in_series  Is a bar of two springs" in run(own, "list").stdout
+    assert "1 of 1 held" in run(own, "springs_in_series", "--quick").stderr
+
+
+def test_what_cannot_be_found_is_refused(own):
+    (own / "empty").mkdir()
+    (own / "double").mkdir()
+    (own / "double" / "poisson.py").write_text(STUDY, encoding="utf-8")
+    refusals = {
+        ("list", "--studies", "nowhere"): "no such folder",
+        ("list", "--studies", "empty"): "no study in it",
+        ("list", "--studies", "double"): "there is a study poisson already",
+        ("check", "bar", "--studies", "mine", "--update", "--reason", "x"): "has no baseline",
+    }
+    for arguments, why in refusals.items():
+        done = run(own, *arguments)
+        assert (done.returncode, why in done.stderr) == (2, True), (arguments, done.stderr)
