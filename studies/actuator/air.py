@@ -45,25 +45,21 @@ BESIDE = 0.2 * HEIGHT
 TOLERANCES = (
     Tolerance(
         "slab in air, away from edges: springs - FEM times the layers, over the largest |u|",
-        0.2,
-        "1",
+        0.2, "1",
         "order 1 as in one medium: a tenth of a spring in half a height",
         layer="agreement",
     ),
     Tolerance(
         "slab in air, away from edges: extrapolated with order 1 - FEM, over the largest |u|",
-        0.01,
-        "1",
+        0.01, "1",
         "what is left is of order 2: the square of 0.2 over 6 layers, what an edge is misplaced "
         "by, some times over as a face bends most beside it, and the reference's own error",
     ),
     Tolerance(
-        "slab in air, away from edges: uncertainty of FEM, over the largest |u|",
-        0.005,
-        "1",
+        "slab in air, away from edges: uncertainty of FEM, over the largest |u|", 0.005, "1",
         "half of what 20 layers may be off",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
     "permittivity_ratio": "permittivity of the slab over that of what surrounds it (1)",
@@ -184,12 +180,11 @@ def drawing(tables: Tables) -> Figure:
         for ratio, colour in zip(ratios, figures.COLOURS, strict=False):
             here = rows[rows["permittivity_ratio"] == ratio]
             for source, line in here.groupby("source"):
-                style = "-" if source == "FEM" else "."
-                who = "FEM" if source == "FEM" else "springs"
-                shown = broken(line[["x", "uy"]]) if source == "FEM" else line
-                axis.plot(
-                    shown["x"], shown["uy"], style, color=colour, label=f"{who}, ratio {ratio:g}"
-                )
+                who, style, shown = "springs", ".", line
+                if source == "FEM":
+                    who, style, shown = "FEM", "-", broken(line[["x", "uy"]])
+                label = f"{who}, ratio {ratio:g}"
+                axis.plot(shown["x"], shown["uy"], style, color=colour, label=label)
         axis.set(xlabel="x (m)", ylim=(-3.2, 0.4), title=names[covered])
     axes[0].set_ylabel("deflection uy\nover the uniform slab's (1)")
     figures.shared_legend(figure, axes, columns=3)

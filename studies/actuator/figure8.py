@@ -63,45 +63,36 @@ FINER = 16
 QUICK_VOLTAGES = {"full": (0.5, 1.5, 2.0), "partial": (0.5, 2.0, 2.5, 2.75)}
 TOLERANCES = (
     Tolerance(
-        "Figure 8: deflection of the middle, springs over FEM, to 2 V",
-        0.03,
-        "1",
+        "Figure 8: deflection of the middle, springs over FEM, to 2 V", 0.03, "1",
         "both discretisations are of order 1, with 0.5 and 1 % at low voltage and 10 layers; the "
         "voltage, squared over a closing gap, makes up to twice as much of it at 2 V",
         layer="agreement",
     ),
     Tolerance(
-        "Figure 8: marginal effect 2 m inside the edge, springs over FEM, to 2 V",
-        0.1,
-        "1",
+        "Figure 8: marginal effect 2 m inside the edge, springs over FEM, to 2 V", 0.1, "1",
         "two spacings from an edge each is off by 2 or 3 % at low voltage, not alike; near the "
         "voltage at which an edge is lost, 2.1 V of these elements, differences grow threefold",
         layer="agreement",
     ),
     Tolerance(
-        "Figure 8: part of the charge on the middle half, springs - FEM, to 2 V",
-        0.02,
-        "1",
+        "Figure 8: part of the charge on the middle half, springs - FEM, to 2 V", 0.02, "1",
         "even charges and linear potentials spread the edge's charge over one cell each, which is "
         "a tenth of half of the electrode",
         layer="agreement",
     ),
     Tolerance(
         "Figure 8: growth of the marginal effect from 0.5 to 1.5 V, 16 layers less 10 layers",
-        0.01,
-        "1",
+        0.01, "1",
         "order 1: 10 layers miss 2 or 3 % of the effect 2 m inside the edge, and of its growth by "
         "a twentieth no more than a fifth",
         layer="agreement",
     ),
     Tolerance(
-        "Figure 8: statements on which springs and FEM disagree",
-        0.0,
-        "1",
+        "Figure 8: statements on which springs and FEM disagree", 0.0, "1",
         "a verdict that depends on the way it is reached is none",
         layer="agreement",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
     "way": "springs (line charges), the report's way, or FEM: cells of one size, but for the "

@@ -26,13 +26,11 @@ PERMITTIVITY, VOLTAGE, LAYERS, MESH = 2.7, 0.1, 3, 4
 """F/m, V, and cells up the slab of springs and up that of elements."""
 TOLERANCES = (
     Tolerance(
-        "displacement at 2.7 F/m over that at 1 F/m and √2.7 times the voltage, from 1",
-        1e-7,
-        "1",
+        "displacement at 2.7 F/m over that at 1 F/m and √2.7 times the voltage, from 1", 1e-7, "1",
         "the same equation: rest is found to 1e-10 of the forces that meet at a point, which are "
         "at most some hundreds of times the electrodes' own",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
     "solved_by": "whose displacement: springs, or FEM",

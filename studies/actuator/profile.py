@@ -48,50 +48,39 @@ AWAY = 0.5 * HEIGHT
 WITHIN, EXTRAPOLATED = 0.01, 0.003
 TOLERANCES = (
     Tolerance(
-        "profile away from edges: springs - FEM, finest lattice, over the largest |u|",
-        WITHIN,
-        "1",
+        "profile away from edges: springs - FEM, finest lattice, over the largest |u|", WITHIN, "1",
         "what the project asks of springs against elements; an order 1 that leaves 2 % at 10 "
         "layers leaves 0.8 % at 24 and 0.5 % at 40",
         layer="agreement",
     ),
     Tolerance(
-        "profile away from edges: the same times the layers",
-        0.2,
-        "1",
+        "profile away from edges: the same times the layers", 0.2, "1",
         "order 1 as of an edge misplaced by a part of a spring: a tenth of a spring in half a "
         "height, beyond which points count, is 0.2 over the layers; of the two finest lattices",
         layer="agreement",
     ),
     Tolerance(
-        "profile away from edges: order in the spacing",
-        0.15,
-        "1",
+        "profile away from edges: order in the spacing", 0.15, "1",
         "order 1 of even charges; terms of order 2 are a tenth of it on the two finest lattices",
     ),
     Tolerance(
         "profile away from edges: extrapolated with order 1 - FEM, over the largest |u|",
-        EXTRAPOLATED,
-        "1",
+        EXTRAPOLATED, "1",
         "the limit is the elastic slab; what is left is of order 2, the square of what an edge is "
         "misplaced by, 0.2 over the 12 layers of the coarser lattice, a few times over, and the "
         "reference's own error, up to 0.002 on its coarser meshes",
     ),
     Tolerance(
-        "profile away from edges: uncertainty of FEM, over the largest |u|",
-        0.5 * WITHIN,
-        "1",
+        "profile away from edges: uncertainty of FEM, over the largest |u|", 0.5 * WITHIN, "1",
         "half of what springs may be off; it is largest next to the edges",
     ),
     Tolerance(
-        "edges: growth by halving the lattice, over the closed form, extrapolated",
-        0.05,
-        "1",
+        "edges: growth by halving the lattice, over the closed form, extrapolated", 0.05, "1",
         "pressures that grow with the inverse root of the distance from an edge leave terms of "
         "order 1/2, a quarter at 24 layers, and their square, of order 1: both are taken out, and "
         "their cube is 2 %, times a factor of order 1",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
     "layers": "cells up the slab's height",

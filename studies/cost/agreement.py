@@ -36,25 +36,20 @@ FEW = 400
 TOLERANCES = (
     Tolerance(
         f"a path from the plain form after {STEPS} steps, over the largest displacement, worst",
-        1e-12,
-        "1",
+        1e-12, "1",
         "2000 steps that each round by 2^-53, all one way, make 2e-13 of what moves; random "
         "tetrahedra have slivers whose forces are some times larger than those of a whole cell",
     ),
     Tolerance(
-        "two threads from one, the same path, worst",
-        1e-13,
-        "1",
+        "two threads from one, the same path, worst", 1e-13, "1",
         "sums over a point's springs are the same but where two threads' shares meet: a part of "
         "what the paths may differ by",
     ),
     Tolerance(
-        "runs that diverged or held a NaN and were not noticed",
-        0,
-        "1",
+        "runs that diverged or held a NaN and were not noticed", 0, "1",
         "a number that is not finite or is far too large must come out as it is",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     "apart_here": "largest distance from the plain form over the largest displacement, after 2000 "

@@ -40,27 +40,21 @@ LOAD = 1e-9
 """End load of the long body over E t: its strain is LOAD times 6 LENGTH at the most."""
 TOLERANCES = (
     Tolerance(
-        "corrections of an ordinary body",
-        0.0,
-        "1",
+        "corrections of an ordinary body", 0.0, "1",
         "its factor is wrong by some eps times a condition of 1e5: the first correction brings "
         "that to its square, below the rounding of doubles",
     ),
     Tolerance(
-        "2 Σ energy over work - 1, plate",
-        1e-12,
-        "1",
+        "2 Σ energy over work - 1, plate", 1e-12, "1",
         "an identity of exact answers; stretches are differences of displacements that are rounded "
         "to 1e-16, over 160 cells, and rest lengths are rounded by as much",
     ),
     Tolerance(
-        "2 Σ energy over work - 1, long body",
-        1e-8,
-        "1",
+        "2 Σ energy over work - 1, long body", 1e-8, "1",
         "an identity of exact answers; the rounding of rest lengths, 1e-16 of a diagonal, turns "
         "with the body and counts by the square of its length over its height, 2e-9",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "body": "plate, clamped on one side, sheared on the other; or a row of cells bent by its end",
     "points": "of the network",

@@ -38,13 +38,11 @@ CLOSER = 0.1
 """Gap over the right one of electrodes whose factor stands for the old one."""
 TOLERANCES = (
     Tolerance(
-        "smallest fault of charges and forces noticed, largest over the kinds",
-        0.01,
-        "1",
+        "smallest fault of charges and forces noticed, largest over the kinds", 0.01, "1",
         "capacitances are held to 1e-4 and a fault enters them with a lever of a tenth or more; a "
         "hundredth leaves a factor of ten",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "fault": "what is wrong, by which part of it",
     "smallest_noticed": "smallest fault that makes a tolerance fail, as a part (1)",

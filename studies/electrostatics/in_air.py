@@ -53,42 +53,32 @@ REACHED = 0.5
 """How far from an electrode or its edge forces count as its own, over the height."""
 TOLERANCES = (
     Tolerance(
-        "capacitance of a slab in air, moments against elements",
-        2e-3,
-        "1",
+        "capacitance of a slab in air, moments against elements", 2e-3, "1",
         "graded segments leave some 1e-4, graded elements and the far boundary less",
     ),
     Tolerance(
         "error of the far boundary: half of what its two kinds differ by, over the capacitance",
-        2e-4,
-        "1",
+        2e-4, "1",
         "a dipole's energy outside falls with the square of the distance: (1/32)² times an eighth",
     ),
     Tolerance(
-        "change of the elements' capacitance with the last halving of cells",
-        2e-3,
-        "1",
+        "change of the elements' capacitance with the last halving of cells", 2e-3, "1",
         "graded to the edges, its errors fall with order 3: what is left is a seventh of it",
     ),
     Tolerance(
-        "pull on the top of a slab in air, moments against elements",
-        2e-3,
-        "1",
+        "pull on the top of a slab in air, moments against elements", 2e-3, "1",
         "as of the capacitance, whose derivative it is",
     ),
     Tolerance(
         "force along at an edge of the top of a slab in air, moments against elements",
-        2e-3,
-        "of that without the jump of permittivity",
+        2e-3, "of that without the jump of permittivity",
         "as of the capacitance, whose derivative it is too",
     ),
     Tolerance(
-        "stretch of half a slab in air, moments against elements",
-        5e-4,
-        "1",
+        "stretch of half a slab in air, moments against elements", 5e-4, "1",
         "stress across the middle, where fields are even: what remains is the far boundary's part",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "covered": "part of the top that its electrode covers (1)",
@@ -263,27 +253,18 @@ def draw(tables: Tables) -> Figure:
     for axis, (ours, theirs, name) in zip(compared, shown, strict=True):
         for place, (covered, rows) in enumerate(table.groupby("covered", sort=False)):
             colour, part = figures.COLOURS[place], f"{float(str(covered)):.0%} covered"
-            ratio = rows["permittivity_ratio"]
+            ratio, charges = rows["permittivity_ratio"], f"{part}, charges"
             axis.semilogx(ratio, rows[theirs], color=colour, label=f"{part}, elements")
-            axis.semilogx(
-                ratio, rows[ours], "o", color=colour, mfc="none", label=f"{part}, charges"
-            )
+            axis.semilogx(ratio, rows[ours], "o", color=colour, mfc="none", label=charges)
         axis.set_xticks([1, 3, 10], ["1", "3", "10"])
-        axis.set_xlabel("permittivity over air's (1)")
-        axis.set_ylabel(name)
-        axis.set_ylim(bottom=0)
+        axis.set(xlabel="permittivity over air's (1)", ylabel=name, ylim=(0, None))
     compared[0].legend(fontsize=7)
     for place, (kind, rows) in enumerate(far.groupby("far", sort=False)):
-        box.semilogx(
-            rows["reach"],
-            rows["capacitance_elements"],
-            marker=figures.MARKERS[place],
-            color=figures.COLOURS[place + 2],
-            label=f"far boundary {kind}",
-        )
+        style = {"marker": figures.MARKERS[place], "color": figures.COLOURS[place + 2]}
+        label = f"far boundary {kind}"
+        box.semilogx(rows["reach"], rows["capacitance_elements"], label=label, **style)
     box.set_xticks(list(REACHES), [f"{reach:g}" for reach in REACHES])
-    box.set_title("ratio 3, 100 % covered", fontsize=9)
-    box.set_xlabel("its distance over the slab's length (1)")
+    box.set(title="ratio 3, 100 % covered", xlabel="its distance over the slab's length (1)")
     box.set_ylabel("capacitance per depth over ε (1)")
     box.legend(fontsize=7)
     return figure

@@ -51,32 +51,25 @@ MIDDLE, MARGIN = 1.0, 0.5
 """Width over the gap of what counts as the middle, and as the margin."""
 TOLERANCES = (
     Tolerance(
-        "charge of the report's model at endless depth over the plane model's",
-        1e-3,
-        "1",
+        "charge of the report's model at endless depth over the plane model's", 1e-3, "1",
         "both by collocation on the same springs, asked for at half the depth: charge falls to the "
         "plane's like 1/depth or faster, and two depths leave terms of (w/depth)², 1e-3",
     ),
     Tolerance(
-        "charge of the report's model against the same plates by patches",
-        1e-9,
-        "1",
+        "charge of the report's model against the same plates by patches", 1e-9, "1",
         "the same equations by other formulas; rounding times their condition",
     ),
     Tolerance(
         "charge and forces of the slab in air at ratio 1, against the plane model",
-        1e-9,
-        "of the largest",
+        1e-9, "of the largest",
         "no bound charge is left, and the equations are Galerkin's; rounding times their condition",
     ),
     Tolerance(
-        "squeeze in the middle in air, ratio 10, over ½ε(V/d)²",
-        5e-3,
-        "1",
+        "squeeze in the middle in air, ratio 10, over ½ε(V/d)²", 5e-3, "1",
         "the field above the middle, d/w of that in the gap or so, pulls back with its square over "
         "the ratio, 0.003; the margin's field decays inwards like exp(-2πx/d)",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "model": "kernel of charges and what surrounds the slab",

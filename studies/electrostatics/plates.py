@@ -13,7 +13,6 @@ from __future__ import annotations
 from functools import partial
 from itertools import product
 
-import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -40,27 +39,21 @@ ACROSS, QUICK_ACROSS = (8, 12, 16, 24, 32), (8, 12, 16, 24)
 ORDER = 3.0
 TOLERANCES = (
     Tolerance(
-        "capacitance of a square plate",
-        4e-5,
-        "1",
+        "capacitance of a square plate", 4e-5, "1",
         "errors fall with order 3 to 2e-4 at 24 patches across, of which extrapolation by that "
         "order leaves a tenth; the accepted value is known to 1.5e-5",
     ),
     Tolerance(
-        "capacitance of a disc",
-        5e-6,
-        "1",
+        "capacitance of a disc", 5e-6, "1",
         "errors fall with order 3 to 3e-5 at 24 rings, of which extrapolation by that order leaves "
         "a tenth; the polygon in the disc's place errs by 2e-6",
     ),
     Tolerance(
-        "order of the capacitance of square and disc",
-        0.3,
-        "1",
+        "order of the capacitance of square and disc", 0.3, "1",
         "the next term is smaller by a patch in the middle over the half width, a sixth to an "
         "eighteenth, with a factor of order 1; rings bring half of it",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "body": "thin, alone in space: square plate or disc",
@@ -132,19 +125,13 @@ def finding(limits: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Errors against the number of patches along a side."""
     table = tables["plates"]
+    table = table.assign(error=(table["capacitance_over_accepted"] - 1).abs())
     figure, (axis,) = figures.new(size=(4.2, 3.3))
     for place, (body, rows) in enumerate(table.groupby("body", sort=False)):
-        axis.loglog(
-            rows["patches_across"],
-            (rows["capacitance_over_accepted"] - 1).abs(),
-            marker=figures.MARKERS[place],
-            color=figures.COLOURS[place],
-            label=str(body),
-        )
-    n = np.array([table["patches_across"].min(), table["patches_across"].max()])
-    top = 2 * (table["capacitance_over_accepted"] - 1).abs().max()
-    axis.loglog(n, top * (n[0] / n) ** ORDER, ":", color="grey", label=f"order {ORDER:g}")
-    axis.set_xticks(*[sorted(set(table["patches_across"]))] * 2)
+        style = figures.numbered(place)
+        axis.loglog(rows["patches_across"], rows["error"], label=str(body), **style)
+    figures.draw_order(axis, table["patches_across"], 2 * table["error"].max(), ORDER)
+    figures.tick_at(axis, table["patches_across"])
     axis.set_xlabel("patches along a side, rings of the disc (1)")
     axis.set_ylabel("relative error of the capacitance (1)")
     axis.legend(fontsize=8)

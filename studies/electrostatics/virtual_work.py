@@ -49,68 +49,50 @@ FINE = (20, 40, 80, 160, 320)
 QUICK_FINE = (20, 40, 80, 160)
 TOLERANCES = (
     Tolerance(
-        "Galerkin's forces, farthest from differences of the energy",
-        1e-7,
-        "of the largest force",
+        "Galerkin's forces, farthest from differences of the energy", 1e-7, "of the largest force",
         "differences of fourth order with steps of a hundredth of a segment: 1e-8 times the bend "
         "of the energy of neighbours, of order 1 to 10",
     ),
     Tolerance(
         "Galerkin's forces on the edges, farthest from differences of the energy",
-        1e-7,
-        "of that force",
+        1e-7, "of that force",
         "as of all forces: those on edges are the largest",
     ),
     Tolerance(
-        "net force of Galerkin's forces",
-        1e-12,
-        "of the sum of their sizes",
+        "net force of Galerkin's forces", 1e-12, "of the sum of their sizes",
         "pairs cancel as numbers; some hundred roundings of 1e-16",
     ),
     Tolerance(
-        "net moment of Galerkin's forces",
-        1e-12,
-        "of the sum of their sizes times the width",
+        "net moment of Galerkin's forces", 1e-12, "of the sum of their sizes times the width",
         "exact integrals; some thousand roundings of 1e-16",
     ),
     Tolerance(
-        "asymmetry of the tangent",
-        1e-10,
-        "of its largest component",
+        "asymmetry of the tangent", 1e-10, "of its largest component",
         "a second derivative; rounding times the condition of the equations",
     ),
     Tolerance(
-        "tangent, farthest from differences of the forces",
-        1e-6,
-        "of its largest component",
+        "tangent, farthest from differences of the forces", 1e-6, "of its largest component",
         "differences of fourth order, as of the energy",
     ),
     Tolerance(
-        "pull between flat strips, finest, over dW/dd of the closed form",
-        1e-4,
-        "1",
+        "pull between flat strips, finest, over dW/dd of the closed form", 1e-4, "1",
         "falls with order 2 like the capacitance, from 1e-3 or so at 40 segments",
     ),
     Tolerance(
-        "stretch of flat strips, finest, over dW/dw of the closed form",
-        1e-4,
-        "1",
+        "stretch of flat strips, finest, over dW/dw of the closed form", 1e-4, "1",
         "as of the pull, which it equals",
     ),
     Tolerance(
-        "order of pull and stretch",
-        0.1,
-        "1",
+        "order of pull and stretch", 0.1, "1",
         "as of the capacitance: derivatives of an error that goes like 1/n² do so too",
     ),
     Tolerance(
         "forces on a wavy slab in air, farthest from differences of the energy",
-        1e-6,
-        "of the largest force",
+        1e-6, "of the largest force",
         "differences of fourth order with steps of a hundredth of a segment, whose next term grows "
         "with the cube of the field at edges and corners",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "points": "of both electrodes, or around the slab (1)",

@@ -33,13 +33,11 @@ PROBE = 1e-3
 """Size of the fault from which the smallest noticed one is extrapolated."""
 TOLERANCES = (
     Tolerance(
-        "smallest fault noticed, largest over the kinds, against twice the tolerance",
-        1e-8,
-        "1",
+        "smallest fault noticed, largest over the kinds, against twice the tolerance", 1e-8, "1",
         "the pull-in voltage goes with the root of a stiffness and of a force: 2e-6; read off a "
         "fault of 1e-3, whose next term is 1e-3 of that at most, and a factor of five",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "fault": "what is wrong with the way to rest",
     "smallest_noticed": "smallest part by which it may be wrong before a tolerance fails (1)",

@@ -67,35 +67,28 @@ COLUMNS = {
 }
 TOLERANCES = (
     Tolerance(
-        "exponent in the spacing of the voltage at which the flat slab's edge gives way",
-        0.1,
-        "1",
+        "exponent in the spacing of the voltage at which the flat slab's edge gives way", 0.1, "1",
         "√a·(1 - b·√(a/h)) has the exponent 1/2 - b·√(a/h)/2 or so: 0.09 less on cells of a "
         "third of the height, with the b = 0.3 that the three cells themselves give",
     ),
     Tolerance(
-        "lowest eigenvalue at the critical voltage over that at no voltage",
-        0.05,
-        "1",
+        "lowest eigenvalue at the critical voltage over that at no voltage", 0.05, "1",
         "where equilibria end it falls as the root of what is missing of the voltage, √1e-6, from "
         "what the edge alone had, ten times that of the whole; inside in proportion to it, 1e-4, "
         "fifty times as steep at the end as on the whole",
     ),
     Tolerance(
         "critical voltage inside over that of an infinite slab with the same cells, from 1",
-        0.01,
-        "1",
+        0.01, "1",
         "the outer field of the finite slab takes 1 % off the pull, half of that off the voltage; "
         "held ends stiffen a wave by the square of its length over their distance",
         layer="agreement",
     ),
     Tolerance(
-        "mode inside: part of its square at the electrode's edges",
-        0.0,
-        "1",
+        "mode inside: part of its square at the electrode's edges", 0.0, "1",
         "points there are held: a mode has no component there at all",
     ),
-)
+)  # fmt: skip
 
 
 def run(candidate: Way, setting: Setting) -> Evidence:

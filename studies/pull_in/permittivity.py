@@ -36,18 +36,16 @@ WALLED_LAYERS, BONDED_LAYERS = 5, 3
 TOLERANCES = (
     Tolerance(
         "thickness at another permittivity against that at 1 F/m, voltages by their root",
-        1e-7,
-        "1",
+        1e-7, "1",
         "the same equation; equilibrium to 1e-10 of the forces, over the stiffness that is left at "
         "0.9 of pull-in, a fifth of the first",
     ),
     Tolerance(
         "pull-in voltage in closed form at another permittivity, times its root, from 1",
-        1e-12,
-        "1",
+        1e-12, "1",
         "one product: rounding",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **slab.COLUMNS,
     "permittivity": "inside the slab and around it (F/m)",

@@ -36,27 +36,21 @@ STRETCHES = (1.2, 1.5, 2.0, 4.0, 16.0)
 """Of the sheet in plane strain."""
 TOLERANCES = (
     Tolerance(
-        "pull-in by another route over its closed form: thickness and field, from 1",
-        1e-4,
-        "1",
+        "pull-in by another route over its closed form: thickness and field, from 1", 1e-4, "1",
         "a field is flat at its largest, so its place is known to the root of the field's own "
         "error: 1e-5 where derivatives are differences (1e-10), less where they are solved for",
     ),
     Tolerance(
-        "field of a sheet in plane strain over its closed form, from 1",
-        1e-6,
-        "1",
+        "field of a sheet in plane strain over its closed form, from 1", 1e-6, "1",
         "central differences of 1e-5 leave 1e-10 of the second derivative and as much of rounding, "
         "over a slope of 1e-2 or more",
     ),
     Tolerance(
-        "field of a wave on a bonded film, by elements over its closed form, from 1",
-        2e-4,
-        "1",
+        "field of a wave on a bonded film, by elements over its closed form, from 1", 2e-4, "1",
         "energies of elements of the second degree with 12 to half a wave: (π/12)⁴/12 = 4e-4 at "
         "most, halved by the root",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **slab.COLUMNS,
     "pull_in": "which instability",
