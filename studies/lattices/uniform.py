@@ -250,8 +250,7 @@ def draw(tables: Tables) -> Figure:
             cells, float(power) * cells**-power, ":", color="black", label=f"slope -{power}"
         )
         axis.set_xticks(cells, [f"{n:g}" for n in cells])
-        axis.set_xlabel("cells along the body (1)")
-        axis.set_title(test)
+        axis.set(title=test, xlabel="cells along the body (1)")
     axes[0].set_ylabel("error of the strain, relative (1)")
     figures.shared_legend(figure, axes, columns=3)
     return figure

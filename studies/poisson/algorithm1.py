@@ -141,8 +141,7 @@ def draw(tables: Tables) -> Figure:
     energy.semilogy(moving["step"], moving["kinetic_energy_J"], color=figures.COLOURS[1])
     energy.set_ylabel("kinetic energy (J)")
     for axis in (force, energy):
-        axis.set_title("equal springs, k2 = 2 k1, strain 1 %", fontsize=9)
-        axis.set_xlabel("time step")
+        axis.set(title="equal springs, k2 = 2 k1, strain 1 %", xlabel="time step")
     return figure
 
 

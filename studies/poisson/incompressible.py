@@ -183,7 +183,6 @@ def draw(tables: Tables) -> Figure:
         axis.plot(100 * rows["strain"], drift, marker, color=colour, mfc="white")
     for style, label in (("-", "one cell, exact"), (":", "first order"), ("o", "springs")):
         axis.plot([], [], style, color="grey", mfc="white", label=label)
-    axis.set_xlabel("axial strain (%)")
-    axis.set_ylabel("drift of the ratio (1)")
+    axis.set(xlabel="axial strain (%)", ylabel="drift of the ratio (1)")
     figures.shared_legend(figure, [axis], columns=2)
     return figure

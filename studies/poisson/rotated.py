@@ -168,7 +168,6 @@ def draw(tables: Tables) -> Figure:
     sizes = np.array(sorted(set(table["cells"])))
     axis.loglog(sizes, 0.5 / sizes, "--", color="grey", label="0.5/N")
     axis.set_xticks(sizes, [str(n) for n in sizes])
-    axis.set_xlabel("cells per side N (1)")
-    axis.set_ylabel("difference to the tensor's ratio (1)")
+    axis.set(xlabel="cells per side N (1)", ylabel="difference to the tensor's ratio (1)")
     figures.shared_legend(figure, [axis], columns=2)
     return figure
