@@ -114,12 +114,7 @@ def rows(network: Network, seen: list[Array]) -> list[dict[str, object]]:
         gain: float | str = "none"
         if i > 1:
             gain = math.log(distance / left[i - 1]) / math.log(left[i - 1] / left[i - 2])
-        strain = largest_strain(network, seen[i])
+        length = stretched(network, network.points + seen[i])[1]
+        strain = float(np.abs(length / network.rest_length - 1).max())
         found.append({"steps": i, "distance": distance, "strain": strain, "gain": gain})
     return found
-
-
-def largest_strain(network: Network, displacement: Array) -> float:
-    """Largest stretch or shortening of a spring over its rest length."""
-    length = stretched(network, network.points + displacement)[1]
-    return float(np.abs(length / network.rest_length - 1).max())

@@ -36,6 +36,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.equilibrium import equilibrium
 
 from . import (
     agreement,
@@ -79,7 +80,7 @@ class Candidate:
     motion: Moving = kernels.Motion
     relaxations: Mapping[str, Method] = field(default_factory=lambda: dict(RELAXATIONS))
     elements: Mapping[str, Solve] = field(default_factory=lambda: dict(fem_ways.WAYS))
-    linear: refinement.Linear = refinement.solved
+    linear: refinement.Linear = equilibrium
     rest: solver_peers.Rest = solvers.solved
     multigrid_steps: Callable[[Network], int] = solvers.steps
 

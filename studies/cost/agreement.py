@@ -33,6 +33,7 @@ TOO_LONG = 8.0
 FAR = 1e3
 """Displacement, in sizes of the body, that says that a run has diverged."""
 FEW = 400
+APART = ["apart_here", "threads_apart_here"]
 TOLERANCES = (
     Tolerance(
         f"a path from the plain form after {STEPS} steps, over the largest displacement, worst",
@@ -66,11 +67,12 @@ def run(candidate: Moving, setting: Setting) -> Evidence:
     table = pd.DataFrame(rows)
     unseen = int((table[["diverged", "nan"]] != "noticed").to_numpy().sum())
     values = (
-        Observed(_largest(table["apart_here"])),
-        Observed(_largest(table["threads_apart_here"])),
+        # NaN counts as largest: it fails.
+        *(Observed(float(table[column].max(skipna=False))) for column in APART),
         Observed(unseen),
     )
-    shown = table.assign(**{c: table[c].map(_told) for c in ("apart_here", "threads_apart_here")})
+    finite = np.isfinite(table[APART])
+    shown = table.assign(**table[APART].astype(object).where(finite, "no number"))
     return Evidence(
         tables={"agreement": shown},
         observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
@@ -132,12 +134,3 @@ def holds_nan(net: Network, walk: Callable[..., tuple[int, float, bool]]) -> boo
 
 def _noticed(seen: bool) -> str:
     return "noticed" if seen else "missed"
-
-
-def _largest(values: pd.Series) -> float:
-    """NaN counts as largest: it fails."""
-    return float(values.max(skipna=False))
-
-
-def _told(value: float) -> float | str:
-    return value if np.isfinite(value) else "no number"

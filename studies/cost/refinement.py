@@ -24,7 +24,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.network import Network, internal_force
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
-from msvalidate.statics.equilibrium import Equilibrium, equilibrium
+from msvalidate.statics.equilibrium import Equilibrium
 from msvalidate.tangent.inverse import Solver
 
 from . import bodies
@@ -83,17 +83,16 @@ def run(linear: Linear, setting: Setting) -> Evidence:
     observed["corrections of an ordinary body"] = Observed(float(plate.iterations - 1), 1.0)
     table = pd.DataFrame(rows)
     part = float(table["refinement_part_here"].iloc[0])
+    said = (
+        f"Refinement is {100 * part:.0f} % of the linear solution of a plate of "
+        f"{table['springs'].iloc[0]} springs."
+    )
     return Evidence(
         tables={"refinement": table},
         observed=observed,
         tolerances=TOLERANCES,
         columns=COLUMNS,
-        findings=(
-            (
-                f"Refinement is {100 * part:.0f} % of the linear solution of a plate of "
-                f"{table['springs'].iloc[0]} springs."
-            ),
-        ),
+        findings=(said,),
     )
 
 
@@ -150,8 +149,3 @@ def unrefined(network: Network) -> Equilibrium:
     move = one_solve(network)
     x = network.points
     return Equilibrium(move, x + move, np.zeros_like(move), 0.0, 2, error=0.0)
-
-
-def solved(network: Network) -> Equilibrium:
-    """The linear equilibrium."""
-    return equilibrium(network)

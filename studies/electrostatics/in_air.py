@@ -29,7 +29,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -112,15 +112,19 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     cases = [Case(*case) for case in product(COVERED, RATIOS)]
     size = (QUICK_SEGMENTS, QUICK_LAYERS) if setting.quick else (SEGMENTS, LAYERS)
     table = pd.DataFrame(setting.sweep(partial(beside, candidate, *size), cases, "slab in air"))
+    box = partial(reference, Case(COVERED[0], 3.0), size[1] // 2)
     far = pd.DataFrame(
-        [row for reach in REACHES for row in bounds(Case(COVERED[0], 3.0), size[1] // 2, reach)]
+        {"reach": reach, "far": far, "capacitance_elements": float(box(far, reach).totals[0])}
+        for reach, far in product(REACHES, FAR)
     )
+    without = table[table["permittivity_ratio"] == 1].set_index("covered")["edge_work_elements"]
+    scale = table["covered"].map(without)
     values = (
         worst(table["capacitance_difference"], 0.0),
         worst(table["boundary_error"], 0.0),
         worst(table["elements_change"], 0.0),
         worst(table["pull"] / table["pull_elements"], 1.0),
-        at_edge(table),
+        worst(table["edge_work"] / scale, table["edge_work_elements"] / scale),
         worst(table["stretch"] / table["stretch_elements"], 1.0),
     )
     return Evidence(
@@ -134,13 +138,6 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
             ("capacitance_difference", "boundary_error", "elements_change"), 1e-8
         ),
     )
-
-
-def at_edge(table: pd.DataFrame) -> Observed:
-    """The force at an edge that differs most, over that of ratio 1 and the same cover."""
-    without = table[table["permittivity_ratio"] == 1].set_index("covered")["edge_work_elements"]
-    scale = table["covered"].map(without)
-    return worst(table["edge_work"] / scale, table["edge_work_elements"] / scale)
 
 
 def reference(case: Case, layers: int, far: Far, reach: float = REACHES[-1]) -> Charged:
@@ -202,18 +199,6 @@ def summed(points: Array, forces: Array, case: Case) -> dict[str, float]:
 def tapered(distance: Array) -> Array:
     """1 at no distance, falling smoothly to 0 at `REACHED`."""
     return np.maximum(1 - (distance / REACHED) ** 2, 0.0) ** 2
-
-
-def bounds(case: Case, layers: int, reach: float) -> list[dict[str, object]]:
-    """Rows of one far boundary."""
-    return [
-        {
-            "reach": reach,
-            "far": far,
-            "capacitance_elements": float(reference(case, layers, far, reach).totals[0]),
-        }
-        for far in FAR
-    ]
 
 
 def finding(table: pd.DataFrame) -> str:

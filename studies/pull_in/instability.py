@@ -155,14 +155,16 @@ def followed(
     name, layers = case
     branch = FOLLOWED[name](way, layers)
     wave = waved(branch, layers) if name == "inside" else dict.fromkeys(WAVED, "none")
+    last = branch.last
+    edge_moved = np.linalg.norm(last.displacement[last.actuator.electrodes[0][-1]])
     row = {
         "branch": name,
         "layers": layers,
         "spacing_m": HEIGHT / layers,
-        "critical_over_pull_in": branch.last.voltage / PULL_IN.voltage,
+        "critical_over_pull_in": last.voltage / PULL_IN.voltage,
         **wave,
-        "edge_moved_over_spacing": branches.edge_moved(branch.last) * layers / HEIGHT,
-        "at_edge": branches.at_edge(branch.last, branch.mode),
+        "edge_moved_over_spacing": float(edge_moved) * layers / HEIGHT,
+        "at_edge": branches.at_edge(last, branch.mode),
         "left": branch.seen[-1][1] / branch.seen[0][1],
     }
     rows: list[dict[str, object]] = [
