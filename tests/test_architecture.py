@@ -477,6 +477,7 @@ WRITERS = {
 }
 """Functions and methods that put something into a file or change a folder."""
 WRITING = {
+    "msvalidate.output.exchange": ("",),
     "msvalidate.output.report": ("",),
     "msvalidate.output.stored": ("figure.savefig(page,", "table.to_csv(index="),
     "msvalidate.cli.program": ("open(os.devnull,", "os.open(os.devnull,"),

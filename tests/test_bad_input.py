@@ -489,7 +489,7 @@ BAD = [
         "plane in tetrahedra",
         lambda: reference_fem.box_discretisation(BOX, 2, "T1"),
         ProblemError,
-        "mesh: T1 in a box 2 x 1 m; in 2D, give one of Q1, Q2, P1, P2",
+        "mesh: T1 in a box 2 x 1 m; in 2D, give one of Q1, Q2",
     ),
     (
         "solid of two counts",
@@ -559,16 +559,24 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("make", "kind", "piece"), [pytest.param(*e[1:], id=e[0]) for e in BAD])
-def test_bad_input_gets_one_clear_line(make, kind, piece):
-    with pytest.raises(kind) as caught:
+def refused(make, kind, piece):
+    """What is wrong with the refusal; "" if nothing is."""
+    try:
         make()
-    assert type(caught.value) is kind
-    line = str(caught.value)
-    assert piece in line
-    assert line.strip() == line
-    assert len(line.splitlines()) == 1
-    assert len(line) < LINE
+    except (ProblemError, SolverError) as error:
+        line = str(error)
+        if type(error) is not kind or piece not in line:
+            return f"{type(error).__name__}: {line}"
+        one = line.strip() == line and len(line.splitlines()) == 1
+        return "" if one and len(line) < LINE else f"not one short line: {line}"
+    except Exception as error:  # noqa: BLE001  what users should never see
+        return repr(error)
+    return "not refused"
+
+
+def test_bad_input_gets_one_clear_line():
+    missed = {name: refused(*given) for name, *given in BAD}
+    assert {name: why for name, why in missed.items() if why} == {}
 
 
 def test_the_list_is_long_enough_and_names_each_once():

@@ -700,7 +700,7 @@ def test_a_changelog_that_is_no_utf8_is_told_before_the_work(checked):
 KILLED = """
 import os
 from pathlib import Path
-from msvalidate.output import report
+from msvalidate.output import exchange, report
 class Killed(BaseException): pass
 count = last = 0
 def counted(act):
@@ -710,8 +710,8 @@ def counted(act):
         if count == last: raise Killed
         return act(*given)
     return step
-os.fsync, report._exchanged = counted(os.fsync), counted(report._exchanged)
-report._replace = counted(report._replace)
+os.fsync, exchange.exchanged = counted(os.fsync), counted(exchange.exchanged)
+exchange.replace = counted(exchange.replace)
 report.publish = lambda *_: []
 base, log = Path("base/quick/poisson/t.csv"), Path("CHANGELOG.md")
 before, said = base.read_bytes(), log.read_bytes()

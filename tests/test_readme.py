@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.table import table
+
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 FULL = ROOT / "reports" / "baseline" / "full"
@@ -28,7 +30,7 @@ def unnamed(study, text, tables):
     }
 
 
-@pytest.mark.parametrize("study", STUDIES)
+@table("study", STUDIES)
 def test_every_table_is_named(study):
     assert not unnamed(study, README, {path.stem for path in (FULL / study).glob("*.csv")})
 

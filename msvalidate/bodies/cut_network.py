@@ -30,6 +30,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from msvalidate.bodies.lattice_network import refuse_other_domain
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.lattice_constants import stiffnesses
 from msvalidate.lattice import Constants
@@ -87,11 +88,7 @@ def cut_network(
     """
     instance("problem", problem, Problem)
     instance("lattice", lattice, CutLattice)
-    if lattice.domain != problem.domain:
-        raise ProblemError(
-            f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
-            "build it from the problem's own"
-        )
+    refuse_other_domain(problem, lattice)
     k, kappa, k_t = stiffnesses(problem.material, lattice, constants, volume)
     if k_t.any():
         raise ProblemError(

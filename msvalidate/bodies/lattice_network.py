@@ -69,11 +69,7 @@ def lattice_network(
     instance("lattice", lattice, Lattice)
     if isinstance(lattice, CutLattice):
         raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
-    if lattice.domain != problem.domain:
-        raise ProblemError(
-            f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
-            "build it from the problem's own"
-        )
+    refuse_other_domain(problem, lattice)
     k, kappa, k_t = stiffnesses(problem.material, lattice, constants, volume)
     weight = boundary_weights(lattice, weights)
     held, displacement = prescribed(problem, lattice.points)
@@ -91,6 +87,15 @@ def lattice_network(
         shear=_shear(lattice, k_t[lattice.kind] * lattice.factor * weight),
         cells=lattice.cells,
     )
+
+
+def refuse_other_domain(problem: Problem, lattice: Lattice) -> None:
+    """Raise `ProblemError` unless a lattice fills the problem's own domain."""
+    if lattice.domain != problem.domain:
+        raise ProblemError(
+            f"lattice fills a {lattice.domain}, the problem's is a {problem.domain}; "
+            "build it from the problem's own"
+        )
 
 
 def _shear(lattice: Lattice, stiffness: Array) -> LocalShear | None:

@@ -215,7 +215,7 @@ def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
 
 def _written(outcomes: list[Outcome], args: argparse.Namespace) -> None:
     """Write what was found."""
-    from msvalidate.output import report, stored
+    from msvalidate.output import exchange, report, stored
     from msvalidate.output.junit import junit
 
     files = {each.name: each.files for each in outcomes if each.result}
@@ -232,12 +232,12 @@ def _written(outcomes: list[Outcome], args: argparse.Namespace) -> None:
     }
     studies = report.publish(files, args.out, late)
     if args.junit:
-        report.replace_file(args.junit, lambda: junit(studies))
+        exchange.replace_file(args.junit, lambda: junit(studies))
 
 
 def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) -> int:
     """Make these results the baseline, that of other studies staying, and say why."""
-    from msvalidate.output import baseline, report
+    from msvalidate.output import baseline, exchange
 
     if failed:
         return _error(
@@ -246,7 +246,7 @@ def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) 
     tables = {result.name: baseline.files(result.evidence) for result in results}
     # The reason first: a number never moves without one. It follows at once.
     reason = baseline.CHANGELOG, lambda: _changelog(args)
-    report.replace_folder(baseline.home(args.form), tables, keep=args.named, beside=reason)
+    exchange.replace_folder(baseline.home(args.form), tables, keep=args.named, beside=reason)
     whose = f" of {', '.join(args.studies)}" if args.named else ""
     _tell(f"{args.form} baseline{whose} renewed; CHANGELOG.md says why")
     return HELD

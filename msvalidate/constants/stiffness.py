@@ -81,12 +81,8 @@ def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
     ProblemError
         If an array does not fit, a value is not finite, or a spring has no length.
     """
-    d, k = coordinates("vectors", vectors), finite("stiffness", stiffness)
-    if d.ndim != 2 or d.shape[1] not in VOIGT or k.shape != d.shape[:1]:
-        raise ProblemError(
-            f"spring tensor: vectors {d.shape}, stiffness {k.shape}; give (m, 2) or (m, 3), and "
-            "(m,)"
-        )
+    d = coordinates("vectors", vectors, "m", (2, 3))
+    k = finite("stiffness", stiffness, len(d))
     length = np.linalg.norm(d, axis=1)
     if not length.all():
         raise ProblemError(f"vectors: spring {int(length.argmin())} has no length; leave it out")

@@ -15,6 +15,7 @@ from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.checks import (
     coordinates,
     finite,
+    indices,
     instance,
     integers,
     metres,
@@ -84,22 +85,23 @@ class Pattern:
         points = coordinates(f"{said}: points", self.points, "n>0", d)
         if (points < 0).any() or (points >= size).any():
             raise ProblemError(f"{said}: points reach outside the cell; give 0 <= x < size")
-        springs = integers(f"{said}: springs", self.springs)
-        n, m = len(points), len(springs)
-        factor = finite(f"{said}: factor", self.factor)
-        volume = finite(f"{said}: volume", self.volume)
+        n = len(points)
+        springs = indices(f"{said}: springs", self.springs, n, "m>0", 2)
+        m = len(springs)
+        factor = self.factor if np.size(self.factor) else np.ones(m)
+        volume = self.volume if np.size(self.volume) else np.full(n, math.prod(self.size) / n)
         arrays = {
             "points": points,
             "springs": springs,
-            "image": integers(f"{said}: image", self.image),
-            "kind": integers(f"{said}: kind", self.kind),
-            "factor": factor if factor.size else np.ones(m),
-            "volume": volume if volume.size else np.full(n, math.prod(self.size) / n),
+            "image": integers(f"{said}: image", self.image, m, d),
+            "kind": integers(f"{said}: kind", self.kind, m),
+            "factor": finite(f"{said}: factor", factor, m),
+            "volume": finite(f"{said}: volume", volume, n),
         }
         for name, array in arrays.items():
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-        self._refuse_misfits(said, n, m, d)
+        self._refuse_misfits(said)
         self._refuse_twins(said)
         if not isinstance(self.rules, Mapping) or not self.rules:
             raise ProblemError(f"{said}: rules {shown(self.rules)}; give constants by their names")
@@ -108,17 +110,7 @@ class Pattern:
         if not (self.tensor is None or callable(self.tensor)):
             raise ProblemError(f"{said}: tensor {shown(self.tensor)}; give a function or None")
 
-    def _refuse_misfits(self, said: str, n: int, m: int, d: int) -> None:
-        shapes = {"springs": (m, 2), "image": (m, d), "kind": (m,), "factor": (m,), "volume": (n,)}
-        for name, shape in shapes.items():
-            found = np.shape(getattr(self, name))
-            if found != shape or not m:
-                raise ProblemError(f"{said}: {name} {found}; give {shape}, m above 0")
-        if self.springs.min() < 0 or self.springs.max() >= n:
-            raise ProblemError(
-                f"{said}: springs between points {self.springs.min()} and {self.springs.max()}; "
-                f"there are 0 to {n - 1}"
-            )
+    def _refuse_misfits(self, said: str) -> None:
         kinds = sorted(set(self.kind.tolist()))
         if kinds != list(range(len(kinds))):
             raise ProblemError(f"{said}: kinds {kinds}; count from 0 without a gap")
@@ -156,6 +148,26 @@ class Pattern:
         """Vector (m, d) along each spring."""
         i, j = self.springs.T
         return np.asarray(self.points[j] + self.image * np.array(self.size) - self.points[i])
+
+    @property
+    def coordination(self) -> Index:
+        """Number (n, kinds) of springs of each kind at each point: its neighbours by shells."""
+        found = np.zeros((len(self.points), self.kinds), dtype=np.intp)
+        np.add.at(found, (self.springs, self.kind[:, None]), 1)
+        return found
+
+    @property
+    def centred(self) -> bool:
+        """Whether every point is a centre of symmetry: none moves from a uniform strain."""
+        room = SAME_DISTANCE * float(np.linalg.norm(self.vectors, axis=1).max())
+        level = levels(np.concatenate([self.vectors, -self.vectors]), room)
+        ends = self.springs.T.ravel(), np.tile(self.kind, 2), np.tile(self.factor, 2)
+        # Mirrored at its own points, it has the same springs in another order.
+        there, mirrored = (
+            np.column_stack([*ends, each]) for each in (level, level.max(axis=0) - level)
+        )
+        there, mirrored = (each[np.lexsort(each.T)] for each in (there, mirrored))
+        return np.array_equal(there, mirrored)
 
     def stiffness(self, constants: Constants, rule: str = "constants") -> Array:
         """Stiffness (m,) in N/m of the springs under constants, one a kind.

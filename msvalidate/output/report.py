@@ -1,4 +1,4 @@
-"""The only module that writes files: what a run leaves in its folder, whole or not at all.
+"""What a run leaves in its folder, whole or not at all.
 
 A run's results are built beside the folder and change places with it in one step, so that a reader,
 or the next run, finds the old results or the new ones whatever happens in between. Where a folder
@@ -9,17 +9,14 @@ folder and each page is replaced whole, one after another.
 from __future__ import annotations
 
 import contextlib
-import ctypes
-import errno
 import os
-import secrets
 import shutil
-import sys
 import tempfile
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from msvalidate.judging import catalogue
+from msvalidate.output import exchange
 from msvalidate.output.page import page
 from msvalidate.output.stored import (
     ABOUT,
@@ -32,19 +29,8 @@ from msvalidate.output.stored import (
 )
 from msvalidate.problem import ProblemError
 
-try:
-    import fcntl
-except ImportError:  # not a Unix
-    fcntl = None  # type: ignore[assignment]
-
-Files = Mapping[str, bytes]
 PAGES = ("report.html", "verdict.json")
 """What lies in a folder of results beside its studies' folders."""
-EXCHANGE = 2
-"""RENAME_EXCHANGE of Linux's renameat2, RENAME_SWAP of macOS's renamex_np."""
-NO_EXCHANGE = {errno.ENOSYS, errno.EINVAL, errno.EXDEV, errno.EBUSY, errno.EPERM, errno.EACCES}
-STAGED, ASIDE = ".msvalidate-new-", ".msvalidate-old-"
-"""How names begin of what is being written, and of what two renames put aside for a moment."""
 
 
 def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
@@ -80,7 +66,7 @@ def _refuse_unmakeable(out: Path) -> None:
     made = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
         out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=out, prefix=STAGED):
+        with tempfile.TemporaryDirectory(dir=out, prefix=exchange.STAGED):
             pass
     except OSError as error:
         raise ProblemError(f"--out {out}: {error.strerror}; name another folder") from error
@@ -116,9 +102,9 @@ def _resolved(option: str, path: Path) -> Path:
 
 
 def publish(
-    studies: Mapping[str, Files],
+    studies: Mapping[str, exchange.Files],
     out: Path,
-    unfinished: Mapping[str, Callable[[Path], Files]] | None = None,
+    unfinished: Mapping[str, Callable[[Path], exchange.Files]] | None = None,
 ) -> list[Stored]:
     """Replace the results of some studies in `out`, and the pages over all that lie there.
 
@@ -145,7 +131,7 @@ def publish(
     """
     out = out.resolve()
     out.parent.mkdir(parents=True, exist_ok=True)
-    with _alone(out.parent):
+    with exchange.alone(out.parent):
         late = unfinished or {}
         new_files = {**studies, **{name: make(out / name) for name, make in late.items()}}
         _refuse_foreign(out, list(new_files))
@@ -155,30 +141,30 @@ def publish(
         return [read(out / name) for name in new_files]
 
 
-def _exchanged_whole(studies: Mapping[str, Files], out: Path) -> bool:
+def _exchanged_whole(studies: Mapping[str, exchange.Files], out: Path) -> bool:
     """Put new results and those that stay in the place of the old in one step, if that is known."""
-    with _staged(out.parent) as new:
+    with exchange.staged(out.parent) as new:
         for name, files in studies.items():
-            _write(new / name, files)
+            exchange.write(new / name, files)
         for name in set(_studies(out)) - set(studies):
-            _write(new / name, {p.name: p.read_bytes() for p in (out / name).iterdir()})
-        _write(new, _pages(new))
+            exchange.write(new / name, {p.name: p.read_bytes() for p in (out / name).iterdir()})
+        exchange.write(new, _pages(new))
         if not out.exists():
             new.rename(out)
             return True
         shutil.copymode(out, new)
-        return _exchanged(new, out)
+        return exchange.exchanged(new, out)
 
 
-def _exchanged_one_by_one(studies: Mapping[str, Files], out: Path) -> None:
+def _exchanged_one_by_one(studies: Mapping[str, exchange.Files], out: Path) -> None:
     out.mkdir(exist_ok=True)
-    with _alone(out), _staged(out) as new:
+    with exchange.alone(out), exchange.staged(out) as new:
         for name, files in studies.items():
-            _write(new / name, files)
-            _replace(new / name, out / name)
-        _write(new, _pages(out))
+            exchange.write(new / name, files)
+            exchange.replace(new / name, out / name)
+        exchange.write(new, _pages(out))
         for name in PAGES:
-            _replace(new / name, out / name)
+            exchange.replace(new / name, out / name)
 
 
 def rebuild(out: Path) -> list[Stored]:
@@ -200,65 +186,6 @@ def rebuild(out: Path) -> list[Stored]:
 def stored(out: Path) -> list[Stored]:
     """The studies whose results lie in a folder, by name; of damaged ones no more than that."""
     return [_read_or_said(out / name) for name in _studies(out)]
-
-
-def replace_folder(
-    folder: Path,
-    files: Mapping[str, Files],
-    *,
-    keep: bool = False,
-    beside: tuple[Path, Callable[[], bytes]] | None = None,
-) -> None:
-    """Replace a folder of folders whole.
-
-    Parameters
-    ----------
-    folder
-        It is made if it is missing.
-    files
-        Name of a folder in it -> its files.
-    keep
-        Whether all else that lies in it goes into the new one as it is.
-    beside
-        A file elsewhere that is replaced with it, and what makes its content: both are on the disk
-        before either takes its place, the file first.
-    """
-    folder = folder.resolve()
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with _alone(folder.parent), _staged(folder.parent) as new:
-        if keep and folder.is_dir():
-            _copy_others(folder, new, files)
-        for name, content in files.items():
-            _write(new / name, content)
-        if beside:
-            replace_file(beside[0], beside[1], then=lambda: _replace(new, folder))
-        else:
-            _replace(new, folder)
-
-
-def _copy_others(old: Path, new: Path, names: Container[str]) -> None:
-    """Copy what lies in a folder, but for some names in it, to the disk itself as `_write` does."""
-
-    def left_out(folder: str, found: list[str]) -> list[str]:
-        return [name for name in found if Path(folder) == old and name in names]
-
-    def copy(source: str, target: str) -> None:
-        _write(Path(target).parent, {Path(target).name: Path(source).read_bytes()})
-
-    shutil.copytree(
-        old, new, symlinks=True, ignore=left_out, copy_function=copy, dirs_exist_ok=True
-    )
-
-
-def replace_file(
-    path: Path, content: Callable[[], bytes], then: Callable[[], None] = lambda: None
-) -> None:
-    """Replace a file whole, its content made when no other run can write it; `then` at once act."""
-    path = path.resolve()
-    with _alone(path.parent), _staged(path.parent) as new:
-        _write(new, {path.name: content()})
-        _replace(new / path.name, path)
-        then()
 
 
 def _pages(folder: Path) -> dict[str, bytes]:
@@ -314,7 +241,7 @@ def _only_results(out: Path) -> bool:
     known = catalogue.names()
     try:
         for path in out.iterdir():
-            if path.name in PAGES or path.name.startswith(STAGED):
+            if path.name in PAGES or path.name.startswith(exchange.STAGED):
                 continue
             if path.name not in known or not path.is_dir() or path.is_symlink():
                 return False
@@ -342,83 +269,3 @@ def _here() -> Path:
         return Path.cwd()
     except OSError:
         return Path("/")
-
-
-@contextlib.contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Wait until no other run stages anything in a folder, and keep others waiting."""
-    if fcntl is None:
-        yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
-
-
-@contextlib.contextmanager
-def _staged(folder: Path) -> Iterator[Path]:
-    """A new folder in `folder`, gone at the end; what killed runs left is put back or cleared away.
-
-    Call it alone: see `_alone`.
-    """
-    for left in folder.glob(f"{ASIDE}*"):
-        place = folder / left.name.removeprefix(ASIDE)
-        if place.exists():
-            shutil.rmtree(left, ignore_errors=True)
-        else:
-            left.rename(place)
-    for left in folder.glob(f"{STAGED}{'[0-9a-f]' * 16}"):
-        shutil.rmtree(left, ignore_errors=True)
-    new = folder / f"{STAGED}{secrets.token_hex(8)}"
-    new.mkdir()
-    try:
-        yield new
-    finally:
-        shutil.rmtree(new, ignore_errors=True)
-
-
-def _write(folder: Path, files: Files) -> None:
-    """Write files to the disk itself: a name must not outlive its content."""
-    folder.mkdir(exist_ok=True)
-    for name, content in files.items():
-        path = folder / name
-        try:
-            with path.open("wb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
-        except OSError as error:
-            raise OSError(error.errno, error.strerror, f"{folder.name}/{name}") from error
-
-
-def _replace(new: Path, old: Path) -> None:
-    """Put a file or folder in another's place: in one step where that can be done."""
-    if new.is_file() or not old.exists():
-        new.replace(old)
-    elif not _exchanged(new, old):
-        aside = old.with_name(f"{ASIDE}{old.name}")
-        old.rename(aside)
-        new.rename(old)
-        shutil.rmtree(aside, ignore_errors=True)
-
-
-def _exchanged(one: Path, other: Path) -> bool:
-    """Let two folders change places in one step, where the system knows how."""
-    library = ctypes.CDLL(None, use_errno=True) if os.name == "posix" else None
-    a, b = os.fsencode(one), os.fsencode(other)
-    if library is not None and sys.platform == "darwin" and hasattr(library, "renamex_np"):
-        failed = library.renamex_np(a, b, EXCHANGE)
-    elif library is not None and hasattr(library, "renameat2"):
-        here = -100  # AT_FDCWD: both paths are absolute
-        failed = library.renameat2(here, a, here, b, EXCHANGE)
-    else:
-        return False
-    if not failed:
-        return True
-    code = ctypes.get_errno()
-    if code in NO_EXCHANGE:
-        return False
-    raise OSError(code, os.strerror(code), str(other))

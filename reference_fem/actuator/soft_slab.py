@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from msvalidate.problem import Array, Mask, ProblemError, SolverError
-from msvalidate.problem.checks import chosen, coordinates, finite, instance, positive, whole
+from msvalidate.problem.checks import chosen, coordinates, instance, number, positive, whole
 from reference_fem.electric.charges import charged
 from reference_fem.electric.electrostatics import Dielectric, Potential
 from reference_fem.electric.mesh import SlabMesh, moved_air, slab_mesh
@@ -74,7 +74,7 @@ class SoftSlab:
         chosen("around", self.around, ("air", "plates"))
         positive("depth", self.depth, "m")
         whole("layers", self.layers, 1)
-        if finite("frame", self.frame).ndim or not 0 <= self.frame < self.slab.length:
+        if not 0 <= number("frame", self.frame) < self.slab.length:
             raise ProblemError(
                 f"frame: {self.frame} m; give a distance from 0 to below the slab's length"
             )

@@ -20,7 +20,7 @@ from reference_fem.mesh.assembly import nodal_sums
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients
 from reference_fem.systems.dissection import elimination_order
-from reference_fem.systems.solver import refuse_shapes
+from reference_fem.systems.solver import refuse_no_mask
 
 ROUNDED = 4 * float(np.finfo(float).eps)
 """Of a displacement, what its storing and the differences of a few of them may lose."""
@@ -53,9 +53,7 @@ class Solid:
     thickness: float = 1.0
 
     def __post_init__(self) -> None:
-        refuse_shapes(self.body, held=self.held)
-        if self.held.dtype != bool:
-            raise ProblemError(f"held: of {self.held.dtype}; give True where a component is held")
+        refuse_no_mask(self.body, self.held)
         refuse_other_laws(self.law)
         if self.law.dim != self.body.dim:
             raise ProblemError(f"law: {self.law.dim}D, the body {self.body.dim}D")

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, issparse
 
 from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import chosen, instance, shown
+from msvalidate.problem.checks import chosen, instance, shaped, shown
 from reference_fem.effort import envelope, within_memory
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients
@@ -121,9 +121,7 @@ class Solver:
     tensor: Array | None = None
 
     def __post_init__(self) -> None:
-        refuse_shapes(self.body, held=self.held)
-        if self.held.dtype != bool:
-            raise ProblemError(f"held: of {self.held.dtype}; give True where a component is held")
+        refuse_no_mask(self.body, self.held)
         size = self.held.size
         K = self.stiffness
         if not (issparse(K) and K.format == "csr" and K.dtype == float and K.shape == (size, size)):
@@ -293,5 +291,11 @@ def refuse_shapes(body: Discretisation, **named: Array | Mask) -> None:
     for name, array in named.items():
         if not isinstance(array, np.ndarray) or array.dtype.kind not in "bif":
             raise ProblemError(f"{name}: {shown(array)}; give an array of real numbers")
-        if array.shape != body.points.shape:
-            raise ProblemError(f"{name}: shape {array.shape}; give {body.points.shape}")
+        shaped(name, array, *body.points.shape)
+
+
+def refuse_no_mask(body: Discretisation, held: Mask) -> None:
+    """Raise `ProblemError` unless `held` says of each component of a body's nodes if it is held."""
+    refuse_shapes(body, held=held)
+    if held.dtype != bool:
+        raise ProblemError(f"held: of {held.dtype}; give True where a component is held")

@@ -24,6 +24,7 @@ from msvalidate.problem import (
 )
 from reference_fem.body import nodal_forces
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from tests.table import table
 
 # A library's warning on the way to an answer, such as MatrixRankWarning, is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -341,8 +342,8 @@ def test_traction_on_part_of_a_side(element):
     assert np.abs(force[off]).max() <= STRAY * np.abs(force).max()
 
 
-@pytest.mark.parametrize("cells", [1, 5, 7, (8, 6)])
-@pytest.mark.parametrize("element", ["Q1", "P2"])
+@table("cells", [1, 5, 7, (8, 6)])
+@table("element", ["Q1", "P2"])
 def test_traction_that_ends_inside_an_edge_is_refused(element, cells):
     part = Region(((0.4, 0.6), BOX.size[1]))
     with pytest.raises(
@@ -418,7 +419,7 @@ def test_loads_add_up():
     assert whole == pytest.approx(sum(parts), rel=1e-14)
 
 
-@pytest.mark.parametrize(
+@table(
     "load",
     [
         Traction(BOX.side("top"), lambda x: np.full(x.shape, np.nan)),
@@ -430,7 +431,7 @@ def test_field_that_is_not_finite_is_refused(load):
         forces(load)
 
 
-@pytest.mark.parametrize(
+@table(
     "load",
     [
         Traction(BOX.side("top"), lambda x: x[:, 0]),

@@ -342,7 +342,7 @@ BAD = {
     "NaN in forces": ({"nodal_forces": [(4, 1, np.nan)]}, ["nodal_forces row", "nan"]),
     "NaN in supports": ({"fixed": [*CLAMP, (1, 1, np.nan)]}, ["fixed row", "nan"]),
     "force on no node": ({"nodal_forces": [(6, 0, 1.0)]}, ["nodal_forces", "nodes run to 5"]),
-    "unknown element": ({"element": "Q3"}, ["'Q3'; choose Q1, Q2, P1, P2"]),
+    "unknown element": ({"element": "Q3"}, [f"'Q3'; choose {', '.join(ELEMENTS)}"]),
     "lower case": ({"element": "q1"}, ["choose Q1"]),
     "cells of another element": ({"element": "P1"}, [r"cells: .*\(2, 4\); P1 needs .*\(c, 3\)"]),
     "no cells": ({"cells": np.zeros((0, 4), dtype=int)}, [r"cells: .*\(0, 4\)"]),

@@ -13,6 +13,7 @@ from reference_fem.elasticity import elastic_tensor
 from reference_fem.locking import bulk_over_shear
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
 from reference_fem.refinement import richardson
+from tests.table import table
 
 SIZE = 0.37
 
@@ -45,8 +46,8 @@ def extrapolated(values):
     return values[2] + last**2 / (first - last)
 
 
-@pytest.mark.parametrize("element", [name for name in of_dimension(2) if ELEMENTS[name].locks])
-@pytest.mark.parametrize("nu", [0.4999, 0.499999])
+@table("element", [name for name in of_dimension(2) if ELEMENTS[name].locks])
+@table("nu", [0.4999, 0.499999])
 def test_locked_cells_are_refused_and_may_be_looked_at(element, nu):
     with pytest.raises(SolverError, match=r"lock.*mixed=True"):
         tip(clamped(nu), 16, element)
@@ -69,7 +70,7 @@ def test_solids_at_large_strain_lock_as_well():
     assert deform(solid, 0 * force, force, allow_locked=True).displacement.any()
 
 
-@pytest.mark.parametrize("element", [name for name in of_dimension(3) if ELEMENTS[name].locks])
+@table("element", [name for name in of_dimension(3) if ELEMENTS[name].locks])
 def test_cells_in_space_are_refused(element):
     box = Box((SIZE, SIZE, SIZE))
     problem = Problem(

@@ -25,6 +25,7 @@ from msvalidate.problem import (
 from reference_fem.mesh import Facets, discretise
 from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.mixed import TAYLOR_HOOD, solve_mixed_on
+from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -329,7 +330,7 @@ SQUARE = Box((1.0, 1.0))
 LEFT = (Support(SQUARE.side("left"), (0.0, 0.0)),)
 
 
-@pytest.mark.parametrize(
+@table(
     ("material", "element", "message"),
     [
         (Isotropic(1.0, 0.5), "P2", "plane stress leaves thickness free to change"),
@@ -378,7 +379,7 @@ def held_all_round(nu, element="P2"):
     return reference_fem.solve_problem(problem, body, mixed=True)
 
 
-@pytest.mark.parametrize("element", PLANE)
+@table("element", PLANE)
 def test_an_incompressible_body_held_all_round_is_refused(element):
     with pytest.raises(SolverError, match="at nu = 1/2 the pressure of a body held all round"):
         held_all_round(0.5, element)

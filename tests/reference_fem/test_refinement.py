@@ -21,6 +21,7 @@ from msvalidate.problem import (
 )
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
 from reference_fem.refinement import SAFETY, TRUSTED_ORDER, refine, richardson
+from tests.table import table
 
 # A division by a change of zero must not warn.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -234,7 +235,7 @@ def test_not_converged_by_the_finest_is_a_solver_error(sequence):
     assert quantity.asked == [4, 8, 16, 32, 64]
 
 
-@pytest.mark.parametrize(
+@table(
     ("arguments", "fragment"),
     [
         ({"tolerance": 0.0}, "tolerance: 0.0; it must be above zero"),
@@ -373,7 +374,7 @@ def test_values_of_different_size_are_judged_each_by_itself():
     assert estimate.status == ("exact", "asymptotic")
 
 
-@pytest.mark.parametrize(
+@table(
     ("quantity", "message"),
     [
         (lambda _: np.array([]), r"shape \(0,\); give one value or a row of them"),

@@ -94,7 +94,7 @@ def parabola(x):
     return np.einsum("kij,pi,pj->pk", H, x, x) / 2, np.einsum("kij,pj->pki", H, x)
 
 
-@pytest.mark.parametrize("element", [name for name, kind in ELEMENTS.items() if kind.degree == 2])
+@pytest.mark.parametrize("element", [name for name, kind in ELEMENTS.items() if kind.complete == 2])
 def test_quadratic_fields_are_exact_on_straight_cells_of_the_second_degree(element):
     body = distorted(element)
     d = body.dim

@@ -35,10 +35,7 @@ def in_plane(name: str, points: ArrayLike, *, least: int = 0) -> Array:
 
 def moved_points(name: str, points: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Return points (n, 2) in m; raise `ProblemError` unless as many as there were."""
-    given = in_plane(name, points)
-    if given.shape != shape:
-        raise ProblemError(f"{name}: shape {given.shape}; give {shape}, as there were")
-    return given
+    return coordinates(name, points, *shape, need=f"give {shape}, as there were")
 
 
 def owners(name: str, numbers: ArrayLike, count: int) -> Index:

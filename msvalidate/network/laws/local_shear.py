@@ -32,8 +32,9 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_array, eye_array, kron
 
+from msvalidate.network.checks import pairs_of
 from msvalidate.problem import LONGEST, VOIGT, Array, Index, ProblemError
-from msvalidate.problem.checks import coordinates, finite, instance, integers, positive
+from msvalidate.problem.checks import coordinates, finite, instance, positive
 
 SPAN = 1e-9
 """Least eigenvalue of a point's Σ w DDᵀ, relative to the largest, above which its springs span."""
@@ -69,14 +70,7 @@ class LocalShear:
 
     def __post_init__(self) -> None:
         points = coordinates("shear springs: points", self.points, "n", (2, 3))
-        pairs = integers(
-            "shear springs", self.springs, "m>0", 2, need="give pairs of points (m, 2)"
-        )
-        if pairs.min() < 0 or pairs.max() >= len(points) or (pairs[:, 0] == pairs[:, 1]).any():
-            raise ProblemError(
-                f"shear springs: points {pairs.min()} to {pairs.max()}; join different ones of 0 "
-                f"to {len(points) - 1}"
-            )
+        pairs = pairs_of(self.springs, len(points), "shear springs")
         arrays = {"points": points, "springs": pairs}
         for name in ("stiffness", "weights"):
             arrays[name] = finite(f"shear springs: {name}", getattr(self, name), len(pairs))
@@ -223,9 +217,8 @@ def shear_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
     ProblemError
         If an array does not fit, a vector has no length, or a value is not finite.
     """
-    D, k = coordinates("vectors", vectors), finite("stiffness", stiffness)
-    if D.ndim != 2 or D.shape[1] not in VOIGT or k.shape != D.shape[:1]:
-        raise ProblemError(f"shear tensor: vectors {D.shape}, stiffness {k.shape}; give as many")
+    D = coordinates("vectors", vectors, "m", (2, 3))
+    k = finite("stiffness", stiffness, len(D))
     if not D.any(axis=1).all():
         raise ProblemError("shear tensor: a vector of no length; leave it out")
     unit, across = _directions(D)

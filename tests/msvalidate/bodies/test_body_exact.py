@@ -28,6 +28,7 @@ from msvalidate.problem import (
 from msvalidate.statics.equilibrium import equilibrium
 from reference_fem.body import nodal_forces
 from reference_fem.elasticity import stiffness
+from tests.table import table
 
 THIRD = Isotropic(E=3.0, nu=1 / 3, state="plane_stress", density=500.0, thickness=0.3)
 QUARTER = Isotropic(E=3.0, nu=1 / 4, state="plane_strain", density=500.0, thickness=0.3)
@@ -93,7 +94,7 @@ def test_a_triangular_body_is_held_and_pushed_on_its_own_sides(name):
     np.testing.assert_allclose(network.force.sum(axis=0), total, rtol=1e-13)
 
 
-@pytest.mark.parametrize("name", OUTLINES)
+@table("name", OUTLINES)
 def test_the_lattice_of_another_polygon_is_refused(name):
     outline = OUTLINES[name]
     problem = Problem(outline, THIRD, (Support(edges(outline)[0], (0.0, 0.0)),))
@@ -101,7 +102,7 @@ def test_the_lattice_of_another_polygon_is_refused(name):
         lattice_network(problem, triangular(trapezium(0.2, (5, 2)), 0.2))
 
 
-@pytest.mark.parametrize(
+@table(
     ("material", "message"),
     [
         (

@@ -16,6 +16,7 @@ from msvalidate.constants.stiffness import isotropic_tensor
 from msvalidate.lattice import fill, patterns, square, triangular, voronoi, zigzag_block
 from msvalidate.problem import Anisotropic, Box, Isotropic, Problem, ProblemError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 PLANE = {
     "square": patterns.square(),
@@ -209,7 +210,7 @@ def test_a_stretched_cube_has_its_material(name, nu):
 # Refusals ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@table(
     ("nu", "name", "plane", "route", "said"),
     [
         (0.45, "square", "plane_stress", SPRINGS, "isotropic at 1/3 only"),
@@ -248,7 +249,7 @@ def test_a_random_lattice_is_not_isotropic_and_says_what_it_is():
         calibrate(1.0, 0.4, voronoi(12, seed=1))
 
 
-@pytest.mark.parametrize(
+@table(
     ("call", "said"),
     [
         (lambda: calibrate(1.0, 0.3, None), "give a Pattern or a Lattice"),
@@ -281,7 +282,7 @@ def test_a_calibration_brings_its_own_volume_energy():
         lattice_network(problem, grid, (1.0, 1.0), volume=np.ones(2))
 
 
-@pytest.mark.parametrize(
+@table(
     ("other", "said"),
     [
         (calibrate(1.0, 0.3, patterns.cubic18(), "solid"), "a spacing of 1 m, not 0.25 m"),

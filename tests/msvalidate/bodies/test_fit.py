@@ -16,6 +16,7 @@ from msvalidate.lattice import square, voronoi_box
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.tangent import cycles, inverse
+from tests.table import table
 
 BOX = Box((2.0, 1.0))
 GRID = square(BOX, (8, 4))
@@ -219,7 +220,7 @@ UNIT = networks((1.0, 1.0))
 WANTED = moves(*UNIT)
 
 
-@pytest.mark.parametrize(
+@table(
     ("call", "said"),
     [
         (lambda: fitted_constants([], [], GRID.kind), "no network; give a list"),

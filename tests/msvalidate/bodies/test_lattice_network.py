@@ -25,6 +25,7 @@ from msvalidate.problem import (
     Traction,
 )
 from reference_fem.body import nodal_forces
+from tests.table import table
 
 NAN = float("nan")
 
@@ -110,7 +111,7 @@ def test_a_traction_on_part_of_a_side():
     assert network.force.sum() == pytest.approx(5.0 * 0.3 * 0.5, rel=1e-13)
 
 
-@pytest.mark.parametrize("part", [(0.25, 0.7), (0.3, 0.75), (0.3, 0.4), (0.0, 0.1)])
+@table("part", [(0.25, 0.7), (0.3, 0.75), (0.3, 0.4), (0.0, 0.1)])
 def test_a_traction_that_ends_inside_a_cell_edge_is_refused(part):
     with refused("covers no whole number of cell edges; choose cells whose edges end where"):
         loaded(Traction(Region((2.0, part)), (5.0, 0.0)))
@@ -187,7 +188,7 @@ def test_supports_and_loads_meet_only_their_region():
     np.testing.assert_array_equal(network.displacement[:, 0], 0.25 * (expected[:, 0] & (x == 2)))
 
 
-@pytest.mark.parametrize(
+@table(
     ("make", "message"),
     [
         (
@@ -288,8 +289,8 @@ def test_the_middle_fifth_of_a_side_is_pushed_at_its_own_points_alone(name, cell
         np.testing.assert_allclose(network.force[points], expected, rtol=1e-13)
 
 
-@pytest.mark.parametrize("cells", [4, 6, 7])
-@pytest.mark.parametrize("name", BUILD)
+@table("cells", [4, 6, 7])
+@table("name", BUILD)
 def test_a_fifth_that_the_points_do_not_divide_is_refused(name, cells):
     with refused("traction on (x = 0, 0.4 <= y <= 0.6): covers no whole number of cell edges"):
         pushed(BUILD[name](cells), Traction(Region((0.0, (0.4, 0.6))), (5.0, 0.0)))

@@ -23,6 +23,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
+from tests.table import table
 
 PLANE, SPACE = Box((1.0, 0.75)), Box((1.0, 0.75, 0.5))
 TILT = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
@@ -215,7 +216,7 @@ def test_a_traction_is_asked_for_on_the_side_alone():
     assert behind > 0
 
 
-@pytest.mark.parametrize(
+@table(
     "make",
     [
         lambda: voronoi_box(SPACE, 0.15),

@@ -19,6 +19,7 @@ from msvalidate.constants.homogenise import homogenised, network_tensor, periodi
 from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
 from msvalidate.lattice import patterns, repeated, turned, voronoi, voronoi_box
 from msvalidate.problem import VOIGT, Box, ProblemError, SolverError
+from tests.table import table
 
 LATTICES = patterns.known()
 CASES = [
@@ -27,8 +28,6 @@ CASES = [
     for rule in make().rules
     if make().tensor is not None
 ]
-CENTRED = {"square", "square4", "triangular", "cubic6", "cubic18", "cubic26", "bcc", "fcc"}
-"""Lattices whose points are all centres of symmetry: nothing moves under a uniform strain."""
 DATA = Path(__file__).parents[2] / "data" / "springs"
 
 
@@ -48,7 +47,7 @@ def test_the_relaxed_tensor_is_the_closed_form(name, rule, times):
     found = homogenised(repeated(pattern, times), constants)
     exact = pattern.tensor(constants)
     np.testing.assert_allclose(found.tensor, exact, atol=1e-13 * np.abs(exact).max())
-    if name in CENTRED:
+    if pattern.centred:
         np.testing.assert_allclose(found.affine, exact, atol=1e-13 * np.abs(exact).max())
 
 
@@ -63,7 +62,7 @@ def test_the_closed_form_holds_for_any_constants_and_spacing(name):
     found = homogenised(pattern, constants, 0.3)
     exact = pattern.tensor(constants) * (1 if pattern.dim == 2 else 1 / 0.3)
     np.testing.assert_allclose(found.tensor, exact, atol=1e-13 * np.abs(exact).max())
-    if name in CENTRED:
+    if pattern.centred:
         affine = pattern_tensor(pattern, constants, 0.3)
         np.testing.assert_allclose(affine, exact, atol=1e-13 * np.abs(exact).max())
 
@@ -283,7 +282,7 @@ def test_springs_of_an_irregular_body_are_not_taken_for_its_solid(lattice):
 # Bad input ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@table(
     ("call", "message"),
     [
         (lambda: homogenised(None, (1.0,)), "pattern: None; give a Pattern"),

@@ -27,6 +27,7 @@ from msvalidate.constants.stiffness import (
 )
 from msvalidate.lattice import WEIGHTS, diagonal_square, square, trapezium, triangular, zigzag_block
 from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError
+from tests.table import table
 
 THIRD = Isotropic(E=2.5, nu=1 / 3, state="plane_stress", thickness=0.4)
 QUARTER = Isotropic(E=2.5, nu=1 / 4, state="plane_strain", thickness=0.4)
@@ -80,7 +81,7 @@ def test_matched_along_the_axes_alone_any_ratio_comes_back(nu, state):
     np.testing.assert_allclose(tensor[:2, :2], lame_tensor(material)[:2, :2], rtol=1e-12)
 
 
-@pytest.mark.parametrize(
+@table(
     ("material", "isotropic", "message"),
     [
         (
@@ -123,7 +124,7 @@ def test_the_triangular_lattice_is_its_material(material):
     assert in_plane(material)[0] == pytest.approx(2 * k / np.sqrt(3), rel=EXACT)
 
 
-@pytest.mark.parametrize(
+@table(
     ("material", "message"),
     [
         (
@@ -327,7 +328,7 @@ def test_a_modulus_is_that_of_the_body_turned_until_the_direction_is_x(d):
         assert one_by_one[0] == pytest.approx(turned, rel=1e-12)
 
 
-@pytest.mark.parametrize("directions", [[[2.0, 0.0]], [1.0, 0.0], [[1.0, 0.0, 0.0]]])
+@table("directions", [[[2.0, 0.0]], [1.0, 0.0], [[1.0, 0.0, 0.0]]])
 def test_directions_that_are_no_unit_vectors_are_refused(directions):
     with pytest.raises(ProblemError, match=r"directions: shape .*; give unit vectors \(q, 2\)"):
         directional_modulus(CROOKED, directions)

@@ -15,6 +15,7 @@ from msvalidate.dynamics.integrate import State, damping_rate, euler_cromer
 from msvalidate.dynamics.integrators import EULER_CROMER, stability_limit
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
+from tests.table import table
 
 NAN = float("nan")
 SMALL = 1e-9
@@ -195,7 +196,7 @@ def test_the_given_state_is_left_alone():
 # Bad input ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@table(
     ("change", "message"),
     [
         ({"dt": 0.0}, "time step dt: 0.0 s; it must be above zero"),

@@ -16,6 +16,7 @@ from msvalidate.network import spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.tangent import inverse
+from tests.table import table
 
 
 @pytest.fixture(params=["dense", "factor", "multigrid"], autouse=True)
@@ -83,7 +84,7 @@ def test_squares_of_a_body_are_within_the_tolerance(lattice_body):
     assert highest**2 == pytest.approx(squares[-1], rel=1e-4)
 
 
-@pytest.mark.parametrize(
+@table(
     ("tolerance", "message"),
     [
         (-1e-4, "tolerance of the frequencies: -0.0001; give a relative error, 0 <= tolerance < 1"),
@@ -180,7 +181,7 @@ def test_one_strongly_unstable_point_is_refused(lattice_body):
         natural_frequencies(swollen, 3)
 
 
-@pytest.mark.parametrize("count", [0, -1, 6])
+@table("count", [0, -1, 6])
 def test_a_count_outside_the_free_components_is_refused(count):
     message = f"count: {count} frequencies; this network has 5 free components"
     with pytest.raises(ProblemError, match=re.escape(message)):

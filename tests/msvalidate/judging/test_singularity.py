@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from msvalidate.constants.stiffness import rotated
 from msvalidate.judging.singularity import clamped_free_exponent, free_free_exponent
 from msvalidate.problem import ProblemError, SolverError
+from tests.table import table
 
 TURN = 2 * np.pi
 # No symmetry at all; a cubic one far from isotropy; fibres along x.
@@ -215,8 +216,8 @@ def test_nearly_singular_tensors_keep_their_digits():
 # Refusals -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("exponent", [clamped_free_exponent, free_free_exponent])
-@pytest.mark.parametrize(
+@table("exponent", [clamped_free_exponent, free_free_exponent])
+@table(
     ("tensor", "angle", "message"),
     [
         (np.eye(6), 1.0, "stiffness tensor C: shape (6, 6); give a plane one, (3, 3)"),

@@ -20,6 +20,7 @@ from msvalidate.network.residual import force_scale
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
+from tests.table import table
 
 examples = settings(max_examples=25, deadline=None)
 EVERY_WAY = [("general", 1), ("general", 2), ("general", 3), ("lattice", 1)]
@@ -276,7 +277,7 @@ def test_numbers_of_half_the_length_are_taken_for_what_they_are(path, threads):
 # Refused --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("path", "threads"), EVERY_WAY)
+@table(("path", "threads"), EVERY_WAY)
 def test_a_motion_that_blows_up_is_refused(path, threads):
     network = grid(2, jitter=0.0)
     u, v, *_ = start(network)
@@ -300,8 +301,8 @@ def test_what_is_no_number_stays_none(path, threads, bad):
     assert not np.isfinite(motion.force_and_energy(u, out))
 
 
-@pytest.mark.parametrize("jitter", [0.0, 0.1])
-@pytest.mark.parametrize("name", ["algorithm1", "kinetic_damping"])
+@table("jitter", [0.0, 0.1])
+@table("name", ["algorithm1", "kinetic_damping"])
 def test_a_relaxation_that_runs_away_is_refused(name, jitter):
     """By the stencil and by the sweep: loads that tear the body apart."""
     network = grid(2, jitter=jitter)
@@ -314,7 +315,7 @@ def test_a_relaxation_that_runs_away_is_refused(name, jitter):
         relax(network, RELAXATIONS[name], frequencies=(0.1, 1.0))
 
 
-@pytest.mark.parametrize(
+@table(
     ("asked", "message"),
     [
         ({"path": "fast"}, "path: "),
@@ -336,8 +337,8 @@ def test_a_lattice_is_for_one_thread():
     assert kernels.Motion(network, threads=2).path == "general"
 
 
-@pytest.mark.parametrize(("path", "threads"), EVERY_WAY)
-@pytest.mark.parametrize(
+@table(("path", "threads"), EVERY_WAY)
+@table(
     ("changed", "message"),
     [
         ({"displacement": np.zeros((3, 2))}, "displacement: shape (3, 2); give (437, 2)"),

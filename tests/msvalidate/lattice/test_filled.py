@@ -31,6 +31,7 @@ from msvalidate.problem import (
     Traction,
 )
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 LATTICES = patterns.known()
 every = pytest.mark.parametrize("name", LATTICES)
@@ -318,7 +319,7 @@ def test_a_solid_of_a_quarter_has_isotropic_constants_in_every_lattice(name):
     assert (found.E, found.nu, found.zener) == pytest.approx((2.5, 0.25, 1.0), rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@table(
     ("name", "material", "message"),
     [
         (
@@ -345,7 +346,7 @@ def off_corner() -> Pattern:
     return pattern
 
 
-@pytest.mark.parametrize(
+@table(
     ("make", "message"),
     [
         (lambda: fill(None, Box((1.0, 1.0)), 2), "pattern: None; give a Pattern"),

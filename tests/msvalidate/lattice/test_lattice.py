@@ -10,6 +10,7 @@ import pytest
 from msvalidate.constants.stiffness import rotated, spring_tensor, square_tensor
 from msvalidate.lattice import WEIGHTS, boundary_weights, diagonal_square, square, trapezium
 from msvalidate.problem import Box, ProblemError
+from tests.table import table
 
 SIZES = [(1, 1), (1, 3), (4, 1), (5, 4)]
 SPACING = 0.25
@@ -144,7 +145,7 @@ def test_arrays_cannot_be_changed():
             getattr(lattice, name)[0] = 0
 
 
-@pytest.mark.parametrize(
+@table(
     ("size", "cells", "message"),
     [
         ((1.0, 1.0, 1.0), 2, "square lattice: a box 1 x 1 x 1 m; give a plane box"),
@@ -156,7 +157,7 @@ def test_arrays_cannot_be_changed():
         ((1.0, 1.0), (2, 2, 2), "cells: (2, 2, 2); give one or two whole numbers"),
     ],
 )
-@pytest.mark.parametrize("build", [square, diagonal_square])
+@table("build", [square, diagonal_square])
 def test_bad_sizes_are_refused(build, size, cells, message):
     with refused(message):
         build(Box(size), cells)

@@ -7,9 +7,13 @@ import re
 import numpy as np
 import pytest
 
-from msvalidate.lattice import Pattern, patterns, repeated
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.constants.homogenise import homogenised
+from msvalidate.lattice import Pattern, fill, patterns, repeated
 from msvalidate.lattice.pattern import by_shells
-from msvalidate.problem import ProblemError
+from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
+from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 LATTICES = patterns.known()
 every = pytest.mark.parametrize("name", LATTICES)
@@ -45,10 +49,8 @@ def brute_force(pattern, reach=3):
 
 @pytest.mark.parametrize("name", NEIGHBOURS)
 def test_every_point_has_the_neighbours_of_its_lattice(name):
-    pattern = LATTICES[name]()
-    for kind, expected in enumerate(NEIGHBOURS[name]):
-        ends = pattern.springs[pattern.kind == kind].ravel()
-        np.testing.assert_array_equal(np.bincount(ends), expected)
+    found = LATTICES[name]().coordination
+    np.testing.assert_array_equal(found, np.tile(NEIGHBOURS[name], (len(found), 1)))
 
 
 @every
@@ -69,15 +71,17 @@ def test_springs_are_all_pairs_at_their_distances_each_once(name):
     assert len(np.unique(both, axis=0)) == len(both)
 
 
-@pytest.mark.parametrize("name", sorted(set(NEIGHBOURS) - {"honeycomb"}))
-def test_every_point_is_a_centre_of_symmetry(name):
-    pattern = LATTICES[name]()
+@every
+def test_points_are_centres_of_symmetry_where_the_pattern_says_so(name):
+    pattern, found = LATTICES[name](), True
     for point in range(len(pattern.points)):
         away = pattern.vectors[pattern.springs[:, 0] == point]
         back = -pattern.vectors[pattern.springs[:, 1] == point]
         around = np.concatenate([away, back]).round(9) + 0.0
         mirrored = -around + 0.0
-        assert sorted(map(tuple, around)) == sorted(map(tuple, mirrored))
+        found &= sorted(map(tuple, around)) == sorted(map(tuple, mirrored))
+    assert pattern.centred == found
+    assert found == (name != "honeycomb") or name not in NEIGHBOURS
 
 
 @every
@@ -113,13 +117,42 @@ def test_a_repeated_cell_is_the_same_lattice(name, times):
     )
 
 
-def test_a_new_function_is_a_new_lattice(monkeypatch):
-    def brick() -> Pattern:
-        return by_shells("brick", (1.0, 2.0), [(0, 0)], (1.0, 2.0), {"equal": (1.0, 1.0)})
+def kagome() -> Pattern:
+    """Kagome lattice, spacing its nearest distance: 4 nearest k1, 4 next k2; isotropic."""
 
-    brick.__annotations__["return"] = "Pattern"  # as in a module with postponed annotations
-    monkeypatch.setattr(patterns, "brick", brick, raising=False)
-    assert patterns.known()["brick"] is brick
+    def tensor(k):
+        both = np.sqrt(3) / 8 * (k[0] + 3 * k[1])
+        return patterns.cubic_tensor(2, 3 * both, both)
+
+    half, row = 0.5, np.sqrt(3) / 2
+    points = [(0, 0), (1, 0), (half, row), (1, 2 * row), (0, 2 * row), (1.5, 3 * row)]
+    rules = {"equal": (1.0, 1.0)}
+    return by_shells("kagome", (2.0, 4 * row), points, (1.0, 2 * row), rules, tensor)
+
+
+def test_a_new_function_is_a_new_lattice(monkeypatch):
+    monkeypatch.setattr(patterns, "kagome", kagome, raising=False)
+    assert patterns.known()["kagome"] is kagome
+    monkeypatch.setitem(LATTICES, "kagome", kagome)
+    test_springs_are_all_pairs_at_their_distances_each_once("kagome")
+    test_points_are_centres_of_symmetry_where_the_pattern_says_so("kagome")
+    test_rules_are_one_constant_a_kind("kagome")
+    test_a_repeated_cell_is_the_same_lattice("kagome", 2)
+    made = kagome()
+    np.testing.assert_array_equal(made.coordination, np.full((6, 2), 4))
+    for k in ((1.0, 1.0), (0.3, 2.0)):
+        exact = made.tensor(k)
+        np.testing.assert_allclose(homogenised(made, k).tensor, exact, atol=1e-13 * exact.max())
+    # A box of it stands under a pull as any other lattice's does.
+    box = Box((0.74, 0.74 * np.sqrt(3)))
+    problem = Problem(
+        box,
+        Isotropic(E=1.0, nu=1 / 3),
+        (Support(box.side("left"), (0.0, None)), Support(box.side("bottom"), (None, 0.0))),
+        (Traction(box.side("right"), (1e-3, 0.0)),),
+    )
+    network = lattice_network(problem, fill(made, box, (4, 4)), (1.0, 1.0))
+    assert equilibrium(network).error <= 1e-9
 
 
 def pattern(**change):
@@ -135,22 +168,22 @@ def pattern(**change):
     return Pattern(**(parts | change))
 
 
-@pytest.mark.parametrize(
+@table(
     ("change", "message"),
     [
         ({"size": (1.0, 0.0)}, "pattern row: cell edge"),
         ({"size": (1.0, float("nan"))}, "pattern row: cell edge: nan"),
         ({"points": np.array([[np.nan, 0.0]])}, "pattern row: points: nan"),
-        ({"springs": np.array([[0, 1]])}, "springs between points 0 and 1; there are 0 to 0"),
+        ({"springs": np.array([[0, 1]])}, "springs: points 0 to 1; there are 1"),
         ({"image": np.array([[0, 0]])}, "pattern row: a spring has no length"),
-        ({"image": np.array([[1, 0, 0]])}, "pattern row: image (1, 3); give (1, 2)"),
+        ({"image": np.array([[1, 0, 0]])}, "pattern row: image: shape (1, 3); give (1, 2)"),
         ({"kind": np.array([1]), "rules": {}}, "pattern row: kinds [1]; count from 0"),
-        ({"kind": np.array([0, 0])}, "pattern row: kind (2,); give (1,)"),
-        ({"springs": np.zeros((0, 2), int)}, "pattern row: springs (0, 2)"),
+        ({"kind": np.array([0, 0])}, "pattern row: kind: shape (2,); give (1,)"),
+        ({"springs": np.zeros((0, 2), int)}, "pattern row: springs: shape (0, 2)"),
         ({"rules": {"one": (1.0, 2.0)}}, "row: spring one (1.0, 2.0); give 1, one a kind"),
         ({"rules": {"one": (-1.0,)}}, "row: spring one (-1.0,); none may be negative"),
         ({"rules": {"one": (float("inf"),)}}, "row: spring constants: inf"),
-        ({"factor": np.ones(2)}, "pattern row: factor (2,); give (1,)"),
+        ({"factor": np.ones(2)}, "pattern row: factor: shape (2,); give (1,)"),
         ({"factor": np.array([-1.0])}, "pattern row: a factor below 0"),
         ({"factor": np.array([np.nan])}, "pattern row: factor: nan"),
         ({"volume": np.array([2.0])}, "pattern row: volumes sum to 2, the cell has 1"),
@@ -187,7 +220,7 @@ def test_a_shell_without_points_is_refused():
         by_shells("gap", (1.0, 1.0), [(0, 0)], (1.2,), {"one": (1.0,)})
 
 
-@pytest.mark.parametrize(
+@table(
     ("change", "message"),
     [
         ({"distances": ()}, "pattern row: points (1, 2), distances (); give (n, 2) and lengths"),

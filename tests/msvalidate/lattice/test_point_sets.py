@@ -13,6 +13,7 @@ from scipy.spatial import KDTree
 
 from msvalidate.lattice.point_sets import POINT_SETS, box_points, periodic_points
 from msvalidate.problem import Box, ProblemError
+from tests.table import table
 
 SIZES = [(1.0, 1.0), (3.0, 0.7), (2.0, 2.0, 2.0), (0.5, 1.3, 2.1)]
 every_kind = pytest.mark.parametrize("kind", POINT_SETS)
@@ -90,7 +91,7 @@ def test_blue_noise_in_a_narrow_cell_is_even_along_it():
     assert nearest(points, (40.0, 0.01)).min() > 0.55
 
 
-@pytest.mark.parametrize(
+@table(
     ("arguments", "message"),
     [
         (("white", 3, (1.0, 1.0), 0), "point set: 'white'; choose uniform, jittered, blue_noise"),
@@ -150,7 +151,7 @@ def test_the_seed_decides_in_a_box(kind):
     assert not np.isclose(first[4:], other[4:]).all(axis=1).any()
 
 
-@pytest.mark.parametrize(
+@table(
     ("arguments", "message"),
     [
         (("white", Box((1.0, 1.0)), 0.1, 0), "point set: 'white'; choose"),

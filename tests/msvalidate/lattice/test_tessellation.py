@@ -19,6 +19,7 @@ from msvalidate.lattice import images
 from msvalidate.lattice.point_sets import POINT_SETS, periodic_points
 from msvalidate.lattice.tessellation import bounded_tessellation, periodic_tessellation
 from msvalidate.problem import Box, ProblemError, SolverError
+from tests.table import table
 
 SIZES = [(1.0, 1.0), (3.0, 0.7), (2.0, 2.0, 2.0), (0.5, 1.3, 2.1)]
 every_kind = pytest.mark.parametrize("kind", POINT_SETS)
@@ -289,7 +290,7 @@ def test_a_body_too_long_or_flat_for_its_points_is_refused(count, size, monkeypa
             verb(points, size)
 
 
-@pytest.mark.parametrize(
+@table(
     ("points", "size", "message"),
     [
         ([[0.1, 0.2], [0.5, 0.5], [1.1, 0.2]], (1.0, 1.0), "points: 0 and 2 are one place"),

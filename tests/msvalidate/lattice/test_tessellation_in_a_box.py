@@ -18,6 +18,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from msvalidate.lattice.point_sets import POINT_SETS, box_points, periodic_points
 from msvalidate.lattice.tessellation import bounded_tessellation, simplices
 from msvalidate.problem import Box, ProblemError
+from tests.table import table
 
 SIZES = [(1.0, 1.0), (3.0, 0.7), (2.0, 2.0, 2.0), (0.5, 1.3, 2.1)]
 every_kind = pytest.mark.parametrize("kind", POINT_SETS)
@@ -173,7 +174,7 @@ def test_points_within_tolerance_of_a_side_are_put_on_it():
     check_bounded(t)
 
 
-@pytest.mark.parametrize(
+@table(
     ("points", "message"),
     [
         ([[0.5, 0.5], [0.5, 1.1]], "points: 1, at (0.5, 1.1), is outside the box 1 x 1 m"),
@@ -182,7 +183,7 @@ def test_points_within_tolerance_of_a_side_are_put_on_it():
         ([0.5, 0.5], "points: shape (2,); give (n, 2)"),
     ],
 )
-@pytest.mark.parametrize("verb", [bounded_tessellation, simplices])
+@table("verb", [bounded_tessellation, simplices])
 def test_points_that_are_not_in_the_box_are_refused(verb, points, message):
     with refused(message):
         verb(points, Box((1.0, 1.0)))

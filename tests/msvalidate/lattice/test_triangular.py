@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from msvalidate.constants.stiffness import spring_tensor
 from msvalidate.lattice import boundary_weights, trapezium, triangular, zigzag_block
 from msvalidate.problem import Box, Polygon, ProblemError
+from tests.table import table
 
 NAN = float("nan")
 SPACING = 0.25
@@ -185,7 +186,7 @@ def test_strips_moved_by_whole_sides_are_triangles():
     assert len(triangular(strips(0, 1, -1), 1.0).cells) == 24
 
 
-@pytest.mark.parametrize(
+@table(
     ("outline", "spacing", "message"),
     [
         (
@@ -229,7 +230,7 @@ def test_an_outline_that_is_no_union_of_triangles_is_refused(outline, spacing, m
         triangular(outline, spacing)
 
 
-@pytest.mark.parametrize(
+@table(
     ("make", "message"),
     [
         (

@@ -20,6 +20,7 @@ from msvalidate.constants.stiffness import (
 from msvalidate.lattice import fill, patterns, turned
 from msvalidate.problem import Anisotropic, Box, Problem, ProblemError, Region, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 LATTICES = patterns.known()
 PLANE, SPACE = Box((1.0, 0.75)), Box((1.0, 0.75, 0.5))
@@ -170,7 +171,7 @@ def test_any_angle_gives_a_body_that_can_be_held_and_loaded(angle, cells, name):
     assert 0 < nu < 0.6
 
 
-@pytest.mark.parametrize(
+@table(
     ("call", "message"),
     [
         (lambda: turned(None, PLANE, 0.1, 0.0), "pattern: None; give a Pattern"),

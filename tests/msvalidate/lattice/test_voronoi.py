@@ -27,6 +27,7 @@ from msvalidate.problem import (
     Traction,
 )
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 BOXES = {2: Box((2.0, 1.5)), 3: Box((1.0, 0.8, 1.2))}
 SPACING = {2: 0.1, 3: 0.2}
@@ -235,7 +236,7 @@ def test_a_random_body_has_no_soft_mode():
     assert lowest[0] > 1e-3 * highest
 
 
-@pytest.mark.parametrize(
+@table(
     ("call", "message"),
     [
         (lambda: voronoi(0), "number of points: 0"),

@@ -17,6 +17,7 @@ from msvalidate.network.folds import count_folded, folded_cells
 from msvalidate.network.laws.volumes import cell_volumes
 from msvalidate.problem import Box, ProblemError
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 
 def quadrilateral(corners):
@@ -117,7 +118,7 @@ def test_a_motion_reports_the_cells_that_its_end_has_folded(lattice_body, compil
     assert motion(body, slow, INTEGRATORS["leapfrog"], 1e-3, 4, warn=False).folded == 0
 
 
-@pytest.mark.parametrize(
+@table(
     ("cells", "message"),
     [
         ([[0, 1]], r"cells: \(1, 2\) of points \(4, 2\); give triangles or quadrilaterals"),

@@ -15,6 +15,7 @@ from msvalidate.network import energy, internal_force, spring_network, tangent, 
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import ProblemError
+from tests.table import table
 
 NAN = float("nan")
 STEP = 1e-5
@@ -274,7 +275,7 @@ def test_scaled_multiplies_every_stiffness():
     np.testing.assert_array_equal(network.stiffness, [1, 1, 1])
 
 
-@pytest.mark.parametrize(
+@table(
     ("change", "message"),
     [
         ({"points": [[0, 0], [NAN, 0], [0, 1]]}, "points: nan at index (1, 0); every value must"),

@@ -19,6 +19,7 @@ from msvalidate.problem import Anisotropic, Box, Isotropic, Problem, ProblemErro
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 examples = settings(max_examples=25, deadline=None)
 CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
@@ -174,7 +175,7 @@ def test_curvature_is_the_second_difference_of_energy(networks, data, seed):
 SQUARE = CELLS[2, 4]
 
 
-@pytest.mark.parametrize(
+@table(
     ("given_", "said"),
     [
         ({"cells": [[0, 3, 2, 1]]}, "cell 0 has volume -1; list its corners counter-clockwise"),
@@ -205,7 +206,7 @@ def test_cells_that_are_none_are_refused_where_volumes_are_asked():
         cell_volumes(SQUARE, 3)
 
 
-@pytest.mark.parametrize(
+@table(
     "asked",
     [
         volumes.energy,
@@ -218,7 +219,7 @@ def test_cells_that_are_none_are_refused_where_volumes_are_asked():
         lambda v, x: volumes.growth(v, x, linear=True),
     ],
 )
-@pytest.mark.parametrize("given_", [SQUARE[:3], np.concatenate([SQUARE, SQUARE]), np.nan * SQUARE])
+@table("given_", [SQUARE[:3], np.concatenate([SQUARE, SQUARE]), np.nan * SQUARE])
 def test_positions_that_do_not_fit_are_refused(asked, given_):
     with pytest.raises(ProblemError, match=r"give an array \(4, 2\)|every value must be finite"):
         asked(one_cell(SQUARE), given_)

@@ -13,7 +13,7 @@ import pytest
 from msvalidate.cli import program
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.output import baseline, report, stored
+from msvalidate.output import baseline, exchange, stored
 
 TABLE = pd.DataFrame(
     {
@@ -276,7 +276,7 @@ def test_strangers_are_the_affair_of_all_studies_only(checkout, capsys):
 
 
 def test_a_first_baseline_of_one_study(checkout, capsys):
-    report.replace_folder(checkout.quick, {})
+    exchange.replace_folder(checkout.quick, {})
     assert checkout.check("poisson") == (4, ["poisson"])
     assert "make one with check poisson --update" in capsys.readouterr().err
     assert checkout.check("poisson", "--update", "--reason", "so") == (0, ["poisson"])
@@ -287,12 +287,12 @@ def test_a_full_disk_leaves_the_baseline_of_all_as_it_was(checkout, monkeypatch,
     before, checkout.x = checkout.files(), 2.0
     no = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    def full(folder, files, write=report._write):
+    def full(folder, files, write=exchange.write):
         if folder.parent.parent == checkout.quick.parent:
             raise no
         write(folder, files)
 
-    monkeypatch.setattr(report, "_write", full)
+    monkeypatch.setattr(exchange, "write", full)
     assert checkout.check("poisson", "--update", "--reason", "so")[0] == 2
     assert "No space left on device" in capsys.readouterr().err
     assert checkout.files() == before

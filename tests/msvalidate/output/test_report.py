@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
-from msvalidate.output import figures, provenance, report, stored
+from msvalidate.output import exchange, figures, provenance, report, stored
 from msvalidate.problem import ProblemError
 
 
@@ -211,7 +211,7 @@ def test_files_of_other_people_in_a_studys_folder_are_refused(foreign, tmp_path)
 
 
 def test_folders_that_only_look_like_ours_stay(tmp_path):
-    mine = tmp_path / f"{report.STAGED}mine"
+    mine = tmp_path / f"{exchange.STAGED}mine"
     mine.mkdir()
     report.publish({"poisson": files()}, tmp_path / "r")
     assert mine.is_dir()
@@ -219,10 +219,10 @@ def test_folders_that_only_look_like_ours_stay(tmp_path):
 
 def test_what_was_put_aside_is_put_back(tmp_path, monkeypatch):
     """A run killed between two renames: the next one finds what it put aside."""
-    monkeypatch.setattr(report, "_exchanged", lambda *_: False)
+    monkeypatch.setattr(exchange, "exchanged", lambda *_: False)
     out = tmp_path / "r"
     report.publish({"poisson": files()}, out)
-    (out / "poisson").rename(out / f"{report.ASIDE}poisson")
+    (out / "poisson").rename(out / f"{exchange.ASIDE}poisson")
     report.publish({"displacement": files("displacement")}, out)
     assert [study.name for study in report.stored(out)] == ["displacement", "poisson"]
     assert not list(out.glob(".*"))
@@ -244,7 +244,7 @@ def test_results_in_the_current_folder(tmp_path, monkeypatch):
 
 
 def test_where_folders_cannot_be_exchanged(tmp_path, monkeypatch):
-    monkeypatch.setattr(report, "_exchanged", lambda *_: False)
+    monkeypatch.setattr(exchange, "exchanged", lambda *_: False)
     out = tmp_path / "r"
     for gap in (2.0, 1.2):
         report.publish({"poisson": files(gap=gap)}, out)

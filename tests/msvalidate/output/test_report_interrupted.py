@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
-from msvalidate.output import report, stored
+from msvalidate.output import exchange, report, stored
 
 ROOT = Path(__file__).parents[3]
 
@@ -40,7 +40,7 @@ def content(folder):
 
 
 def test_what_a_killed_run_left_is_cleared_away(tmp_path):
-    (tmp_path / f"{report.STAGED}{'0' * 16}" / "poisson").mkdir(parents=True)
+    (tmp_path / f"{exchange.STAGED}{'0' * 16}" / "poisson").mkdir(parents=True)
     report.publish({"poisson": files()}, tmp_path / "r")
     assert [p.name for p in tmp_path.iterdir()] == ["r"]
 
@@ -51,10 +51,10 @@ import time
 from pathlib import Path
 sys.path[:0] = {paths!r}
 import test_report_interrupted
-from msvalidate.output import report
+from msvalidate.output import exchange, report
 gap = float(sys.argv[1])
 if sys.argv[3:] == ["apart"]:
-    report._exchanged = lambda *_: False
+    exchange.exchanged = lambda *_: False
 new = {{name: test_report_interrupted.files(name, gap) for name in ("poisson", "displacement")}}
 print("ready", flush=True)
 while True:

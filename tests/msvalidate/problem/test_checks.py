@@ -13,7 +13,9 @@ import pytest
 from msvalidate.network import energy, internal_force, spring_network
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Mesh, ProblemError
+from msvalidate.problem.checks import finite, indices, number, shaped
 from reference_fem.mesh.discretisation import discretise
+from tests.table import table
 
 CORNERS = 0.37 * np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]]) + 4.3
 RING = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
@@ -66,8 +68,8 @@ def test_indices_are_taken_by_value(way, what):
     assert taken.tolist() == plain.tolist()
 
 
-@pytest.mark.parametrize("what", ["network", "mesh", "volumes", "finite elements"])
-@pytest.mark.parametrize("bad", [1e300, -1e300, 2.0**63, float("nan"), float("inf"), 0.5, True])
+@table("what", ["network", "mesh", "volumes", "finite elements"])
+@table("bad", [1e300, -1e300, 2.0**63, float("nan"), float("inf"), 0.5, True])
 def test_indices_that_are_none_are_refused_without_a_warning(bad, what):
     plain = np.array(RING if what == "network" else [[0, 1, 2, 3]], dtype=float)
     plain[0, 0] = bad
@@ -100,7 +102,7 @@ def test_booleans_are_taken_by_value(held):
     assert taken.tolist() == HELD.tolist()
 
 
-@pytest.mark.parametrize("held", [2 * HELD, HELD.astype(str), HELD + 0j, HELD[:2], np.nan * HELD])
+@table("held", [2 * HELD, HELD.astype(str), HELD + 0j, HELD[:2], np.nan * HELD])
 def test_what_is_no_boolean_is_refused(held):
     with pytest.raises(ProblemError, match=r"held: .*give booleans \(4, 2\)"):
         ring(held=held)
@@ -147,7 +149,7 @@ def test_positions_of_fewer_digits_or_with_a_mask_do_not_pass_by():
         energy(network, np.ma.masked_less(CORNERS, 4.5))
 
 
-@pytest.mark.parametrize("bad", [CORNERS + 0j, CORNERS.astype(str), CORNERS.view(WithUnit)])
+@table("bad", [CORNERS + 0j, CORNERS.astype(str), CORNERS.view(WithUnit)])
 def test_what_would_lose_something_is_refused(bad):
     with pytest.raises(ProblemError, match="points: "):
         ring(points=bad)
@@ -169,9 +171,44 @@ class Elsewhere:
         raise self.error
 
 
-@pytest.mark.parametrize("error", [RuntimeError("call detach()"), TypeError("copy to host")])
+@table("error", [RuntimeError("call detach()"), TypeError("copy to host")])
 def test_what_refuses_to_become_an_array_is_told_with_its_own_remedy(error):
     with pytest.raises(
         ProblemError, match=rf"force: Elsewhere that is no array \({re.escape(str(error))}\)"
     ):
         ring(force=Elsewhere(error))
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        (lambda: shaped("x", np.zeros((0, 2)), "n>0", (2, 3)), "x: shape (0, 2); give (n, 2) or"),
+        (
+            lambda: shaped("x", np.zeros((2, 2)), "n>2", 2),
+            "x: shape (2, 2); give (n, 2), n above 2",
+        ),
+        (lambda: shaped("x", np.zeros((4, 4)), "n", (2, 3)), "give (n, 2) or (n, 3)"),
+        (lambda: finite("x", 1.0, 1), "x: shape (); give (1,)"),
+        (lambda: finite("x", [1.0], 2, need="two ends"), "x: shape (1,); two ends"),
+        (lambda: indices("x", [0, 3], 3, "n"), "x: points 0 to 3; there are 3, from 0"),
+        (lambda: indices("x", [-1], 3, "n"), "x: points -1 to -1; there are 3, from 0"),
+        (lambda: number("x", 1, below=1), "x: 1; give a number below 1"),
+        (
+            lambda: number("x", 0.0, above=0, most=1, unit="m"),
+            "x: 0.0 m; give a number above 0 and",
+        ),
+        (lambda: number("x", 1.5, above=0, most=1), "x: 1.5; give a number above 0 and at most 1"),
+        (lambda: number("x", -1e-9, least=0), "x: -1e-09; give a number of 0 or more"),
+    ],
+)
+def test_another_shape_or_range_is_refused(asked, message):
+    with pytest.raises(ProblemError, match=re.escape(message)):
+        asked()
+
+
+def test_shapes_and_ends_of_ranges_are_taken():
+    for shape in ((1, 2), (5, 3)):
+        assert shaped("x", np.zeros(shape), "n>0", (2, 3)).shape == shape
+    assert shaped("x", np.zeros((0, 2)), "n", 2).shape == (0, 2)
+    assert indices("x", [0, 2], 3, "n").tolist() == [0, 2]
+    assert [number("x", x, least=0, most=1) for x in (0, 1)] == [0, 1]

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from matplotlib.path import Path
 
 from msvalidate.problem import Box, Polygon, ProblemError, Region, Segment, corners_of
+from tests.table import table
 
 NAN = float("nan")
 ELL = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)))
@@ -90,7 +91,7 @@ def test_the_region_of_a_box_side_and_its_segment_hold_the_same_points():
     np.testing.assert_array_equal(by_line, box.side("right").select(points, box.tolerance))
 
 
-@pytest.mark.parametrize(
+@table(
     ("make", "message"),
     [
         (lambda: Segment([0.0, 0.0], (1.0, 0.0)), "segment start: [0.0, 0.0]; give a tuple of 2"),
@@ -235,7 +236,7 @@ def test_corners_cannot_be_changed():
         ELL.corners[0] = 1.0
 
 
-@pytest.mark.parametrize(
+@table(
     ("vertices", "message"),
     [
         # what is no outline
@@ -281,7 +282,7 @@ def test_an_outline_that_is_no_polygon_is_refused(vertices, message):
         Polygon(vertices)
 
 
-@pytest.mark.parametrize("turns", [2, 3])
+@table("turns", [2, 3])
 def test_an_outline_that_goes_round_more_than_once_is_refused(turns):
     angle = 2 * np.pi * turns / 7 * np.arange(7)
     with refused("cross or touch"):

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msvalidate.problem import SHAPES, Boundary, Mesh, ProblemError
+from tests.table import table
 
 BENT = [name for name, shape in SHAPES.items() if shape.dim > 1 and shape.degree == 2]
 examples = settings(max_examples=25, deadline=None)
@@ -30,7 +31,7 @@ SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
 NAN = float("nan")
 
 
-@pytest.mark.parametrize(
+@table(
     ("points", "cells", "shape", "message"),
     [
         (SQUARE, [[0, 1, 2, 3]], "pentagon", "mesh shape: 'pentagon'; choose triangle, triangle6"),
@@ -141,7 +142,7 @@ def test_neighbours_share_their_mid_sides(box_mesh):
         Mesh(np.vstack([mesh.points, [1.05, 0.5]]), cells, "triangle6")
 
 
-@pytest.mark.parametrize(
+@table(
     ("boundaries", "message"),
     [
         ({"in": [[1, 2]]}, "boundary 'in': facet [1, 2] is not on the surface"),
@@ -168,7 +169,7 @@ def test_facets_are_listed_once_and_turned_outwards(box_mesh):
     assert np.array_equal(mesh.named({"left": [facet[::-1], facet]}).boundaries["left"], [facet])
 
 
-@pytest.mark.parametrize(
+@table(
     ("places", "message"),
     [(np.zeros((0, 2, 2)), "places (0, 2, 2)"), (np.zeros((1, 5, 2)), "places (1, 5, 2)")],
 )

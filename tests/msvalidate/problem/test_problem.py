@@ -22,6 +22,7 @@ from msvalidate.problem import (
     corners_of,
 )
 from msvalidate.problem.checks import finite, positive
+from tests.table import table
 
 NAN = float("nan")
 PLATE = Box((2.0, 1.0))
@@ -42,7 +43,7 @@ def refused(message):
 # Bad input ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@table(
     ("make", "message"),
     [
         # values
@@ -164,7 +165,7 @@ def test_an_interval_that_is_no_tuple_is_refused():
         Region(([0.0, 1.0], None))
 
 
-@pytest.mark.parametrize("entry", ["left", (0.0,), (None, 1.0)])
+@table("entry", ["left", (0.0,), (None, 1.0)])
 def test_a_coordinate_that_is_no_number_is_refused_by_name(entry):
     with refused("x"):
         Region((entry, None))

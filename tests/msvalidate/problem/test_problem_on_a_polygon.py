@@ -20,6 +20,7 @@ from msvalidate.problem import (
     Traction,
     prescribed,
 )
+from tests.table import table
 
 NAN = float("nan")
 ELL = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)))
@@ -54,7 +55,7 @@ def test_a_support_on_a_slope_holds_its_points_and_no_others():
     np.testing.assert_array_equal(value, np.stack([0.25 * right, -2.0 * below], axis=1))
 
 
-@pytest.mark.parametrize(
+@table(
     ("segment", "ends"),
     [
         (Segment((0.0, 0.0), (0.7, 0.7)), "x = 0 to 0.5 m there, not at its ends"),
@@ -73,7 +74,7 @@ def test_a_support_beside_the_points_is_refused():
         prescribed(problem, POINTS)
 
 
-@pytest.mark.parametrize(
+@table(
     ("domain", "part"),
     [
         (BAR, Segment((2.1, 0.1), (2.2, 0.4))),
@@ -104,7 +105,7 @@ def test_supports_on_segments_that_contradict_each_other_are_refused_at_the_plac
         prescribed(bar(supports=(CLAMP, top)), POINTS)
 
 
-@pytest.mark.parametrize(
+@table(
     ("supports", "names"),
     [
         ((), ["translation along x", "translation along y", "rotation about"]),
@@ -148,7 +149,7 @@ def test_a_traction_acts_on_any_part_of_a_side(domain, part):
     Problem(domain, SHEET, held, (Traction(part, (1.0, 0.0)),))
 
 
-@pytest.mark.parametrize(
+@table(
     ("domain", "part"),
     [
         (BAR, Segment((1.0, 0.0), (2.0, 1.0))),
@@ -168,7 +169,7 @@ def test_a_traction_inside_the_body_is_refused(domain, part):
         Problem(domain, SHEET, held, (Traction(part, (1.0, 0.0)),))
 
 
-@pytest.mark.parametrize(
+@table(
     ("make", "message"),
     [
         (

@@ -21,6 +21,7 @@ from msvalidate.problem import (
     rigid_motions,
     vectors_at,
 )
+from tests.table import table
 
 NAN = float("nan")
 PLATE = Box((2.0, 1.0))
@@ -42,7 +43,7 @@ def about(axis, place):
     return f"rotation about the axis along {axis} through {place}"
 
 
-@pytest.mark.parametrize(
+@table(
     ("points", "held", "names"),
     [
         # In the plane.
@@ -108,7 +109,7 @@ def test_rigid_motions_change_no_distance(d):
         np.testing.assert_allclose((apart * moved).sum(axis=2), 0.0, atol=1e-14)
 
 
-@pytest.mark.parametrize(
+@table(
     ("supports", "names"),
     [
         ((), [X, Y, "rotation about"]),
@@ -157,7 +158,7 @@ def test_supports_that_agree_where_they_meet_are_one_support():
     assert value[2, 1] == 2e-3
 
 
-@pytest.mark.parametrize("order", [1, -1])
+@table("order", [1, -1])
 def test_supports_that_contradict_each_other_are_refused_at_the_place(order):
     supports = (CLAMP, Support(PLATE.side("top"), (None, 0.5)))[::order]
     values = "0 and 0.5" if order == 1 else "0.5 and 0"
@@ -184,7 +185,7 @@ def test_a_field_that_rounds_to_zero_agrees_with_zero():
     assert value[7, 1] == pytest.approx(0.1, rel=1e-15)
 
 
-@pytest.mark.parametrize("region", [Region((2.0, (0.0, 0.7))), Region(((0.5, 2.0), 0.0))])
+@table("region", [Region((2.0, (0.0, 0.7))), Region(((0.5, 2.0), 0.0))])
 def test_a_support_that_ends_between_the_points_is_refused(region):
     with refused("not at its ends; choose cells that put one at each"):
         prescribed(plate(supports=(CLAMP, Support(region, (0.0, None)))), GRID)

@@ -19,6 +19,7 @@ from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.viscous import viscous
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.tangents import is_stable
+from tests.table import table
 
 SHEET = Box((2.0, 1.0))
 PUSH = Traction(SHEET.side("top"), (0.004, -0.01))
@@ -399,7 +400,7 @@ def test_a_scheme_with_two_velocities_is_refused():
         viscous(INTEGRATORS["velocity_verlet"])
 
 
-@pytest.mark.parametrize(
+@table(
     ("options", "message"),
     [
         ({"tolerance": 0.0}, "tolerance: 0.0; it must be above zero"),

@@ -24,6 +24,7 @@ from msvalidate.problem import (
 from msvalidate.relaxation.viscous import algorithm1
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.imposing import imposed
+from tests.table import table
 
 NAN = float("nan")
 SHEET = Box((2.0, 1.0))
@@ -269,7 +270,7 @@ def test_an_undamped_run_never_rests():
     )
 
 
-@pytest.mark.parametrize(
+@table(
     ("options", "message"),
     [
         ({"damping": -1.0}, "damping: -1 1/s; a negative rate feeds the motion"),

@@ -7,6 +7,7 @@ from msvalidate.network import spring_network
 from msvalidate.problem import SolverError
 from msvalidate.statics import equilibrium as module
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 STIFFNESS, TIGHT = 5.0, 0.8
 
@@ -85,8 +86,8 @@ def test_reactions_balance_loads_where_stiff_meets_soft():
     np.testing.assert_allclose(reaction.sum(axis=0), [0.0, 0.6], rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("geometry", ["linear", "nonlinear"])
-@pytest.mark.parametrize("stiffness", [1e30, 1e200, 1e300, 1e307])
+@table("geometry", ["linear", "nonlinear"])
+@table("stiffness", [1e30, 1e200, 1e300, 1e307])
 def test_a_displacement_that_positions_have_no_digits_for_is_right_or_refused(stiffness, geometry):
     # a square of 0.37 m with both diagonals moves by 0.00625/k and -0.00875/k under 0.01 N
     points = 0.37 * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])

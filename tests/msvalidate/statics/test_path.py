@@ -13,6 +13,7 @@ from msvalidate.problem import Box, ProblemError, SolverError, Support, Traction
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 LENGTH, HEIGHT, CELLS = 2.22, 0.37, (24, 4)
 ANGLE = 3.5
@@ -162,7 +163,7 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("case", BAD)
+@table("case", BAD)
 def test_bad_paths_are_refused_in_one_line(case):
     path, message = BAD[case]
     for solve in (
@@ -174,7 +175,7 @@ def test_bad_paths_are_refused_in_one_line(case):
         assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
+@table(
     ("start", "message"),
     [
         (np.zeros((2, 2)), r"start: shape \(2, 2\); give an equilibrium of this network"),

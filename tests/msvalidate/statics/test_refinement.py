@@ -25,6 +25,7 @@ from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.polish import error_of, polished
 from msvalidate.statics.tangents import is_stable
 from msvalidate.tangent.inverse import Solver
+from tests.table import table
 
 GEOMETRIES = ["linear", "nonlinear"]
 DIGITS = 60
@@ -306,8 +307,8 @@ def half_stiff(times):
     return replace(network, stiffness=network.stiffness * np.where(middle > 0.56, times, 1.0))
 
 
-@pytest.mark.parametrize("times", [1e6, 1e8, 1e10, 1e12, 1e14, 1e16])
-@pytest.mark.parametrize("geometry", GEOMETRIES)
+@table("times", [1e6, 1e8, 1e10, 1e12, 1e14, 1e16])
+@table("geometry", GEOMETRIES)
 def test_a_stiff_half_is_answered_rightly_or_refused(times, geometry):
     network = half_stiff(times)
     found, said = None, ""

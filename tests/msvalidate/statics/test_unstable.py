@@ -11,6 +11,7 @@ import pytest
 from msvalidate.network import internal_force, spring_network, tangent
 from msvalidate.problem import Box, ProblemError, Region, SolverError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
+from tests.table import table
 
 GEOMETRIES = ["linear", "nonlinear"]
 
@@ -104,7 +105,7 @@ def test_two_held_points_pushed_into_one_are_refused():
 # What cannot be in equilibrium ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("geometry", GEOMETRIES)
+@table("geometry", GEOMETRIES)
 def test_an_unsupported_network_is_refused_by_its_motions(geometry):
     free = spring_network([[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 2], [2, 0]], 1.0)
     message = "translation along x; translation along y; rotation about (0.333333, 0.333333)"
@@ -129,7 +130,7 @@ def test_a_lattice_without_diagonals_is_a_mechanism_in_shear(lattice_body, geome
         equilibrium(network, geometry)
 
 
-@pytest.mark.parametrize("geometry", GEOMETRIES)
+@table("geometry", GEOMETRIES)
 def test_a_point_without_springs_is_named(geometry):
     network = spring_network(
         [[0, 0], [1, 0], [0, 1], [3, 3]],
@@ -145,8 +146,8 @@ def test_a_point_without_springs_is_named(geometry):
     assert equilibrium(pinned, geometry).residual < 1e-15  # N: the rest length √2 is rounded
 
 
-@pytest.mark.parametrize("geometry", GEOMETRIES)
-@pytest.mark.parametrize("place", [0, 7, 15])
+@table("geometry", GEOMETRIES)
+@table("place", [0, 7, 15])
 def test_a_point_on_one_oblique_spring_is_named_whatever_its_number(lattice_body, geometry, place):
     block = lattice_body((1.0, 1.0), 3)  # 16 points
     number = np.arange(17) + (np.arange(17) >= place)

@@ -12,6 +12,7 @@ import skfem
 from msvalidate.problem import Box, ProblemError, SolverError
 from reference_fem import Dielectric, box_discretisation, discretise, solve_potential
 from reference_fem.mesh.assembly import slopes
+from tests.table import table
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -227,7 +228,7 @@ def square(**changed):
     return solve_potential(points, cells, "Q1", **given)
 
 
-@pytest.mark.parametrize(
+@table(
     ("changed", "words"),
     [
         ({"permittivity": np.append(np.ones(15), -2.0)}, "permittivity: -2 F/m in cell 15"),

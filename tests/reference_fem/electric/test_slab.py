@@ -23,6 +23,7 @@ from reference_fem import (
     surface_profile,
 )
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from tests.table import table
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -215,7 +216,7 @@ def test_rigid_motion_changes_little():
     assert charged(moved).totals[0] == pytest.approx(charged(mesh).totals[0], rel=1e-4)
 
 
-@pytest.mark.parametrize("part", ["slab", "air"])
+@table("part", ["slab", "air"])
 def test_a_cell_turned_inside_out_is_refused(part):
     mesh = slab_mesh(facing_slab(3.0, 1.0), 4, element="Q1")
     u = np.zeros((len(mesh.nodes), 2))
@@ -289,7 +290,7 @@ def test_depth_is_the_materials_thickness():
 BOTTOM = Electrode("bottom", 0.0, 1.0, 0.0)
 
 
-@pytest.mark.parametrize(
+@table(
     ("ask", "words"),
     [
         (lambda: facing_slab(1.0, 0.0), "slab height, the gap between electrodes: 0.0 m"),

@@ -19,6 +19,7 @@ from reference_fem.large_strain import (
     square_fibres,
     st_venant_kirchhoff,
 )
+from tests.table import table
 
 SKEW = np.array([[3.0, 0.9, 0.5], [0.9, 2.0, -0.3], [0.5, -0.3, 1.1]])
 CUBIC = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (1, -1, 1), (1, 1, -1), (-1, 1, 1)]
@@ -176,7 +177,7 @@ def test_square_fibres_are_the_networks_lattice_in_bulk(ratio):
 # --- bad input ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@table(
     ("make", "message"),
     [
         (lambda: NeoHookean(0.0, 1.0), "neo-Hookean mu: 0.0 Pa"),

@@ -9,6 +9,7 @@ import reference_fem
 from msvalidate.problem import Box, Isotropic, ProblemError
 from reference_fem.elasticity import solve_on, stiffness
 from reference_fem.mesh import ELEMENTS, Facets, discretise
+from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -257,7 +258,7 @@ def one_cell(element):
     return kind.places.copy(), np.arange(kind.nodes)[None]
 
 
-@pytest.mark.parametrize("element", QUADRATIC)
+@table("element", QUADRATIC)
 def test_mid_side_beyond_the_quarter_of_its_edge_is_refused(element):
     # On a straight edge the Jacobian at its end is 4s - 1 times the straight one's.
     points, cells = one_cell(element)
@@ -283,7 +284,7 @@ def least_jacobian(element, points, n=21):
     return np.linalg.det(np.einsum("kjq,kd->qjd", slope, points[kind.listed])).min()
 
 
-@pytest.mark.parametrize("element", QUADRATIC)
+@table("element", QUADRATIC)
 def test_a_cell_is_refused_when_and_only_when_it_folds(element):
     verdicts = []
     for seed in range(60):
@@ -302,7 +303,7 @@ def test_a_cell_is_refused_when_and_only_when_it_folds(element):
     assert 8 < sum(verdicts) < len(verdicts) - 8, "both must occur"
 
 
-@pytest.mark.parametrize("element", CENTRED)
+@table("element", CENTRED)
 def test_a_fold_between_the_corners_is_refused(element):
     points, cells = one_cell(element)
     points[-1, 0] += 0.4  # the centre: at the corners the Jacobian does not feel it
@@ -320,7 +321,7 @@ def test_the_folded_cell_is_named_among_straight_ones():
     assert flat.cells[11, 3] in flat.cells[number]
 
 
-@pytest.mark.parametrize("element", QUADRATIC)
+@table("element", QUADRATIC)
 def test_middles_in_another_order_are_refused(element):
     points, cells = one_cell(element)
     kind = ELEMENTS[element]

@@ -12,6 +12,7 @@ import reference_fem
 from msvalidate.problem import Box, ProblemError
 from reference_fem.mesh import discretise
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -113,8 +114,8 @@ def test_interpolation_is_continuous_across_edges(element):
     assert np.abs(above - below).max() <= 1e-7
 
 
-@pytest.mark.parametrize("place", [(1.01, 0.5), (0.5, -0.01), (-3.0, -3.0), (2.0, 2.0)])
-@pytest.mark.parametrize("element", PLANE)
+@table("place", [(1.01, 0.5), (0.5, -0.01), (-3.0, -3.0), (2.0, 2.0)])
+@table("element", PLANE)
 def test_point_outside_is_refused(element, place):
     body = discretise(*distorted(element), element)
     with pytest.raises(ProblemError, match="must lie in the body"):
@@ -217,7 +218,7 @@ def test_quadratic_element_of_linear_points_is_refused():
         discretise(points, np.hstack([cells, cells, cells[:, :1]]), "Q2")
 
 
-@pytest.mark.parametrize("order", [(0, 1, 3, 2), (0, 2, 1, 3), (3, 2, 1, 0), (0, 3, 2, 1)])
+@table("order", [(0, 1, 3, 2), (0, 2, 1, 3), (3, 2, 1, 0), (0, 3, 2, 1)])
 def test_quadrilateral_out_of_order_is_refused(order):
     points, cells = distorted("Q1")
     cells[7] = cells[7, list(order)]

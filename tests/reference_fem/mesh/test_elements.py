@@ -6,12 +6,26 @@ from itertools import product
 
 import numpy as np
 import pytest
+import skfem
 
 from msvalidate.problem import SHAPES, Isotropic
 from reference_fem.elasticity import elastic_tensor, stiffness
 from reference_fem.mesh import ELEMENTS, discretise
 
 every = pytest.mark.parametrize("element", ELEMENTS)
+SHARES = {
+    "Q1": (1 / 4,),
+    "P1": (1 / 3,),
+    "H1": (1 / 8,),
+    "T1": (1 / 4,),
+    "Q2": (1 / 36, 1 / 9, 4 / 9),
+    "S2": (-1 / 12, 1 / 3),
+    "P2": (0.0, 1 / 3),
+    "H2": (1 / 216, 1 / 54, 2 / 27, 8 / 27),
+    "T2": (-1 / 20, 1 / 5),
+}
+"""Of a cell's weight: a corner's, a mid-side's, a face's, the middle's (Zienkiewicz, Taylor and Zhu
+2013, doi:10.1016/C2009-0-24909-9; of boxes, products of Simpson's 1/6, 4/6, 1/6)."""
 SLANTED = np.array([[0.37, 0.11, -0.05], [-0.08, 0.29, 0.07], [0.03, -0.04, 0.41]])
 """Edges (m) of a parallelepiped: what the unit cell's axes are mapped to."""
 
@@ -72,3 +86,15 @@ def test_the_stiffness_of_one_cell_is_the_integral_by_hand(element):
     by_node = np.arange(kind.nodes * d).reshape(d, -1).T.ravel()  # unknowns run by component
     wanted = integrated_by_hand(shape, edges, C)
     np.testing.assert_allclose(found[np.ix_(by_node, by_node)], wanted, atol=1e-13 * wanted.max())
+
+
+@pytest.mark.parametrize("element", SHARES)
+def test_weight_is_shared_out_as_in_textbooks(element):
+    kind = ELEMENTS[element]
+    body = discretise(kind.places @ SLANTED[: kind.dim, : kind.dim].T, [range(kind.nodes)], element)
+    found = np.zeros(kind.nodes)
+    found[body.node] = skfem.LinearForm(lambda v, _: v).assemble(body.quadrature(4))
+    sizes = [1] * kind.corners + [len(amid) for amid in kind.middles]
+    order = {size: number for number, size in enumerate(sorted(set(sizes)))}
+    wanted = [SHARES[element][order[size]] for size in sizes]
+    np.testing.assert_allclose(found / found.sum(), wanted, atol=1e-14)

@@ -26,6 +26,7 @@ from msvalidate.problem import (
     Traction,
 )
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
+from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -70,10 +71,10 @@ def test_grading_crowds_lines_to_both_ends():
     assert even == pytest.approx(2 - even[::-1], abs=1e-15)
 
 
-@pytest.mark.parametrize(
+@table(
     ("arguments", "fragment"),
     [
-        ((BOX, 4, "Q3"), "Q3 .*one of Q1, Q2, P1, P2"),
+        ((BOX, 4, "Q3"), "Q3 .*one of Q1, Q2"),
         ((BOX, (4, 4, 4)), "give one or two whole numbers"),
         ((Box((1.0, 1.0, 1.0)), 4), "Q2 in a box 1 x 1 x 1 m; in 3D, give one of H1, H2, T1, T2"),
         ((BOX, 4, "H1"), f"H1 in a box 1.2 x 0.8 m; in 2D, give one of {', '.join(PLANE)}"),
@@ -151,7 +152,7 @@ def test_a_traction_on_a_part_that_the_lines_end_at_has_its_resultant():
     np.testing.assert_allclose(force.sum(axis=0), (0.55 - 0.8 / 3) * np.array([2, -1]), rtol=1e-12)
 
 
-@pytest.mark.parametrize(
+@table(
     ("through", "message"),
     [
         # shapes and types
@@ -371,7 +372,7 @@ STACK = Polygon(
 hold have the very area and perimeter of the outline."""
 
 
-@pytest.mark.parametrize(
+@table(
     ("arguments", "options", "message"),
     [
         ((BAR, 0.2, "Q2"), {}, "mesh: Q2 in a polygon of 4 vertices, 1.6 x 0.519615 m; give a"),

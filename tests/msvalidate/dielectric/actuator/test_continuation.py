@@ -7,6 +7,7 @@ import pytest
 
 from msvalidate.dielectric.actuator import lowest_modes, slab, sweep, uniform
 from msvalidate.problem import ProblemError
+from tests.table import table
 
 
 def test_uniform_slab_is_pulled_in_at_its_closed_form(plates):
@@ -75,7 +76,7 @@ def test_the_staggered_way_is_pulled_in_at_the_same_voltage(plates):
     assert low <= uniform.pull_in().voltage <= high
 
 
-@pytest.mark.parametrize(
+@table(
     "given", [{}, {"voltages": [2.0, 1.0]}, {"voltages": [0.0, 1.0]}, {"to": -1.0}, {"to": np.nan}]
 )
 def test_sweep_refuses(film, given):

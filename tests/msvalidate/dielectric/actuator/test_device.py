@@ -11,6 +11,7 @@ from msvalidate.dielectric.actuator import Actuator, slab, without_tips
 from msvalidate.dielectric.actuator.uniform import relaxed_thickness
 from msvalidate.network import internal_force, spring_network
 from msvalidate.problem import ProblemError
+from tests.table import table
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +49,7 @@ def test_stretched_film_between_sliding_sides_rests_as_it_is(stretch):
     assert np.abs(internal_force(body.network, points)).max() > 0.01  # the walls bear the stretch
 
 
-@pytest.mark.parametrize(
+@table(
     ("given", "match"),
     [
         ({"covered": 0.3}, r"covered: 0\.3 ends between points of 6 cells; take 2/6"),
@@ -157,7 +158,7 @@ def test_without_tips_holds_points_near_the_edges():
     assert away.max() == 0.5
 
 
-@pytest.mark.parametrize(("within", "match"), [(-1.0, "0 or more"), (100.0, "every point")])
+@table(("within", "match"), [(-1.0, "0 or more"), (100.0, "every point")])
 def test_without_tips_refuses(small, within, match):
     with pytest.raises(ProblemError, match=match):
         without_tips(small, within)

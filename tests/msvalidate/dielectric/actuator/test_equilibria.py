@@ -9,6 +9,7 @@ import pytest
 
 from msvalidate.dielectric.actuator import Held, PulledIn, at_voltage, slab, uniform
 from msvalidate.problem import ProblemError, SolverError
+from tests.table import table
 
 
 def test_newton_and_staggered_find_one_equilibrium(body):
@@ -94,7 +95,7 @@ def test_beyond_pull_in_one_line_names_both_voltages(plates):
     assert e.value.last.voltage < uniform.pull_in().voltage < e.value.beyond
 
 
-@pytest.mark.parametrize(
+@table(
     ("given", "match"),
     [
         ({"voltage": np.nan}, "voltage: nan"),

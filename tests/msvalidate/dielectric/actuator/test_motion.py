@@ -7,6 +7,7 @@ import pytest
 
 from msvalidate.dielectric.actuator import at_voltage, moving, slab
 from msvalidate.problem import ProblemError, SolverError
+from tests.table import table
 
 
 @pytest.mark.parametrize("every", [1, 7])
@@ -43,7 +44,7 @@ def test_a_start_of_another_network_is_refused(film):
         moving(film, 0.1, start=other)
 
 
-@pytest.mark.parametrize(
+@table(
     "given",
     [{"dt": 0.0}, {"damping": -1.0}, {"charges_every": 0}, {"tolerance": 1.0}, {"start": 1}],
 )

@@ -9,6 +9,7 @@ from msvalidate.dielectric.actuator import uniform
 from msvalidate.lattice import square
 from msvalidate.network import energy, spring_network
 from msvalidate.problem import Box, ProblemError, SolverError
+from tests.table import table
 
 SPRINGS = {"axial": 1.3, "diagonal": 0.4}
 
@@ -97,7 +98,7 @@ def test_a_voltage_does_not_thicken():
         uniform.voltage(1.2)
 
 
-@pytest.mark.parametrize(
+@table(
     ("ask", "said"),
     [
         (lambda: uniform.pull_in(axial=np.nan), "axial: nan"),

@@ -20,6 +20,7 @@ from msvalidate.dielectric.charges import (
     slab_faces,
 )
 from msvalidate.problem import ProblemError, SolverError
+from tests.table import table
 
 VOLTAGES = (0.7, -0.3)
 
@@ -117,7 +118,7 @@ def test_every_model_states_an_error():
         assert 1e-16 < each.error < 1e-11
 
 
-@pytest.mark.parametrize("condition", [1e14, np.inf, np.nan])
+@table("condition", [1e14, np.inf, np.nan])
 def test_charges_without_digits_are_refused(condition):
     # Gaps that are let in make conditions of 1e9 at most: a matrix is told to have a worse one.
     patches = PatchMoments(plate((0.37, 0.2), 2))
@@ -126,7 +127,7 @@ def test_charges_without_digits_are_refused(condition):
         patches.charges((1.0,))
 
 
-@pytest.mark.parametrize("value", [5e-324, 1e-310, 1e-101, 1e101, 1.7e308])
+@table("value", [5e-324, 1e-310, 1e-101, 1e101, 1.7e308])
 def test_numbers_that_have_no_squares_are_refused(value):
     strips, faces = facing_strips(0.37, 0.1, 6), slab_faces(0.37, 0.2, 6)
     with warnings.catch_warnings():

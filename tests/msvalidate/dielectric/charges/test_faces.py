@@ -7,6 +7,7 @@ import pytest
 
 from msvalidate.dielectric.charges.faces import Faces, faces_of, slab_faces
 from msvalidate.problem import ProblemError
+from tests.table import table
 
 SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 COVERED = [1, -1, 0, -1]
@@ -50,7 +51,7 @@ def test_chains_of_a_network_become_faces():
     assert faces.electrode.tolist() == [1, 1, -1, -1, 0, -1]
 
 
-@pytest.mark.parametrize(
+@table(
     ("outline", "electrodes", "said"),
     [
         ([0, 1, 2, 5, 4, 3], ([3, 6, 5], [0, 1]), "electrode 0: from point 3 to 6 it is not on"),
@@ -68,7 +69,7 @@ def test_bad_chains_are_refused(outline, electrodes, said):
         faces_of(points, outline, electrodes)
 
 
-@pytest.mark.parametrize(
+@table(
     ("points", "electrode", "said"),
     [
         (SQUARE[::-1], COVERED, "runs clockwise"),
@@ -93,7 +94,7 @@ def test_faces_move_with_as_many_points():
         Faces(SQUARE, COVERED).moved(SQUARE[:3])
 
 
-@pytest.mark.parametrize("covered", [0.0, -0.1, 1.1, np.nan])
+@table("covered", [0.0, -0.1, 1.1, np.nan])
 def test_bad_cover_is_refused(covered):
     with pytest.raises(ProblemError, match="covered"):
         slab_faces(6.0, 1.0, 40, covered=covered)

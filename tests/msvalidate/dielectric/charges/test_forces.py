@@ -17,6 +17,7 @@ from msvalidate.dielectric.charges import (
     tangent,
 )
 from msvalidate.problem import ProblemError
+from tests.table import table
 
 VOLTAGES = (1.3, -0.2)
 
@@ -155,7 +156,7 @@ def test_collocation_is_not_of_an_energy(wavy):
     assert 1e-3 < errors["collocation"] < 1
 
 
-@pytest.mark.parametrize("function", [forces, tangent])
+@table("function", [forces, tangent])
 def test_what_are_no_charges_is_refused(function):
     with pytest.raises(ProblemError, match="charges: None; give a Charges"):
         function(None)

@@ -21,6 +21,7 @@ from msvalidate.dielectric.charges.plates import disc, plate
 from msvalidate.dielectric.charges.views import corner_potential
 from msvalidate.dielectric.kernels.polygons import seen
 from msvalidate.problem import ProblemError
+from tests.table import table
 
 EXACT = 1e-11  # rounding of 1e-16, lost to cancellation over distances of up to 1e3 sizes
 examples = settings(max_examples=25, deadline=None)
@@ -222,7 +223,7 @@ TWICE = np.concatenate([SQUARE, np.add(SQUARE, [0.5, 0, 0])])
 MIDDLES = np.concatenate([CENTRE, np.add(CENTRE, [0.5, 0, 0])])
 
 
-@pytest.mark.parametrize(
+@table(
     ("corners", "conductor", "middle", "said"),
     [
         (SQUARE[0], [0], CENTRE, r"give \(n, c, 3\), c above 2"),

@@ -26,6 +26,7 @@ from msvalidate.dielectric.charges.report_model import (
     report_tangent,
 )
 from msvalidate.problem import ProblemError
+from tests.table import table
 
 EXACT = 1e-10  # rounding of 1e-16, times condition numbers of up to 1e5
 VOLTS = (0.5, -0.5)
@@ -234,7 +235,7 @@ def test_place_direction_and_unit_of_length_change_nothing(kernel, turn, scale):
     assert there.charge == pytest.approx(here.charge, rel=1e-8)
 
 
-@pytest.mark.parametrize(
+@table(
     ("how", "said"),
     [
         ({"kernel": "space"}, "kernel: 'space'; choose report or plane"),
