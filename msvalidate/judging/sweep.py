@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from tqdm import tqdm
@@ -74,3 +74,9 @@ class Setting:
             disable=None if self.progress else True,
         )
         return list(bar)
+
+    def one_by_one(
+        self, function: Callable[[Case], Result], cases: Iterable[Case], label: str
+    ) -> list[Result]:
+        """As `sweep`, but here and in turn whatever the workers: what is timed runs alone."""
+        return replace(self, executor=None).sweep(function, cases, label)

@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter, LogLocator, MaxNLocator, NullLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, Index
 
@@ -28,6 +29,7 @@ STYLE: dict[Any, Any] = {
     "axes.grid": True,
     "axes.spines.right": False,
     "axes.spines.top": False,
+    "axes.titlesize": 9,
     "font.size": 9,
     "grid.color": "#dddddd",
     "grid.linewidth": 0.6,
@@ -57,6 +59,24 @@ def new(
     figure = Figure(figsize=(size[0] * columns, size[1] * rows), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False, **kwargs)
     return figure, list(axes.ravel())
+
+
+def numbered(place: int) -> dict[str, Any]:
+    """Colour and marker of a series by its number, the same in every figure."""
+    return {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
+
+
+def draw_order(axis: Axes, numbers: ArrayLike, top: float, order: float) -> None:
+    """A dotted line from `top` that falls with an order in the numbers along a logarithmic axis."""
+    ends = np.array([np.min(numbers), np.max(numbers)])
+    label = f"order {order:g}"
+    axis.loglog(ends, top * (ends[0] / ends) ** order, ":", color="grey", label=label)
+
+
+def tick_at(axis: Axes, numbers: ArrayLike) -> None:
+    """Ticks along the axis at these numbers, each once, and nowhere else."""
+    places = np.unique(numbers)
+    axis.set_xticks(places, [str(place) for place in places])
 
 
 def plain_logarithms(figure: Figure) -> None:

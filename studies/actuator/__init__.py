@@ -33,6 +33,7 @@ ASKED = {
     "prestretched": prestretched.run,
 }
 """Question -> who answers it for a candidate. `air` is asked of linear responses."""
+STRETCHED = "half of the electrodes' force in a stretched film"
 FAULTS = {
     name: {"candidate": controls.KINDS[kind].spoilt(size), "questions": (question,)}
     for name, kind, size, question in (
@@ -44,20 +45,10 @@ FAULTS = {
         ("springs 2 % softer", "springs stiffer", -0.02, "profile"),
         ("charges as the report has them", "the report's charges", 1.0, "profile"),
         ("the ratio of permittivities left out", "one medium all around", 1.0, "air"),
-        (
-            "half of the electrodes' force in a stretched film",
-            "forces smaller",
-            0.5,
-            "prestretched",
-        ),
+        (STRETCHED, "forces smaller", 0.5, "prestretched"),
         ("edges pushed inwards", "edge forces left out", 2.0, "figure8"),
     )
-} | {
-    "charges as at the start": {
-        "candidate": partial(responding, None),
-        "questions": ("figure8",),
-    }
-}
+} | {"charges as at the start": {"candidate": partial(responding, None), "questions": ("figure8",)}}
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""
 

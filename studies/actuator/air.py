@@ -23,19 +23,9 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
 
-from . import profile
-from .bodies import (
-    COVERED,
-    HEIGHT,
-    Candidate,
-    body,
-    elastic,
-    responding,
-    tips,
-    uniform_deflection,
-    upper,
-)
-from .profile_drawing import broken
+from . import bodies, profile
+from .bodies import COVERED, HEIGHT, Candidate, body, elastic, responding, upper
+from .profile_drawing import TITLES, broken
 
 RATIOS, QUICK_RATIOS = (1.0, 3.0, 10.0), (3.0,)
 LAYERS, QUICK_LAYERS = (10, 20), (6, 12)
@@ -45,29 +35,24 @@ BESIDE = 0.2 * HEIGHT
 TOLERANCES = (
     Tolerance(
         "slab in air, away from edges: springs - FEM times the layers, over the largest |u|",
-        0.2,
-        "1",
+        0.2, "1",
         "order 1 as in one medium: a tenth of a spring in half a height",
         layer="agreement",
     ),
     Tolerance(
         "slab in air, away from edges: extrapolated with order 1 - FEM, over the largest |u|",
-        0.01,
-        "1",
+        0.01, "1",
         "what is left is of order 2: the square of 0.2 over 6 layers, what an edge is misplaced "
         "by, some times over as a face bends most beside it, and the reference's own error",
     ),
     Tolerance(
-        "slab in air, away from edges: uncertainty of FEM, over the largest |u|",
-        0.005,
-        "1",
+        "slab in air, away from edges: uncertainty of FEM, over the largest |u|", 0.005, "1",
         "half of what 20 layers may be off",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
-    "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
+    **bodies.COLUMNS,
     "permittivity_ratio": "permittivity of the slab over that of what surrounds it (1)",
-    "layers": "cells up the slab's height",
     "air_difference": "largest |springs - FEM| farther than half a height from the electrode's "
     "edges, over the largest |FEM| there (1)",
     "air_limit": "air_difference of the limit that this lattice and the one before, half as fine, "
@@ -77,9 +62,6 @@ COLUMNS = {
     "air_beside": "deflection 2 m inside the edge over that of the middle, springs (1)",
     "air_beside_fem": "the same, FEM (1)",
     "air_uncertainty": "of FEM, over the same as air_difference (1)",
-    "x": "place along the slab, from its left end (m)",
-    "uy": "displacement along y over a uniform slab's deflection (1)",
-    "source": "whose displacement: springs with their layers, or FEM",
 }
 
 
@@ -110,7 +92,7 @@ def compared(
     """Rows of a slab, and its upper face by springs and elements."""
     volts, rows = profile.VOLTAGE, list[dict[str, object]]()
     before: Array | None = None
-    scale = uniform_deflection(volts)
+    scale = bodies.uniform_deflection(volts)
     finest = body(covered, layers[-1], ratio)
     top = upper(finest.network.points)
     across = finest.network.points[top, 0]
@@ -131,7 +113,7 @@ def compared(
             row["air_limit"] = float(profile.length(limit).max())
         for suffix, u in (("", move), ("_fem", fine[on])):
             middle = u[len(x) // 2, 1]
-            beside = np.interp(tips(covered)[0] + BESIDE, x, u[:, 1])
+            beside = np.interp(bodies.tips(covered)[0] + BESIDE, x, u[:, 1])
             row |= {f"air_middle{suffix}": -middle, f"air_beside{suffix}": beside / middle}
         rows.append(row | {"air_uncertainty": unsure})
         before = error
@@ -177,20 +159,18 @@ def drawing(tables: Tables) -> Figure:
     """Deflection of the left half of the upper face for every ratio, springs over FEM."""
     table = tables["air_faces"]
     figure, axes = figures.new(len(COVERED), size=(4.7, 3.2))
-    names = {"full": "fully covered", "partial": "middle third covered"}
     for axis, covered in zip(axes, COVERED, strict=True):
         rows = table[(table["covered"] == covered) & (table["x"] <= 30)]
         ratios = sorted(set(table["permittivity_ratio"]))
         for ratio, colour in zip(ratios, figures.COLOURS, strict=False):
             here = rows[rows["permittivity_ratio"] == ratio]
             for source, line in here.groupby("source"):
-                style = "-" if source == "FEM" else "."
-                who = "FEM" if source == "FEM" else "springs"
-                shown = broken(line[["x", "uy"]]) if source == "FEM" else line
-                axis.plot(
-                    shown["x"], shown["uy"], style, color=colour, label=f"{who}, ratio {ratio:g}"
-                )
-        axis.set(xlabel="x (m)", ylim=(-3.2, 0.4), title=names[covered])
+                who, style, shown = "springs", ".", line
+                if source == "FEM":
+                    who, style, shown = "FEM", "-", broken(line[["x", "uy"]])
+                label = f"{who}, ratio {ratio:g}"
+                axis.plot(shown["x"], shown["uy"], style, color=colour, label=label)
+        axis.set(xlabel="x (m)", ylim=(-3.2, 0.4), title=TITLES[covered])
     axes[0].set_ylabel("deflection uy\nover the uniform slab's (1)")
     figures.shared_legend(figure, axes, columns=3)
     return figure

@@ -22,6 +22,14 @@ AXIAL, DIAGONAL = 1.0, 0.5
 """Spring constants (Pa) for which square cells with diagonals are isotropic."""
 COVERED = {"full": 1.0, "partial": 1 / 3}
 """Name in tables -> part of the upper face under the electrode, in its middle."""
+COLUMNS = {
+    "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
+    "layers": "cells up the slab's height",
+    "x": "place along the slab, from its left end (m)",
+    "uy": "displacement along y over a uniform slab's deflection (1)",
+    "source": "whose displacement: springs with their layers, or FEM",
+}
+"""What columns of several tables mean."""
 
 Candidate = Callable[[Actuator, float], Array]
 """Displacement (n, 2) in m of an actuator's points at rest at a voltage (V)."""

@@ -138,12 +138,10 @@ STEPS = (*(m * 10.0**-e for e in range(4, 0, -1) for m in (1, 2, 5)), 1.0)
 """Sizes tried: errors need not grow with a fault, whose sign may be opposite to theirs."""
 TOLERANCES = (
     Tolerance(
-        "actuator: faults that the study must notice and does not",
-        0.0,
-        "1",
+        "actuator: faults that the study must notice and does not", 0.0, "1",
         "a study that cannot fail proves nothing",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "fault": "what is wrong with the candidate",
     "fault_unit": "how the fault's size is measured",

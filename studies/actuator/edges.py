@@ -42,8 +42,12 @@ def edge_force(covered: str) -> float:
 
     Only its own two edges move, by half of what it is widened each.
     """
-    width = LENGTH * COVERED[covered]
-    low, high = (_capacitance(width * (1 + step)) for step in (-STEP, STEP))
+    width, middle = LENGTH * COVERED[covered], 0.5 * LENGTH
+    lower = strip(LENGTH, 0.0, SEGMENTS, centre=middle)
+    low, high = (
+        capacitance(chains(strip(width * (1 + step), HEIGHT, SEGMENTS, centre=middle), lower))
+        for step in (-STEP, STEP)
+    )
     return 0.5 * (high - low) / (2 * STEP * width)
 
 
@@ -58,9 +62,3 @@ def under_a_force(opening: float, modulus: float) -> Array:
     along, aside = half + 0.5 * np.sin(opening), half - 0.5 * np.sin(opening)
     push = bisector[0] * bisector / along + across[0] * across / aside
     return np.where(np.abs(push) > 1e-12, np.log(2) / modulus * push, 0.0)
-
-
-def _capacitance(width: float) -> float:
-    upper = strip(width, HEIGHT, SEGMENTS, centre=0.5 * LENGTH)
-    lower = strip(LENGTH, 0.0, SEGMENTS, centre=0.5 * LENGTH)
-    return capacitance(chains(upper, lower))

@@ -33,24 +33,10 @@ from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 
-from . import figure8_drawing, models
+from . import bodies, figure8_drawing, models
+from . import figure8_statements as said
 from .bodies import Candidate, body, springs
-from .figure8_statements import (
-    COMMON,
-    LAYERS,
-    LOW,
-    RAISED,
-    RIPPLE,
-    STATEMENTS,
-    at,
-    beside,
-    dips,
-    fastest,
-    growth,
-    judged,
-    margin,
-    middle,
-)
+from .figure8_statements import COMMON, LAYERS, LOW, RAISED, beside, middle
 from .models import SOURCES, Seen
 
 VOLTAGES = {
@@ -63,47 +49,38 @@ FINER = 16
 QUICK_VOLTAGES = {"full": (0.5, 1.5, 2.0), "partial": (0.5, 2.0, 2.5, 2.75)}
 TOLERANCES = (
     Tolerance(
-        "Figure 8: deflection of the middle, springs over FEM, to 2 V",
-        0.03,
-        "1",
+        "Figure 8: deflection of the middle, springs over FEM, to 2 V", 0.03, "1",
         "both discretisations are of order 1, with 0.5 and 1 % at low voltage and 10 layers; the "
         "voltage, squared over a closing gap, makes up to twice as much of it at 2 V",
         layer="agreement",
     ),
     Tolerance(
-        "Figure 8: marginal effect 2 m inside the edge, springs over FEM, to 2 V",
-        0.1,
-        "1",
+        "Figure 8: marginal effect 2 m inside the edge, springs over FEM, to 2 V", 0.1, "1",
         "two spacings from an edge each is off by 2 or 3 % at low voltage, not alike; near the "
         "voltage at which an edge is lost, 2.1 V of these elements, differences grow threefold",
         layer="agreement",
     ),
     Tolerance(
-        "Figure 8: part of the charge on the middle half, springs - FEM, to 2 V",
-        0.02,
-        "1",
+        "Figure 8: part of the charge on the middle half, springs - FEM, to 2 V", 0.02, "1",
         "even charges and linear potentials spread the edge's charge over one cell each, which is "
         "a tenth of half of the electrode",
         layer="agreement",
     ),
     Tolerance(
         "Figure 8: growth of the marginal effect from 0.5 to 1.5 V, 16 layers less 10 layers",
-        0.01,
-        "1",
+        0.01, "1",
         "order 1: 10 layers miss 2 or 3 % of the effect 2 m inside the edge, and of its growth by "
         "a twentieth no more than a fifth",
         layer="agreement",
     ),
     Tolerance(
-        "Figure 8: statements on which springs and FEM disagree",
-        0.0,
-        "1",
+        "Figure 8: statements on which springs and FEM disagree", 0.0, "1",
         "a verdict that depends on the way it is reached is none",
         layer="agreement",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
-    "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
+    **bodies.COLUMNS,
     "way": "springs (line charges), the report's way, or FEM: cells of one size, but for the "
     "report's way on 5 layers",
     "voltage": "V",
@@ -112,8 +89,7 @@ COLUMNS = {
     "margin_over_middle": "margin over middle (1)",
     "beside_over_middle": "deflection 2 m inside the left edge over that of the middle (1)",
     "dips": "places under the electrode where its deflection is largest, deeper than their "
-    f"neighbourhood by {RIPPLE:g} of the middle's (1)",
-    "layers": "cells up the slab's height",
+    f"neighbourhood by {said.RIPPLE:g} of the middle's (1)",
     "effect_growth": "deflection 2 m inside the left edge over that of the middle, at "
     f"{RAISED:g} V over the same at {LOW:g} V (1)",
     "inner_charge": "part of the upper electrode's charge on the middle half of its springs (1)",
@@ -130,7 +106,6 @@ COLUMNS = {
     "in_fem": f"the same in finite elements, whose last voltage is {COMMON:g} V",
     "judgement": "of which of them the statement holds",
     "verdict_on_statement": "whether it is physics, made by the model, or neither",
-    "x": "place along the slab, from its left end (m)",
     "y": "height (m)",
     "along": "displacement along x (m)",
     "up": "displacement along y (m)",
@@ -153,10 +128,10 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
     sweep = pd.concat([table(c, s, run) for c, by in seen.items() for s, run in by.items()])
     finer = models.of_springs(candidate, "full", FINER, (LOW, RAISED))
     meshes = pd.DataFrame(
-        {"layers": n, "effect_growth": growth(run)}
+        {"layers": n, "effect_growth": said.growth(run)}
         for n, run in ((LAYERS, seen["full"]["springs"]), (FINER, finer))
     )
-    statements = pd.DataFrame([judged(one, seen[one.covered]) for one in STATEMENTS])
+    statements = pd.DataFrame([said.judged(one, seen[one.covered]) for one in said.STATEMENTS])
     slabs = [drawn(c, by["springs"][-1].voltage) for c, by in seen.items()]
     names = ("figure8_slabs", "figure8_density", "figure8_potential")
     return Evidence(
@@ -204,11 +179,11 @@ def table(covered: str, source: str, run: list[Seen]) -> pd.DataFrame:
     rows = []
     for i, one in enumerate(run):
         row: dict[str, object] = {"covered": covered, "way": source, "voltage": one.voltage}
-        row |= {"middle": middle(one), "margin": margin(one)}
-        row |= {"margin_over_middle": margin(one) / middle(one)}
-        row |= {"beside_over_middle": beside(one) / middle(one), "dips": dips(one)}
+        row |= {"middle": middle(one), "margin": said.margin(one)}
+        row |= {"margin_over_middle": said.margin(one) / middle(one)}
+        row |= {"beside_over_middle": beside(one) / middle(one), "dips": said.dips(one)}
         row |= {"inner_charge": one.inner}
-        rows.append(row | {"fastest": fastest(run[i - 1], one, covered) if i else "none"})
+        rows.append(row | {"fastest": said.fastest(run[i - 1], one, covered) if i else "none"})
     return pd.DataFrame(rows)
 
 
@@ -217,7 +192,7 @@ def faces(covered: str, seen: Mapping[str, list[Seen]]) -> pd.DataFrame:
     tables = []
     for source, run in seen.items():
         for voltage in dict.fromkeys((LOW, COMMON, run[-1].voltage)):
-            one = at(run, voltage)
+            one = said.at(run, voltage)
             row = {"covered": covered, "way": source, "voltage": voltage, "x": one.x}
             tables.append(pd.DataFrame(row | {"along": one.move[:, 0], "up": one.move[:, 1]}))
     return pd.concat(tables, ignore_index=True)
@@ -261,9 +236,9 @@ def observe(
         for by in seen.values()
         for one, other in zip(by["springs"], by["FEM"], strict=False)
     ]
-    apart = [(middle(a) / middle(b), beside(a) * middle(b) / (beside(b) * middle(a)),
-              a.inner - b.inner) for a, b in pairs]  # fmt: skip
-    mid, near, share = np.array(apart).T
+    mid = [middle(a) / middle(b) for a, b in pairs]
+    near = [beside(a) * middle(b) / (beside(b) * middle(a)) for a, b in pairs]
+    share = [a.inner - b.inner for a, b in pairs]
     split = statements["verdict_on_statement"].str.startswith("open").sum()
     coarse, fine = meshes["effect_growth"]
     values = (

@@ -22,6 +22,8 @@ TITLES = {
     "full": "Figure 8 (2), fully covered",
     "partial": "Figure 8 (3), covered in the middle",
 }
+LABEL = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
+"""Box behind a label that stands on a line."""
 LINES = 11
 """Lines of equal potential, from one electrode's to the other's."""
 
@@ -33,20 +35,16 @@ def redrawn(tables: Tables) -> Figure:
     axes = figure.subplots(4, len(cases), height_ratios=(0.62, 1.65, 1.3, 1.75), sharex="col")
     for column, case in zip(axes.T, cases, strict=True):
         points, density, potential = (
-            table[table["covered"] == case]
-            for table in (
-                tables["figure8_slabs"],
-                tables["figure8_density"],
-                tables["figure8_potential"],
-            )
+            tables[name][tables[name]["covered"] == case]
+            for name in ("figure8_slabs", "figure8_density", "figure8_potential")
         )
         equal, stretched, charge, around = column
         volts = points["voltage"].iloc[0]
         for axis, times in ((equal, 1), (stretched, STRETCH)):
             draw_slab(axis, points)
             axis.set_aspect(times)
-        equal.set_title(f"{TITLES[case]}, {volts:.3g} V\nequal axes", fontsize=9)
-        stretched.set_title(f"stretched axes: heights × {STRETCH}", fontsize=9)
+        equal.set_title(f"{TITLES[case]}, {volts:.3g} V\nequal axes")
+        stretched.set_title(f"stretched axes: heights × {STRETCH}")
         draw_density(charge, density)
         draw_potential(around, points, potential)
         around.set_xlabel("x (m)")
@@ -93,31 +91,25 @@ def draw_density(axis: Axes, density: pd.DataFrame) -> None:
     """Charge density of both electrodes, deformed and flat, both faces together."""
     for name, colour in ELECTRODE.items():
         rows = density[density["electrode"] == name]
-        sign = 1 if name == "top" else -1
-        axis.plot(rows["x"], sign * rows["density_flat"], ":", color=colour, lw=1)
-        axis.step(
-            rows["x"],
-            sign * rows["density"],
-            where="mid",
-            color=colour,
-            lw=1.2,
-            label="charge density: top" if name == "top" else "minus charge density: bottom",
-        )
+        sign, label = 1, "charge density: top"
+        if name == "bottom":
+            sign, label = -1, "minus charge density: bottom"
+        x, density_now = rows["x"], sign * rows["density"]
+        axis.plot(x, sign * rows["density_flat"], ":", color=colour, lw=1)
+        axis.step(x, density_now, where="mid", color=colour, lw=1.2, label=label)
     axis.plot([], [], ":", color="grey", label="charge density of flat electrodes")
-    axis.set_ylim(bottom=0)
-    axis.set_title("charge on the electrodes, both faces together", fontsize=9)
+    axis.set(title="charge on the electrodes, both faces together", ylim=(0, None))
 
 
 def draw_potential(axis: Axes, points: pd.DataFrame, potential: pd.DataFrame) -> None:
     """Lines of equal potential around the slab, its outline and its electrodes."""
     grid = potential.pivot_table(index="y", columns="x", values="potential", sort=True)
     x, y = grid.columns.to_numpy(dtype=float), grid.index.to_numpy(dtype=float)
+    values = grid.to_numpy()
     low, high = points["potential_bottom"].iloc[0], points["potential_top"].iloc[0]
     levels = np.linspace(low, high, LINES)
-    shown = axis.contourf(x, y, grid.to_numpy(), levels=levels, cmap="cividis", extend="neither")
-    axis.contour(
-        x, y, grid.to_numpy(), levels=levels, colors="white", linewidths=0.5, linestyles="solid"
-    )
+    shown = axis.contourf(x, y, values, levels, cmap="cividis", extend="neither")
+    axis.contour(x, y, values, levels, colors="white", linewidths=0.5, linestyles="solid")
     axis.figure.colorbar(shown, ax=axis, orientation="horizontal", label="potential (V)")
     first = points[["x", "y"]].to_numpy()
     now = first + points[["along", "up"]].to_numpy()
@@ -129,7 +121,7 @@ def draw_potential(axis: Axes, points: pd.DataFrame, potential: pd.DataFrame) ->
         axis.plot(*electrode_line(points, name).T, color="white", lw=4)  # black stands on dark blue
         axis.plot(*electrode_line(points, name).T, color=colour, lw=2.2)
     axis.set(aspect="equal", xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
-    axis.set_title("potential around the slab, equal axes", fontsize=9)
+    axis.set_title("potential around the slab, equal axes")
     axis.grid(visible=False)
 
 
@@ -147,26 +139,25 @@ def ways(tables: Tables) -> Figure:
             row[1].plot(line["voltage"], 100 * line["inner_charge"], **style)
             last = faces[(faces["covered"] == covered) & (faces["way"] == source)]
             last = last[last["voltage"] == last["voltage"].max()]
-            where = f"{last['voltage'].iloc[0]:.3g} V"
             row[2].plot(last["x"] + last["along"], last["up"], color=colour, lw=1.2)
             place = round((0.5 + 0.12 * (sources.index(source) - 1)) * len(last))
             row[2].annotate(
-                where,
+                f"{last['voltage'].iloc[0]:.3g} V",
                 (last["x"].iloc[place], last["up"].iloc[place]),
+                (0, -11),
                 textcoords="offset points",
-                xytext=(0, -11),
                 color=colour,
                 fontsize=8,
                 ha="center",
-                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+                bbox=LABEL,
             )
-        row[0].set_yscale("log")
         row[0].set_ylabel(f"{TITLES[str(covered)]}\n2 m inside the edge over middle (1)")
+        row[0].set_yscale("log")
         row[1].set_ylabel("charge on the middle half (%)")
         row[2].set_ylabel("deflection uy (m)")
-    axes[0, 0].set_title("marginal effect", fontsize=9)
-    axes[0, 1].set_title("where the charge is", fontsize=9)
-    axes[0, 2].set_title("upper face at the last voltage held, heights stretched", fontsize=9)
+    axes[0, 0].set_title("marginal effect")
+    axes[0, 1].set_title("where the charge is")
+    axes[0, 2].set_title("upper face at the last voltage held, heights stretched")
     for axis, label in zip(axes[1], ("voltage (V)", "voltage (V)", "x (m)"), strict=True):
         axis.set_xlabel(label)
     figures.shared_legend(figure, list(axes.ravel()))

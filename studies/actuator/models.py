@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from msvalidate.dielectric.actuator import Actuator, Held, moving
+from msvalidate.dielectric.actuator import Actuator, moving
 from msvalidate.dielectric.actuator.models import electrified
 from msvalidate.problem import Array, Mask, SolverError
 from reference_fem import facing_slab
 from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.large_strain import square_fibres
 
-from .bodies import (
-    AXIAL,
-    COVERED,
-    DIAGONAL,
-    HEIGHT,
-    LENGTH,
-    Candidate,
-    body,
-    upper,
-)
+from .bodies import AXIAL, COVERED, DIAGONAL, HEIGHT, LENGTH, Candidate, body, upper
 
 COARSE = 5
 """Layers of the lattice on which the report's way is walked a second time."""
@@ -81,24 +73,14 @@ def as_the_report(covered: str, layers: int, voltages: tuple[float, ...]) -> lis
     """
     actuator = replace(body(covered, layers), model="as_report")
     found: list[Seen] = []
-    last: Held | None = None
-    dt: float | None = None
-    damping: float | None = None
+    how: dict[str, Any] = {"charges_every": CHARGES_EVERY, "tolerance": RESTING}
     for voltage in voltages:
         try:
-            moved = moving(
-                actuator,
-                voltage,
-                start=last,
-                charges_every=CHARGES_EVERY,
-                tolerance=RESTING,
-                dt=dt,
-                damping=damping,
-            )
+            moved = moving(actuator, voltage, **how)
         except SolverError:
             break
-        last, dt, damping = moved.held, moved.dt, moved.damping
-        found.append(seen(actuator, voltage, last.displacement))
+        how |= {"start": moved.held, "dt": moved.dt, "damping": moved.damping}
+        found.append(seen(actuator, voltage, moved.held.displacement))
     return found
 
 

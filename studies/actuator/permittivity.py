@@ -11,6 +11,7 @@ Expected   Equal: charges are ε·V times a length, and forces ε·V² times one
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -20,21 +21,20 @@ from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
 
+from . import bodies
 from .bodies import COVERED, Candidate, body, elastic, uniform_deflection, upper
 
 PERMITTIVITY, VOLTAGE, LAYERS, MESH = 2.7, 0.1, 3, 4
 """F/m, V, and cells up the slab of springs and up that of elements."""
 TOLERANCES = (
     Tolerance(
-        "displacement at 2.7 F/m over that at 1 F/m and √2.7 times the voltage, from 1",
-        1e-7,
-        "1",
+        "displacement at 2.7 F/m over that at 1 F/m and √2.7 times the voltage, from 1", 1e-7, "1",
         "the same equation: rest is found to 1e-10 of the forces that meet at a point, which are "
         "at most some hundreds of times the electrodes' own",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
-    "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
+    **bodies.COLUMNS,
     "solved_by": "whose displacement: springs, or FEM",
     "permittivity": "of the slab and of what surrounds it (F/m)",
     "over_uniform": "deflection of the middle of the upper face over that of a uniform slab (1)",
@@ -50,12 +50,8 @@ def run(candidate: Candidate, setting: Setting | None = None) -> Evidence:
         plain = body(covered, LAYERS)
         dense, scaled = replace(plain, permittivity=PERMITTIVITY), VOLTAGE * PERMITTIVITY**0.5
         top = upper(plain.network.points)
-        of_springs = candidate(dense, VOLTAGE)[top], candidate(plain, scaled)[top]
-        of_elements = (
-            elastic(MESH, dense, VOLTAGE)[top],
-            elastic(MESH, plain, scaled)[top],
-        )
-        rows += [row(covered, "springs", *of_springs), row(covered, "FEM", *of_elements)]
+        for by, moved in (("springs", candidate), ("FEM", partial(elastic, MESH))):
+            rows.append(row(covered, by, moved(dense, VOLTAGE)[top], moved(plain, scaled)[top]))
     table = pd.DataFrame(rows)
     return Evidence(
         tables={"permittivity": table},

@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -44,28 +45,22 @@ NEARLY = 0.8
 """Part of the film that must be alike for the remark to hold."""
 TOLERANCES = (
     Tolerance(
-        "pre-stretched films: thinning of the middle over that of a uniform film",
-        0.03,
-        "1",
+        "pre-stretched films: thinning of the middle over that of a uniform film", 0.03, "1",
         "the margin of a film six heights long still lifts the middle by 1.6 %, as finite elements "
         "show; that of longer ones by nothing that can be seen",
     ),
     Tolerance(
-        "pre-stretched films: thinning of the middle, springs over FEM",
-        0.003,
-        "1",
+        "pre-stretched films: thinning of the middle, springs over FEM", 0.003, "1",
         "three heights from the margin it still lifts the middle by exp(-0.9·3) of a quarter, 1.7 "
         "%, of which springs, of order 1, miss a sixth with the 6 layers of the small form",
         layer="agreement",
     ),
     Tolerance(
-        "pre-stretched films: margin in heights, springs - FEM",
-        0.5,
-        "1",
+        "pre-stretched films: margin in heights, springs - FEM", 0.5, "1",
         "a cell of the lattice, which a stretch by 2 makes 0.45 of a film of 6 layers",
         layer="agreement",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "prestretch": "length of the film over that before it was stretched (1)",
     "film": "stretched, or never stretched but as long over its height as the stretched one",
@@ -97,8 +92,7 @@ class Film:
     @property
     def height(self) -> float:
         """Once stretched (m)."""
-        springs = {"axial": AXIAL, "diagonal": DIAGONAL}
-        return HEIGHT * uniform.relaxed_thickness(self.stretch, **springs)
+        return HEIGHT * uniform.relaxed_thickness(self.stretch, axial=AXIAL, diagonal=DIAGONAL)
 
     @property
     def voltage(self) -> float:
@@ -108,15 +102,8 @@ class Film:
 
     def bonded(self, layers: int) -> Actuator:
         """The film as an actuator of springs, fully covered, its ends held along it by a frame."""
-        return slab(
-            self.length,
-            HEIGHT,
-            layers,
-            axial=AXIAL,
-            diagonal=DIAGONAL,
-            prestretch=self.stretch,
-            sides="sliding",
-        )
+        how: dict[str, Any] = {"prestretch": self.stretch, "sides": "sliding"}
+        return slab(self.length, HEIGHT, layers, axial=AXIAL, diagonal=DIAGONAL, **how)
 
 
 @dataclass(frozen=True, eq=False)

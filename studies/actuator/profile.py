@@ -25,17 +25,8 @@ from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Mask
 
-from . import edges, profile_drawing
-from .bodies import (
-    COVERED,
-    HEIGHT,
-    Candidate,
-    body,
-    elastic,
-    tips,
-    uniform_deflection,
-    upper,
-)
+from . import bodies, edges, profile_drawing
+from .bodies import COVERED, HEIGHT, Candidate, body, elastic, tips, upper
 
 SAID = {"full": "fully covered", "partial": "covered in the middle"}
 VOLTAGE = 0.01
@@ -48,53 +39,41 @@ AWAY = 0.5 * HEIGHT
 WITHIN, EXTRAPOLATED = 0.01, 0.003
 TOLERANCES = (
     Tolerance(
-        "profile away from edges: springs - FEM, finest lattice, over the largest |u|",
-        WITHIN,
-        "1",
+        "profile away from edges: springs - FEM, finest lattice, over the largest |u|", WITHIN, "1",
         "what the project asks of springs against elements; an order 1 that leaves 2 % at 10 "
         "layers leaves 0.8 % at 24 and 0.5 % at 40",
         layer="agreement",
     ),
     Tolerance(
-        "profile away from edges: the same times the layers",
-        0.2,
-        "1",
+        "profile away from edges: the same times the layers", 0.2, "1",
         "order 1 as of an edge misplaced by a part of a spring: a tenth of a spring in half a "
         "height, beyond which points count, is 0.2 over the layers; of the two finest lattices",
         layer="agreement",
     ),
     Tolerance(
-        "profile away from edges: order in the spacing",
-        0.15,
-        "1",
+        "profile away from edges: order in the spacing", 0.15, "1",
         "order 1 of even charges; terms of order 2 are a tenth of it on the two finest lattices",
     ),
     Tolerance(
         "profile away from edges: extrapolated with order 1 - FEM, over the largest |u|",
-        EXTRAPOLATED,
-        "1",
+        EXTRAPOLATED, "1",
         "the limit is the elastic slab; what is left is of order 2, the square of what an edge is "
         "misplaced by, 0.2 over the 12 layers of the coarser lattice, a few times over, and the "
         "reference's own error, up to 0.002 on its coarser meshes",
     ),
     Tolerance(
-        "profile away from edges: uncertainty of FEM, over the largest |u|",
-        0.5 * WITHIN,
-        "1",
+        "profile away from edges: uncertainty of FEM, over the largest |u|", 0.5 * WITHIN, "1",
         "half of what springs may be off; it is largest next to the edges",
     ),
     Tolerance(
-        "edges: growth by halving the lattice, over the closed form, extrapolated",
-        0.05,
-        "1",
+        "edges: growth by halving the lattice, over the closed form, extrapolated", 0.05, "1",
         "pressures that grow with the inverse root of the distance from an edge leave terms of "
         "order 1/2, a quarter at 24 layers, and their square, of order 1: both are taken out, and "
         "their cube is 2 %, times a factor of order 1",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
-    "covered": "how much of the upper face is under the electrode: all of it, or the middle third",
-    "layers": "cells up the slab's height",
+    **bodies.COLUMNS,
     "spacing": "length of a spring along an axis (m)",
     "difference_away": "largest |springs - FEM| farther than half a height from the electrode's "
     "edges, over the largest |FEM| there (1)",
@@ -113,10 +92,7 @@ COLUMNS = {
     "growth_extrapolated": "growth in the limit, from three of them with terms of order 1/2 and 1; "
     '"none" before there are three (1)',
     "growth_exact": "F·c·ln 2 over a uniform slab's deflection (1)",
-    "x": "place along the slab, from its left end (m)",
     "ux": "displacement along x over a uniform slab's deflection (1)",
-    "uy": "displacement along y over a uniform slab's deflection (1)",
-    "source": "whose displacement: springs with their layers, or FEM",
     "edge_distance": "distance from the nearest edge of the upper electrode (m)",
 }
 
@@ -152,10 +128,7 @@ def evidence(faces: Mapping[str, Face]) -> Evidence:
         },
         observed=observe(profile, edge),
         tolerances=TOLERANCES,
-        figures={
-            "profile": profile_drawing.profiles,
-            "profile_order": profile_drawing.orders,
-        },
+        figures={"profile": profile_drawing.profiles, "profile_order": profile_drawing.orders},
         columns=COLUMNS,
         findings=findings(profile, edge),
         rounding={"at_edge": 1e-9, "ux": 1e-9, "uy": 1e-9},
@@ -169,7 +142,7 @@ def lattices(candidate: Candidate, covered: str, layers: tuple[int, ...]) -> Fac
         actuator = body(covered, n)
         points = actuator.network.points
         top = upper(points)
-        move = candidate(actuator, VOLTAGE)[top] / uniform_deflection(VOLTAGE)
+        move = candidate(actuator, VOLTAGE)[top] / bodies.uniform_deflection(VOLTAGE)
         found[n] = points[top, 0], move, np.zeros_like(move)
     return found
 
@@ -179,7 +152,7 @@ def solid(covered: str, layers: int, mesh: int) -> tuple[Array, Array, Array]:
     """Displacement by finite elements at the upper points of a lattice, and its uncertainty."""
     actuator = body(covered, layers)
     points = actuator.network.points
-    top, scale = upper(points), uniform_deflection(VOLTAGE)
+    top, scale = upper(points), bodies.uniform_deflection(VOLTAGE)
     coarse, fine = (elastic(m, actuator, VOLTAGE)[top] / scale for m in (mesh // 2, mesh))
     return points[top, 0], fine, np.abs(fine - coarse)
 
@@ -219,7 +192,7 @@ def compared(covered: str, face: Face) -> pd.DataFrame:
 
 def at_edges(covered: str, face: Face) -> pd.DataFrame:
     """Rows of one slab: its right edge, which moves on as the lattice is halved."""
-    exact = edges.growth(covered) / uniform_deflection(1.0)
+    exact = edges.growth(covered) / bodies.uniform_deflection(1.0)
     rows = []
     for axis, component in enumerate("xy"):
         seen = np.nan

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -25,36 +27,24 @@ def profiles(tables: Tables) -> Figure:
         for j, covered in enumerate(TITLES):
             axis = axes[2 * i + j]
             rows = surface[surface["covered"] == covered]
-            sources = list(dict.fromkeys(rows["source"]))
-            for source, colour, style in zip(
-                (sources[-1], *sources[:-1]),
-                ("black", *figures.COLOURS),
-                ("-", "o", "."),
-                strict=False,
-            ):
-                line = (
-                    broken(rows[rows["source"] == source])
-                    if source == "FEM"
-                    else rows[rows["source"] == source]
-                )
-                label = "FEM" if source == "FEM" else f"springs, {source} layers"
-                axis.plot(
-                    line["x"],
-                    line[component],
-                    style,
-                    color=colour,
-                    label=label,
-                    ms=4,
-                    lw=1.1,
-                    mfc="none" if style == "o" else None,
-                    zorder=3 if style == "-" else 2,
-                )
+            coarse, fine, fem = dict.fromkeys(rows["source"])
+            drawn: tuple[tuple[str, str, dict[str, Any]], ...] = (
+                (fem, "-", {"color": "black", "zorder": 3}),
+                (coarse, "o", {"color": figures.COLOURS[0], "mfc": "none", "zorder": 2}),
+                (fine, ".", {"color": figures.COLOURS[1], "zorder": 2}),
+            )
+            for source, mark, style in drawn:
+                line, label = rows[rows["source"] == source], f"springs, {source} layers"
+                if source == "FEM":
+                    line, label = broken(line), "FEM"
+                style |= {"label": label, "ms": 4, "lw": 1.1}
+                axis.plot(line["x"], line[component], mark, **style)
             for edge in rows.loc[rows["edge_distance"] < 1e-9, "x"].unique():
                 axis.axvline(edge, color="grey", lw=0.8, ls=":", label="edge of the electrode")
             axis.set_ylim(*DEEPEST[component])
             axis.set_ylabel(f"{COMPONENTS[component]}\nover the uniform slab's (1)")
             if i == 0:
-                axis.set_title(TITLES[covered], fontsize=9)
+                axis.set_title(TITLES[covered])
             else:
                 axis.set_xlabel("x (m)")
     figures.shared_legend(figure, axes)
@@ -73,45 +63,31 @@ def orders(tables: Tables) -> Figure:
     """Difference to finite elements against the spacing, and the edge that sinks without end."""
     figure, (falls, grows) = figures.new(2, size=(5.2, 3.4))
     profile, edge = tables["profile"], tables["edges"]
-    for (covered, rows), colour, marker in zip(
-        profile.groupby("covered", sort=False), figures.COLOURS, figures.MARKERS, strict=False
-    ):
-        falls.plot(
-            rows["spacing"],
-            rows["difference_away"],
-            f"{marker}-",
-            color=colour,
-            label=f"{TITLES[str(covered)]}, half a height and more away",
-        )
-        falls.plot(
-            rows["spacing"],
-            rows["difference_near"],
-            f"{marker}:",
-            color=colour,
-            mfc="none",
-            label=f"{TITLES[str(covered)]}, nearer",
-        )
+    for place, (covered, rows) in enumerate(profile.groupby("covered", sort=False)):
+        title, style = TITLES[str(covered)], figures.numbered(place)
+        away, near = f"{title}, half a height and more away", f"{title}, nearer"
+        falls.plot(rows["spacing"], rows["difference_away"], ls="-", label=away, **style)
+        style |= {"ls": ":", "mfc": "none"}
+        falls.plot(rows["spacing"], rows["difference_near"], label=near, **style)
     spacing = np.sort(profile["spacing"].unique())
     falls.plot(spacing, 0.008 * spacing, "--", color="grey", lw=0.9, label="order 1")
     falls.set(xscale="log", yscale="log", xlabel="spacing (m)")
-    falls.set_xticks(spacing, [f"{h:.2g}" for h in spacing])
     falls.set_ylabel("largest |springs - FEM|\nover largest |u| (1)")
-    falls.set_title("away from the edges springs come to FEM", fontsize=9)
+    falls.set_title("away from the edges springs come to FEM")
     lines = edge[["covered", "component"]].drop_duplicates().itertuples(index=False)
-    for (slab, component), colour, marker in zip(
-        lines, figures.COLOURS, figures.MARKERS, strict=False
-    ):
+    for place, (slab, component) in enumerate(lines):
         rows = edge[(edge["covered"] == slab) & (edge["component"] == component)]
         h, size = HEIGHT / rows["layers"].to_numpy(), rows["at_edge"].abs().to_numpy()
-        way = "outwards" if component == "x" else "down"
-        name = f"edge, {TITLES[str(slab)]}, {way}"
-        grows.plot(h, size, f"{marker}-", color=colour, label=name)
+        way, style = "outwards" if component == "x" else "down", figures.numbered(place)
+        grows.plot(h, size, ls="-", label=f"edge, {TITLES[str(slab)]}, {way}", **style)
         slope = float(rows["growth_exact"].abs().iloc[0]) / np.log(2)
-        grows.plot(h, size[-1] - slope * np.log(h / h[-1]), "--", color=colour, lw=0.8)
+        closed = size[-1] - slope * np.log(h / h[-1])
+        grows.plot(h, closed, "--", color=style["color"], lw=0.8)
     grows.plot([], [], "--", color="grey", lw=0.8, label="slope of the closed form")
     grows.set(xscale="log", xlabel="spacing (m)", ylim=(0, None))
-    grows.set_xticks(spacing, [f"{h:.2g}" for h in spacing])
     grows.set_ylabel("displacement of the edge\nover the uniform slab's (1)")
-    grows.set_title("the edge itself has no limit", fontsize=9)
+    grows.set_title("the edge itself has no limit")
+    for axis in (falls, grows):
+        axis.set_xticks(spacing, [f"{h:.2g}" for h in spacing])
     figures.shared_legend(figure, [falls, grows], columns=3)
     return figure

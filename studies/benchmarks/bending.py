@@ -57,13 +57,11 @@ COLUMNS = {
 }
 TOLERANCES = (
     Tolerance(
-        "pure bending at any ratio: EI_eff/EI against 1 + ((2 - nu)/(1 + nu))/N²",
-        1e-8,
-        "1",
+        "pure bending at any ratio: EI_eff/EI against 1 + ((2 - nu)/(1 + nu))/N²", 1e-8, "1",
         "exact on a network, on a network: left are rounding, 1e-16 times a condition number of "
         "up to 1e6, and its loss in second differences of the deflection, (8·12/2)² over 8",
     ),
-)
+)  # fmt: skip
 
 
 def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:

@@ -47,20 +47,16 @@ ELEMENTS = ("Q1", "Q2")
 SOURCE = "Timoshenko and Goodier 1970, art. 21"
 TOLERANCES = (
     Tolerance(
-        "cantilever: order of the end's deflection, springs and Q1",
-        0.15,
-        "1",
+        "cantilever: order of the end's deflection, springs and Q1", 0.15, "1",
         "the exact field is smooth: the next term has two powers of the spacing more, 1/64 of the "
         "first at 8 cells, and moves a pair's order by 0.03 if as large as the first",
     ),
     Tolerance(
-        "cantilever: deflection of the end by Q2, finest mesh, relative",
-        1e-6,
-        "1",
+        "cantilever: deflection of the end by Q2, finest mesh, relative", 1e-6, "1",
         "order 3 at least, on a cubic field: 1e-5, measured at 4 cells, is 2e-7 at 16",
         layer="regression",
     ),
-)
+)  # fmt: skip
 
 
 def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:

@@ -65,40 +65,30 @@ CUT = models.method(curved.CUT, MATERIAL.nu)
 EDGES = ("springs, edges of quadrilaterals", "springs, edges of triangles")
 TOLERANCES = (
     Tolerance(
-        "Cook's membrane: limit by finite elements against 23.967, relative",
-        1e-4,
-        "1",
+        "Cook's membrane: limit by finite elements against 23.967, relative", 1e-4, "1",
         "a unit of the accepted value's last digit is 4e-5, and as much is our own uncertainty",
     ),
     Tolerance(
-        "Cook's membrane: order of Q2 on even meshes, against the corner's 2λ",
-        0.15,
-        "1",
+        "Cook's membrane: order of Q2 on even meshes, against the corner's 2λ", 0.15, "1",
         "the next term, of the lower corner, is of order 2.4: a part 1/16^1.1 of the first at 16 "
         "cells, were they alike at one, moves a pair by 0.07",
     ),
     Tolerance(
-        "Cook's membrane: springs cut to the outline, 48 cells, relative",
-        0.005,
-        "1",
+        "Cook's membrane: springs cut to the outline, 48 cells, relative", 0.005, "1",
         "springs are stiffer in bending by (5/4)/N²: 0.5 % at the right edge, 16 cells high at 48 "
         "along the width, and less everywhere else",
     ),
     Tolerance(
-        "Cook's membrane: order of springs cut to the outline, all lattices",
-        0.2,
-        "1",
+        "Cook's membrane: order of springs cut to the outline, all lattices", 0.2, "1",
         "2, that of bending; the corner's part, if as large as that of Q2, is 7 % of the whole at "
         "48 cells and 18 % at 192, and moves a pair by 2 - 2λ = 0.65 of that, 0.12 at most; the "
         "next term of bending, 1/16 of the first at 4 cells through the right edge, by 0.07",
     ),
     Tolerance(
-        "Cook's membrane: meshes with a spring on every edge within 1 %, finest",
-        0,
-        "1",
+        "Cook's membrane: meshes with a spring on every edge within 1 %, finest", 0, "1",
         "such springs are another material on cells that are not regular, however small",
     ),
-)
+)  # fmt: skip
 
 
 def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:

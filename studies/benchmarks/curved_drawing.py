@@ -81,8 +81,7 @@ def pictures(name: str, cells: Index, tables: Tables) -> Figure:
             mesh, value, shading="gouraud", norm=norm, cmap=colours, rasterized=True
         )
         axis.set_aspect("equal")
-        axis.set_title(title, fontsize=9)
-        axis.set_xlabel("x (m)")
+        axis.set(title=title, xlabel="x (m)")
         axis.grid(visible=False)
         figure.colorbar(drawn, ax=axis, orientation="horizontal", label=label, shrink=0.9)
     axes[0].set_ylabel("y (m)")

@@ -48,56 +48,44 @@ FEM = "FEM Q2"
 TOLERANCES = (
     Tolerance(
         "LE1: stress at the tip by Q2, finest mesh, against the published value, relative",
-        1.1e-3,
-        "1",
+        1.1e-3, "1",
         "half of the last digit of 92.7 is 5.4e-4, and as much again for the elements",
     ),
     Tolerance(
-        "LE1: Kolosov's potentials against the published value, relative",
-        5.4e-4,
-        "1",
+        "LE1: Kolosov's potentials against the published value, relative", 5.4e-4, "1",
         "half of the last digit of 92.7",
     ),
     Tolerance(
-        "LE1: Kolosov's potentials, 24 terms against 32, relative",
-        cases.ROUNDING,
-        "1",
+        "LE1: Kolosov's potentials, 24 terms against 32, relative", cases.ROUNDING, "1",
         "what is missed was seen to fall by a factor of 3 a term: 24 terms leave 1e-11",
         layer="regression",
     ),
     Tolerance(
         "LE1: stress at the tip by Q2, from the potentials, over what it states to be off",
-        1.0,
-        "1",
+        1.0, "1",
         "three meshes that halve their cells state by Richardson's rule how far the last is off, "
         "with a factor of safety: no value may be farther from the limit",
     ),
     Tolerance(
-        "LE1: order of the stress at the tip by Q2",
-        0.3,
-        "1",
+        "LE1: order of the stress at the tip by Q2", 0.3, "1",
         "2 for gradients of quadratic elements at a node; where a pair starts, cells at the tip "
         "are 0.7/16 m, a tenth of its radius, so that the next term, of one power more, is a tenth "
         "of the first and bends the pair by 0.1; twice that for its factor",
     ),
     Tolerance(
-        "LE1: stress at the tip by springs, quartic fit, finest lattice, relative",
-        5e-3,
-        "1",
+        "LE1: stress at the tip by springs, quartic fit, finest lattice, relative", 5e-3, "1",
         "what cut cells leave, a part of a per cent in displacements from 32 cells per metre on; "
         "half of what the smallest fault asked for, 1 % of stiffness, makes",
         layer="agreement",
     ),
     Tolerance(
-        "LE1: order of the stress at the tip by springs, quadratic fit, all lattices",
-        0.7,
-        "1",
+        "LE1: order of the stress at the tip by springs, quadratic fit, all lattices", 0.7, "1",
         "2, that of a quadratic fit. Its 24 points reach 6 cells deep, at 8 per metre beyond the "
         "tip's radius, where a pair has order 1; at 64 cut cells leave a tenth of a per cent of "
         "opposite sign, and a pair has 3; the fit to all lies between",
         layer="agreement",
     ),
-)
+)  # fmt: skip
 COLUMNS = {**cases.COLUMNS, **curved_drawing.COLUMNS}
 
 

@@ -36,13 +36,11 @@ NU = curved.SPRINGS_ALONE
 SOURCE = "on paper"
 TOLERANCES = (
     Tolerance(
-        "body from a file in mm: area and elongation of elements and springs, relative",
-        1e-10,
-        "1",
+        "body from a file in mm: area and elongation of elements and springs, relative", 1e-10, "1",
         "uniform stress is exact in both: left is rounding, 1e-16 times a condition number of up "
         "to 1e5",
     ),
-)
+)  # fmt: skip
 
 
 def run(candidate: Candidate, setting: Setting) -> Evidence:

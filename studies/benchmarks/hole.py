@@ -47,41 +47,33 @@ SLANTED = ("τxy on the hole, at 45°", "von Mises stress on the hole, at 45°")
 OWN = "Kirsch: shear and von Mises stress on the hole by Q2 over what it states to be off"
 TOLERANCES = (
     Tolerance(
-        "Kirsch: order of the stress on the hole by Q2",
-        0.3,
-        "1",
+        "Kirsch: order of the stress on the hole by Q2", 0.3, "1",
         "2 for gradients of quadratic elements at a node; cells at the hole are 0.09 of its radius "
         "high where the pair starts, and the next term as large a part of the first, or twice that",
     ),
     Tolerance(
-        "Kirsch: stress across and along by Q2 over what it states to be off",
-        1.0,
-        "1",
+        "Kirsch: stress across and along by Q2 over what it states to be off", 1.0, "1",
         "as of shear below",
     ),
     Tolerance(
-        OWN,
-        1.0,
-        "1",
+        OWN, 1.0, "1",
         "three meshes that halve their cells state by Richardson's rule how far the last is off, "
         "with a factor of safety: no value may be farther from Kirsch's",
     ),
     Tolerance(
         "Kirsch: stress across the hole by springs, quartic fit, finest lattice, relative",
-        0.01,
-        "1",
+        0.01, "1",
         "cut cells leave a part of a per cent at 16 cells per radius, as in the pressed ring",
         layer="agreement",
     ),
     Tolerance(
         "Kirsch: order of the stress across the hole by springs, quadratic fit, all lattices",
-        0.7,
-        "1",
+        0.7, "1",
         "2, that of a quadratic fit, which reaches 6 cells deep: beyond the radius at 4 cells, "
         "where a pair has order 1, and what cut cells leave raises the finest, as of LE1",
         layer="agreement",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **cases.COLUMNS,
     **curved_drawing.COLUMNS,

@@ -53,20 +53,17 @@ MAGNIFIED = 100
 """Factor on the displacements in the picture."""
 TOLERANCES = (
     Tolerance(
-        "patch tests: elements and regular lattices, relative",
-        EXACT,
-        "1",
+        "patch tests: elements and regular lattices, relative", EXACT, "1",
         "a linear field is in their space: left is rounding, 1e-16 times a condition number of "
         "up to 1e5",
     ),
     Tolerance(
         "patch test: quantities that a spring on every edge of the irregular patch gets right",
-        0,
-        "1",
+        0, "1",
         "van Gelder 1998: springs on the edges of irregular triangles are no elastic body; one "
         "that passed would be another network",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **cases.COLUMNS,
     "point": "number of the patch's point, corners first",

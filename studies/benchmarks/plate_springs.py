@@ -60,30 +60,26 @@ OWN = "FEM H2 of this study, graded"
 TOLERANCES = (
     Tolerance(
         "LE10, rim held: sinking by springs, extrapolated at order 1.5, against elements, relative",
-        0.03,
-        "1",
+        0.03, "1",
         "errors of orders 1 and 2 and one sign, so the limit lies between what these orders "
         "extrapolate to: of 4 and 6 layers 6 % apart, and 1.5 is near the middle",
         layer="agreement",
     ),
     Tolerance(
-        "LE10, rim held: order of the sinking by springs, all lattices",
-        0.5,
-        "1",
+        "LE10, rim held: order of the sinking by springs, all lattices", 0.5, "1",
         "between 1, of the wall's steps, and 2, of cells that bend: about the middle",
         layer="agreement",
     ),
     Tolerance(
         "LE10, rim held: stress by springs, extrapolated at order 2, against elements, relative",
-        0.04,
-        "1",
+        0.04, "1",
         "order 2 takes the bending off and leaves the wall's steps: to a quarter of a cell (half a "
         "cell to none between tips and mean) with 4 and 6 layers 0.25 (6² 0.1 - 4² 0.15)/20 m = "
         "1.5 cm, and by elements a rim 1 cm further in takes 1.8 % off: 2.7 %; the quick elements' "
         "own error is 1 %",
         layer="agreement",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **cases.COLUMNS,
     "layers": "cubes through the thickness (1)",

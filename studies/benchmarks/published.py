@@ -39,44 +39,34 @@ QUICK = 32
 ROUNDING = float(4 * np.finfo(float).eps * max(meshes.PRINTED) ** 2)
 TOLERANCES = (
     Tolerance(
-        "published meshes: stiffness from the printed, relative",
-        ROUNDING,
-        "1",
+        "published meshes: stiffness from the printed, relative", ROUNDING, "1",
         "rounding of two solvers: four eps times the matrix's condition, which grows as N², 128²",
     ),
     Tolerance(
-        "published closed forms: stiffness from the form, relative",
-        1e-12,
-        "1",
+        "published closed forms: stiffness from the form, relative", 1e-12, "1",
         "rounding: eps times the ratio of constants, 100, times the 32 unknowns of 3 x 3 cells",
     ),
     Tolerance(
         "published meshes, springs on edges shared: stiffness from elasticity, relative",
-        ROUNDING,
-        "1",
+        ROUNDING, "1",
         "uniform tension is exact at any size: rounding as above",
     ),
     Tolerance(
-        "published plate: finite elements from elasticity, relative",
-        1e-10,
-        "1",
+        "published plate: finite elements from elasticity, relative", 1e-10, "1",
         "uniform stress is in the elements' space: a direct solve leaves 1e-13",
     ),
     Tolerance(
-        "published frame: first effect of weak bars, from χ(1 + nu²)",
-        1e-4,
-        "1",
+        "published frame: first effect of weak bars, from χ(1 + nu²)", 1e-4, "1",
         "bars ten times as strong are off by ten times as much, 3e-4: the next order, 30 EA",
     ),
     Tolerance(
         "published meshes against the framed plate: order",
-        float(np.log2((1 + meshes.PART) / (1 - meshes.PART))),
-        "1",
+        float(np.log2((1 + meshes.PART) / (1 - meshes.PART))), "1",
         "a lattice is of order 2; what the plate's uncertainty, 1/20 of each of two differences, "
         "may make of it",
     ),
     published_membranes.TOLERANCE,
-)
+)  # fmt: skip
 COLUMNS = {
     **published_sources.COLUMNS,
     **published_membranes.COLUMNS,

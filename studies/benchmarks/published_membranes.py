@@ -35,11 +35,9 @@ COUNT, CELLS = 1600, 4
 QUICK_COUNT, QUICK_CELLS = 400, 2
 """Points of a cell, and how many cells a mean is of."""
 TOLERANCE = Tolerance(
-    "published membranes, points held: area modulus over shear modulus",
-    1e-12,
-    "1",
+    "published membranes, points held: area modulus over shear modulus", 1e-12, "1",
     "Cauchy's relation holds spring by spring: rounding of sums over 4800 springs",
-)
+)  # fmt: skip
 COLUMNS = {
     "points": "how the points of a membrane lie; of the row as printed how is not known",
     "shear_modulus": "over the spring constant, points at rest, mean over cells (1)",

@@ -62,45 +62,34 @@ OWN = "pressed ring, plane stress: shear and von Mises stress by Q2 over what it
 WORDS = {"plane_stress": "plane stress", "plane_strain": "plane strain"}
 TOLERANCES = (
     Tolerance(
-        "pressed ring: displacement of the inside by Q2, 16 cells, relative",
-        1e-6,
-        "1",
+        "pressed ring: displacement of the inside by Q2, 16 cells, relative", 1e-6, "1",
         "order 4 from 4e-4, measured at 2 cells, is 1e-7; a thick wall's order 3.5 is 3e-7",
         layer="regression",
     ),
     Tolerance(
-        "pressed ring, plane stress: order of the inside's displacement by Q2",
-        0.2,
-        "1",
+        "pressed ring, plane stress: order of the inside's displacement by Q2", 0.2, "1",
         "4 at the corners of quadratic cells on a smooth field, where the next term is two powers "
         "on: 1/64 of the first at 8 cells, if as large at 1, bends a pair by 0.07",
     ),
     Tolerance(
         "pressed ring, plane stress: hoop stress on the inside by Q2, 16 cells, relative",
-        1e-5,
-        "1",
+        1e-5, "1",
         "order 2 or more from 1.5e-3, measured at 2 cells, is 2e-5 at most; symmetry, which makes "
         "it 4 at first, leaves less than half of that",
         layer="regression",
     ),
     Tolerance(
-        OWN,
-        1.0,
-        "1",
+        OWN, 1.0, "1",
         "three meshes that halve their cells state by Richardson's rule how far the last is off, "
         "with a factor of safety: no value may be farther from Lamé's",
     ),
     Tolerance(
-        "pressed ring: displacement of springs everywhere, finest lattice, relative",
-        5e-4,
-        "1",
+        "pressed ring: displacement of springs everywhere, finest lattice, relative", 5e-4, "1",
         "order 2 from 6e-3, measured at 8 cells, is 4e-4 at 32",
         layer="regression",
     ),
     Tolerance(
-        "pressed ring: order of the displacement of springs everywhere, all lattices",
-        0.5,
-        "1",
+        "pressed ring: order of the displacement of springs everywhere, all lattices", 0.5, "1",
         "2 of the cells inside; the first order of what cut cells leave takes a part of it where "
         "the two have one sign and adds to it where they have not: by half if at the finest "
         "lattice it is half of the other",
@@ -108,13 +97,12 @@ TOLERANCES = (
     ),
     Tolerance(
         "pressed ring, plane stress: hoop stress on the inside by springs, quartic fit, relative",
-        5e-3,
-        "1",
+        5e-3, "1",
         "cut cells leave tenths of a per cent in displacements at 16 cells, and as much in strains "
         "as in displacements, for both are carried in from the outline",
         layer="agreement",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **cases.COLUMNS,
     **curved_drawing.COLUMNS,

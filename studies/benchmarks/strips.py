@@ -50,33 +50,25 @@ DEPENDENT = 1e-7
 """Rounding of that uncertainty, which is 4e-6 or more: ten times what rounding leaves of K_tn."""
 TOLERANCES = (
     Tolerance(
-        "strips: uncertainty of elements, relative",
-        ACCURACY,
-        "1",
+        "strips: uncertainty of elements, relative", ACCURACY, "1",
         "what is asked of them: a tenth of what they are to tell of Heywood's fit at d/W = 0.5",
     ),
     Tolerance(
-        "strips: elements against potentials, relative to what both leave uncertain",
-        1.0,
-        "1",
+        "strips: elements against potentials, relative to what both leave uncertain", 1.0, "1",
         "two ways to one value differ by no more than their uncertainties added up",
     ),
     Tolerance(
-        "strips: elements against Heywood's fit, relative",
-        0.03,
-        "1",
+        "strips: elements against Heywood's fit, relative", 0.03, "1",
         "the fit's own accuracy: known to be good to 1 % for narrow holes and to some more as the "
         "hole takes half of the width, where the ligaments bend",
         layer="agreement",
     ),
     Tolerance(
-        "strips: springs against elements, relative",
-        0.02,
-        "1",
+        "strips: springs against elements, relative", 0.02, "1",
         "as of the endless plate, with 12 cells per radius in place of 16: (16/12)² of 1 %",
         layer="agreement",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "d_over_W": "diameter of the hole over the strip's width (1)",
     "heywood": "K_tn of Heywood's fit: largest stress over the net section's mean (1)",

@@ -49,28 +49,23 @@ LINE, FACE, SPREAD = "line held", "rim held", "rim pushed"
 KINDS = (LINE, FACE, SPREAD)
 TOLERANCES = (
     Tolerance(
-        "LE10: stress by H2, finest mesh, against the published value, relative",
-        0.01,
-        "1",
+        "LE10: stress by H2, finest mesh, against the published value, relative", 0.01, "1",
         "what the benchmark is asked for; the last digit of -5.38 is 2e-3, and a halving along the "
         "line moves the stress by as much",
     ),
     Tolerance(
         "LE10: sinking by each halving along the line, against Kelvin's line force, relative",
-        0.15,
-        "1",
+        0.15, "1",
         "by Betti's theorem the factor to Kelvin's is a mean of the reaction over a uniform one, "
         "weighted by the reaction to a force at the place; along the rim that ratio runs from 0.88 "
         "to 1.14 where it was measured, all weights are positive, and refinement changes neither",
         layer="regression",
     ),
     Tolerance(
-        "LE10: last change of the stress over the one before, rim held or pushed",
-        0.5,
-        "1",
+        "LE10: last change of the stress over the one before, rim held or pushed", 0.5, "1",
         "what has a limit, of an order of 1 or more at the line: changes halve at least",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **cases.COLUMNS,
     "support": f'how the rim is held upwards: "{LINE}" along its middle, "{FACE}" all over, or '

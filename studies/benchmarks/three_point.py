@@ -46,43 +46,34 @@ RATIOS, QUICK_RATIOS = (1 / 3, 0.45), (1 / 3,)
 KINDS = ("supported", "clamped")
 TOLERANCES = (
     Tolerance(
-        "three-point bending, supported: order of the springs' deflection, finest pair",
-        0.15,
-        "1",
+        "three-point bending, supported: order of the springs' deflection, finest pair", 0.15, "1",
         "the ends of the load are no worse than a jump of traction, far from the axis: order 2, "
         "and a term of two powers more that moves a pair by 0.1 if as large as the first at one "
         "cell",
     ),
     Tolerance(
         "three-point bending, clamped: order of the springs, part of the way from 2λ to 2",
-        0.5,
-        "1",
+        0.5, "1",
         "bending, of order 2, and the clamps' corners, of order 2λ, have the same sign: the order "
         "is somewhere between theirs, and this holds it from both sides",
     ),
     Tolerance(
-        "three-point bending, supported: FEM against beam theory, relative",
-        0.01,
-        "1",
+        "three-point bending, supported: FEM against beam theory, relative", 0.01, "1",
         "what the load does to the beam below it: for a point load and nu = 0.3 the exact series "
         "(Timoshenko and Goodier 1970) is 1 + 2.85 (h/L)² - 0.84 (h/L)³ where shear alone makes it "
         "1 + 3.12 (h/L)², 0.6 % less here; as much again for another load and nu",
     ),
     Tolerance(
-        "three-point bending, clamped: FEM against beam theory, relative",
-        0.03,
-        "1",
+        "three-point bending, clamped: FEM against beam theory, relative", 0.03, "1",
         "the same of a deflection a quarter as large: 2.4 %, and a quarter more for sections that "
         "clamps keep from contracting",
     ),
     Tolerance(
-        "three-point bending: uncertainty of FEM, relative",
-        QUICK_ACCURACY,
-        "1",
+        "three-point bending: uncertainty of FEM, relative", QUICK_ACCURACY, "1",
         "what the question asks of it, a tenth of the springs' difference at 16 cells; the full "
         "form asks for a quarter of this",
     ),
-)
+)  # fmt: skip
 
 
 def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:

@@ -33,18 +33,7 @@ from . import dynamic_relaxation, frontier, space, spoilt, steps, strained, time
 METHODS = RELAXATIONS | {dynamic_relaxation.NAME: dynamic_relaxation.METHOD}
 FAULTS = {
     name: {"candidate": METHODS | methods, "questions": (question,)}
-    for (name, methods), question in zip(
-        spoilt.FAULTS.items(), ("steps", "dynamic_relaxation", "dynamic_relaxation"), strict=True
-    )
-} | {
-    "a damping that follows the spacing and not the body": {
-        "candidate": METHODS | {"viscous_leapfrog": spoilt.BY_SPACING},
-        "questions": ("space",),
-    },
-    "the geometric part of the tangent with a wrong sign": {
-        "candidate": METHODS | {"newton": spoilt.WRONG_TANGENT},
-        "questions": ("strained",),
-    },
+    for name, (question, methods) in spoilt.FAULTS.items()
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""

@@ -115,6 +115,12 @@ def frequencies(body: str, fineness: int) -> tuple[float, float]:
     return extreme_frequencies(network(body, fineness))
 
 
+def root_kappa(body: str, fineness: int) -> float:
+    """Highest over lowest natural frequency of the network."""
+    low, high = frequencies(body, fineness)
+    return high / low
+
+
 def relative_error(displacement: Array, reference: Array) -> float:
     """Largest distance from the reference over the largest displacement there."""
     apart = np.linalg.norm(displacement - reference, axis=1).max()

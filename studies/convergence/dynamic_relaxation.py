@@ -43,24 +43,18 @@ RESIDUAL = 1e-6
 LOOK_EVERY = 10
 TOLERANCES = (
     Tolerance(
-        "steps of dynamic relaxation less those of an independent program, worst",
-        LOOK_EVERY,
-        "1",
+        "steps of dynamic relaxation less those of an independent program, worst", LOOK_EVERY, "1",
         "both look every ten steps, and rounding may let one arrive a look later",
     ),
     Tolerance(
-        "exponent of the steps of dynamic relaxation in kappa",
-        0.05,
-        "1",
+        "exponent of the steps of dynamic relaxation in kappa", 0.05, "1",
         "1/2 for one mode; ln of the largest residual's share adds a few per cent on small plates",
     ),
     Tolerance(
-        "exponent of steps x springs of dynamic relaxation in nodes",
-        0.1,
-        "1",
+        "exponent of steps x springs of dynamic relaxation in nodes", 0.1, "1",
         "3/2; boundary springs add 0.04 and the clamped edge takes 0.02 at these sizes",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **steps.COLUMNS,
     "kappa": "ratio of the squares of highest and lowest natural frequency (1)",
@@ -87,15 +81,12 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     table = pd.DataFrame(rows)
     arrived = (table["outcome"] == "reached").all()
     cost = table["steps"] * table["springs"]
-    exponents = (
-        (fitted_power(table["kappa"], table["steps"]), fitted_power(table["nodes"], cost))
-        if arrived
-        else None
-    )
+    growth = ((table["kappa"], table["steps"]), (table["nodes"], cost))
+    in_kappa, in_nodes = (fitted_power(*pair).exponent if arrived else math.nan for pair in growth)
     seen = [
         worst(table["steps"], table["independent_steps"]),
-        Observed(exponents[0].exponent if exponents else math.nan, 0.5),
-        Observed(exponents[1].exponent if exponents else math.nan, 1.5),
+        Observed(in_kappa, 0.5),
+        Observed(in_nodes, 1.5),
     ]
     return Evidence(
         tables={"dynamic_relaxation": table},
@@ -139,22 +130,12 @@ def counted(method: Method, n: int) -> dict[str, object]:
 def draw(tables: Tables) -> Figure:
     """Steps against the condition number: counted here, by the other program, and the least."""
     table = tables[NAME]
+    kappa, other = table["kappa"], table["independent_steps"]
     figure, (axis,) = new(size=(4.2, 3.2))
-    kappa = table["kappa"]
-    axis.loglog(
-        kappa,
-        table["independent_steps"],
-        "s",
-        color=COLOURS[1],
-        ms=8,
-        mfc="none",
-        label="independent program",
-    )
+    axis.loglog(kappa, other, "s", color=COLOURS[1], ms=8, mfc="none", label="independent program")
     axis.loglog(kappa, table["steps"], "o", color=COLOURS[0], label="this one")
-    axis.loglog(
-        kappa, table["least_steps"], ":", color="black", label="from the spectral radius alone"
-    )
-    axis.set_xlabel("condition number kappa")
-    axis.set_ylabel("steps to a residual of 1e-6")
+    least = table["least_steps"]
+    axis.loglog(kappa, least, ":", color="black", label="from the spectral radius alone")
+    axis.set(xlabel="condition number kappa", ylabel="steps to a residual of 1e-6")
     axis.legend()
     return figure

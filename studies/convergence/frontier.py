@@ -65,34 +65,27 @@ AT_REST = 1e-7
 """Tolerance of the explicit relaxation: its own error is then far below that of the spacing."""
 TOLERANCES = (
     Tolerance(
-        "springs over Q1 elements on the same cells, error, worst factor between them",
-        2.5,
-        "1",
+        "springs over Q1 elements on the same cells, error, worst factor between them", 2.5, "1",
         "bent, N cells of springs are too stiff by 1.25/N^2, Q1 with full integration by about "
         "half of that; on the plate they are nearer to each other",
         layer="agreement",
     ),
     Tolerance(
         "order of Q2 elements against twice the exponent of the clamped corner, worst body",
-        0.1,
-        "1",
+        0.1, "1",
         "the fit is over three to five sizes, and the smooth part of the error, of order 4, is a "
         "tenth of the whole on the coarsest",
     ),
     Tolerance(
-        "relaxed springs against Newton's, relative distance over sqrt(kappa), times 1e7",
-        1.0,
-        "1",
+        "relaxed springs against Newton's, relative distance over sqrt(kappa), times 1e7", 1.0, "1",
         "stops at 1e-7 of the forces, times a lever of the order of kappa^(1/2)",
     ),
     Tolerance(
-        "uncertainty of the reference over the smallest error that it judges, worst body",
-        1.0,
-        "1",
+        "uncertainty of the reference over the smallest error that it judges, worst body", 1.0, "1",
         "an error below it is none; the uncertainty is what the last refinement changed, several "
         "times what it left",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **steps.COLUMNS,
     "model": "springs and how they came to rest, or the elements",
@@ -111,13 +104,8 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     """Errors and times of each model at each fineness."""
     sizes = QUICK if setting.quick else FINENESSES
     accuracy = QUICK_ACCURACY if setting.quick else ACCURACY
-    truth = dict(
-        zip(
-            bodies.PLANE,
-            setting.sweep(partial(elastic, accuracy), bodies.PLANE, "elastic solution"),
-            strict=True,
-        )
-    )
+    solved = setting.sweep(partial(elastic, accuracy), bodies.PLANE, "elastic solution")
+    truth = dict(zip(bodies.PLANE, solved, strict=True))
     repeats = 1 if setting.quick else REPEATS
     found = {
         (model, body, fineness): measured(answer, fineness, repeats)
@@ -129,11 +117,11 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     fitted = orders(table)
     apart = [
         bodies.relative_distance(what.displacement, found[NEWTON, *key[1:]].displacement)
-        / (AT_REST * root_kappa(*key[1:]))
+        / (AT_REST * bodies.root_kappa(*key[1:]))
         for key, what in found.items()
         if key[0] == KINETIC
     ]
-    seen = [*observed(table, fitted), Observed(max(apart)), worst_reference(table)]
+    seen = observed(table, fitted, apart)
     return Evidence(
         tables={"frontier": table, "frontier_orders": fitted},
         observed={t.quantity: value for t, value in zip(TOLERANCES, seen, strict=True)},
@@ -143,12 +131,6 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
         findings=findings(table),
         rounding=ROUNDING,
     )
-
-
-def root_kappa(body: str, fineness: int) -> float:
-    """Highest over lowest natural frequency of a network."""
-    low, high = bodies.frequencies(body, fineness)
-    return high / low
 
 
 def elastic(accuracy: Mapping[str, float], body: str) -> tuple[Array, float]:
@@ -244,33 +226,23 @@ def orders(table: pd.DataFrame) -> pd.DataFrame:
     """Observed order of each model's error in the cells across."""
     rows = []
     for (body, model), part in table.groupby(["body", "model"], sort=False):
-        fit = fitted_power(part["cells_y"], part["error"])
-        rows.append(
-            {
-                "body": body,
-                "model": model,
-                "order": -fit.exponent,
-                "low_order": -fit.high,
-                "high_order": -fit.low,
-            }
-        )
+        power, low, high = fitted_power(part["cells_y"], part["error"])
+        order = {"order": -power, "low_order": -high, "high_order": -low}
+        rows.append({"body": body, "model": model} | order)
     return pd.DataFrame(rows)
 
 
-def observed(table: pd.DataFrame, fitted: pd.DataFrame) -> list[Observed]:
+def observed(table: pd.DataFrame, fitted: pd.DataFrame, apart: list[float]) -> list[Observed]:
     """What the tolerances judge, in their order."""
     corner = 2 * clamped_free_exponent(bodies.tensor(), np.pi / 2)
     errors = {str(model): part["error"].to_numpy() for model, part in table.groupby("model")}
-    apart = np.abs(np.log(errors[NEWTON] / errors["Q1 elements"]))
+    factor = np.exp(np.abs(np.log(errors[NEWTON] / errors["Q1 elements"])).max())
     return [
-        Observed(float(np.exp(apart.max())), 1.0),
+        Observed(float(factor), 1.0),
         worst(fitted["order"][fitted["model"] == "Q2 elements"], corner),
+        Observed(max(apart)),
+        Observed(float((table["reference_error"] / table["error"]).max())),
     ]
-
-
-def worst_reference(table: pd.DataFrame) -> Observed:
-    """The largest part of a model's error that the reference's own may be."""
-    return Observed(float((table["reference_error"] / table["error"]).max()))
 
 
 def findings(table: pd.DataFrame) -> tuple[str, ...]:
@@ -308,18 +280,11 @@ def draw(tables: Tables) -> Figure:
     for axis, body in zip(axes, bodies.PLANE, strict=True):
         part = table[table["body"] == body]
         for index, (model, rows) in enumerate(part.groupby("model", sort=False)):
-            axis.loglog(
-                rows["wall_seconds"],
-                rows["error"],
-                marker=MARKERS[index],
-                color=DRAWN[str(model)],
-                label=str(model),
-            )
-        axis.axhline(
-            part["reference_error"].iloc[0], ls=":", color="grey", label="the reference's own error"
-        )
-        axis.set_title(body, fontsize=9)
-        axis.set_xlabel("seconds from problem to displacement")
+            style = {"marker": MARKERS[index], "color": DRAWN[str(model)]}
+            axis.loglog(rows["wall_seconds"], rows["error"], label=str(model), **style)
+        own = part["reference_error"].iloc[0]
+        axis.axhline(own, ls=":", color="grey", label="the reference's own error")
+        axis.set(title=body, xlabel="seconds from problem to displacement")
         axis.set_ylabel("relative error at the probes")
     shared_legend(figure, axes, columns=2)
     return figure

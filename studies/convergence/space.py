@@ -24,6 +24,7 @@ from matplotlib.figure import Figure
 
 import reference_fem
 from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.counting import TIGHT
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -51,77 +52,56 @@ EXPECTED = {
 RESTARTING = ("kinetic_damping", "adaptive", "conjugate_gradients")
 CHECKED, QUICK_CHECKED = (6, 8, 10), (6, 8)
 """Cells along an edge of cubes that multigrid and a factor both bring to rest."""
-NEARER = "nearer to {} than to {}"
 TOLERANCES = (
     Tolerance(
-        "exponent of steps in kappa, viscous methods on the cube, worst",
-        0.08,
-        "1",
+        "exponent of steps in kappa, viscous methods on the cube, worst", 0.08, "1",
         "1/2 less what Algorithm 1 loses: of first order, damped critically for the exact motion, "
         "its two rates lie sqrt(e) apart, e = 1.8/sqrt(kappa) = 0.09 on the coarsest cube, which "
         "costs sqrt(e)/4 of the exponent there",
     ),
     Tolerance(
-        "exponent of steps in nodes, viscous leapfrog on the cube",
-        0.08,
-        "1",
+        "exponent of steps in nodes, viscous leapfrog on the cube", 0.08, "1",
         "1/3: n cells have n + 1 nodes along an edge, so that it is (1 + 1/n)/3 at first, 0.06 "
         "more with 6 cells; the clamped side adds two hundredths",
     ),
     Tolerance(
-        "exponent of cost in nodes, viscous methods on the cube, worst",
-        0.15,
-        "1",
+        "exponent of cost in nodes, viscous methods on the cube, worst", 0.15, "1",
         "4/3, and as above; nodes of the surface have fewer springs, which adds 0.07",
     ),
     Tolerance(
         "exponent of steps in nodes, kinetic and adaptive damping and conjugate gradients on the "
-        "cube, worst",
-        1 / 6,
-        "1",
-        NEARER.format(
-            "1/3", "0, the report's constant time, and to 2/3, as steepest descent steps"
-        ),
+        "cube, worst", 1 / 6, "1",
+        "nearer to 1/3 than to 0, the report's constant time, and to 2/3, as steepest descent "
+        "steps",
     ),
     Tolerance(
-        "exponent of steps in nodes, FIRE on the cube",
-        0.27,
-        "1",
+        "exponent of steps in nodes, FIRE on the cube", 0.27, "1",
         "as above, and 0.1 more: its counts hang on the last digits, by a fifth on six times the "
         "nodes; still no constant",
     ),
     Tolerance(
-        "exponent of cycles in nodes, Newton's method by multigrid on the cube",
-        1 / 6,
-        "1",
-        NEARER.format("constant", "1/3, as explicit methods step"),
+        "exponent of cycles in nodes, Newton's method by multigrid on the cube", 1 / 6, "1",
+        "nearer to constant than to 1/3, as explicit methods step",
     ),
     Tolerance(
         "cube at rest by multigrid from that by a factor, over the largest displacement, worst",
-        1e-8,
-        "1",
+        1e-8, "1",
         "a hundredth of the smallest error that steps are counted to; forces are left at 1e-13, "
         "times a lever of the order of kappa, 1e4 at most",
     ),
     Tolerance(
-        "cube of elements: exponent of the factor's entries in unknowns",
-        1 / 6,
-        "1",
-        NEARER.format("4/3", "5/3, the band's; terms below the first fall as unknowns^(-1/3)"),
+        "cube of elements: exponent of the factor's entries in unknowns", 1 / 6, "1",
+        "nearer to 4/3 than to 5/3, the band's; terms below the first fall as unknowns^(-1/3)",
     ),
     Tolerance(
-        "cube of elements: exponent of the factor's products in unknowns",
-        1 / 6,
-        "1",
-        NEARER.format("2", "7/3, the band's"),
+        "cube of elements: exponent of the factor's products in unknowns", 1 / 6, "1",
+        "nearer to 2 than to 7/3, the band's",
     ),
     Tolerance(
-        "cube of elements: exponent of multigrid's cycles in unknowns",
-        1 / 6,
-        "1",
-        NEARER.format("constant", "1/3, conjugate gradients without it"),
+        "cube of elements: exponent of multigrid's cycles in unknowns", 1 / 6, "1",
+        "nearer to constant than to 1/3, conjugate gradients without it",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **steps.COLUMNS,
     "way": "of solving the elements of a cube: factor of the full matrix, factor in nested "
@@ -146,12 +126,14 @@ def run(counted: pd.DataFrame, grown: pd.DataFrame, setting: Setting) -> Evidenc
         [row for rows in setting.sweep(eliminated, edges, "factors") for row in rows]
     )
     cycles = pd.DataFrame(setting.sweep(by_multigrid, solved, "multigrid"))
-    growing, growing_here = growth(factors), growth_here(cycles)
-    seen = [
-        *relaxations(grown),
-        Observed(max(apart_at_rest(edge) for edge in checked)),
-        *elements(growing, growing_here),
-    ]
+    growing = growth(factors)
+    counts = cycles.rename(columns={"cycles_here": "cycles", "products_here": "products"})
+    growing_here = growth(counts).rename(columns=steps.HERE)
+    at_rest = (
+        bodies.relative_error(bodies.by_multigrid(CUBE, edge), bodies.at_rest(CUBE, edge))
+        for edge in checked
+    )
+    seen = [*relaxations(grown), Observed(max(at_rest)), *elements(growing, growing_here)]
     return Evidence(
         tables={
             "factors": factors,
@@ -176,10 +158,7 @@ def eliminated(edge: int) -> list[dict[str, object]]:
     """Rows of one cube: counts of a full matrix, and in nested dissection."""
     mesh = cube_of_elements(edge)
     unknowns = mesh.dim * int(free_nodes(mesh).sum())
-    counts = {
-        FULL: elimination.full(unknowns),
-        DISSECTED: in_order(mesh, node_order(mesh)),
-    }
+    counts = {FULL: elimination.full(unknowns), DISSECTED: in_order(mesh, node_order(mesh))}
     return [
         {"way": way, "cells": edge, "unknowns": unknowns, **count._asdict()}
         for way, count in counts.items()
@@ -217,11 +196,6 @@ def by_multigrid(edge: int) -> dict[str, object]:
     }
 
 
-def apart_at_rest(edge: int) -> float:
-    """Distance of the cube of springs at rest by multigrid from that by a factor, relative."""
-    return bodies.relative_error(bodies.by_multigrid(CUBE, edge), bodies.at_rest(CUBE, edge))
-
-
 def growth(factors: pd.DataFrame) -> pd.DataFrame:
     """Exponents of entries and products in the unknowns."""
     return pd.DataFrame(
@@ -238,35 +212,29 @@ def growth(factors: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def growth_here(cycles: pd.DataFrame) -> pd.DataFrame:
-    """Exponents of what multigrid takes, in the unknowns."""
-    counts = cycles.rename(columns={"cycles_here": "cycles", "products_here": "products"})
-    return growth(counts).rename(columns=steps.HERE)
-
-
 def relaxations(grown: pd.DataFrame) -> list[Observed]:
     """What the tolerances of springs judge, in their order."""
-    on = (CUBE,)
-    return [
-        steps.exponent(grown, "steps in kappa", on, steps.VISCOUS),
-        steps.exponent(grown, "steps in nodes", on, ("viscous_leapfrog",)),
-        steps.exponent(grown, "cost in nodes", on, steps.VISCOUS),
-        steps.exponent(grown, "steps in nodes", on, RESTARTING),
-        steps.exponent(grown, "steps in nodes", on, ("fire",)),
-        steps.exponent(grown, "cycles in nodes", on, ("newton_multigrid",)),
-    ]
+    asked = (
+        ("steps in kappa", steps.VISCOUS),
+        ("steps in nodes", ("viscous_leapfrog",)),
+        ("cost in nodes", steps.VISCOUS),
+        ("steps in nodes", RESTARTING),
+        ("steps in nodes", ("fire",)),
+        ("cycles in nodes", ("newton_multigrid",)),
+    )
+    return [steps.exponent(grown, quantity, (CUBE,), methods) for quantity, methods in asked]
 
 
 def elements(growing: pd.DataFrame, growing_here: pd.DataFrame) -> list[Observed]:
     """What the tolerances of elements judge, in their order."""
     fits = growing.set_index(["way", "quantity"])["exponent"]
     here = growing_here.set_index(["way", "quantity"])["exponent_here"]
-    judged = [
-        (fits, DISSECTED, "entries"),
-        (fits, DISSECTED, "products"),
-        (here, MULTIGRID, "cycles"),
-    ]
-    return [Observed(float(of[way, what]), EXPECTED[way, what]) for of, way, what in judged]
+    judged = (
+        (fits, (DISSECTED, "entries")),
+        (fits, (DISSECTED, "products")),
+        (here, (MULTIGRID, "cycles")),
+    )
+    return [Observed(float(found[what]), EXPECTED[what]) for found, what in judged]
 
 
 def findings(
@@ -277,7 +245,7 @@ def findings(
     growing_here: pd.DataFrame,
 ) -> tuple[str, ...]:
     """What the report's two sentences come to where it said them."""
-    tight = grown[(grown["body"] == CUBE) & (grown["threshold"] == steps.TIGHT)]
+    tight = grown[(grown["body"] == CUBE) & (grown["threshold"] == TIGHT)]
     explicit = tight[tight["method"].isin(steps.EXPLICIT)]
     rises = explicit[explicit["quantity"] == "steps in nodes"]
     works = explicit[explicit["quantity"] == "cost in nodes"]
@@ -289,7 +257,7 @@ def findings(
     said = (
         f"The report's O(n), its time to rest constant, in space and by its own viscous motion: "
         f"{'refuted' if refuted else 'not decided by these sizes'}. Theory has steps as "
-        f"nodes^(1/3) and work as nodes^(4/3). Steps to an error of {steps.TIGHT:g} grow as the "
+        f"nodes^(1/3) and work as nodes^(4/3). Steps to an error of {TIGHT:g} grow as the "
         f"nodes to the power of: {powers(rises)}; work: {powers(works)}. {ends(counted)}"
     )
     fits = pd.concat([growing, growing_here.rename(columns={v: k for k, v in steps.HERE.items()})])
@@ -320,7 +288,7 @@ def ends(counted: pd.DataFrame) -> str:
     """Steps of the report's algorithm on the smallest cube and on the largest."""
     done = counted[
         (counted["body"] == CUBE)
-        & (counted["threshold"] == steps.TIGHT)
+        & (counted["threshold"] == TIGHT)
         & (counted["method"] == "algorithm1")
         & (counted["outcome"] == "reached")
     ]
@@ -358,14 +326,8 @@ def draw(tables: Tables) -> Figure:
             axis.loglog(edge, values, label=str(way), **DRAWN[str(way)])
             if quantity == "products":
                 slope = 3 * EXPECTED[str(way), quantity]
-                axis.loglog(
-                    edge,
-                    0.4 * values[-1] * (edge / edge[-1]) ** slope,
-                    SLOPES[str(way)],
-                    color="black",
-                    label=f"n^{slope:.0f}",
-                )
-        axis.set_xlabel("n, nodes along the edge")
-        axis.set_ylabel(label)
+                line = 0.4 * values[-1] * (edge / edge[-1]) ** slope
+                axis.loglog(edge, line, SLOPES[str(way)], color="black", label=f"n^{slope:.0f}")
+        axis.set(xlabel="n, nodes along the edge", ylabel=label)
     figures.shared_legend(figure, axes, columns=3)
     return figure

@@ -13,11 +13,11 @@ from scipy.sparse.linalg import spsolve
 from msvalidate.dynamics.integrators import LEAPFROG, factors_of
 from msvalidate.network import stretched, tangent
 from msvalidate.problem import Array
+from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.run import SAFETY, Run
 from msvalidate.relaxation.viscous import viscous
 
-from . import dynamic_relaxation
 from .dynamic_relaxation import METHOD, at_its_best
 
 Walk = Callable[[Run], Iterator[None]]
@@ -74,22 +74,34 @@ def _damped_by_spacing(run: Run) -> Iterator[None]:
 
 OF_HIGHEST = 0.1
 """Of the highest frequency is twice the lowest, where a cube has six cells along an edge."""
+HALF_KICK = replace(LEAPFROG, factors=_half_kick)
 BY_SPACING = replace(RELAXATIONS["viscous_leapfrog"], walk=_damped_by_spacing)
 WRONG_TANGENT = replace(RELAXATIONS["newton"], walk=_wrong_tangent)
-TRUE = {"viscous_leapfrog": RELAXATIONS["viscous_leapfrog"], dynamic_relaxation.NAME: METHOD}
-WALKS: dict[str, tuple[Walk, Walk]] = {
-    "damping halved": (_half_damped, partial(at_its_best, LEAPFROG, 0.5)),
-    "a wrong kick: half the force": (
-        viscous(replace(LEAPFROG, factors=_half_kick)).walk,
-        partial(at_its_best, replace(LEAPFROG, factors=_half_kick), 1),
+WALKS: tuple[tuple[str, str, Walk, Walk], ...] = (
+    ("damping halved", "steps", _half_damped, partial(at_its_best, LEAPFROG, 0.5)),
+    (
+        "a wrong kick: half the force",
+        "dynamic_relaxation",
+        viscous(HALF_KICK).walk,
+        partial(at_its_best, HALF_KICK, 1),
     ),
-    "a lagged force": (_lagging, _lagging),
+    ("a lagged force", "dynamic_relaxation", _lagging, _lagging),
+)
+"""Fault, the question that notices it, and how leapfrog and dynamic relaxation step with it."""
+FAULTS: dict[str, tuple[str, dict[str, Method]]] = {
+    name: (
+        question,
+        {
+            "viscous_leapfrog": replace(RELAXATIONS["viscous_leapfrog"], walk=leapfrog),
+            METHOD.name: replace(METHOD, walk=relaxing),
+        },
+    )
+    for name, question, leapfrog, relaxing in WALKS
+} | {
+    "a damping that follows the spacing and not the body": (
+        "space",
+        {"viscous_leapfrog": BY_SPACING},
+    ),
+    "the geometric part of the tangent with a wrong sign": ("strained", {"newton": WRONG_TANGENT}),
 }
-FAULTS = {
-    name: {
-        method.name: replace(method, walk=walk)
-        for method, walk in zip(TRUE.values(), walks, strict=True)
-    }
-    for name, walks in WALKS.items()
-}
-"""Name of the fault -> the methods that have it, by name."""
+"""Fault -> the question that notices it, and the methods that have it, by name."""

@@ -16,26 +16,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 from fractions import Fraction
-from functools import partial
 from itertools import product
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from scipy.optimize import brentq
 
+from msvalidate.judging import counting
 from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.counting import THRESHOLDS, TIGHT, predicted
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
-from msvalidate.output.figures import COLOURS, MARKERS
-from msvalidate.problem import Array, SolverError
-from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.relaxation.run import SAFETY, Run
 
 from . import bodies
 
@@ -46,14 +42,6 @@ FINENESSES = {
 }
 """Cells across: 81 to 16641 nodes, 33 to 5313, and 343 to 15625."""
 QUICK = {"plate": (8, 16, 32, 48), "beam": (2, 4, 6, 8), "cube": (6, 8, 10, 12)}
-THRESHOLDS = (1e-3, 1e-6)
-"""Of the error relative to the largest displacement."""
-AT_REST = 1e-13
-"""Tolerance of a run, far below what the thresholds need: they end it."""
-LOOKS = 100
-"""Looks on the way to the first threshold: the count of steps is then known to about 1 %."""
-SINGLY = ("conjugate_gradients", "newton", "newton_multigrid")
-"""Methods of few steps, looked at after every one."""
 VISCOUS = ("algorithm1", "viscous_leapfrog")
 """Viscous methods of one step and damping: the slowest mode predicts how many steps they take."""
 DYNAMIC = (*VISCOUS, "kinetic_damping", "fire", "adaptive")
@@ -67,45 +55,32 @@ CYCLING = "newton_multigrid"
 REPRODUCED = (*VISCOUS, FACTORISING)
 """Methods whose counts do not hang on rounding. The others choose between ways by the sign of small
 differences (FIRE's counts move by a fifth when a stiffness moves by 1e-15), or by a library."""
-BUDGET = 50
-"""Times the predicted steps after which a run has failed."""
-TIGHT = min(THRESHOLDS)
 TOLERANCES = (
     Tolerance("runs that failed", 0, "1", "every method is stable and must arrive at rest"),
     Tolerance(
-        "exponent of steps in kappa, viscous methods in the plane, worst",
-        0.05,
-        "1",
+        "exponent of steps in kappa, viscous methods in the plane, worst", 0.05, "1",
         "1/2 where the slowest mode is all; other modes and looks add a step or two per hundred on "
         "the coarsest",
     ),
     Tolerance(
-        "exponent of steps in nodes, viscous leapfrog on the plate",
-        0.05,
-        "1",
+        "exponent of steps in nodes, viscous leapfrog on the plate", 0.05, "1",
         "1/2 + O(1/cells): the clamped edge costs a few per cent of sqrt(kappa) on the coarsest",
     ),
     Tolerance(
-        "exponent of cost in nodes, viscous methods on the plate, worst",
-        0.1,
-        "1",
+        "exponent of cost in nodes, viscous methods on the plate, worst", 0.1, "1",
         "3/2, and as above; a spring more or less per node on the boundary adds up to 0.04",
     ),
     Tolerance(
-        "steps of viscous leapfrog over the prediction from kappa, worst",
-        0.05,
-        "1",
+        "steps of viscous leapfrog over the prediction from kappa, worst", 0.05, "1",
         "the prediction is of the slowest mode alone, as if it were the whole displacement; a look "
         "is taken every per cent or two of the way",
     ),
     Tolerance(
-        "steps of Newton's method to 1e-6, most",
-        0,
-        "1",
+        "steps of Newton's method to 1e-6, most", 0, "1",
         "rotations of 1e-4 leave an error of that size after the first, of its square after the "
         "second",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "body": "plate 1 m x 1 m, beam 5 m x 1 m or cube of 1 m, clamped on the left, sheared along "
     "y on the right",
@@ -178,18 +153,9 @@ def counted(case: tuple[Method, str, int]) -> list[dict[str, object]]:
     network, reference = bodies.network(body, fineness), bodies.at_rest(body, fineness)
     low, high = bodies.frequencies(body, fineness)
     cells_x, cells_y = bodies.cells(body, fineness)[:2]
-    reached: dict[float, tuple[int, int]] = {}
-    watch = partial(note_thresholds, reached, reference)
-    with suppress(SolverError):  # what was not reached is told as such
-        relax(
-            network,
-            method,
-            tolerance=AT_REST,
-            max_steps=BUDGET * predicted(high / low, min(THRESHOLDS)),
-            watch=watch,
-            look_every=stride(method.name, high / low),
-            frequencies=(low, high),
-        )
+    reached = counting.counted(
+        method, network, (low, high), lambda move: bodies.relative_error(move, reference)
+    )
     rows: list[dict[str, object]] = []
     for threshold in THRESHOLDS:
         steps, evaluations = reached.get(threshold, (0, 0))
@@ -210,29 +176,6 @@ def counted(case: tuple[Method, str, int]) -> list[dict[str, object]]:
             }
         )
     return rows
-
-
-def predicted(root_kappa: float, threshold: float) -> int:
-    """Steps after which the slowest mode, critically damped, is left with `threshold`.
-
-    x(t) = (1 + ωt) exp(-ωt) from rest, and ω dt = 2·SAFETY/√κ.
-    """
-    s = float(brentq(lambda s: math.log1p(s) - s - math.log(threshold), 0.0, 100.0))
-    return math.ceil(s * root_kappa / (2 * SAFETY))
-
-
-def stride(method: str, root_kappa: float) -> int:
-    """Steps between looks."""
-    return 1 if method in SINGLY else max(1, predicted(root_kappa, max(THRESHOLDS)) // LOOKS)
-
-
-def note_thresholds(reached: dict[float, tuple[int, int]], reference: Array, run: Run) -> bool:
-    """Note steps and evaluations where a threshold is first met; True when all are."""
-    error = bodies.relative_error(run.displacement, reference)
-    for threshold in THRESHOLDS:
-        if error <= threshold:
-            reached.setdefault(threshold, (run.steps, run.evaluations))
-    return len(reached) == len(THRESHOLDS)
 
 
 def expected(quantity: str, body: str) -> float:
@@ -264,16 +207,8 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
             fits["cost in nodes"] = fitted_power(part["nodes"], cost)
         if method == CYCLING:
             fits["cycles in nodes"] = fitted_power(part["nodes"], part["evaluations"])
-        rows += [
-            {
-                "body": body,
-                "method": method,
-                "threshold": threshold,
-                "quantity": quantity,
-                **fit._asdict(),
-            }
-            for quantity, fit in fits.items()
-        ]
+        head = {"body": body, "method": method, "threshold": threshold}
+        rows += [head | {"quantity": what} | fit._asdict() for what, fit in fits.items()]
     return pd.DataFrame(rows)
 
 
@@ -286,7 +221,10 @@ def observed(table: pd.DataFrame, grown: pd.DataFrame) -> list[Observed]:
         exponent(grown, "steps in kappa", bodies.PLANE, VISCOUS),
         exponent(grown, "steps in nodes", ("plate",), ("viscous_leapfrog",)),
         exponent(grown, "cost in nodes", ("plate",), VISCOUS),
-        worst_or_nan(viscous["steps"] / viscous["predicted_steps"], 1.0),
+        # Where no run came so far NaN, which fails.
+        worst(viscous["steps"] / viscous["predicted_steps"], 1.0)
+        if len(viscous)
+        else Observed(math.nan, 1.0),
         Observed(int(newton["steps"].max()), 2),
     ]
 
@@ -305,11 +243,6 @@ def exponent(
     if len(rows) < len(on) * len(methods):
         return Observed(math.nan, reference)
     return worst(rows["exponent"], reference)
-
-
-def worst_or_nan(values: pd.Series, reference: float) -> Observed:
-    """The value farthest from the reference; NaN, which fails, where no run came so far."""
-    return worst(values, reference) if len(values) else Observed(math.nan, reference)
 
 
 def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
@@ -357,12 +290,8 @@ def draw_cost(tables: Tables) -> Figure:
 def style(method: str) -> dict[str, Any]:
     """How a method is drawn, in every figure the same."""
     index = list(RELAXATIONS).index(method)
-    return {
-        "marker": MARKERS[index % len(MARKERS)],
-        "color": COLOURS[index % len(COLOURS)],
-        "linestyle": "-" if index < len(COLOURS) else "--",
-        "label": method.replace("_", " "),
-    }
+    line = "-" if index < len(figures.COLOURS) else "--"
+    return figures.numbered(index) | {"linestyle": line, "label": method.replace("_", " ")}
 
 
 SLOPES = {2: ":", 3: "-."}
@@ -380,15 +309,9 @@ def _drawn(table: pd.DataFrame, quantity: str) -> Figure:
         slope = expected(f"{quantity} in nodes", body)
         nodes = np.array([part["nodes"].min(), part["nodes"].max()], dtype=float)
         start = 0.6 * part[part["method"] == part["method"].iloc[0]][quantity].iloc[0]
-        axis.loglog(
-            nodes,
-            start * (nodes / nodes[0]) ** slope,
-            SLOPES[bodies.dim(body)],
-            color="black",
-            label=f"slope {Fraction(slope).limit_denominator(9)}",
-        )
-        axis.set_title(body, fontsize=9)
-        axis.set_xlabel("nodes")
+        line, label = SLOPES[bodies.dim(body)], f"slope {Fraction(slope).limit_denominator(9)}"
+        axis.loglog(nodes, start * (nodes / nodes[0]) ** slope, line, color="black", label=label)
+        axis.set(title=body, xlabel="nodes")
     axes[0].set_ylabel(LABELS[quantity])
     figures.shared_legend(figure, axes, columns=4)
     return figure

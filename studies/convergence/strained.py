@@ -37,21 +37,18 @@ FLOOR = 1e-13
 """Distance, over the largest displacement, at which what is left is rounding."""
 TOLERANCES = (
     Tolerance(
-        "order of Newton's method at 5 to 10 % strain, last three distances",
-        0.1,
-        "1",
+        "order of Newton's method at 5 to 10 % strain, last three distances", 0.1, "1",
         "2; what the square is multiplied by changes on the last steps by a factor of two at most, "
         "ln 2 over the logarithm of a step's gain, from 2 % of the way to its square over a few "
         "tens: 7.5",
     ),
     Tolerance(
         "rest at 5 to 10 % strain: Newton's method against conjugate gradients, relative",
-        1e-10,
-        "1",
+        1e-10, "1",
         "both stop at 1e-13 of the forces that meet at a point, times the condition number, which "
         "of 12 clamped cells is (4·12/π)² or a few times as much",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **steps.COLUMNS,
     "distance": "largest distance from the last position, over the largest displacement (1)",
@@ -117,12 +114,7 @@ def rows(network: Network, seen: list[Array]) -> list[dict[str, object]]:
         gain: float | str = "none"
         if i > 1:
             gain = math.log(distance / left[i - 1]) / math.log(left[i - 1] / left[i - 2])
-        strain = largest_strain(network, seen[i])
+        length = stretched(network, network.points + seen[i])[1]
+        strain = float(np.abs(length / network.rest_length - 1).max())
         found.append({"steps": i, "distance": distance, "strain": strain, "gain": gain})
     return found
-
-
-def largest_strain(network: Network, displacement: Array) -> float:
-    """Largest stretch or shortening of a spring over its rest length."""
-    length = stretched(network, network.points + displacement)[1]
-    return float(np.abs(length / network.rest_length - 1).max())

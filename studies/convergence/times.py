@@ -24,12 +24,13 @@ from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 import reference_fem
 from msvalidate.dynamics.integrate import SPECTRUM_ERROR
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging import counting
 from msvalidate.judging.compare import fitted_power
+from msvalidate.judging.counting import TIGHT
 from msvalidate.judging.evidence import Evidence, Tables
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.figures import new, shared_legend
@@ -45,15 +46,12 @@ ELEMENTS = {
     3: {"fem_h1": ("H1", "superlu"), "fem_h1_multigrid": ("H1", "multigrid")},
 }
 """Axes of a body -> name in tables -> element and solver."""
+FACTOR = {"marker": "^", "color": "black", "label": "fem, factor"}
+MULTIGRID = {"marker": "v", "color": "black", "linestyle": "--", "label": "fem, multigrid"}
 ELEMENTS_DRAWN: dict[str, dict[str, Any]] = {
-    "fem_q1": {"marker": "^", "color": "black", "label": "fem, factor"},
-    "fem_h1": {"marker": "^", "color": "black", "label": "fem, factor"},
-    "fem_h1_multigrid": {
-        "marker": "v",
-        "color": "black",
-        "linestyle": "--",
-        "label": "fem, multigrid",
-    },
+    "fem_q1": FACTOR,
+    "fem_h1": FACTOR,
+    "fem_h1_multigrid": MULTIGRID,
 }
 BY_FREQUENCIES = ("algorithm1", "viscous_leapfrog", "kinetic_damping", "fire")
 """Methods whose step or damping is set by natural frequencies."""
@@ -73,11 +71,9 @@ def run(candidate: Mapping[str, Method], counted: pd.DataFrame, setting: Setting
     """Time each run of the table of steps that came to its end, and the same bodies by elements."""
     repeats = 1 if setting.quick else REPEATS
     if setting.quick:
-        counted = counted[counted["threshold"] == min(steps.THRESHOLDS)]
+        counted = counted[counted["threshold"] == TIGHT]
     todo = records(counted[counted["outcome"] == "reached"])
-    silent = None if setting.progress else True
-    bar = tqdm(todo, desc="seconds to rest", delay=0.5, leave=False, disable=silent)
-    rows = [timed(candidate[row["method"]], row, repeats) for row in bar]
+    rows = setting.one_by_one(partial(timed, candidate, repeats), todo, "seconds to rest")
     rows += by_elements(counted, repeats)
     table = pd.DataFrame(rows)
     grown = growth(table)
@@ -96,10 +92,12 @@ def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     return [{str(column): value for column, value in row.items()} for _, row in table.iterrows()]
 
 
-def timed(method: Method, row: Mapping[str, Any], repeats: int) -> dict[str, object]:
+def timed(
+    candidate: Mapping[str, Method], repeats: int, row: Mapping[str, Any]
+) -> dict[str, object]:
     """One relaxation for as many steps as it needs, several times."""
+    method = candidate[row["method"]]
     body, fineness, count = str(row["body"]), int(row["cells_y"]), int(row["steps"])
-
     network, known = bodies.network(body, fineness), bodies.frequencies(body, fineness)
     built, solved = setup(body, fineness)
 
@@ -107,7 +105,7 @@ def timed(method: Method, row: Mapping[str, Any], repeats: int) -> dict[str, obj
         done = relax(
             network,
             method,
-            tolerance=steps.AT_REST,
+            tolerance=counting.AT_REST,
             max_steps=2 * count,
             watch=lambda run: run.steps >= count,
             look_every=count,
@@ -175,22 +173,14 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
         if len(part) < 3:
             continue
         fit = fitted_power(part["nodes"].iloc[-4:], part["wall_seconds"].iloc[-4:])
-        rows.append(
-            {
-                "body": body,
-                "method": method,
-                "threshold": threshold,
-                "exponent_of_seconds": fit.exponent,
-                "low_of_seconds": fit.low,
-                "high_of_seconds": fit.high,
-            }
-        )
+        row = {"body": body, "method": method, "threshold": threshold}
+        rows.append(row | {f"{name}_of_seconds": end for name, end in fit._asdict().items()})
     return pd.DataFrame(rows)
 
 
 def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
     """Who is fastest on the largest bodies, and how seconds grow."""
-    tight = table[table["threshold"] == min(steps.THRESHOLDS)]
+    tight = table[table["threshold"] == TIGHT]
     said = []
     for body in bodies.SIZES:
         part = tight[tight["body"] == body]
@@ -204,7 +194,7 @@ def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
             f"{ranks}."
         )
     for body in ("plate", "cube"):
-        part = grown[(grown["body"] == body) & (grown["threshold"] == min(steps.THRESHOLDS))]
+        part = grown[(grown["body"] == body) & (grown["threshold"] == TIGHT)]
         decided = part[part["high_of_seconds"] - part["low_of_seconds"] < DECIDED]
         powers = ", ".join(
             f"{row.method} nodes^{row.exponent_of_seconds:.2f} [{row.low_of_seconds:.2f}, "
@@ -219,7 +209,7 @@ def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
 def draw(tables: Tables) -> Figure:
     """Seconds to an error of 1e-6 against the nodes, with lattice or mesh and frequencies."""
     table = tables["times"]
-    tight = table[table["threshold"] == min(steps.THRESHOLDS)]
+    tight = table[table["threshold"] == TIGHT]
     figure, axes = new(len(bodies.SIZES), size=(3.6, 3.4))
     for axis, body in zip(axes, bodies.SIZES, strict=True):
         part = tight[tight["body"] == body]
@@ -227,8 +217,6 @@ def draw(tables: Tables) -> Figure:
             seconds = rows["wall_seconds"] + rows["setup_seconds"]
             how = ELEMENTS_DRAWN.get(str(method)) or steps.style(str(method))
             axis.loglog(rows["nodes"], seconds, **how)
-        axis.set_title(body, fontsize=9)
-        axis.set_xlabel("nodes")
-        axis.set_ylabel("seconds to an error of 1e-6")
+        axis.set(title=body, xlabel="nodes", ylabel="seconds to an error of 1e-6")
     shared_legend(figure, axes, columns=3)
     return figure

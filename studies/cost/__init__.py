@@ -27,6 +27,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
+from typing import Any
 
 from msvalidate import kernels
 from msvalidate.judging.candidate import of_kind
@@ -35,6 +36,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.statics.equilibrium import equilibrium
 
 from . import (
     agreement,
@@ -78,7 +80,7 @@ class Candidate:
     motion: Moving = kernels.Motion
     relaxations: Mapping[str, Method] = field(default_factory=lambda: dict(RELAXATIONS))
     elements: Mapping[str, Solve] = field(default_factory=lambda: dict(fem_ways.WAYS))
-    linear: refinement.Linear = refinement.solved
+    linear: refinement.Linear = equilibrium
     rest: solver_peers.Rest = solvers.solved
     multigrid_steps: Callable[[Network], int] = solvers.steps
 
@@ -86,43 +88,29 @@ class Candidate:
 OURS = Candidate()
 ALONE = True
 """It compares times: what runs beside it would take some of them."""
+FAULTY: dict[str, tuple[str, dict[str, Any]]] = {
+    "a kernel that drops a spring": ("agreement", {"motion": spoilt.dropping}),
+    "a kernel that makes numbers of what is none": ("agreement", {"motion": spoilt.Blind}),
+    "a relaxation that tells of half its steps": (
+        "relaxation",
+        {"relaxations": spoilt.HALF_COUNTED},
+    ),
+    "a relaxation whose steps grow as the points": (
+        "relaxation",
+        {"relaxations": spoilt.EVER_SHORTER},
+    ),
+    "elements solved in single precision": (
+        "fem",
+        {"elements": fem_ways.WAYS | {"auto": spoilt.rounded}},
+    ),
+    "a linear solution that is not refined": ("refinement", {"linear": refinement.unrefined}),
+    "a solver that stops early and states no error": ("solvers", {"rest": spoilt.careless}),
+    "a solver without coarse levels": ("solvers", {"multigrid_steps": spoilt.without_levels}),
+}
+"""Fault -> the question that notices it, and what of the candidate has it."""
 FAULTS = {
-    "a kernel that drops a spring": {
-        "candidate": replace(OURS, motion=spoilt.dropping),
-        "questions": ("agreement",),
-    },
-    "a kernel that makes numbers of what is none": {
-        "candidate": replace(OURS, motion=spoilt.Blind),
-        "questions": ("agreement",),
-    },
-    "a relaxation that tells of half its steps": {
-        "candidate": replace(
-            OURS, relaxations=RELAXATIONS | {"viscous_leapfrog": spoilt.HALF_COUNTED}
-        ),
-        "questions": ("relaxation",),
-    },
-    "a relaxation whose steps grow as the points": {
-        "candidate": replace(
-            OURS, relaxations=RELAXATIONS | {"viscous_leapfrog": spoilt.EVER_SHORTER}
-        ),
-        "questions": ("relaxation",),
-    },
-    "elements solved in single precision": {
-        "candidate": replace(OURS, elements=fem_ways.WAYS | {"auto": spoilt.rounded}),
-        "questions": ("fem",),
-    },
-    "a linear solution that is not refined": {
-        "candidate": replace(OURS, linear=refinement.unrefined),
-        "questions": ("refinement",),
-    },
-    "a solver that stops early and states no error": {
-        "candidate": replace(OURS, rest=spoilt.careless),
-        "questions": ("solvers",),
-    },
-    "a solver without coarse levels": {
-        "candidate": replace(OURS, multigrid_steps=spoilt.without_levels),
-        "questions": ("solvers",),
-    },
+    name: {"candidate": replace(OURS, **fault), "questions": (question,)}
+    for name, (question, fault) in FAULTY.items()
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""
@@ -137,18 +125,20 @@ def run(
     setting = setting or Setting()
     candidate = of_kind(candidate, Candidate)
     asked: dict[str, Callable[[], Evidence]] = {
-        "agreement": cache(partial(agreement.run, candidate.motion, setting)),
-        "kernel": cache(partial(kernel.run, candidate.motion, setting)),
-        "fem": cache(partial(fem.run, candidate.elements, setting)),
-        "relaxation": cache(partial(relaxation.run, candidate.relaxations, setting)),
-        "refinement": cache(partial(refinement.run, candidate.linear, setting)),
-        "solvers": cache(partial(solvers.run, candidate.rest, candidate.multigrid_steps, setting)),
-        "solver_peers": cache(partial(solver_peers.run, candidate.rest, setting)),
-        "large": cache(
-            partial(large.run, candidate.relaxations[large.METHOD], candidate.elements, setting)
+        "agreement": partial(agreement.run, candidate.motion, setting),
+        "kernel": partial(kernel.run, candidate.motion, setting),
+        "fem": partial(fem.run, candidate.elements, setting),
+        "relaxation": partial(relaxation.run, candidate.relaxations, setting),
+        "refinement": partial(refinement.run, candidate.linear, setting),
+        "solvers": partial(solvers.run, candidate.rest, candidate.multigrid_steps, setting),
+        "solver_peers": partial(solver_peers.run, candidate.rest, setting),
+        "large": partial(
+            large.run, candidate.relaxations[large.METHOD], candidate.elements, setting
         ),
         "machine": machine.run,
+        "limits": lambda: limits.run(asked["kernel"]().tables["kernel"], setting),
     }
-    asked["limits"] = cache(lambda: limits.run(asked["kernel"]().tables["kernel"], setting))
+    # `limits` and `targets` look at what others measured.
+    asked = {name: cache(answer) for name, answer in asked.items()}
     told = {name: asked[name] for name in targets.FROM}
     return answers(asked | {"targets": partial(targets.run, told, setting)}, questions)

@@ -33,28 +33,24 @@ TOO_LONG = 8.0
 FAR = 1e3
 """Displacement, in sizes of the body, that says that a run has diverged."""
 FEW = 400
+APART = ["apart_here", "threads_apart_here"]
 TOLERANCES = (
     Tolerance(
         f"a path from the plain form after {STEPS} steps, over the largest displacement, worst",
-        1e-12,
-        "1",
+        1e-12, "1",
         "2000 steps that each round by 2^-53, all one way, make 2e-13 of what moves; random "
         "tetrahedra have slivers whose forces are some times larger than those of a whole cell",
     ),
     Tolerance(
-        "two threads from one, the same path, worst",
-        1e-13,
-        "1",
+        "two threads from one, the same path, worst", 1e-13, "1",
         "sums over a point's springs are the same but where two threads' shares meet: a part of "
         "what the paths may differ by",
     ),
     Tolerance(
-        "runs that diverged or held a NaN and were not noticed",
-        0,
-        "1",
+        "runs that diverged or held a NaN and were not noticed", 0, "1",
         "a number that is not finite or is far too large must come out as it is",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     "apart_here": "largest distance from the plain form over the largest displacement, after 2000 "
@@ -71,11 +67,12 @@ def run(candidate: Moving, setting: Setting) -> Evidence:
     table = pd.DataFrame(rows)
     unseen = int((table[["diverged", "nan"]] != "noticed").to_numpy().sum())
     values = (
-        Observed(_largest(table["apart_here"])),
-        Observed(_largest(table["threads_apart_here"])),
+        # NaN counts as largest: it fails.
+        *(Observed(float(table[column].max(skipna=False))) for column in APART),
         Observed(unseen),
     )
-    shown = table.assign(**{c: table[c].map(_told) for c in ("apart_here", "threads_apart_here")})
+    finite = np.isfinite(table[APART])
+    shown = table.assign(**table[APART].astype(object).where(finite, "no number"))
     return Evidence(
         tables={"agreement": shown},
         observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
@@ -137,12 +134,3 @@ def holds_nan(net: Network, walk: Callable[..., tuple[int, float, bool]]) -> boo
 
 def _noticed(seen: bool) -> str:
     return "noticed" if seen else "missed"
-
-
-def _largest(values: pd.Series) -> float:
-    """NaN counts as largest: it fails."""
-    return float(values.max(skipna=False))
-
-
-def _told(value: float) -> float | str:
-    return value if np.isfinite(value) else "no number"

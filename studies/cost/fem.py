@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from scipy.sparse.linalg import spsolve
-from tqdm import tqdm
 
 import reference_fem
 from msvalidate.judging.compare import fitted_power
@@ -31,7 +30,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array, Box, Isotropic, Mask
 from reference_fem.elasticity import stiffness
 
-from . import fem_drawing, fem_ways, kernel, ngsolve_peer
+from . import drawing, fem_ways, kernel, ngsolve_peer
 from .fem_ways import Solve
 from .timing import ABSENT, GROWTH, QUICK_ROUNDS, ROUNDS, SECONDS, in_turn, summary
 
@@ -50,13 +49,11 @@ MANY = 20
 ELEMENT = {2: "Q1", 3: "H1"}
 TOLERANCES = (
     Tolerance(
-        "displacement by each way from that by spsolve, over the largest, worst",
-        1e-9,
-        "1",
+        "displacement by each way from that by spsolve, over the largest, worst", 1e-9, "1",
         "rounding times the condition number, 1e-16 x 1e6 at most at these sizes; multigrid stops "
         "at a thousandth of what is asked here",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     **GROWTH,
@@ -114,9 +111,9 @@ def run(candidate: Mapping[str, Solve], setting: Setting) -> Evidence:
     """Time assembly and solution at every size, and hold the ways of ours together."""
     sizes, rounds = (QUICK_CELLS, QUICK_ROUNDS) if setting.quick else (CELLS, ROUNDS)
     cases = [(dim, cells) for dim, many in sizes.items() for cells in many]
-    silent = None if setting.progress else True
-    bar = tqdm(cases, desc="elements", delay=0.5, leave=False, disable=silent)
-    pairs = [timed(candidate["auto"], dim, cells, rounds) for dim, cells in bar]
+    pairs = setting.one_by_one(
+        lambda case: timed(candidate["auto"], *case, rounds), cases, "elements"
+    )
     laps = pd.DataFrame([row for rows, _ in pairs for row in rows])
     chosen = pd.DataFrame([row for _, row in pairs])
     table = summary(laps, "cpu_seconds")
@@ -134,7 +131,7 @@ def run(candidate: Mapping[str, Solve], setting: Setting) -> Evidence:
         },
         observed={TOLERANCES[0].quantity: Observed(largest)},
         tolerances=TOLERANCES,
-        figures={"fem": fem_drawing.draw},
+        figures={"fem": drawing.elements},
         columns=COLUMNS,
         findings=findings(table, chosen),
     )
@@ -209,12 +206,11 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for (axes, task, program), part in table.groupby(["axes", "task", "program"], sort=False):
         row = {"axes": axes, "task": task, "program": program}
-        names = ("exponent_here", "low_here", "high_here")
         if len(part) < 3 or (part["cpu_seconds"] == ABSENT).any():
-            rows.append(row | dict.fromkeys(names, ABSENT))
+            rows.append(row | dict.fromkeys(GROWTH, ABSENT))
             continue
         fit = fitted_power(part["unknowns"], part["cpu_seconds"].astype(float))
-        rows.append(row | dict(zip(names, fit, strict=True)))
+        rows.append(row | dict(zip(GROWTH, fit, strict=True)))
     return pd.DataFrame(rows)
 
 

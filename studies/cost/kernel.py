@@ -21,14 +21,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from tqdm import tqdm
 
 from msvalidate import kernels
 from msvalidate.judging.evidence import Evidence
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 
-from . import bodies, kernel_drawing, lammps_peer, plain
+from . import bodies, drawing, lammps_peer, plain
 from .timing import ABSENT, ROUNDS, SINGLE, in_turn, summary
 
 NODES = (1_000, 10_000, 100_000, 1_000_000)
@@ -100,15 +99,16 @@ def run(candidate: Moving, setting: Setting) -> Evidence:
         for nodes in sizes
         if nodes <= MOST_NODES.get(name, nodes)
     ]
-    silent = None if setting.progress else True
-    bar = tqdm(cases, desc="ns a spring and step", delay=0.5, leave=False, disable=silent)
-    rounds = pd.DataFrame([row for case in bar for row in timed(candidate, work, *case)])
+    laps = setting.one_by_one(
+        lambda case: timed(candidate, work, *case), cases, "ns a spring and step"
+    )
+    rounds = pd.DataFrame([row for rows in laps for row in rows])
     table = summary(rounds.drop(columns="wall_ns_here"), "ns_here")
     return Evidence(
         tables={"kernel": table, "kernel_rounds": rounds},
         observed={},
         tolerances=(),
-        figures={"kernel": kernel_drawing.draw},
+        figures={"kernel": drawing.kernel},
         columns=COLUMNS,
         findings=findings(table),
     )
@@ -182,11 +182,9 @@ def nanoseconds(table: pd.DataFrame, **wanted: object) -> float | None:
     """Median of the row that matches; None if there is none, or it is absent."""
     for column, value in wanted.items():
         table = table[table[column] == value]
-    return (
-        None
-        if table.empty or table["ns_here"].iloc[0] == ABSENT
-        else float(table["ns_here"].iloc[0])
-    )
+    if table.empty or table["ns_here"].iloc[0] == ABSENT:
+        return None
+    return float(table["ns_here"].iloc[0])
 
 
 def findings(table: pd.DataFrame) -> tuple[str, ...]:

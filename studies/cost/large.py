@@ -22,7 +22,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from tqdm import tqdm
 
 from msvalidate import kernels
 from msvalidate.judging.compare import fitted_power
@@ -33,7 +32,7 @@ from msvalidate.problem import SolverError
 from msvalidate.relaxation.relax import Method, relax
 from reference_fem.elasticity import stiffness
 
-from . import bodies, fem, kernel, relaxation_drawing, start_up
+from . import bodies, drawing, fem, kernel, start_up
 from .fem_ways import Solve
 from .timing import ROUNDS, in_turn
 
@@ -50,24 +49,19 @@ METHOD = "newton_multigrid"
 TOLERANCES = (
     Tolerance(
         "iterations of Newton's method with multigrid at 1 % strain, most less fewest over sizes",
-        1,
-        "1",
+        1, "1",
         "the same continuous problem at any size; a residual near the tolerance may ask for one "
         "more",
     ),
     Tolerance(
-        "exponent of its multigrid cycles in nodes",
-        0.15,
-        "1",
+        "exponent of its multigrid cycles in nodes", 0.15, "1",
         "no growth but a logarithm: a cycle or two more on ten for each decade of nodes",
     ),
     Tolerance(
-        "bytes that a network keeps, a point, counted over predicted",
-        1e-12,
-        "1",
+        "bytes that a network keeps, a point, counted over predicted", 1e-12, "1",
         "a plate of n x n points has 4n² - 6n + 2 springs: a count, to the rounding of a quotient",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     "iterations": "of Newton's method at 1 % strain; 0 if it failed",
@@ -90,9 +84,8 @@ def run(method: Method, ways: Mapping[str, Solve], setting: Setting) -> Evidence
     """Time both at every size, and weigh what they hold."""
     sizes = QUICK_NODES if setting.quick else NODES
     repeated = 0 if setting.quick else REPEATED
-    silent = None if setting.progress else True
-    bar = tqdm(sizes, desc="large networks", delay=0.5, leave=False, disable=silent)
-    table = pd.DataFrame([beside(method, ways["auto"], nodes, repeated) for nodes in bar])
+    timed = partial(beside, method, ways["auto"], repeated)
+    table = pd.DataFrame(setting.one_by_one(timed, sizes, "large networks"))
     weighed = memory(method, ways["auto"], QUICK_WEIGHED if setting.quick else WEIGHED)
     arrays = pd.DataFrame([counted(nodes) for nodes in sizes[:2]])
     done = (table["iterations"] > 0).all()
@@ -104,7 +97,7 @@ def run(method: Method, ways: Mapping[str, Solve], setting: Setting) -> Evidence
         tables={"large": table, "memory": weighed, "network_arrays": arrays},
         observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
         tolerances=TOLERANCES,
-        figures={"large": relaxation_drawing.draw_large},
+        figures={"large": drawing.large},
         columns=COLUMNS,
         findings=findings(table, weighed),
     )
@@ -115,7 +108,7 @@ def stretched(nodes: int) -> Network:
     return bodies.plate(bodies.along(nodes, 2), strain=(PULL, 0.0))
 
 
-def beside(method: Method, solve: Solve, nodes: int, repeated: int) -> dict[str, Any]:
+def beside(method: Method, solve: Solve, repeated: int, nodes: int) -> dict[str, Any]:
     """Row of one size."""
     net, given = stretched(nodes), fem.block(2, bodies.along(nodes, 2))
     K = stiffness(given.body, given.material)

@@ -31,7 +31,7 @@ from msvalidate.network import Network
 from msvalidate.problem import Array
 from msvalidate.relaxation.run import SAFETY
 
-from . import bodies, kernel, limits_drawing
+from . import bodies, drawing, kernel
 from .timing import ABSENT, ROUNDS, SINGLE, in_turn
 
 KILOBYTES = (256, 4_096, 262_144)
@@ -51,13 +51,11 @@ COARSE = 8
 """Cells along the plate whose highest frequency is solved for."""
 TOLERANCES = (
     Tolerance(
-        "highest frequency x spacing of plates, finest over coarsest",
-        0.02,
-        "1",
+        "highest frequency x spacing of plates, finest over coarsest", 0.02, "1",
         "the highest mode lives in a few cells: the edge shares its mass, whatever the size; the "
         "coarsest plate of 8 cells is as wide as the mode",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     "kilobytes": "size of both arrays of y = a x + y together (1000 bytes)",
@@ -96,7 +94,7 @@ def run(timed: pd.DataFrame, setting: Setting) -> Evidence:
         },
         observed={TOLERANCES[0].quantity: Observed(fine / small, 1.0)},
         tolerances=TOLERANCES,
-        figures={"roofline": limits_drawing.roofline, "real_time": limits_drawing.real_time},
+        figures={"roofline": drawing.roofline, "real_time": drawing.real_time},
         columns=COLUMNS,
         findings=(*findings(reached, memory, arithmetic), *told(real)),
     )
@@ -193,15 +191,9 @@ def held(part: float, grown: float) -> str:
 
 def network_of(row: dict[Any, Any]) -> Network:
     """The network that a row is of."""
-    name = str(row["network"])
-    sizes = (*kernel.NODES, *kernel.QUICK_NODES)
-    return next(
-        net
-        for nodes in sizes
-        if abs(nodes - row["nodes"]) <= 0.1 * nodes
-        for net in [bodies.network(name, nodes)]
-        if len(net.points) == row["nodes"]
-    )
+    near = [n for n in (*kernel.NODES, *kernel.QUICK_NODES) if abs(n - row["nodes"]) <= 0.1 * n]
+    networks = (bodies.network(str(row["network"]), n) for n in near)
+    return next(net for net in networks if len(net.points) == row["nodes"])
 
 
 def plate_frequency(cells: int) -> float:

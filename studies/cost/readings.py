@@ -27,49 +27,55 @@ SMALL_FORM = "its size is left to the full form"
 NO_PEER = "the peer is not installed"
 
 
-def _near(nodes: pd.Series, wanted: int) -> pd.Series:
-    return (nodes / wanted - 1).abs() < 0.1
+def chosen(tables: Tables, name: str, near: Mapping[str, int], **wanted: object) -> pd.DataFrame:
+    """Rows of a table that match, in columns of sizes to a tenth."""
+    table = tables[name]
+    for column, size in near.items():
+        table = table[(table[column] / size - 1).abs() < 0.1]
+    for column, value in wanted.items():
+        table = table[table[column] == value]
+    return table
 
 
-def ours_over(
-    way: str, peer: str, nodes: int, tables: Tables, network: str = "lattice"
+def compared(
+    table: pd.DataFrame, value: str, over: Mapping[str, object], under: Mapping[str, object]
 ) -> Measured:
+    """Ratios of rounds, or why there are none."""
+    found = [] if table.empty else ratios(table, value, over, under)
+    if found:
+        return Reading(found, len(found))
+    return NO_PEER if (table[value] == ABSENT).any() else SMALL_FORM
+
+
+def ours_over(way: str, peer: str, nodes: int, tables: Tables) -> Measured:
     """Nanoseconds of a peer over those of a way of ours."""
-    table = tables["kernel_rounds"]
-    table = table[(table["network"] == network) & _near(table["nodes"], nodes)]
+    table = chosen(tables, "kernel_rounds", {"nodes": nodes}, network="lattice")
     return compared(table, "ns_here", {"way": peer}, {"way": way})
 
 
 def network_over(name: str, nodes: int, tables: Tables) -> Measured:
     """Time a spring of a network over that of the lattice, both on the general path."""
-    table = tables["kernel_rounds"]
-    table = table[(table["way"] == "general") & _near(table["nodes"], nodes)]
+    table = chosen(tables, "kernel_rounds", {"nodes": nodes}, way="general")
     return compared(table, "ns_here", {"network": name}, {"network": "lattice"})
 
 
 def speed_up(nodes: int, tables: Tables) -> Measured:
     """Wall time of one thread over that of two."""
-    table = tables["kernel_rounds"]
-    table = table[(table["network"] == "lattice") & _near(table["nodes"], nodes)]
+    table = chosen(tables, "kernel_rounds", {"nodes": nodes}, network="lattice")
     one, two = {"way": "general"}, {"way": "general, 2 threads"}
     return compared(table, "wall_ns_here", one, two)
 
 
 def share(nodes: int, tables: Tables) -> Measured:
     """Share of the memory's bandwidth by counted bytes, where each step is a pass over memory."""
-    limits, rounds = tables["limits"], tables["kernel_rounds"]
-    chosen = [
-        table[
-            (table["network"] == "lattice")
-            & (table["way"] == SINGLE)
-            & _near(table["nodes"], nodes)
-        ]
-        for table in (limits, rounds)
-    ]
-    if chosen[0].empty:
+    limits, rounds = (
+        chosen(tables, name, {"nodes": nodes}, network="lattice", way=SINGLE)
+        for name in ("limits", "kernel_rounds")
+    )
+    if limits.empty:
         return SMALL_FORM
-    known = chosen[0].iloc[0]
-    shares = [float(known["share_here"] * known["ns_here"] / ns) for ns in chosen[1]["ns_here"]]
+    known = limits.iloc[0]
+    shares = [float(known["share_here"] * known["ns_here"] / ns) for ns in rounds["ns_here"]]
     return Reading(shares, len(shares))
 
 
@@ -77,27 +83,13 @@ def elements(
     axes: int, unknowns: int, task: str, over: str, under: str, tables: Tables
 ) -> Measured:
     """Seconds of one program over another's."""
-    table = tables["fem_rounds"]
-    table = table[(table["axes"] == axes) & (table["task"] == task)]
-    table = table[_near(table["unknowns"], unknowns)]
+    table = chosen(tables, "fem_rounds", {"unknowns": unknowns}, axes=axes, task=task)
     return compared(table, "cpu_seconds", {"program": over}, {"program": under})
-
-
-def compared(
-    table: pd.DataFrame, value: str, over: Mapping[str, object], under: Mapping[str, object]
-) -> Measured:
-    """Ratios of rounds, or why there are none."""
-    if table.empty:
-        return SMALL_FORM
-    found = ratios(table, value, over, under)
-    if found:
-        return Reading(found, len(found))
-    return NO_PEER if (table[value] == ABSENT).any() else SMALL_FORM
 
 
 def newton_over_elements(nodes: int, tables: Tables) -> Measured:
     """Newton's method with multigrid at 1 % strain over a linear solution by elements."""
-    table = tables["large"][_near(tables["large"]["nodes"], nodes)]
+    table = chosen(tables, "large", {"nodes": nodes})
     if table.empty:
         return SMALL_FORM
     names = ("least_over_elements_here", "over_elements_here", "most_over_elements_here")
@@ -117,8 +109,7 @@ def newton_growth(tables: Tables) -> Measured:
 
 def seconds_at_rest(shape: str, points: int, tables: Tables) -> Measured:
     """Seconds of an equilibrium of springs."""
-    table = tables["equilibria"][tables["equilibria"]["shape"] == shape]
-    table = table[_near(table["points"], points)]
+    table = chosen(tables, "equilibria", {"points": points}, shape=shape)
     if table.empty:
         return SMALL_FORM
     return Reading([float(table["cpu_seconds"].iloc[0])], int(table["rounds"].iloc[0]))
@@ -126,18 +117,15 @@ def seconds_at_rest(shape: str, points: int, tables: Tables) -> Measured:
 
 def growth_at_rest(shape: str, points: int, tables: Tables) -> Measured:
     """Exponent of these seconds, where the largest body has so many points."""
-    table, grown = tables["equilibria"], tables["equilibria_growth"]
-    if not _near(table.loc[table["shape"] == shape, "points"], points).any():
+    if chosen(tables, "equilibria", {"points": points}, shape=shape).empty:
         return SMALL_FORM
-    grown = grown[(grown["shape"] == shape) & (grown["quantity"] == "seconds")]
+    grown = chosen(tables, "equilibria_growth", {}, shape=shape, quantity="seconds")
     return Reading([float(grown["exponent_here"].iloc[0])], 1)
 
 
 def over_peer(peer: str, points: int, tables: Tables) -> Measured:
     """Seconds of an equilibrium of a cube over those of another program."""
-    table = tables["equilibrium_rounds"]
-    table = table[table["shape"] == "cube"]
-    table = table[_near(table["points"], points)]
+    table = chosen(tables, "equilibrium_rounds", {"points": points}, shape="cube")
     if peer not in set(table["by"]):
         return SMALL_FORM
     return compared(table, "cpu_seconds", {"by": "ours"}, {"by": peer})
@@ -145,9 +133,7 @@ def over_peer(peer: str, points: int, tables: Tables) -> Measured:
 
 def from_peer(peer: str, points: int, tables: Tables) -> Measured:
     """Distance of another program's answer on a cube from ours."""
-    table = tables["equilibrium_agreement"]
-    table = table[table["shape"] == "cube"]
-    table = table[_near(table["points"], points) & (table["by"] == peer)]
+    table = chosen(tables, "equilibrium_agreement", {"points": points}, shape="cube", by=peer)
     if table.empty:
         return SMALL_FORM
     value = table["from_ours_here"].iloc[0]
@@ -156,9 +142,9 @@ def from_peer(peer: str, points: int, tables: Tables) -> Measured:
 
 def beside_steps(nodes: int, tables: Tables) -> Measured:
     """Seconds over steps times the kernel's, of the explicit method that is fastest."""
-    table = tables["relaxation"]
-    table = table[(table["threshold"] == table["threshold"].min()) & (table["kernel_seconds"] > 0)]
-    table = table[_near(table["nodes"], nodes)]
+    tight = tables["relaxation"]["threshold"].min()
+    table = chosen(tables, "relaxation", {"nodes": nodes}, threshold=tight)
+    table = table[table["kernel_seconds"] > 0]
     if table.empty:
         return SMALL_FORM
     best = table.sort_values("cpu_seconds", kind="stable").iloc[0]

@@ -24,7 +24,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.network import Network, internal_force
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
-from msvalidate.statics.equilibrium import Equilibrium, equilibrium
+from msvalidate.statics.equilibrium import Equilibrium
 from msvalidate.tangent.inverse import Solver
 
 from . import bodies
@@ -40,27 +40,21 @@ LOAD = 1e-9
 """End load of the long body over E t: its strain is LOAD times 6 LENGTH at the most."""
 TOLERANCES = (
     Tolerance(
-        "corrections of an ordinary body",
-        0.0,
-        "1",
+        "corrections of an ordinary body", 0.0, "1",
         "its factor is wrong by some eps times a condition of 1e5: the first correction brings "
         "that to its square, below the rounding of doubles",
     ),
     Tolerance(
-        "2 Σ energy over work - 1, plate",
-        1e-12,
-        "1",
+        "2 Σ energy over work - 1, plate", 1e-12, "1",
         "an identity of exact answers; stretches are differences of displacements that are rounded "
         "to 1e-16, over 160 cells, and rest lengths are rounded by as much",
     ),
     Tolerance(
-        "2 Σ energy over work - 1, long body",
-        1e-8,
-        "1",
+        "2 Σ energy over work - 1, long body", 1e-8, "1",
         "an identity of exact answers; the rounding of rest lengths, 1e-16 of a diagonal, turns "
         "with the body and counts by the square of its length over its height, 2e-9",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "body": "plate, clamped on one side, sheared on the other; or a row of cells bent by its end",
     "points": "of the network",
@@ -89,17 +83,16 @@ def run(linear: Linear, setting: Setting) -> Evidence:
     observed["corrections of an ordinary body"] = Observed(float(plate.iterations - 1), 1.0)
     table = pd.DataFrame(rows)
     part = float(table["refinement_part_here"].iloc[0])
+    said = (
+        f"Refinement is {100 * part:.0f} % of the linear solution of a plate of "
+        f"{table['springs'].iloc[0]} springs."
+    )
     return Evidence(
         tables={"refinement": table},
         observed=observed,
         tolerances=TOLERANCES,
         columns=COLUMNS,
-        findings=(
-            (
-                f"Refinement is {100 * part:.0f} % of the linear solution of a plate of "
-                f"{table['springs'].iloc[0]} springs."
-            ),
-        ),
+        findings=(said,),
     )
 
 
@@ -156,8 +149,3 @@ def unrefined(network: Network) -> Equilibrium:
     move = one_solve(network)
     x = network.points
     return Equilibrium(move, x + move, np.zeros_like(move), 0.0, 2, error=0.0)
-
-
-def solved(network: Network) -> Equilibrium:
-    """The linear equilibrium."""
-    return equilibrium(network)

@@ -25,12 +25,13 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.counting import THRESHOLDS, TIGHT, predicted
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 
-from . import kernel, relaxation_drawing, resting
+from . import drawing, kernel, resting
 from .timing import GROWTH, ROUNDS, SECONDS
 
 NODES = (1_000, 3_000, 10_000, 30_000, 100_000)
@@ -44,39 +45,30 @@ VISCOUS = ("viscous_leapfrog", "algorithm1")
 NEWTON = ("newton", "newton_multigrid")
 REPRODUCED = (*VISCOUS, "newton")
 """Methods whose counts do not hang on the last digits."""
-TIGHT = min(resting.THRESHOLDS)
 VARIES = "varies"
 TOLERANCES = (
     Tolerance("runs that did not reach an error", 0, "1", "every method comes to rest here"),
     Tolerance(
-        "exponent of viscous steps in nodes, worst",
-        0.05,
-        "1",
+        "exponent of viscous steps in nodes, worst", 0.05, "1",
         "1/2 + O(1/cells): the clamped edge and a look every per cent cost a few per cent of the "
         "steps on the coarsest plate",
     ),
     Tolerance(
-        "exponent of the steps of kinetic damping in nodes, worst",
-        0.1,
-        "1",
+        "exponent of the steps of kinetic damping in nodes, worst", 0.1, "1",
         "1/2 as above; restarts come in whole numbers, about ten to an error of 1e-3, so that one "
         "more or less on a decade of nodes is 0.04",
     ),
     Tolerance(
-        "steps of viscous leapfrog to 1e-6 over the prediction, worst",
-        0.05,
-        "1",
+        "steps of viscous leapfrog to 1e-6 over the prediction, worst", 0.05, "1",
         "the prediction is of the slowest mode alone, as if it were the whole displacement; a look "
         "is taken every per cent of the way",
     ),
     Tolerance(
-        "iterations of Newton's methods to 1e-6, most less fewest over sizes, worst",
-        1,
-        "1",
+        "iterations of Newton's methods to 1e-6, most less fewest over sizes, worst", 1, "1",
         "shears of 1e-3 leave an error of that size after the first iteration, of its square after "
         "the second: near 1e-6, so that one size may need one more",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     **GROWTH,
@@ -103,17 +95,15 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
         for name in RELAXATIONS
         if nodes <= MOST_NODES.get(name, nodes)
     ]
-    # One after another: what is timed runs alone.
-    alone = Setting(quick=setting.quick, progress=setting.progress)
     rounds = 1 if setting.quick else ROUNDS
-    counted = alone.sweep(partial(measured, rounds), cases, "steps and seconds to rest")
+    counted = setting.one_by_one(partial(measured, rounds), cases, "steps and seconds to rest")
     table = pd.DataFrame([row for rows in counted for row in rows])
     grown = growth(table)
     return Evidence(
         tables={"relaxation": shown(table), "relaxation_growth": grown},
         observed=dict(zip((t.quantity for t in TOLERANCES), judged(table, grown), strict=True)),
         tolerances=TOLERANCES,
-        figures={"relaxation": relaxation_drawing.draw},
+        figures={"relaxation": drawing.relaxation},
         columns=COLUMNS,
         findings=findings(table, grown),
     )
@@ -125,7 +115,7 @@ def measured(rounds: int, case: tuple[Method, int]) -> list[dict[str, Any]]:
     net, (low, high) = resting.plate(nodes), resting.frequencies(nodes)
     reached = resting.counted(method, nodes)
     rows, none = [], dict.fromkeys(resting.TIMED, 0.0)
-    for threshold in resting.THRESHOLDS:
+    for threshold in THRESHOLDS:
         steps, evaluations = reached.get(threshold, (0, 0))
         rows.append(
             {
@@ -136,7 +126,7 @@ def measured(rounds: int, case: tuple[Method, int]) -> list[dict[str, Any]]:
                 "outcome": "reached" if threshold in reached else "failed",
                 "steps_here": steps,
                 "evaluations_here": evaluations,
-                "predicted_steps": resting.predicted(high / low, threshold),
+                "predicted_steps": predicted(high / low, threshold),
             }
             | (resting.seconds(method, nodes, steps, rounds) if steps else none)
         )
@@ -161,8 +151,7 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
         if method == "newton_multigrid":
             grows["cycles"] = part["evaluations_here"]
         for quantity, values in grows.items():
-            fit = fitted_power(part["nodes"], values)
-            fitted = dict(zip(("exponent_here", "low_here", "high_here"), fit, strict=True))
+            fitted = dict(zip(GROWTH, fitted_power(part["nodes"], values), strict=True))
             rows.append({"method": method, "threshold": threshold, "quantity": quantity} | fitted)
     return pd.DataFrame(rows)
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from contextlib import suppress
 from functools import cache, partial
 
 import numpy as np
-from scipy.optimize import brentq
 
 from msvalidate import kernels
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.judging import counting
 from msvalidate.network import Network
-from msvalidate.problem import Array, SolverError
+from msvalidate.problem import Array
 from msvalidate.relaxation.relax import Method, relax
-from msvalidate.relaxation.run import SAFETY, Run
+from msvalidate.relaxation.run import SAFETY
 from msvalidate.statics.equilibrium import equilibrium
 
 from . import bodies, kernel
@@ -22,15 +20,6 @@ from .timing import Act, in_turn
 
 ONCE = 20_000
 """Nodes beyond which a run is timed once."""
-THRESHOLDS = (1e-3, 1e-6)
-AT_REST = 1e-13
-"""Tolerance of a run, far below what the thresholds need: they end it."""
-LOOKS = 100
-"""Looks on the way to the first threshold while steps are counted."""
-BUDGET = 50
-"""Times the predicted steps after which a run has failed."""
-SINGLY = ("conjugate_gradients", "newton", "newton_multigrid")
-"""Methods of few steps, looked at after every one."""
 STEPPED = ("viscous_leapfrog", "algorithm1", "kinetic_damping")
 """Methods whose steps are all the kernel's."""
 TIMED = ("cpu_seconds", "least_cpu_seconds", "most_cpu_seconds", "kernel_seconds", "rounds")
@@ -55,28 +44,14 @@ def frequencies(nodes: int) -> tuple[float, float]:
 
 def counted(method: Method, nodes: int) -> dict[float, tuple[int, int]]:
     """Threshold -> steps and evaluations at the first look that met it."""
-    (low, high), reference = frequencies(nodes), rest(nodes)
-    reached: dict[float, tuple[int, int]] = {}
-
-    def watch(run: Run) -> bool:
-        error = float(np.abs(run.displacement - reference).max() / np.abs(reference).max())
-        for threshold in THRESHOLDS:
-            if error <= threshold:
-                reached.setdefault(threshold, (run.steps, run.evaluations))
-        return len(reached) == len(THRESHOLDS)
-
-    looks = max(1, predicted(high / low, max(THRESHOLDS)) // LOOKS)
-    with suppress(SolverError):  # what was not reached is told as such
-        relax(
-            plate(nodes),
-            method,
-            tolerance=AT_REST,
-            max_steps=BUDGET * predicted(high / low, min(THRESHOLDS)),
-            watch=watch,
-            look_every=1 if method.name in SINGLY else looks,
-            frequencies=(low, high),
-        )
-    return reached
+    reference = rest(nodes)
+    largest = np.abs(reference).max()
+    return counting.counted(
+        method,
+        plate(nodes),
+        frequencies(nodes),
+        lambda move: float(np.abs(move - reference).max() / largest),
+    )
 
 
 def seconds(method: Method, nodes: int, steps: int, rounds: int) -> dict[str, float]:
@@ -88,7 +63,7 @@ def seconds(method: Method, nodes: int, steps: int, rounds: int) -> dict[str, fl
         relax,
         net,
         method,
-        tolerance=AT_REST,
+        tolerance=counting.AT_REST,
         max_steps=2 * steps,
         watch=lambda run: run.steps >= steps,
         frequencies=known,
@@ -103,12 +78,3 @@ def seconds(method: Method, nodes: int, steps: int, rounds: int) -> dict[str, fl
     beside = float(np.median(alone)) if alone else 0.0
     told = (float(np.median(times)), min(times), max(times), beside, len(times))
     return dict(zip(TIMED, told, strict=True))
-
-
-def predicted(root_kappa: float, threshold: float) -> int:
-    """Steps after which the slowest mode, critically damped, is left with `threshold`.
-
-    x(t) = (1 + ωt) exp(-ωt) from rest, and ω dt = 2·SAFETY/√κ.
-    """
-    s = float(brentq(lambda s: math.log1p(s) - s - math.log(threshold), 0.0, 100.0))
-    return math.ceil(s * root_kappa / (2 * SAFETY))

@@ -26,7 +26,6 @@ import numpy as np
 import pandas as pd
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import cg, spsolve
-from tqdm import tqdm
 
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
@@ -52,19 +51,15 @@ MOST_NODES = {SPSOLVE: 4_000, ngsolve_peer.CHOLESKY: 12_000}
 """Points up to which a factor without nested dissection, or of NGSolve, is waited for."""
 TOLERANCES = (
     Tolerance(
-        "SciPy's spsolve from ours on cubes, over the largest displacement, worst",
-        1e-9,
-        "1",
+        "SciPy's spsolve from ours on cubes, over the largest displacement, worst", 1e-9, "1",
         "rounding times the condition number, 1e-16 x 1e4, and some for the growth of pivots",
     ),
     Tolerance(
-        "SciPy's cg from ours on cubes, over the largest displacement, worst",
-        1e-5,
-        "1",
+        "SciPy's cg from ours on cubes, over the largest displacement, worst", 1e-5, "1",
         "1e-8 of the load is left, times a few for the part that an end load has of the softest "
         "motion, times the root of the unknowns, 300, from a mean component to the largest",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **SECONDS,
     "shape": "plate or cube of lattice, clamped on one side and sheared on the other; the cube "
@@ -94,9 +89,7 @@ def run(rest: Rest, setting: Setting) -> Evidence:
     sizes = QUICK_SIZES if setting.quick else SIZES
     rounds = 1 if setting.quick else QUICK_ROUNDS
     cases = [(shape, across) for shape, many in sizes.items() for across in many]
-    silent = None if setting.progress else True
-    bar = tqdm(cases, desc="peers of the solvers", delay=0.5, leave=False, disable=silent)
-    pairs = [timed(rest, shape, across, rounds) for shape, across in bar]
+    pairs = setting.one_by_one(partial(timed, rest, rounds), cases, "peers of the solvers")
     laps = pd.DataFrame([row for rows, _ in pairs for row in rows])
     found = pd.DataFrame([row for _, rows in pairs for row in rows])
     table = summary(laps, "cpu_seconds")
@@ -117,9 +110,10 @@ def run(rest: Rest, setting: Setting) -> Evidence:
 
 
 def timed(
-    rest: Rest, shape: str, across: int, rounds: int
+    rest: Rest, rounds: int, case: tuple[str, int]
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Rows of one body: every program and round; and what every program found."""
+    shape, across = case
     cells = CELLS[shape](across)
     net = bodies.solid(cells)
     nodes = len(net.points)

@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from tqdm import tqdm
 
 from msvalidate.judging.compare import fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
@@ -32,15 +31,7 @@ from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.tangent.cycles import Cycles
 from msvalidate.tangent.inverse import Solver
 
-from . import (
-    bodies,
-    kernel,
-    large,
-    refinement,
-    relaxation,
-    solver_peers,
-    solvers_drawing,
-)
+from . import bodies, drawing, kernel, large, refinement, relaxation, solver_peers
 from .timing import GROWTH, QUICK_ROUNDS, SECONDS, Act, Lap, in_turn, lap
 
 Rest = solver_peers.Rest
@@ -54,22 +45,12 @@ BODIES: dict[str, Callable[[int], Network]] = {
 }
 GROWING = ("plate", "cube")
 """Bodies of the same shape at every size, whose growth is fitted."""
-SIZES = {
+SIZES = dict.fromkeys(BODIES, (10_000, 30_000)) | {
     "plate": (10_000, 30_000, 100_000, 300_000),
     "cube": (10_000, 30_000, 100_000),
-    "cube, core stiffer by 1e6": (10_000, 30_000),
-    "cube, core softer by 1e6": (10_000, 30_000),
     "bar of 100 to 1": (4_000, 30_000),
-    "random tetrahedra": (10_000, 30_000),
 }
-QUICK_SIZES = {
-    "plate": (300, 1_000, 3_000),
-    "cube": (300, 1_000, 3_000),
-    "cube, core stiffer by 1e6": (1_000,),
-    "cube, core softer by 1e6": (1_000,),
-    "bar of 100 to 1": (1_000,),
-    "random tetrahedra": (1_000,),
-}
+QUICK_SIZES = dict.fromkeys(BODIES, (1_000,)) | dict.fromkeys(GROWING, (300, 1_000, 3_000))
 WEIGHED, QUICK_WEIGHED = (3_000, 10_000, 30_000), (1_000, 2_000, 4_000)
 """Points of the cubes whose memory is looked at."""
 FACTORED = {2: 150_000, 3: 15_000}
@@ -78,39 +59,29 @@ REPEATED = 12_000
 """Points beyond which an equilibrium is timed once, without an untimed turn before."""
 TOLERANCES = (
     Tolerance(
-        "exponent of multigrid's steps in points, plates and cubes, worst",
-        0.15,
-        "1",
+        "exponent of multigrid's steps in points, plates and cubes, worst", 0.15, "1",
         "0: a W-cycle takes as much off at any size; a step or two more on ten for each decade",
     ),
     Tolerance(
-        "difference of two answers over the sum of their stated errors, worst",
-        1.0,
-        "1",
+        "difference of two answers over the sum of their stated errors, worst", 1.0, "1",
         "each says how far it may be off, at the most",
     ),
     Tolerance(
-        "stated error, worst",
-        1e-12,
-        "1",
+        "stated error, worst", 1e-12, "1",
         "refined until doubles have no more digits, 1e-16; of a bar the rounding of springs' "
         "vectors counts by the square of its slenderness, 1e4",
     ),
     Tolerance(
-        "corrections of multigrid, most",
-        1.0,
-        "1",
+        "corrections of multigrid, most", 1.0, "1",
         "2: a solution and each correction leave 1e-5 of what was there, the third time 1e-15; "
         "one more where that is not yet below rounding",
     ),
     Tolerance(
-        "exponent of multigrid's bytes in springs, cubes",
-        0.1,
-        "1",
+        "exponent of multigrid's bytes in springs, cubes", 0.1, "1",
         "1: blocks of the tangent and of coarse levels, some part of these; the coarse ones lack "
         "neighbours at the surface, a few hundredths a decade. Of a factor's entries it is 4/3",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **kernel.COLUMNS,
     **GROWTH,
@@ -146,9 +117,8 @@ def run(rest: Rest, steps: Callable[[Network], int], setting: Setting) -> Eviden
     sizes = QUICK_SIZES if setting.quick else SIZES
     rounds = 1 if setting.quick else QUICK_ROUNDS
     cases = [(body, nodes) for body, many in sizes.items() for nodes in many]
-    silent = None if setting.progress else True
-    bar = tqdm(cases, desc="equilibria", delay=0.5, leave=False, disable=silent)
-    table = pd.DataFrame([measured(rest, steps, body, nodes, rounds) for body, nodes in bar])
+    rows = setting.one_by_one(partial(measured, rest, steps, rounds), cases, "equilibria")
+    table = pd.DataFrame(rows)
     weighed = pd.DataFrame(
         [held_at_most(rest, nodes) for nodes in (QUICK_WEIGHED if setting.quick else WEIGHED)]
     )
@@ -157,16 +127,17 @@ def run(rest: Rest, steps: Callable[[Network], int], setting: Setting) -> Eviden
         tables={"equilibria": table, "equilibria_growth": grown, "equilibria_memory": weighed},
         observed=judged(table, grown, weighed),
         tolerances=TOLERANCES,
-        figures={"equilibria": solvers_drawing.draw},
+        figures={"equilibria": drawing.equilibria},
         columns=COLUMNS,
         findings=findings(table, grown),
     )
 
 
 def measured(
-    rest: Rest, steps: Callable[[Network], int], body: str, nodes: int, rounds: int
+    rest: Rest, steps: Callable[[Network], int], rounds: int, case: tuple[str, int]
 ) -> dict[str, Any]:
     """Row of one body: its equilibrium as chosen, and what answers as well."""
+    body, nodes = case
     net = BODIES[body](nodes)
     found, first = answered(partial(rest, net, "auto"))
     theirs = other(rest, net, found)
@@ -251,10 +222,8 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
         part = table[table["shape"] == body]
         for quantity, column in (("steps", "steps_of_multigrid_here"), ("seconds", "cpu_seconds")):
             fit = fitted_power(part["points"], part[column].astype(float))
-            rows.append(
-                {"shape": body, "quantity": quantity}
-                | dict(zip(("exponent_here", "low_here", "high_here"), fit, strict=True))
-            )
+            row = {"shape": body, "quantity": quantity}
+            rows.append(row | dict(zip(GROWTH, fit, strict=True)))
     return pd.DataFrame(rows)
 
 

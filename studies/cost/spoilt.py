@@ -90,5 +90,8 @@ def without_levels(net: Network) -> int:
     ).cycles
 
 
-HALF_COUNTED = replace(LEAPFROGGING, walk=_half_counted)
-EVER_SHORTER = replace(LEAPFROGGING, walk=_ever_shorter)
+HALF_COUNTED, EVER_SHORTER = (
+    RELAXATIONS | {"viscous_leapfrog": replace(LEAPFROGGING, walk=walk)}
+    for walk in (_half_counted, _ever_shorter)
+)
+"""Tables of relaxations, one of them with the fault."""

@@ -36,212 +36,138 @@ class Target(NamedTuple):
     measure: Callable[[Tables], Measured]
 
 
-def _kernel_targets() -> list[Target]:
-    targets: list[Target] = []
-
-    def add(words: str, wanted: float, measure: Callable[..., Measured], *given: Any) -> None:
-        targets.append(Target(words, "at least", wanted, partial(measure, *given)))
-
-    for nodes, times in ((10_000, 3.5), (100_000, 3.5), (1_000_000, 4.0)):
-        add(
-            f"LAMMPS over general path, lattice, {nodes:,} points",
-            times,
-            ours_over,
-            "general",
-            "LAMMPS",
-            nodes,
-        )
-    for nodes in (10_000, 100_000):
-        add(
-            f"NumPy bincount over general path, lattice, {nodes:,} points",
-            7.0,
-            ours_over,
-            "general",
-            "NumPy bincount",
-            nodes,
-        )
-    for nodes in (10_000, 100_000, 1_000_000):
-        add(
-            f"LAMMPS over uniform-lattice path, {nodes:,} points",
-            7.0,
-            ours_over,
-            "uniform lattice",
-            "LAMMPS",
-            nodes,
-        )
-    add(
-        "share of memory bandwidth, a step a pass, lattice, 1,000,000 points",
-        0.65,
-        share,
-        1_000_000,
-    )
-    add("one thread over two, general path, lattice, 100,000 points", 1.6, speed_up, 100_000)
-    return targets
+def at_least(words: str, wanted: float, measure: Callable[..., Measured], *given: Any) -> Target:
+    """A target for what `measure` reads, given its arguments."""
+    return Target(words, "at least", wanted, partial(measure, *given))
 
 
-def _network_targets() -> list[Target]:
-    return [
-        Target(words, "at most", wanted, partial(network_over, name, nodes))
-        for words, wanted, name, nodes in (
-            (
-                "random triangles over lattice, a spring, 100,000 points",
-                1.6,
-                "random triangles",
-                100_000,
-            ),
-            (
-                "springs with volume energy over springs, lattice, 100,000 points",
-                2.0,
-                "lattice with volume energy",
-                100_000,
-            ),
-        )
-    ]
+def at_most(words: str, wanted: float, measure: Callable[..., Measured], *given: Any) -> Target:
+    """The same, where less is better."""
+    return Target(words, "at most", wanted, partial(measure, *given))
 
 
-def _element_targets() -> list[Target]:
-    plane, solid, most = (2, 100_000), (3, 47_000), (3, 30_000)
-    rows: list[tuple[str, Literal["at least", "at most"], float, tuple[Any, ...]]] = [
-        (
-            "assembly over NGSolve, plane, 1e5 unknowns",
-            "at most",
-            1.6,
-            (*plane, "assembly", "ours", "NGSolve"),
-        ),
-        (
-            "assembly over NGSolve, solid, 3e4 unknowns",
-            "at most",
-            2.2,
-            (*most, "assembly", "ours", "NGSolve"),
-        ),
-        (
-            "spsolve over solution, plane, 1e5 unknowns",
-            "at least",
-            4.0,
-            (*plane, "solution", "spsolve", "ours"),
-        ),
-        (
-            "spsolve over solution, solid, 4.7e4 unknowns",
-            "at least",
-            6.0,
-            (*solid, "solution", "spsolve", "ours"),
-        ),
-        (
-            "spsolve over solution without extras, plane, 1e5 unknowns",
-            "at least",
-            1.0,
-            (*plane, "solution", "spsolve", "ours, SuperLU"),
-        ),
-        (
-            "spsolve over solution without extras, solid, 4.7e4 unknowns",
-            "at least",
-            1.0,
-            (*solid, "solution", "spsolve", "ours, multigrid"),
-        ),
-        (
-            "solution over NGSolve sparse Cholesky, plane, 1e5 unknowns",
-            "at most",
-            0.7,
-            (*plane, "solution", "ours", "NGSolve"),
-        ),
-        (
-            "solution over NGSolve sparse Cholesky, solid, 4.7e4 unknowns",
-            "at most",
-            0.4,
-            (*solid, "solution", "ours", "NGSolve"),
-        ),
-    ]
-    return [
-        Target(words, way, wanted, partial(elements, *given)) for words, way, wanted, given in rows
-    ]
-
-
-def _solver_targets() -> list[Target]:
-    rows: list[tuple[str, float, Callable[[Tables], Measured]]] = [
-        ("1e5 points in space at rest (s)", 20.0, partial(seconds_at_rest, "cube", 100_000)),
-        (
-            "peak memory of 1e5 points in space at rest (GiB)",
-            2.0,
-            partial(started, "1e5 points in space, GiB"),
-        ),
-        (
-            "exponent of seconds to rest, cubes, 10,000 to 100,000 points",
-            1.2,
-            partial(growth_at_rest, "cube", 100_000),
-        ),
-        (
-            "exponent of seconds to rest, plates, 10,000 to 300,000 points",
-            1.2,
-            partial(growth_at_rest, "plate", 300_000),
-        ),
-        *(
-            (
-                f"equilibrium over {peer}, cube, {points:,} points",
-                1.0,
-                partial(over_peer, peer, points),
-            )
-            for peer, points in (
-                ("SciPy spsolve", 2_200),
-                ("NGSolve sparse Cholesky", 10_000),
-                ("NGSolve CG, multigrid", 36_000),
-                ("SciPy cg with Jacobi", 36_000),
-            )
-        ),
-        (
-            "work of the load by NGSolve from ours, over it, cube, 10,000 points",
-            0.05,
-            partial(from_peer, "NGSolve sparse Cholesky", 10_000),
-        ),
-    ]
-    return [Target(words, "at most", wanted, measure) for words, wanted, measure in rows]
-
-
-def _other_targets() -> list[Target]:
-    rows: list[tuple[str, float, Callable[[Tables], Measured]]] = [
-        ("peak memory of 3e5 unknowns, solid (GiB)", 4.0, partial(started, "3e5 unknowns, GiB")),
-        (
-            "Newton with multigrid, 1 % strain, over elements, 1,000,000 points",
-            4.0,
-            partial(newton_over_elements, 1_000_000),
-        ),
-        ("exponent of its seconds, 10,000 to 1,000,000 points", 1.15, newton_growth),
-        (
-            "best explicit relaxation over its steps x kernel, 10,000 points",
-            1.3,
-            partial(beside_steps, 10_000),
-        ),
-        (
-            "best explicit relaxation over its steps x kernel, 100,000 points",
-            1.3,
-            partial(beside_steps, 100_000),
-        ),
-        (
-            "path from plain form after 2000 steps, over the displacement",
-            1e-12,
-            partial(largest, "agreement", "apart_here"),
-        ),
-        (
-            "two threads from one after 2000 steps, over the displacement",
-            1e-13,
-            partial(largest, "agreement", "threads_apart_here"),
-        ),
-        (
-            "elements by every choice from spsolve, over the displacement",
-            1e-9,
-            partial(largest, "fem_agreement", "difference_here"),
-        ),
-        ("--help beyond bare Python (s)", 0.15, partial(started, "--help")),
-        ("list beyond bare Python (s)", 0.15, partial(started, "list")),
-        ("compilation of a cold first run (s)", 5.0, partial(started, "compilation, first run")),
-    ]
-    return [Target(words, "at most", wanted, measure) for words, wanted, measure in rows]
-
-
+PLANE, BLOCK, SOLID = (2, 100_000), (3, 30_000), (3, 47_000)
+"""Axes and unknowns of bodies of elements."""
 TARGETS = (
-    *_kernel_targets(),
-    *_network_targets(),
-    *_element_targets(),
-    *_solver_targets(),
-    *_other_targets(),
-)
+    *(
+        at_least(
+            f"LAMMPS over general path, lattice, {nodes:,} points",
+            times, ours_over, "general", "LAMMPS", nodes,
+        )
+        for nodes, times in ((10_000, 3.5), (100_000, 3.5), (1_000_000, 4.0))
+    ),
+    *(
+        at_least(
+            f"NumPy bincount over general path, lattice, {nodes:,} points",
+            7.0, ours_over, "general", "NumPy bincount", nodes,
+        )
+        for nodes in (10_000, 100_000)
+    ),
+    *(
+        at_least(
+            f"LAMMPS over uniform-lattice path, {nodes:,} points",
+            7.0, ours_over, "uniform lattice", "LAMMPS", nodes,
+        )
+        for nodes in (10_000, 100_000, 1_000_000)
+    ),
+    at_least(
+        "share of memory bandwidth, a step a pass, lattice, 1,000,000 points",
+        0.65, share, 1_000_000,
+    ),
+    at_least(
+        "one thread over two, general path, lattice, 100,000 points", 1.6, speed_up, 100_000,
+    ),
+    at_most(
+        "random triangles over lattice, a spring, 100,000 points",
+        1.6, network_over, "random triangles", 100_000,
+    ),
+    at_most(
+        "springs with volume energy over springs, lattice, 100,000 points",
+        2.0, network_over, "lattice with volume energy", 100_000,
+    ),
+    at_most(
+        "assembly over NGSolve, plane, 1e5 unknowns",
+        1.6, elements, *PLANE, "assembly", "ours", "NGSolve",
+    ),
+    at_most(
+        "assembly over NGSolve, solid, 3e4 unknowns",
+        2.2, elements, *BLOCK, "assembly", "ours", "NGSolve",
+    ),
+    at_least(
+        "spsolve over solution, plane, 1e5 unknowns",
+        4.0, elements, *PLANE, "solution", "spsolve", "ours",
+    ),
+    at_least(
+        "spsolve over solution, solid, 4.7e4 unknowns",
+        6.0, elements, *SOLID, "solution", "spsolve", "ours",
+    ),
+    at_least(
+        "spsolve over solution without extras, plane, 1e5 unknowns",
+        1.0, elements, *PLANE, "solution", "spsolve", "ours, SuperLU",
+    ),
+    at_least(
+        "spsolve over solution without extras, solid, 4.7e4 unknowns",
+        1.0, elements, *SOLID, "solution", "spsolve", "ours, multigrid",
+    ),
+    at_most(
+        "solution over NGSolve sparse Cholesky, plane, 1e5 unknowns",
+        0.7, elements, *PLANE, "solution", "ours", "NGSolve",
+    ),
+    at_most(
+        "solution over NGSolve sparse Cholesky, solid, 4.7e4 unknowns",
+        0.4, elements, *SOLID, "solution", "ours", "NGSolve",
+    ),
+    at_most("1e5 points in space at rest (s)", 20.0, seconds_at_rest, "cube", 100_000),
+    at_most(
+        "peak memory of 1e5 points in space at rest (GiB)", 2.0, started, "1e5 points in space, GiB"
+    ),
+    *(
+        at_most(
+            f"exponent of seconds to rest, {shape}s, 10,000 to {most:,} points",
+            1.2, growth_at_rest, shape, most,
+        )
+        for shape, most in (("cube", 100_000), ("plate", 300_000))
+    ),
+    *(
+        at_most(f"equilibrium over {peer}, cube, {points:,} points", 1.0, over_peer, peer, points)
+        for peer, points in (
+            ("SciPy spsolve", 2_200),
+            ("NGSolve sparse Cholesky", 10_000),
+            ("NGSolve CG, multigrid", 36_000),
+            ("SciPy cg with Jacobi", 36_000),
+        )
+    ),
+    at_most(
+        "work of the load by NGSolve from ours, over it, cube, 10,000 points",
+        0.05, from_peer, "NGSolve sparse Cholesky", 10_000,
+    ),
+    at_most("peak memory of 3e5 unknowns, solid (GiB)", 4.0, started, "3e5 unknowns, GiB"),
+    at_most(
+        "Newton with multigrid, 1 % strain, over elements, 1,000,000 points",
+        4.0, newton_over_elements, 1_000_000,
+    ),
+    at_most("exponent of its seconds, 10,000 to 1,000,000 points", 1.15, newton_growth),
+    *(
+        at_most(
+            f"best explicit relaxation over its steps x kernel, {nodes:,} points",
+            1.3, beside_steps, nodes,
+        )
+        for nodes in (10_000, 100_000)
+    ),
+    at_most(
+        "path from plain form after 2000 steps, over the displacement",
+        1e-12, largest, "agreement", "apart_here",
+    ),
+    at_most(
+        "two threads from one after 2000 steps, over the displacement",
+        1e-13, largest, "agreement", "threads_apart_here",
+    ),
+    at_most(
+        "elements by every choice from spsolve, over the displacement",
+        1e-9, largest, "fem_agreement", "difference_here",
+    ),
+    at_most("--help beyond bare Python (s)", 0.15, started, "--help"),
+    at_most("list beyond bare Python (s)", 0.15, started, "list"),
+    at_most("compilation of a cold first run (s)", 5.0, started, "compilation, first run"),
+)  # fmt: skip
 """In the order in which they are told."""

@@ -26,17 +26,7 @@ from msvalidate.judging.candidate import moving
 from msvalidate.judging.evidence import Evidence, answers
 from msvalidate.judging.sweep import Setting
 
-from . import (
-    advice,
-    controls,
-    cycles,
-    decay,
-    direction,
-    figure2,
-    rest,
-    stop_rule,
-    wave,
-)
+from . import advice, controls, cycles, decay, direction, figure2, rest, stop_rule, wave
 from .bodies import MOTION, Motion
 
 ASKED = {
@@ -57,12 +47,7 @@ FAULTS = {
         ("damping halved", "damping", -0.5, "rest"),
         ("forces 10 % too large", "kick", 0.1, "wave"),
         ("half of the first kick lost", "first kick", 0.5, "figure2"),
-        (
-            "viscous force from the new velocity",
-            "viscous force from the new velocity",
-            1.0,
-            "direction",
-        ),
+        (controls.NEW_VELOCITY, controls.NEW_VELOCITY, 1.0, "direction"),
         ("forces a fiftieth of a step late", "lagged force", 0.02, "figure2"),
     )
 }

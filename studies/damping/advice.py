@@ -32,19 +32,15 @@ ERROR = 1e-6
 WRONG = (1 / 3, 3.0)
 TOLERANCES = (
     Tolerance(
-        "price of a wrong damping over the predicted, logarithm to base 2",
-        0.3,
-        "1",
+        "price of a wrong damping over the predicted, logarithm to base 2", 0.3, "1",
         "steps to rest are within a fifth of those of the slowest mode alone, with either damping",
     ),
     Tolerance(
-        "bodies on which a third of the damping costs more than three times it",
-        0.0,
-        "1",
+        "bodies on which a third of the damping costs more than three times it", 0.0, "1",
         "the slowest mode's rates are ω/3 and ω/5.8, and the critical run's own factor 1 + ωt is "
         "common to both",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "price": "steps over those at critical damping, which are not the fewest (1)",
@@ -116,17 +112,16 @@ def finding(under: pd.Series, over: pd.Series) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Price of a wrong damping."""
-    table = tables["advice"]
     figure, (axis,) = figures.new(size=(4.2, 3.4))
-    for place, (name, own) in enumerate(table.groupby("body", sort=False)):
-        colour, marker = figures.COLOURS[place], figures.MARKERS[place]
-        axis.loglog(
-            own["c_over_critical"], own["price"], marker, color=colour, label=f"{name} cells"
-        )
-        axis.loglog(own["c_over_critical"], own["price_predicted"], color=colour, lw=0.9)
+    for place, (name, own) in enumerate(tables["advice"].groupby("body", sort=False)):
+        style, c = figures.numbered(place), own["c_over_critical"]
+        axis.loglog(c, own["price"], ls="", label=f"{name} cells", **style)
+        axis.loglog(c, own["price_predicted"], color=style["color"], lw=0.9)
     axis.plot([], [], color="black", lw=0.9, label="slowest mode alone")
-    axis.set_xlabel("damping over the critical one (1)")
-    axis.set_ylabel("steps over those at critical damping (1)")
-    axis.set_title(f"to a displacement error of {ERROR:g}", fontsize=9)
+    axis.set(
+        title=f"to a displacement error of {ERROR:g}",
+        xlabel="damping over the critical one (1)",
+        ylabel="steps over those at critical damping (1)",
+    )
     axis.legend(fontsize=8)
     return figure

@@ -12,7 +12,7 @@ the slow root s - r = ω²/(s + r), about ω²/c, is what is left.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -84,6 +84,11 @@ class Body:
     def start(self) -> State:
         """At rest at the reference points: the load comes suddenly."""
         return State(self.network.points, np.zeros_like(self.network.points))
+
+    @property
+    def unloaded(self) -> Network:
+        """The network without its load."""
+        return replace(self.network, force=np.zeros_like(self.network.force))
 
     def amplitudes(self, field: Array) -> Array:
         """Modal amplitudes (m,) of a displacement or velocity (n, d), in its unit times √kg."""
@@ -204,11 +209,4 @@ def one_step(omegas: Array, dt: float, damping: float) -> Array:
     v' = (1 - hc)·v - hω²·x and x' = x + h·v'.
     """
     kick, kept = -dt * omegas**2, np.full(len(omegas), 1 - dt * damping)
-    return np.stack(
-        [np.stack([1 + dt * kick, dt * kept], axis=1), np.stack([kick, kept], axis=1)], axis=1
-    )
-
-
-def powered(matrices: Array, steps: int) -> Array:
-    """Matrices (m, 2, 2) of so many steps."""
-    return np.asarray(np.linalg.matrix_power(matrices, steps))
+    return np.moveaxis(np.array([[1 + dt * kick, dt * kept], [kick, kept]]), 2, 0)

@@ -30,16 +30,15 @@ PROBE = 1e-4
 """Size of the fault from which the smallest noticed one is extrapolated."""
 RATIO = 0.5
 """Damping over the critical one at which the block's mode is watched."""
+NEW_VELOCITY = "viscous force from the new velocity"
 FACTOR = direction.TOLERANCES[0].limit
 TOLERANCES = (
     Tolerance(
-        "smallest fault of the motion noticed, largest over the kinds",
-        1e-6,
-        "1",
+        "smallest fault of the motion noticed, largest over the kinds", 1e-6, "1",
         "identities hold to 1e-8 and 1e-7, a fault moves the free velocity by half of itself and "
         "the mode by a thirtieth of itself and more: at most 3e-7, and a factor of three",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "fault": "what is wrong with the motion",
     "unit": "how the fault is measured",
@@ -114,7 +113,7 @@ KINDS: dict[str, tuple[Fault, str]] = {
     "damping": (other_damping, "relative"),
     "kick": (other_kick, "relative"),
     "first kick": (first_kick, "part lost"),
-    "viscous force from the new velocity": (new_velocity, "part"),
+    NEW_VELOCITY: (new_velocity, "part"),
     "lagged force": (lagged_force, "part of a step"),
 }
 

@@ -10,7 +10,6 @@ Expected   All three, to the O(h) of the scheme.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -39,13 +38,11 @@ FOLDS = 6.0
 """E-foldings that are watched; a rate is fitted to the second half, where one root is left."""
 TOLERANCES = (
     Tolerance(
-        "fitted rate of decay over the predicted, from 1",
-        0.02,
-        "1",
+        "fitted rate of decay over the predicted, from 1", 0.02, "1",
         "the old velocity damps by -ln(1 - hc)/h instead of c, h·c/2 more: 0.8 % at most where "
         "it swings; above critical damping that speeds up the fast root instead",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "motion": "what moves: a free pair of points, or a body in its lowest mode",
@@ -78,62 +75,37 @@ def free_pair() -> Network:
 def fitted(candidate: Motion, ratio: float | None) -> dict[str, object]:
     """One row: the free pair, or the plate's lowest mode at a damping over the critical one."""
     if ratio is None:
-        pair, damping, dt = free_pair(), 1.0, 0.01
-        moving = State(pair.points, np.full(pair.points.shape, LOAD))
-        times, speeds = watched(candidate, pair, moving, pair.points / 2 + 0.5, (damping, dt), 1.0)
-        late = times > times[-1] / 2
-        rate, told, name, known = slope(times[late], speeds[late]), damping, "free pair", "free"
-        return row(name, known, damping, dt, rate, told)
-    body = bodies.loaded(*PLATE)
-    omega, shape = float(body.frequencies[0]), body.shapes[0].reshape(body.rest.shape)
-    damping, told = 2 * ratio * omega, bodies.decay(omega, 2 * ratio * omega)
-    dt = body.time_step(damping, PART)
-    network = replace(body.network, force=np.zeros_like(body.network.force))
-    moved = State(network.points + LOAD * shape / np.abs(shape).max(), np.zeros_like(shape))
-    weights = network.mass[:, None] * shape
-    times, speeds = watched(candidate, network, moved, weights, (damping, dt), omega)
-    if ratio < 1:
+        network, damping, dt, omega, name = free_pair(), 1.0, 0.01, 1.0, "free pair"
+        predicted, weights = damping, network.points / 2 + 0.5
+        state = State(network.points, np.full(network.points.shape, LOAD))
+    else:
+        body = bodies.loaded(*PLATE)
+        network, omega, name = body.unloaded, float(body.frequencies[0]), body.name
+        damping, predicted = 2 * ratio * omega, bodies.decay(omega, 2 * ratio * omega)
+        dt, shape = body.time_step(damping, PART), body.shapes[0].reshape(body.rest.shape)
+        weights = network.mass[:, None] * shape
+        moved = network.points + LOAD * shape / np.abs(shape).max()
+        state = State(moved, np.zeros_like(shape))
+    look = max(1, int(LOOK / omega / dt))
+    times = look * dt * np.arange(1.0, int(FOLDS / predicted / (look * dt)) + 2)
+    speeds = np.zeros(len(times))
+    for i in range(len(times)):
+        state = candidate(network, state, dt, look, damping)
+        speeds[i] = abs(float((weights * state.velocity).sum()))
+    if ratio is not None and ratio < 1:
         times, speeds = crests(times, speeds)
     else:
         late = times > times[-1] / 2
         times, speeds = times[late], speeds[late]
-    return row(body.name, ratio, damping, dt, slope(times, speeds), told)
-
-
-def row(
-    name: str, ratio: float | str, damping: float, dt: float, rate: float, told: float
-) -> dict[str, object]:
-    """A row of the table."""
+    # The rate is minus the slope of the logarithm.
+    rate = -np.polyfit(times, np.log(np.maximum(speeds, 1e-300)), 1)[0]
     return {
         "motion": name,
-        "c_over_critical": ratio,
+        "c_over_critical": "free" if ratio is None else ratio,
         "h_c": dt * damping,
-        "rate_over_c": rate / damping,
-        "rate_over_c_predicted": told / damping,
+        "rate_over_c": float(rate) / damping,
+        "rate_over_c_predicted": predicted / damping,
     }
-
-
-def watched(
-    candidate: Motion,
-    network: Network,
-    state: State,
-    weights: Array,
-    rates: tuple[float, float],
-    omega: float,
-) -> tuple[Array, Array]:
-    """Times (s) and |Σ weights·velocity| (k,), to `FOLDS` e-foldings of the slower root.
-
-    `rates`: damping (1/s) and time step (s); `omega` (rad/s) sets how often it is looked at.
-    """
-    damping, dt = rates
-    slow = bodies.decay(omega, damping) if network.held.any() else damping
-    look = max(1, int(LOOK / omega / dt))
-    looks = int(FOLDS / slow / (look * dt)) + 1
-    speeds = []
-    for _ in range(looks):
-        state = candidate(network, state, dt, look, damping)
-        speeds.append(abs(float((weights * state.velocity).sum())))
-    return np.asarray(look * dt * np.arange(1.0, looks + 1)), np.array(speeds)
 
 
 def crests(times: Array, speeds: Array) -> tuple[Array, Array]:
@@ -143,11 +115,6 @@ def crests(times: Array, speeds: Array) -> tuple[Array, Array]:
     bend, tilt = (low + high - 2 * top)[at], (high - low)[at] / 2
     step = times[1] - times[0]
     return np.asarray(times[1 + at] - step * tilt / bend), np.asarray(top[at] - tilt**2 / bend / 2)
-
-
-def slope(times: Array, speeds: Array) -> float:
-    """Rate of decay (1/s): minus the slope of the logarithm."""
-    return float(-np.polyfit(times, np.log(np.maximum(speeds, 1e-300)), 1)[0])
 
 
 def finding(table: pd.DataFrame) -> str:
@@ -172,7 +139,6 @@ def draw(tables: Tables) -> Figure:
     told = [bodies.decay(1.0, 2 * ratio) / (2 * ratio) for ratio in ratios]
     axis.loglog(ratios, told, color="black", lw=0.9, label="closed form")
     axis.axhline(free, color=figures.COLOURS[1], ls="--", label="free motion")
-    axis.set_xlabel("damping c over 2ω (1)")
-    axis.set_ylabel("rate of decay of the velocity over c (1)")
+    axis.set(xlabel="damping c over 2ω (1)", ylabel="rate of decay of the velocity over c (1)")
     axis.legend(fontsize=8)
     return figure

@@ -11,7 +11,6 @@ Expected   Exactly that: the false direction is the scheme's, from the old veloc
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from itertools import product
 
@@ -37,19 +36,15 @@ STIFF = 0.5
 STEPS = 30
 TOLERANCES = (
     Tolerance(
-        "factor of the velocity a step over the predicted, from 1",
-        1e-7,
-        "1",
+        "factor of the velocity a step over the predicted, from 1", 1e-7, "1",
         "linear to parts of 1e-6 in thirty steps; rounding is an eps of positions over "
         "displacements of 1e-6",
     ),
     Tolerance(
-        "part of the steps that turn the velocity round, from the predicted",
-        0.0,
-        "1",
+        "part of the steps that turn the velocity round, from the predicted", 0.0, "1",
         "a count; no predicted product of two velocities is near zero",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "moving": "what moves: a free pair of points, or a body let go with random speeds",
@@ -90,7 +85,7 @@ def tried(candidate: Motion, seed: int, case: tuple[str, float]) -> dict[str, ob
         ways, sizes = told[1:] * told[:-1], np.abs(told)
     else:
         body = bodies.loaded(*PLATE)
-        network = replace(body.network, force=np.zeros_like(body.network.force))
+        network = body.unloaded
         dt, name, limit = STIFF / body.frequencies[-1], body.name, 2 - STIFF**2 / 2
         speeds = np.random.default_rng(seed).normal(size=len(body.frequencies))
         start = LOAD * (speeds @ body.shapes).reshape(network.points.shape)
@@ -146,16 +141,14 @@ def finding(table: pd.DataFrame) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Factor of the velocity a step against time step times damping."""
-    table = tables["direction"]
     figure, (axis,) = figures.new(size=(4.2, 3.3))
-    for place, (name, own) in enumerate(table.groupby("moving", sort=False)):
-        colour, marker = figures.COLOURS[place], figures.MARKERS[place]
-        axis.plot(own["h_c"], own["factor"], marker, color=colour, label=str(name), ms=6)
+    for place, (name, own) in enumerate(tables["direction"].groupby("moving", sort=False)):
+        style = figures.numbered(place)
+        axis.plot(own["h_c"], own["factor"], ls="", label=str(name), ms=6, **style)
         axis.plot(own["h_c"], own["factor_predicted"], ".", color="white", ms=3)
-        axis.axvline(own["limit"].iloc[0], color=colour, lw=0.8, ls=":")
+        axis.axvline(own["limit"].iloc[0], color=style["color"], lw=0.8, ls=":")
     axis.axhline(1.0, color="grey", lw=0.8, ls="--")
-    axis.set_xlabel("time step times damping, hc (1)")
-    axis.set_ylabel("factor of the velocity a step (1)")
-    axis.set_title("white dots: predicted; dotted lines: stability limits", fontsize=9)
+    axis.set(xlabel="time step times damping, hc (1)", ylabel="factor of the velocity a step (1)")
+    axis.set_title("white dots: predicted; dotted lines: stability limits")
     axis.legend(fontsize=8)
     return figure

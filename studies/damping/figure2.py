@@ -47,41 +47,31 @@ RECURSION = 1e-8
 """Difference to the recursion that is rounding: an eps of positions over displacements of 1e-6."""
 TOLERANCES = (
     Tolerance(
-        "slowest mode against the oscillator, over h·ω",
-        1.0,
-        "1",
+        "slowest mode against the oscillator, over h·ω", 1.0, "1",
         "the kick comes half a step from where a midpoint rule has it, which moves the curve by "
         "h/2 times its largest speed ω, and the damping by h·c/2; twice that bounds it",
     ),
     Tolerance(
-        "order in the step of that difference, from that of the recursion",
-        2e-5,
-        "1",
+        "order in the step of that difference, from that of the recursion", 2e-5, "1",
         "Euler-Cromer's first order and what the next terms make of it: the recursion has all of "
         "them, and is met to 1e-8, which is 6e-6 of the smallest difference; over a factor of four "
         "in the step the two ends move a slope by 0.7 of that each",
     ),
     Tolerance(
-        "slowest mode against the scheme's recursion",
-        RECURSION,
-        "1",
+        "slowest mode against the scheme's recursion", RECURSION, "1",
         "rounding is an eps of positions over displacements of 1e-6, gathered over two periods; "
         "geometry changes the frequency of a shearing by the square of 1e-6",
     ),
     Tolerance(
-        "number of overshoots of the slowest mode from the predicted",
-        0.0,
-        "1",
+        "number of overshoots of the slowest mode from the predicted", 0.0, "1",
         "a count; no predicted overshoot is near the size that counts",
     ),
     Tolerance(
-        "time of its first two overshoots from the predicted",
-        2.0,
-        "steps",
+        "time of its first two overshoots from the predicted", 2.0, "steps",
         "the scheme is half a step ahead, and its old velocity raises the frequency by the part "
         "h·c/4 = 0.7 %, a step in 150; half a step is left for the parabola that finds a peak",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "step": "time step number",
@@ -200,7 +190,7 @@ def watched(
 
 def recursion(omega: float, damping: float, dt: float, looks: int, every: int) -> Array:
     """Way (looks + 1,) of the mode from 0 to rest at 1, by the scheme's recursion."""
-    jump = bodies.powered(bodies.one_step(np.array([omega]), dt, damping), every)[0]
+    jump = np.linalg.matrix_power(bodies.one_step(np.array([omega]), dt, damping)[0], every)
     left = [np.array([1.0, 0.0])]
     for _ in range(looks):
         left.append(jump @ left[-1])
@@ -288,22 +278,17 @@ def figured(value: object) -> str:
 
 def draw(tables: Tables) -> Figure:
     """x-t curves of the loaded corner and of the slowest mode."""
-    curves = tables["figure2"]
     figure, axes = figures.new(2, size=(3.7, 3.3), sharey=True)
-    for axis, (column, title) in zip(
-        axes,
-        (("x_particle", "upper loaded corner"), ("x_mode", "slowest mode, and predicted")),
-        strict=True,
-    ):
-        for colour, own in zip(figures.COLOURS, by_ratio(curves), strict=False):
+    titles = {"x_particle": "upper loaded corner", "x_mode": "slowest mode, and predicted"}
+    for axis, (column, title) in zip(axes, titles.items(), strict=True):
+        for colour, own in zip(figures.COLOURS, by_ratio(tables["figure2"]), strict=False):
             label = f"c = {own['c_over_critical'].iloc[0]:g} of critical"
             axis.plot(own["step"], own[column], color=colour, label=label)
             if column == "x_mode":
                 every = own.iloc[:: max(1, len(own) // 25)]
                 axis.plot(every["step"], every["x_predicted"], "o", color=colour, ms=2.5)
         axis.axhline(1.0, color="grey", lw=0.8, ls="--")
-        axis.set_title(title, fontsize=9)
-        axis.set_xlabel("time step")
+        axis.set(title=title, xlabel="time step")
     axes[1].plot([], [], "o", color="black", ms=2.5, label="closed form")
     axes[0].set_ylabel("displacement over that at rest (1)")
     figures.shared_legend(figure, axes, columns=3)

@@ -58,35 +58,28 @@ PATIENCE = 20
 """Multiple of the predicted number of steps after which a run is given up."""
 TOLERANCES = (
     Tolerance(
-        "steps to rest over those of all modes, from 1",
-        0.02,
-        "1",
+        "steps to rest over those of all modes, from 1", 0.02, "1",
         "both are counted in looks, at least 50 in a run, and may end one look apart: the motion "
         "is linear to a part in a million only",
     ),
     Tolerance(
-        "steps to rest over those of the slowest mode alone, logarithm to base 2",
-        0.6,
-        "1",
+        "steps to rest over those of the slowest mode alone, logarithm to base 2", 0.6, "1",
         "the other modes may move the end by a swing, π/ω_d, which is 0.45 of the time to 1e-3 at "
         "ζ = 0.7; the scheme's own critical damping is 2ω(1 - hω/2), so that at 2ω with hω = 0.16 "
         "the slow root is a third slower",
     ),
     Tolerance(
-        "best damping from 2ω, logarithm to base 2",
-        0.7,
-        "1",
+        "best damping from 2ω, logarithm to base 2", 0.7, "1",
         "an overshoot exp(-πζ/√(1 - ζ²)) as small as the error is free: ζ = 0.91 for 1e-3; the "
         "scheme's own critical damping is up to 8 % lower; the grid adds a spacing, up to 41 %",
     ),
     Tolerance(
         "best damping from the best of the slowest mode alone, in spacings of the grid",
-        1.0 + 1e-9,
-        "1",
+        1.0 + 1e-9, "1",
         "both are points of one grid; looks and the other modes may let a neighbour win, in steps "
         "that are nearly as few, but none farther away: one spacing, to rounding",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "error": "displacement error that counts as rest, over the whole way to rest (1)",
@@ -225,7 +218,7 @@ def steps_of_modes(
 ) -> dict[float, int]:
     """Steps after which the sum of all modes stays within each error, to a look."""
     omegas = body.frequencies
-    jump = bodies.powered(bodies.one_step(omegas, dt, damping), look)
+    jump = np.linalg.matrix_power(bodies.one_step(omegas, dt, damping), look)
     state = np.stack([body.shares, np.zeros(len(omegas))], axis=1)[:, :, None]
     last, done = dict.fromkeys(errors, 0), 0
     while True:
@@ -279,16 +272,14 @@ def draw(tables: Tables) -> Figure:
     rest = tables["rest"]
     figure, axes = figures.new(len(ERRORS), size=(3.9, 3.5), sharey=True)
     for axis, error in zip(axes, ERRORS, strict=True):
-        for place, (name, own) in enumerate(
-            rest[rest["error"] == error].groupby("body", sort=False)
-        ):
-            colour = figures.COLOURS[place % len(figures.COLOURS)]
-            marker = figures.MARKERS[place % len(figures.MARKERS)]
-            axis.loglog(own["c_over_critical"], own["steps"], marker, color=colour, label=str(name))
-            axis.loglog(own["c_over_critical"], own["steps_slowest"], color=colour, lw=0.9)
+        shown = rest[rest["error"] == error].groupby("body", sort=False)
+        for place, (name, own) in enumerate(shown):
+            style, c = figures.numbered(place), own["c_over_critical"]
+            axis.loglog(c, own["steps"], ls="", label=str(name), **style)
+            axis.loglog(c, own["steps_slowest"], color=style["color"], lw=0.9)
         axis.plot([], [], color="black", lw=0.9, label="slowest excited mode alone")
         axis.axvline(1.0, color="grey", lw=0.8, ls="--")
-        axis.set_title(f"to a displacement error of {error:g}", fontsize=9)
+        axis.set_title(f"to a displacement error of {error:g}")
         axis.set_xlabel("damping c over 2ω of the slowest excited mode (1)")
     axes[0].set_ylabel("time steps to rest")
     figures.shared_legend(figure, axes, columns=2)

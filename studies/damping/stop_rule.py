@@ -50,27 +50,22 @@ ROUNDING = 1e-6
 """Over the largest value of such a column: what another machine may give instead."""
 TOLERANCES = (
     Tolerance(
-        "step of the printed rule's stop, from that of the recursion of all modes",
-        1.0,
-        "steps",
+        "step of the printed rule's stop, from that of the recursion of all modes", 1.0, "steps",
         "the motion is linear to a part in a million, by which a speed may miss eps at one step "
         "and not at the next",
     ),
     Tolerance(
         "error at the printed rule's stop over that asked for, critical damping, log to base 2",
-        0.6,
-        "1",
+        0.6, "1",
         "e/(v/ω) = 1 + 1/ωt, 1.3 at the first stop; the scheme's own critical damping is "
         "2ω(1 - hω/2), so that at 2ω the slow root makes it up to 1.5",
     ),
     Tolerance(
-        "error at the printed rule's stop over the predicted, overdamped, from 1",
-        0.15,
-        "1",
+        "error at the printed rule's stop over the predicted, overdamped, from 1", 0.15, "1",
         "the slow root alone is left; its speed is that of the middle of a step, and points where "
         "the mode is largest need not be those where it started",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "asked": "error asked for, τ: eps is τ·ω·max|u| with the displacement u at rest (1)",
@@ -265,23 +260,21 @@ def finding(table: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Error at the stop over that asked for, by both rules."""
     table = tables["stop_rule"]
+    shown = table[table["asked"].isin((ASKED[0], ASKED[-1]))]
     figure, axes = figures.new(2, size=(3.9, 3.5), sharey=True)
-    for axis, column, title in zip(
-        axes,
-        ("error_over_asked", "residual_error_over_asked"),
-        ("stopped by max(velocity)", "stopped by force and kinetic energy"),
-        strict=True,
-    ):
-        for place, ((name, asked), own) in enumerate(
-            table[table["asked"].isin((ASKED[0], ASKED[-1]))].groupby(["body", "asked"], sort=False)
-        ):
-            colour, marker = figures.COLOURS[place // 2], figures.MARKERS[place // 2]
-            label, fill = f"{name}, τ = {asked:g}", "none" if place % 2 else colour
-            x = own["c_over_critical"]
-            axis.loglog(x, own[column], marker, color=colour, mfc=fill, label=label, ls=":", lw=0.8)
+    titles = {
+        "error_over_asked": "stopped by max(velocity)",
+        "residual_error_over_asked": "stopped by force and kinetic energy",
+    }
+    for axis, (column, title) in zip(axes, titles.items(), strict=True):
+        groups = shown.groupby(["body", "asked"], sort=False)
+        for place, ((name, asked), own) in enumerate(groups):
+            style = figures.numbered(place // 2) | {"ls": ":", "lw": 0.8}
+            fill = "none" if place % 2 else style["color"]
+            label = f"{name}, τ = {asked:g}"
+            axis.loglog(own["c_over_critical"], own[column], mfc=fill, label=label, **style)
         axis.axhline(1.0, color="grey", lw=0.8, ls="--")
-        axis.set_title(title, fontsize=9)
-        axis.set_xlabel("damping c over 2ω of the slowest excited mode (1)")
+        axis.set(title=title, xlabel="damping c over 2ω of the slowest excited mode (1)")
     ratios = np.geomspace(1, table["c_over_critical"].max(), 50)
     slow = ratios + np.sqrt(ratios**2 - 1)
     axes[0].plot(ratios, slow, color="black", lw=0.9, label="slow root alone")

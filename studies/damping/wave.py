@@ -68,40 +68,30 @@ ROUNDING = {"loss": 3e-7, "velocity": 1e-6}
 a hundred looks gather. The plain form and both compiled paths differ by up to 1.4e-7 and 4e-7."""
 TOLERANCES = (
     Tolerance(
-        "loss of speed over 3β/s², from 1",
-        0.1,
-        "1",
+        "loss of speed over 3β/s², from 1", 0.1, "1",
         "the next terms of the dispersion are smaller by the order of (a/s)², at most 0.04, and "
         "(H/s)² = 0.16, with factors below one half",
     ),
     Tolerance(
-        "order in the spacing of the loss of speed, sides held",
-        0.1,
-        "1",
+        "order in the spacing of the loss of speed, sides held", 0.1, "1",
         "the loss is 3(a² - c0²h²)/24s², h in proportion to a; the next term is of order four, on "
         "the coarsest bar a fiftieth of it",
     ),
     Tolerance(
-        "speed extrapolated to no spacing against c0, sides held",
-        2e-4,
-        "1",
+        "speed extrapolated to no spacing against c0, sides held", 2e-4, "1",
         "what the line through the two finest, in a², leaves of the fourth order",
     ),
     Tolerance(
-        "velocity returned from the held end, over what came, from -1",
-        0.01,
-        "1",
+        "velocity returned from the held end, over what came, from -1", 0.01, "1",
         "a held end inverts every frequency whole; the peak has sunk by 3(β/s³)²(1.3² - 0.7²) m², "
         "0.3 % on the coarsest chain and twice that on the coarsest slender bar",
     ),
     Tolerance(
-        "stress at the held end over ρ·c0·v of what came, from 2",
-        0.02,
-        "1",
+        "stress at the held end over ρ·c0·v of what came, from 2", 0.02, "1",
         "both waves add there; the peak sinks as above, c0 is the speed of long waves only, and a "
         "clamped end of a slender bar cannot narrow, over a length of the order of H",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **bodies.COLUMNS,
     "sides": "whether points may move across the bar: held or free",
@@ -299,20 +289,15 @@ def draw(tables: Tables) -> Figure:
     shades = diagram.pcolormesh(
         grid.columns, grid.index, grid, cmap="RdBu", vmin=-1, vmax=1, rasterized=True
     )
-    bar_ = figure.colorbar(shades, ax=diagram)
-    bar_.set_label("velocity over that struck (1)")
-    diagram.set_title("bar with its sides held, struck at the right", fontsize=9)
-    diagram.set_xlabel("place along the bar (m)")
-    diagram.set_ylabel("time (s)")
+    figure.colorbar(shades, ax=diagram, label="velocity over that struck (1)")
+    diagram.set_title("bar with its sides held, struck at the right")
+    diagram.set(xlabel="place along the bar (m)", ylabel="time (s)")
     for place, (sides, own) in enumerate(table.groupby("sides", sort=False)):
-        colour, marker = figures.COLOURS[place], figures.MARKERS[place]
-        fineness = own["spacing_over_s"] ** 2
-        losses.plot(fineness, own["loss"], marker, color=colour, label=f"sides {sides}")
-        losses.plot(fineness, own["loss_predicted"], color=colour, lw=0.9)
+        style, fineness = figures.numbered(place), own["spacing_over_s"] ** 2
+        losses.plot(fineness, own["loss"], ls="", label=f"sides {sides}", **style)
+        losses.plot(fineness, own["loss_predicted"], color=style["color"], lw=0.9)
     losses.plot([], [], color="black", lw=0.9, label="3β/s², predicted")
-    losses.set_xlim(left=0)
-    losses.set_ylim(bottom=0)
-    losses.set_title("speed lost to dispersion", fontsize=9)
+    losses.set(title="speed lost to dispersion", xlim=(0, None), ylim=(0, None))
     losses.set_xlabel("(spacing over the pulse's deviation s)² (1)")
     losses.set_ylabel("1 - speed/c0 (1)")
     losses.legend(fontsize=8)

@@ -50,25 +50,20 @@ MODULUS = moduli(pattern_tensor(PATTERN, (1.0, 1.0))).E
 """Of the solid, in units of the spring constant over the spacing."""
 TOLERANCES = (
     Tolerance(
-        "bent bar of 1 and 2 cells: EI_eff/EI in closed form",
-        1e-9,
-        "1",
+        "bent bar of 1 and 2 cells: EI_eff/EI in closed form", 1e-9, "1",
         "exact: the section has no other way to move; left are rounding and end effects that "
         "these sections hardly carry",
     ),
     Tolerance(
-        "bent bar: EI_eff/EI against its cross-section",
-        1e-7,
-        "1",
+        "bent bar: EI_eff/EI against its cross-section", 1e-7, "1",
         "the same network far from its ends: end effects of a tenth, 3e-7 of them at the middle",
     ),
     Tolerance(
         "bent bar: N² (EI_eff/EI - 1), 12 cells, against 19/20",
-        float(np.log(FINE_SECTION) / FINE_SECTION**2),
-        "1",
+        float(np.log(FINE_SECTION) / FINE_SECTION**2), "1",
         "what edges release is of order log(N)/N⁴, and N² times that is left",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **load_cases.COLUMNS,
     "cells_high": "cells through the height of a beam, square, cube or bar, N",

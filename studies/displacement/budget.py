@@ -43,63 +43,48 @@ STOPPED = 1e-10
 REFERENCE = 2e-3
 TOLERANCES = (
     Tolerance(
-        "budget: sum of the parts - total, over |u_target|",
-        TELESCOPES,
-        "1",
+        "budget: sum of the parts - total, over |u_target|", TELESCOPES, "1",
         "an identity of sums; left is rounding, 1e-16 times a few terms",
     ),
     Tolerance(
-        "at rest: Algorithm 1 - equilibrium, over |u_target|",
-        AT_REST,
-        "1",
+        "at rest: Algorithm 1 - equilibrium, over |u_target|", AT_REST, "1",
         "the run stops at residuals of 3e-11 of the forces; a slow mode makes that a hundred times "
         "as much displacement, and more where a probe hardly moves",
     ),
     Tolerance(
         "two-sided pressure, square, isotropic: order of the discretisation",
-        orders.SMOOTH_ERROR,
-        "1",
+        orders.SMOOTH_ERROR, "1",
         "order 2 without clamps, from below where the loads' ends are not yet resolved: 1.8 to 2.1 "
         "is held from both sides, since a softer network can show a higher order",
     ),
     Tolerance(
-        "shear, square, isotropic: order of the discretisation",
-        0.3,
-        "1",
+        "shear, square, isotropic: order of the discretisation", 0.3, "1",
         "on its way from the smooth 2 down to twice the exponent of the clamped corner",
     ),
     Tolerance(
-        "zigzag edges, shear: order of the relative L2 difference",
-        0.35,
-        "1",
+        "zigzag edges, shear: order of the relative L2 difference", 0.35, "1",
         "notches as large as a spring: an edge effect of order 1, with the clamp's steeper terms "
         "on top of it while the body is coarse",
     ),
     Tolerance(
-        "isotropic springs: homogenised tensor against the target's, relative",
-        1e-12,
-        "1",
+        "isotropic springs: homogenised tensor against the target's, relative", 1e-12, "1",
         "the constants are chosen for it; left is rounding",
     ),
     Tolerance(
-        "uncertainty of the reference, over |u_target|",
-        REFERENCE,
-        "1",
+        "uncertainty of the reference, over |u_target|", REFERENCE, "1",
         "what is asked of it is relative to the body's own displacement, which is up to a quarter "
         "larger than the target's",
     ),
     *(
         Tolerance(
-            agreement(case),
-            BAND,
-            "1",
+            agreement(case), BAND, "1",
             "the band of the table: from 20 cells on, springs of the right constants stand for "
             "the body they are made for",
             layer="agreement",
         )
         for case in CASES
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **load_cases.COLUMNS,
     "u_springs": "displacement where Algorithm 1 comes to rest, with the row's weights (m)",

@@ -64,12 +64,10 @@ FINENESSES = (10, 20)
 IDENTITY = 1e-9
 TOLERANCES = (
     Tolerance(
-        "faults that the study must notice and does not",
-        0.0,
-        "1",
+        "faults that the study must notice and does not", 0.0, "1",
         "a study that cannot fail proves nothing",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **load_cases.COLUMNS,
     "fault": "what is wrong with the network",

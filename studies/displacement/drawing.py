@@ -51,8 +51,7 @@ def convergence(tables: Tables) -> Figure:
         axis.set_yscale("log")
         ticks = sorted({1 / n for n in rows[rows["lattice"] == "square"]["cells_y"]})
         axis.set_xticks(ticks, [f"1/{round(1 / t)}" for t in ticks])
-        axis.set_title(case, fontsize=9)
-        axis.set_xlabel("spacing over height (1)")
+        axis.set(title=case, xlabel="spacing over height (1)")
     axes[0].set_ylabel("relative L2 difference to FEM (1)")
     figures.shared_legend(figure, axes, columns=4)
     return figure
@@ -121,8 +120,7 @@ def field(tables: Tables) -> Figure:
             axis.set_aspect("equal")
             axis.grid(visible=False)
             axis.set_title(f"{case}, {lattice}", fontsize=8)
-            axis.set_xlabel("x (m)")
-            axis.set_ylabel("y (m)")
+            axis.set(xlabel="x (m)", ylabel="y (m)")
     return figure
 
 

@@ -43,31 +43,23 @@ MOMENT = 100.0
 """N·m; the answer is linear."""
 TOLERANCES = (
     Tolerance(
-        "triangular springs are P1 elements: stiffness, relative",
-        1e-12,
-        "1",
+        "triangular springs are P1 elements: stiffness, relative", 1e-12, "1",
         "an identity; left is the rounding of sums of a few terms",
     ),
     Tolerance(
-        "triangular springs are P1 elements: displacement, relative",
-        1e-9,
-        "1",
+        "triangular springs are P1 elements: displacement, relative", 1e-9, "1",
         "the same identity through two linear solves, 1e-16 times a condition number of 1e4 to 1e6",
     ),
     Tolerance(
-        "pure bending: EI_eff/EI against 1 + ((2 - nu)/(1 + nu))/N²",
-        1e-9,
-        "1",
+        "pure bending: EI_eff/EI against 1 + ((2 - nu)/(1 + nu))/N²", 1e-9, "1",
         "exact on a network, on a network: left is rounding, 1e-16 times a condition number of "
         "up to 1e5",
     ),
     Tolerance(
-        "uniform tension of square cells: displacement, relative",
-        1e-9,
-        "1",
+        "uniform tension of square cells: displacement, relative", 1e-9, "1",
         "cells that share springs are all alike: uniform strain is exact; left is rounding",
     ),
-)
+)  # fmt: skip
 TENSION = 1e-3
 """Strain of the stretched square; the answer is linear."""
 COLUMNS = {

@@ -56,22 +56,18 @@ TOLD = (*NAMED, SLIGHTLY, LOADED, FREE, MISFIT)
 """What of the statements is told in words."""
 TOLERANCES = (
     Tolerance(
-        "Figures 4 and 5: swelling over shrinking, springs against FEM",
-        0.07,
-        "1",
+        "Figures 4 and 5: swelling over shrinking, springs against FEM", 0.07, "1",
         "half of what separates the homogenised body from the target at k2 = 2 k1, 0.14 or more: "
         "nearer to the body that the springs are",
         layer="agreement",
     ),
     Tolerance(
-        "Figure 7: deflection line over its height, springs - FEM, rms",
-        0.02,
-        "1",
+        "Figure 7: deflection line over its height, springs - FEM, rms", 0.02, "1",
         "misfits to a curve differ by no more than the lines do; those of half a wave and of a "
         "whole wave to the FEM line differ by 0.046 or more: which is nearer cannot turn",
         layer="agreement",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **load_cases.COLUMNS,
     "point": "number of a particle",

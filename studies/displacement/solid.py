@@ -63,42 +63,32 @@ SHAPE_FACTOR = 5 / 6
 CONVERGED = 5e-3
 TOLERANCES = (
     Tolerance(
-        "clamped cubes: order towards their own body, finest pair",
-        0.2,
-        "1",
+        "clamped cubes: order towards their own body, finest pair", 0.2, "1",
         "the edges' 2λ; the smooth part, of order 2, is a fifth of theirs at 8 cells with either "
         "sign and bends a pair by up to 0.15",
     ),
     Tolerance(
-        "cantilever: order towards its own body, part of the way from 2λ to 2",
-        0.5,
-        "1",
+        "cantilever: order towards its own body, part of the way from 2λ to 2", 0.5, "1",
         "the smooth part, the bar's bending, and the clamp's edges have the same sign: the order "
         "is somewhere between theirs, and this holds it from both sides",
     ),
     Tolerance(
-        "solids, isotropic springs, 8 cells: against their own body",
-        BAND,
-        "1",
+        "solids, isotropic springs, 8 cells: against their own body", BAND, "1",
         "the band of the plane: springs of the right constants stand for the body they are for",
         layer="agreement",
     ),
     Tolerance(
-        "cantilever: FEM against beam theory, relative",
-        0.03,
-        "1",
+        "cantilever: FEM against beam theory, relative", 0.03, "1",
         "a beam's sections are free to contract, a clamped one is not: the modulus there is up to "
         "C11 = 1.2 E, over about a quarter of the height, where 3/16 of the bending energy is; a "
         "sixth of that",
     ),
     Tolerance(
-        "solids: uncertainty of FEM, relative",
-        CONVERGED,
-        "1",
+        "solids: uncertainty of FEM, relative", CONVERGED, "1",
         "what the question asks of it: a sixth of the sheared cube's difference at 8 cells; cells "
         "in space stop where they get dear, and the weakest edge, of cubic 26, takes nearly all",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **load_cases.COLUMNS,
     "cells_high": IDENTITIES["cells_high"],

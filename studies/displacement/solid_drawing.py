@@ -84,8 +84,7 @@ def convergence(tables: Tables) -> Figure:
             line = 1.3 * first * (sizes / sizes[0]) ** -order
             axis.loglog(sizes, line, style, color="grey", lw=0.9, label=label)
         axis.set_xticks(sizes, [str(n) for n in sizes])
-        axis.set_title(case, fontsize=9)
-        axis.set_xlabel("cells through the height (1)")
+        axis.set(title=case, xlabel="cells through the height (1)")
     axes[0].set_ylabel("springs - own body, loaded side (%)")
     figures.shared_legend(figure, axes, columns=3)
     return figure

@@ -57,25 +57,19 @@ KNOWN = {
 }
 TOLERANCES = (
     Tolerance(
-        "sheared square, k2 = 2 k1: an independent program, in its last digits",
-        0.6,
-        "1",
+        "sheared square, k2 = 2 k1: an independent program, in its last digits", 0.6, "1",
         "half a unit of the last digit that it gave, and a tenth for the reference's own 5e-4",
     ),
     Tolerance(
-        "sheared square, k2 = 2 k1: order towards its own body",
-        0.1,
-        "1",
+        "sheared square, k2 = 2 k1: order towards its own body", 0.1, "1",
         "twice the exponent of the clamped corner; the smooth term of order 2, a tenth of the "
         "difference at 48 cells, adds 0.07",
     ),
     Tolerance(
-        "sheared square: uncertainty of the reference, relative",
-        ACCURACY,
-        "1",
+        "sheared square: uncertainty of the reference, relative", ACCURACY, "1",
         "what the question asks of it: a tenth of the smallest difference",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **load_cases.COLUMNS,
     "cells": "cells per side",

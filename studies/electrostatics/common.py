@@ -26,6 +26,13 @@ COLUMNS = {
     "(galerkin)",
     "segments": "of each electrode, or of the one that is looked at (1)",
     "shape": "of the upper electrode: flat, or wavy over a flat one",
+    "order": "exponent of the length of segments that fits the errors (1)",
+    "forces_by": "derivatives of the energy, or point sums: Coulomb's law between middles of "
+    "springs, halves to each end, or between nodes",
+    "pull_error": "force between flat strips over dW/dd of the closed form, less 1 (1)",
+    "stretch_error": "forces along flat strips times their place, over w·dW/dw of the closed form, "
+    "less 1 (1)",
+    "place": "middle of a segment over half the width, 0 in the strip's middle (1)",
     "permittivity_ratio": "of the slab over that of the air around (1)",
 }
 """What columns of several tables mean."""

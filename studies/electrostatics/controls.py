@@ -38,13 +38,11 @@ CLOSER = 0.1
 """Gap over the right one of electrodes whose factor stands for the old one."""
 TOLERANCES = (
     Tolerance(
-        "smallest fault of charges and forces noticed, largest over the kinds",
-        0.01,
-        "1",
+        "smallest fault of charges and forces noticed, largest over the kinds", 0.01, "1",
         "capacitances are held to 1e-4 and a fault enters them with a lever of a tenth or more; a "
         "hundredth leaves a factor of ten",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "fault": "what is wrong, by which part of it",
     "smallest_noticed": "smallest fault that makes a tolerance fail, as a part (1)",
@@ -201,53 +199,39 @@ def by_another_factor(moments: Moments, points: Array) -> Charges:
     return MOMENTS.moved(Moments(close), points)
 
 
+FAULTY: dict[str, tuple[str, dict[str, Any]]] = {
+    "charges that need not add up to nothing": (
+        "strips", {"charges": partial(spoilt_potentials, 0.0, neutral=False)},
+    ),
+    "a segment's own potential 1 % off": ("strips", {"charges": partial(spoilt_potentials, 0.01)}),
+    "half of the charge lost at the first segment of an electrode": (
+        "edge", {"charges": partial(losing_edges, 0.5)},
+    ),
+    "potentials of patches 0.1 % too large": ("plates", {"plates": partial(plates_with, 1e-3)}),
+    "Coulomb's law between middles": ("virtual_work", {"forces": between_middles}),
+    "half of a segment's force to each end": ("virtual_work", {"forces": halves}),
+    "permittivity forgotten in the field": ("virtual_work", {"forces": without_permittivity}),
+    "tangent of one electrode doubled": ("virtual_work", {"tangent": lopsided}),
+    "collocation in Galerkin's place": (
+        "virtual_work", {"charges": collocation, "tangent": galerkins_tangent},
+    ),
+    "no bound charge on bare faces": ("in_air", {"in_air": partial(other_ratio, 1.0)}),
+    "a tenth of the permittivity's jump missing": ("field", {"in_air": partial(other_ratio, 0.1)}),
+    "rectangles 1 % less deep": ("models", {"report": partial(other_depth, 0.01)}),
+    "half of the charge lost at edges, on both faces": (
+        "shortcuts", {"charges": partial(losing_edges, 0.5)},
+    ),
+    "segments seen as points": ("shortcuts", {"charges": of_points}),
+    "halves along half a strip": ("shortcuts", {"forces": halves}),
+    "the kernel of space in the plane's place": ("nodes", {"report": in_space}),
+    "equations taken for symmetric": ("nodes", {"report": TakenForSymmetric}),
+    "charges left behind by a motion": ("scaling", {"moved": left_behind}),
+    "the factor of electrodes a tenth as far apart": ("scaling", {"moved": by_another_factor}),
+}  # fmt: skip
+"""Fault -> the question that notices it, and what of the solver has it."""
 FAULTS: dict[str, dict[str, Any]] = {
     name: {"candidate": MOMENTS._replace(**fault), "questions": (question,)}
-    for name, fault, question in (
-        (
-            "charges that need not add up to nothing",
-            {"charges": partial(spoilt_potentials, 0.0, neutral=False)},
-            "strips",
-        ),
-        (
-            "a segment's own potential 1 % off",
-            {"charges": partial(spoilt_potentials, 0.01)},
-            "strips",
-        ),
-        (
-            "half of the charge lost at the first segment of an electrode",
-            {"charges": partial(losing_edges, 0.5)},
-            "edge",
-        ),
-        ("potentials of patches 0.1 % too large", {"plates": partial(plates_with, 1e-3)}, "plates"),
-        ("Coulomb's law between middles", {"forces": between_middles}, "virtual_work"),
-        ("half of a segment's force to each end", {"forces": halves}, "virtual_work"),
-        ("permittivity forgotten in the field", {"forces": without_permittivity}, "virtual_work"),
-        ("tangent of one electrode doubled", {"tangent": lopsided}, "virtual_work"),
-        (
-            "collocation in Galerkin's place",
-            {"charges": collocation, "tangent": galerkins_tangent},
-            "virtual_work",
-        ),
-        ("no bound charge on bare faces", {"in_air": partial(other_ratio, 1.0)}, "in_air"),
-        (
-            "a tenth of the permittivity's jump missing",
-            {"in_air": partial(other_ratio, 0.1)},
-            "field",
-        ),
-        ("rectangles 1 % less deep", {"report": partial(other_depth, 0.01)}, "models"),
-        (
-            "half of the charge lost at edges, on both faces",
-            {"charges": partial(losing_edges, 0.5)},
-            "shortcuts",
-        ),
-        ("segments seen as points", {"charges": of_points}, "shortcuts"),
-        ("halves along half a strip", {"forces": halves}, "shortcuts"),
-        ("the kernel of space in the plane's place", {"report": in_space}, "nodes"),
-        ("equations taken for symmetric", {"report": TakenForSymmetric}, "nodes"),
-        ("charges left behind by a motion", {"moved": left_behind}, "scaling"),
-        ("the factor of electrodes a tenth as far apart", {"moved": by_another_factor}, "scaling"),
-    )
+    for name, (question, fault) in FAULTY.items()
 }
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""
@@ -277,13 +261,7 @@ KINDS: dict[str, tuple[Callable[[float], Solver], Callable[[Solver], float], str
         CAPACITANCE.quantity,
     ),
     **{
-        name: (
-            partial(
-                lambda faulty, size: MOMENTS._replace(forces=partial(partly, size, faulty)), way
-            ),
-            force_error,
-            DERIVATIVE.quantity,
-        )
+        name: (partial(with_forces, way), force_error, DERIVATIVE.quantity)
         for name, way in (
             ("Coulomb's law between middles", between_middles),
             ("halves of a segment's force to its ends", halves),

@@ -55,27 +55,21 @@ DRAWN = 80
 """Segments of the strips whose densities are drawn."""
 TOLERANCES = (
     Tolerance(
-        "exponent of the density at the edge, from the charge near it",
-        5e-3,
-        "1",
+        "exponent of the density at the edge, from the charge near it", 5e-3, "1",
         "the root's next term bends the slope by s/(12a), 0.008 at the far end of the fit and some "
         "0.002 in its middle; the charge of single segments weighs no more",
     ),
     Tolerance(
-        "charge within a tenth of half the width from the edge, over that of theory",
-        5e-4,
-        "1",
+        "charge within a tenth of half the width from the edge, over that of theory", 5e-4, "1",
         "what the last segment errs by, 0.04 of its own charge, its neighbours make good: the "
         "charge of k of them errs by 0.04/k² or so, and with 160 segments k is 20 or more",
     ),
     Tolerance(
-        "exponent of the free charge at the corner of a slab in air",
-        0.02,
-        "1",
+        "exponent of the free charge at the corner of a slab in air", 0.02, "1",
         "segments there err by a part in a hundred, and the three powers 0.63, 1 and 1.37 that are "
         "told apart at a ratio of 10 are close; the error falls with more segments",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "distance": "from the edge to the farther end of a segment, over half the width (1)",
@@ -86,7 +80,6 @@ COLUMNS = {
     "exponent": "of the distance in the density, from the charge near the edge (1)",
     "exponent_expected": "the same by theory (1)",
     "charge_near_edge": "within a tenth of half the width from the edge, over that of theory (1)",
-    "place": "middle of a segment over half the width, 0 in the strip's middle (1)",
     "density": "charge per area of both faces, times the gap over permittivity and voltage (1)",
 }
 
@@ -233,35 +226,23 @@ def draw(tables: Tables) -> Figure:
     along, near = tables["density"], tables["edge_charge"]
     figure, (across, edge) = figures.new(2, size=(3.7, 3.2))
     for place, (ratio, line) in enumerate(along.groupby("width_over_gap", sort=False)):
-        style: dict[str, Any] = {
-            "color": figures.COLOURS[place],
-            "label": f"facing strips, w/d = {ratio:g}",
-        }
-        across.plot(line["place"], line["density"], **style)
+        colour, label = figures.COLOURS[place], f"facing strips, w/d = {ratio:g}"
+        across.plot(line["place"], line["density"], color=colour, label=label)
         half = line[line["place"] < 0]
         gaps = (1 + half["place"]) * float(str(ratio)) / 2
-        edge.loglog(gaps, half["density"], **style)
+        edge.loglog(gaps, half["density"], color=colour, label=label)
     across.axhline(1.0, color="grey", ls=":", lw=1)
     across.text(0, 0.93, "plates without end", ha="center", va="top", fontsize=7, color="grey")
-    across.set_ylim(0, 6)
-    across.set_xlabel("place over half the width (1)")
+    across.set(xlabel="place over half the width (1)", ylim=(0, 6))
     across.set_ylabel("charge per area over εV/d (1)")
     middle = near["distance"] - np.diff(near["distance"], prepend=0.0) / 2
-    edge.loglog(
-        middle,
-        near["density_over_mean"],
-        "o",
-        color="black",
-        mfc="none",
-        ms=3.5,
-        label="strip alone, over its mean",
-    )
+    alone: dict[str, Any] = {"mfc": "none", "ms": 3.5, "label": "strip alone, over its mean"}
+    edge.loglog(middle, near["density_over_mean"], "o", color="black", **alone)
     s = np.geomspace(middle.min(), 1.0, 60)
     exact = 2 / np.pi / np.sqrt(1 - (1 - s) ** 2)
     edge.loglog(s, exact, color="black", lw=0.8, label="1/(π√(a² - x²))")
     ends = np.array([middle.min(), 0.05])
     edge.loglog(ends, 0.8 * np.sqrt(0.1 / ends), ":", color="grey", label="exponent -1/2")
-    edge.set_xlabel("distance from the edge over gap, or half width a (1)")
-    edge.set_ylabel("density (1)")
+    edge.set(xlabel="distance from the edge over gap, or half width a (1)", ylabel="density (1)")
     figures.shared_legend(figure, [across, edge], columns=3)
     return figure

@@ -9,6 +9,8 @@ Expected   One potential, whoever finds it. Field lines bend at bare faces: the 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -33,13 +35,11 @@ GRID = (53, 27)
 """Points of the picture along and up. None of them lies on a face: fields jump there."""
 TOLERANCES = (
     Tolerance(
-        "potential in and around the slab, charges against elements",
-        2e-3,
-        "of the voltage",
+        "potential in and around the slab, charges against elements", 2e-3, "of the voltage",
         "elements of 8 layers err by 6e-4 in the capacitance, by order 3 from the 1.3e-3 by which "
         "6 and 12 layers differ, and next to an edge by two or three times as much",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "x": "place along the slab from its middle, over its height (1)",
@@ -94,31 +94,21 @@ def draw(tables: Tables) -> Figure:
     for axis, ratio in zip(axes, table["permittivity_ratio"].unique(), strict=True):
         rows = table[table["permittivity_ratio"] == ratio]
         grids = {c: rows.pivot_table(index="y", columns="x", values=c) for c in SHOWN}
-        x, y = (grids["potential"].columns.to_numpy(), grids["potential"].index.to_numpy())
-        shades = axis.contourf(x, y, grids["potential"], levels, cmap="RdBu_r", extend="both")
-        axis.contour(
-            x, y, grids["potential"], levels, colors="white", linewidths=0.4, linestyles="solid"
-        )
-        axis.streamplot(
-            x,
-            y,
-            grids["field_x"],
-            grids["field_y"],
-            color="#444444",
-            linewidth=0.6,
-            arrowsize=0.6,
-        )
-        axis.add_patch(
-            Rectangle((-LENGTH / 2, 0), LENGTH, 1, fill=False, ls="--", ec="black", lw=0.9)
-        )
+        potential = grids["potential"]
+        x, y = potential.columns.to_numpy(), potential.index.to_numpy()
+        shades = axis.contourf(x, y, potential, levels, cmap="RdBu_r", extend="both")
+        lines: dict[str, Any] = {"colors": "white", "linewidths": 0.4, "linestyles": "solid"}
+        axis.contour(x, y, potential, levels, **lines)
+        field = (grids["field_x"], grids["field_y"])
+        axis.streamplot(x, y, *field, color="#444444", linewidth=0.6, arrowsize=0.6)
+        low = (-LENGTH / 2, 0)
+        axis.add_patch(Rectangle(low, LENGTH, 1, fill=False, ls="--", ec="black", lw=0.9))
         half = CASES[0].covered * LENGTH / 2
         axis.plot([-half, half], [1, 1], color="black", lw=3)
         axis.plot([-LENGTH / 2, LENGTH / 2], [0, 0], color="black", lw=3)
         axis.grid(visible=False)
-        axis.set_aspect("equal")
-        axis.set_title(f"permittivity ratio {ratio:g}; equal axes", fontsize=9)
+        axis.set(title=f"permittivity ratio {ratio:g}; equal axes", aspect="equal")
         axis.set_ylabel("y over height (1)")
     axes[-1].set_xlabel("x over height (1)")
-    bar = figure.colorbar(shades, ax=axes)
-    bar.set_label("potential over voltage (1)")
+    figure.colorbar(shades, ax=axes, label="potential over voltage (1)")
     return figure

@@ -29,7 +29,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -53,42 +53,32 @@ REACHED = 0.5
 """How far from an electrode or its edge forces count as its own, over the height."""
 TOLERANCES = (
     Tolerance(
-        "capacitance of a slab in air, moments against elements",
-        2e-3,
-        "1",
+        "capacitance of a slab in air, moments against elements", 2e-3, "1",
         "graded segments leave some 1e-4, graded elements and the far boundary less",
     ),
     Tolerance(
         "error of the far boundary: half of what its two kinds differ by, over the capacitance",
-        2e-4,
-        "1",
+        2e-4, "1",
         "a dipole's energy outside falls with the square of the distance: (1/32)² times an eighth",
     ),
     Tolerance(
-        "change of the elements' capacitance with the last halving of cells",
-        2e-3,
-        "1",
+        "change of the elements' capacitance with the last halving of cells", 2e-3, "1",
         "graded to the edges, its errors fall with order 3: what is left is a seventh of it",
     ),
     Tolerance(
-        "pull on the top of a slab in air, moments against elements",
-        2e-3,
-        "1",
+        "pull on the top of a slab in air, moments against elements", 2e-3, "1",
         "as of the capacitance, whose derivative it is",
     ),
     Tolerance(
         "force along at an edge of the top of a slab in air, moments against elements",
-        2e-3,
-        "of that without the jump of permittivity",
+        2e-3, "of that without the jump of permittivity",
         "as of the capacitance, whose derivative it is too",
     ),
     Tolerance(
-        "stretch of half a slab in air, moments against elements",
-        5e-4,
-        "1",
+        "stretch of half a slab in air, moments against elements", 5e-4, "1",
         "stress across the middle, where fields are even: what remains is the far boundary's part",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "covered": "part of the top that its electrode covers (1)",
@@ -122,15 +112,19 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     cases = [Case(*case) for case in product(COVERED, RATIOS)]
     size = (QUICK_SEGMENTS, QUICK_LAYERS) if setting.quick else (SEGMENTS, LAYERS)
     table = pd.DataFrame(setting.sweep(partial(beside, candidate, *size), cases, "slab in air"))
+    box = partial(reference, Case(COVERED[0], 3.0), size[1] // 2)
     far = pd.DataFrame(
-        [row for reach in REACHES for row in bounds(Case(COVERED[0], 3.0), size[1] // 2, reach)]
+        {"reach": reach, "far": far, "capacitance_elements": float(box(far, reach).totals[0])}
+        for reach, far in product(REACHES, FAR)
     )
+    without = table[table["permittivity_ratio"] == 1].set_index("covered")["edge_work_elements"]
+    scale = table["covered"].map(without)
     values = (
         worst(table["capacitance_difference"], 0.0),
         worst(table["boundary_error"], 0.0),
         worst(table["elements_change"], 0.0),
         worst(table["pull"] / table["pull_elements"], 1.0),
-        at_edge(table),
+        worst(table["edge_work"] / scale, table["edge_work_elements"] / scale),
         worst(table["stretch"] / table["stretch_elements"], 1.0),
     )
     return Evidence(
@@ -140,19 +134,10 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
         figures={"in_air": draw},
         columns=COLUMNS,
         findings=(finding(table),),
-        rounding={
-            "capacitance_difference": 1e-8,
-            "boundary_error": 1e-8,
-            "elements_change": 1e-8,
-        },
+        rounding=dict.fromkeys(
+            ("capacitance_difference", "boundary_error", "elements_change"), 1e-8
+        ),
     )
-
-
-def at_edge(table: pd.DataFrame) -> Observed:
-    """The force at an edge that differs most, over that of ratio 1 and the same cover."""
-    without = table[table["permittivity_ratio"] == 1].set_index("covered")["edge_work_elements"]
-    scale = table["covered"].map(without)
-    return worst(table["edge_work"] / scale, table["edge_work_elements"] / scale)
 
 
 def reference(case: Case, layers: int, far: Far, reach: float = REACHES[-1]) -> Charged:
@@ -172,15 +157,8 @@ def beside(candidate: Solver, segments: int, layers: int, case: Case) -> dict[st
     coarse = float(reference(case, layers // 2, FAR[0]).totals[0])
     natural, floating = (float(one.totals[0]) for one in fine)
     elements = (natural + floating) / 2
-    both = (
-        (faces.points - (0.0, 1.0), candidate.forces_in_air(found)),
-        on_nodes(fine),
-    )
-    loads = {
-        f"{name}{whose}": load
-        for whose, (points, forces) in zip(("", "_elements"), both, strict=True)
-        for name, load in summed(points, forces, case).items()
-    }
+    ours = summed(faces.points - (0.0, 1.0), candidate.forces_in_air(found), case)
+    theirs = summed(*on_nodes(fine), case)
     return {
         "covered": case.covered,
         "permittivity_ratio": case.ratio,
@@ -189,7 +167,8 @@ def beside(candidate: Solver, segments: int, layers: int, case: Case) -> dict[st
         "capacitance_difference": float(found.totals[0]) / elements - 1,
         "boundary_error": abs(floating - natural) / (2 * elements),
         "elements_change": natural / coarse - 1,
-        **loads,
+        **ours,
+        **{f"{name}_elements": load for name, load in theirs.items()},
     }
 
 
@@ -222,18 +201,6 @@ def tapered(distance: Array) -> Array:
     return np.maximum(1 - (distance / REACHED) ** 2, 0.0) ** 2
 
 
-def bounds(case: Case, layers: int, reach: float) -> list[dict[str, object]]:
-    """Rows of one far boundary."""
-    return [
-        {
-            "reach": reach,
-            "far": far,
-            "capacitance_elements": float(reference(case, layers, far, reach).totals[0]),
-        }
-        for far in FAR
-    ]
-
-
 def finding(table: pd.DataFrame) -> str:
     """How far both agree, and what the air makes of the margin, in sentences."""
     most = table["capacitance_difference"].abs().max()
@@ -263,27 +230,18 @@ def draw(tables: Tables) -> Figure:
     for axis, (ours, theirs, name) in zip(compared, shown, strict=True):
         for place, (covered, rows) in enumerate(table.groupby("covered", sort=False)):
             colour, part = figures.COLOURS[place], f"{float(str(covered)):.0%} covered"
-            ratio = rows["permittivity_ratio"]
+            ratio, charges = rows["permittivity_ratio"], f"{part}, charges"
             axis.semilogx(ratio, rows[theirs], color=colour, label=f"{part}, elements")
-            axis.semilogx(
-                ratio, rows[ours], "o", color=colour, mfc="none", label=f"{part}, charges"
-            )
+            axis.semilogx(ratio, rows[ours], "o", color=colour, mfc="none", label=charges)
         axis.set_xticks([1, 3, 10], ["1", "3", "10"])
-        axis.set_xlabel("permittivity over air's (1)")
-        axis.set_ylabel(name)
-        axis.set_ylim(bottom=0)
+        axis.set(xlabel="permittivity over air's (1)", ylabel=name, ylim=(0, None))
     compared[0].legend(fontsize=7)
     for place, (kind, rows) in enumerate(far.groupby("far", sort=False)):
-        box.semilogx(
-            rows["reach"],
-            rows["capacitance_elements"],
-            marker=figures.MARKERS[place],
-            color=figures.COLOURS[place + 2],
-            label=f"far boundary {kind}",
-        )
+        style = {"marker": figures.MARKERS[place], "color": figures.COLOURS[place + 2]}
+        label = f"far boundary {kind}"
+        box.semilogx(rows["reach"], rows["capacitance_elements"], label=label, **style)
     box.set_xticks(list(REACHES), [f"{reach:g}" for reach in REACHES])
-    box.set_title("ratio 3, 100 % covered", fontsize=9)
-    box.set_xlabel("its distance over the slab's length (1)")
+    box.set(title="ratio 3, 100 % covered", xlabel="its distance over the slab's length (1)")
     box.set_ylabel("capacitance per depth over ε (1)")
     box.legend(fontsize=7)
     return figure

@@ -51,38 +51,29 @@ MIDDLE, MARGIN = 1.0, 0.5
 """Width over the gap of what counts as the middle, and as the margin."""
 TOLERANCES = (
     Tolerance(
-        "charge of the report's model at endless depth over the plane model's",
-        1e-3,
-        "1",
+        "charge of the report's model at endless depth over the plane model's", 1e-3, "1",
         "both by collocation on the same springs, asked for at half the depth: charge falls to the "
         "plane's like 1/depth or faster, and two depths leave terms of (w/depth)², 1e-3",
     ),
     Tolerance(
-        "charge of the report's model against the same plates by patches",
-        1e-9,
-        "1",
+        "charge of the report's model against the same plates by patches", 1e-9, "1",
         "the same equations by other formulas; rounding times their condition",
     ),
     Tolerance(
         "charge and forces of the slab in air at ratio 1, against the plane model",
-        1e-9,
-        "of the largest",
+        1e-9, "of the largest",
         "no bound charge is left, and the equations are Galerkin's; rounding times their condition",
     ),
     Tolerance(
-        "squeeze in the middle in air, ratio 10, over ½ε(V/d)²",
-        5e-3,
-        "1",
+        "squeeze in the middle in air, ratio 10, over ½ε(V/d)²", 5e-3, "1",
         "the field above the middle, d/w of that in the gap or so, pulls back with its square over "
         "the ratio, 0.003; the margin's field decays inwards like exp(-2πx/d)",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "model": "kernel of charges and what surrounds the slab",
     "depth_over_gap": 'of the plates (1); "endless" in the plane',
-    "forces_by": "derivatives of the energy, or point sums: Coulomb's law between middles of "
-    "springs, halves to each end, or between nodes",
     "charge_over_plane": "of the upper electrode over that of the plane model (1)",
     "squeeze_in_middle": "force downwards on the middle gap's width over that of ½ε(V/d)² (1)",
     "squeeze_over_plane": "force downwards on the upper electrode over the plane model's (1)",
@@ -96,7 +87,6 @@ COLUMNS = {
     "collocation on the same springs (1)",
     "plates_over_plane": "the same of plates in space whose charge is free along the depth, over "
     "that of the closed form (1)",
-    "place": "middle of a segment over half the width, 0 in the strip's middle (1)",
     "squeeze": "force downwards on a point over its part of the width, over ½ε(V/d)² (1)",
     "along_here": "force along the strip on a point, outward to the right, over εV²/(4d) (1)",
 }

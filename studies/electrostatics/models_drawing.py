@@ -56,10 +56,9 @@ def draw(tables: Tables) -> Figure:
         if model.name != "report's":
             half = rows[rows["place"] > EDGE_SHOWN]
             outward.plot(half["place"], half["along_here"], marker=".", **STYLES[name], label=name)
-    down.set_ylim(0.5, 40)
-    down.set_ylabel("squeeze over ½ε(V/d)² (1)")
+    down.set(ylabel="squeeze over ½ε(V/d)² (1)", ylim=(0.5, 40))
+    outward.set_title("near the edge, plane and in air")
     outward.set_ylabel("outward force over εV²/4d (1)")
-    outward.set_title("near the edge, plane and in air", fontsize=9)
     for axis in (down, outward):
         axis.set_xlabel("place over half the width (1)")
     draw_totals(totals, tables["models"])
@@ -72,14 +71,8 @@ def draw_totals(axis: Axes, table: pd.DataFrame) -> None:
     names = [label(Model(*key)) for key in table[KEYS].itertuples(index=False)]
     places = np.arange(len(names))[::-1]
     for i, (column, name) in enumerate(TOTALS.items()):
-        axis.semilogx(
-            table[column],
-            places + 0.12 * (1 - i),
-            figures.MARKERS[i],
-            color=figures.COLOURS[i],
-            label=name,
-        )
+        style = figures.numbered(i)
+        axis.semilogx(table[column], places + 0.12 * (1 - i), ls="", label=name, **style)
     axis.set_yticks(places, names, fontsize=7)
-    axis.set_xlabel("over the plane model's (1)")
-    axis.set_ylabel("model")
+    axis.set(xlabel="over the plane model's (1)", ylabel="model")
     axis.legend(fontsize=7, loc="lower right")

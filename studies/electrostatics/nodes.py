@@ -48,39 +48,29 @@ WAYS = tuple(product(PLACES, FORCES))
 TOLERANCES = (
     Tolerance(
         "forces by charges on springs and on nodes, farthest from their energy's derivatives",
-        1e-6,
-        "of the largest force",
+        1e-6, "of the largest force",
         "differences of fourth order with steps of a hundredth of a segment",
     ),
     Tolerance(
-        "order of the charge by charges on springs and on nodes",
-        0.1,
-        "1",
+        "order of the charge by charges on springs and on nodes", 0.1, "1",
         "the last piece's length makes the error; the next term is smaller by it over the gap",
     ),
     Tolerance(
         "sum of forces times places on wavy electrodes, from what the plane's law makes of it",
-        2e-14,
-        "of the sum of forces times the width",
+        2e-14, "of the sum of forces times the width",
         "the plane's energy has no unit of length, so its derivatives add up to nothing; in sums "
         "over pairs of points each adds its qq'/(2πε), -Σq²/(4πε) in all of charges that are "
         "neutral; rounding of 2e-16 times a condition of ten, and ten times that for differences",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "charges_on": "springs (each even), or nodes (each even on the halves of its springs)",
-    "forces_by": "derivatives of the energy, or point sums: Coulomb's law between middles of "
-    "springs, halves to each end, or between nodes",
     "charge_error": "charge over the closed form's, less 1 (1)",
-    "pull_error": "force between flat strips over dW/dd of the closed form, less 1 (1)",
-    "stretch_error": "forces along flat strips times their place, over w·dW/dw of the closed form, "
-    "less 1 (1)",
     "edge_along": "force along the strip on the edge's point over the closed form's on a tip (1)",
     "own_error": "farthest force on wavy electrodes from differences of their own energy, over the "
     "largest (1)",
     "own_moment": "net moment over the sum of forces times the width (1)",
-    "order": "exponent of the length of segments that fits the errors (1)",
 }
 
 
@@ -190,19 +180,15 @@ def draw(tables: Tables) -> Figure:
     """Errors of charge and stretch against the number of springs."""
     table = tables["nodes"]
     figure, (charge, stretch) = figures.new(2, size=(3.5, 3.1))
-    for place, ((where, how), rows) in enumerate(
-        table.groupby(["charges_on", "forces_by"], sort=False)
-    ):
-        style = {"color": figures.COLOURS[place], "marker": figures.MARKERS[place]}
-        name = f"on {where}, {how}"
+    groups = table.groupby(["charges_on", "forces_by"], sort=False)
+    for place, ((where, how), rows) in enumerate(groups):
+        style, name = figures.numbered(place), f"on {where}, {how}"
         if how == "derivatives":
             charge.loglog(rows["segments"], rows["charge_error"].abs(), label=name, **style)
         stretch.loglog(rows["segments"], rows["stretch_error"].abs(), label=name, **style)
-    n = np.array([table["segments"].min(), table["segments"].max()])
     for axis, column in ((charge, "charge_error"), (stretch, "stretch_error")):
-        top = 1.6 * table[column].abs().max()
-        axis.loglog(n, top * n[0] / n, ":", color="grey", label="order 1")
-        axis.set_xticks(*[sorted(set(table["segments"]))] * 2)
+        figures.draw_order(axis, table["segments"], 1.6 * table[column].abs().max(), 1)
+        figures.tick_at(axis, table["segments"])
         axis.set_xlabel("springs of each electrode (1)")
     charge.set_ylabel("relative error of the charge (1)")
     stretch.set_ylabel("relative error of w·dW/dw (1)")

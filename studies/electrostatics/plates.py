@@ -13,12 +13,10 @@ from __future__ import annotations
 from functools import partial
 from itertools import product
 
-import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.dielectric.charges import disc_capacitance, square_capacitance
-from msvalidate.dielectric.charges.patches import Patches
 from msvalidate.dielectric.charges.plates import disc, plate
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
@@ -40,27 +38,21 @@ ACROSS, QUICK_ACROSS = (8, 12, 16, 24, 32), (8, 12, 16, 24)
 ORDER = 3.0
 TOLERANCES = (
     Tolerance(
-        "capacitance of a square plate",
-        4e-5,
-        "1",
+        "capacitance of a square plate", 4e-5, "1",
         "errors fall with order 3 to 2e-4 at 24 patches across, of which extrapolation by that "
         "order leaves a tenth; the accepted value is known to 1.5e-5",
     ),
     Tolerance(
-        "capacitance of a disc",
-        5e-6,
-        "1",
+        "capacitance of a disc", 5e-6, "1",
         "errors fall with order 3 to 3e-5 at 24 rings, of which extrapolation by that order leaves "
         "a tenth; the polygon in the disc's place errs by 2e-6",
     ),
     Tolerance(
-        "order of the capacitance of square and disc",
-        0.3,
-        "1",
+        "order of the capacitance of square and disc", 0.3, "1",
         "the next term is smaller by a patch in the middle over the half width, a sixth to an "
         "eighteenth, with a factor of order 1; rings bring half of it",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "body": "thin, alone in space: square plate or disc",
@@ -68,7 +60,6 @@ COLUMNS = {
     "patches": "of the body (1)",
     "capacitance_over_accepted": "capacitance over the accepted one (1)",
     "extrapolated": "the same of endless patches, by order 3 from the two finest meshes (1)",
-    "order": "exponent of the length of segments that fits the errors (1)",
 }
 
 
@@ -90,20 +81,16 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
 
 
-def patched(body: str, across: int) -> Patches:
-    """A body as patches."""
-    return BODIES[body][0](across)
-
-
 def found(candidate: Solver, case: tuple[str, int]) -> dict[str, object]:
     """Row of one mesh."""
     body, across = case
-    patches = patched(body, across)
+    made, accepted = BODIES[body]
+    patches = made(across)
     return {
         "body": body,
         "patches_across": across,
         "patches": len(patches.corners),
-        "capacitance_over_accepted": candidate.plates(patches) / BODIES[body][1],
+        "capacitance_over_accepted": candidate.plates(patches) / accepted,
     }
 
 
@@ -120,31 +107,23 @@ def limit(body: str, rows: pd.DataFrame) -> dict[str, object]:
 
 def finding(limits: pd.DataFrame) -> str:
     """Extrapolated values, in a sentence."""
-    said = [
-        f"{body} {value - 1:+.1e} (order {order:.2f})"
-        for body, order, value in zip(
-            limits["body"], limits["order"], limits["extrapolated"], strict=True
-        )
-    ]
-    return "Capacitance in space over the accepted one, less 1: " + ", ".join(said) + "."
+    said = ", ".join(
+        f"{row.body} {row.error:+.1e} (order {row.order:.2f})"
+        for row in limits.assign(error=limits["extrapolated"] - 1).itertuples()
+    )
+    return f"Capacitance in space over the accepted one, less 1: {said}."
 
 
 def draw(tables: Tables) -> Figure:
     """Errors against the number of patches along a side."""
     table = tables["plates"]
+    table = table.assign(error=(table["capacitance_over_accepted"] - 1).abs())
     figure, (axis,) = figures.new(size=(4.2, 3.3))
     for place, (body, rows) in enumerate(table.groupby("body", sort=False)):
-        axis.loglog(
-            rows["patches_across"],
-            (rows["capacitance_over_accepted"] - 1).abs(),
-            marker=figures.MARKERS[place],
-            color=figures.COLOURS[place],
-            label=str(body),
-        )
-    n = np.array([table["patches_across"].min(), table["patches_across"].max()])
-    top = 2 * (table["capacitance_over_accepted"] - 1).abs().max()
-    axis.loglog(n, top * (n[0] / n) ** ORDER, ":", color="grey", label=f"order {ORDER:g}")
-    axis.set_xticks(*[sorted(set(table["patches_across"]))] * 2)
+        style = figures.numbered(place)
+        axis.loglog(rows["patches_across"], rows["error"], label=str(body), **style)
+    figures.draw_order(axis, table["patches_across"], 2 * table["error"].max(), ORDER)
+    figures.tick_at(axis, table["patches_across"])
     axis.set_xlabel("patches along a side, rings of the disc (1)")
     axis.set_ylabel("relative error of the capacitance (1)")
     axis.legend(fontsize=8)

@@ -46,18 +46,15 @@ WIDTH = 6.0
 TOLERANCES = (
     Tolerance(
         "charges by iterations after a motion, farthest from those by a new factor",
-        1e-9,
-        "of the largest",
+        1e-9, "of the largest",
         "a residual of 1e-12 times the condition of the graded equations",
     ),
     Tolerance(
-        "GMRES steps after a motion by a hundredth of the gap, most",
-        12,
-        "1",
+        "GMRES steps after a motion by a hundredth of the gap, most", 12, "1",
         "each step gains the relative change of the equations, a tenth at most where segments "
         "turn: twelve for twelve digits",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "unknowns": "charges of both electrodes (1)",
@@ -179,51 +176,27 @@ def draw(tables: Tables) -> Figure:
     """Seconds against charges, and steps against motion."""
     times, moves = tables["scaling"], tables["motions"]
     figure, (seconds, steps) = figures.new(2, size=(3.5, 3.1))
-    for place, (column, name) in enumerate(
-        (
-            ("integrals_seconds", "integrals"),
-            ("factor_seconds", "integrals and factor"),
-            ("forces_seconds", "forces"),
-            ("charges_seconds", "charges by factor"),
-        )
-    ):
-        seconds.loglog(
-            times["unknowns"],
-            times[column],
-            marker=figures.MARKERS[place],
-            color=figures.COLOURS[place],
-            label=name,
-        )
+    drawn = {
+        "integrals_seconds": "integrals",
+        "factor_seconds": "integrals and factor",
+        "forces_seconds": "forces",
+        "charges_seconds": "charges by factor",
+    }
     if not (times["multipole_seconds"] == ABSENT).any():
-        seconds.loglog(
-            times["unknowns"],
-            times["multipole_seconds"].astype(float),
-            marker=figures.MARKERS[4],
-            color=figures.COLOURS[4],
-            label="charges by multipoles",
-        )
+        drawn["multipole_seconds"] = "charges by multipoles"
+    for place, (column, name) in enumerate(drawn.items()):
+        style = figures.numbered(place)
+        seconds.loglog(times["unknowns"], times[column].astype(float), label=name, **style)
     n = np.array([times["unknowns"].min(), times["unknowns"].max()])
-    seconds.loglog(
-        n,
-        times["integrals_seconds"].max() * (n / n[-1]) ** 2 / 2,
-        ":",
-        color="grey",
-        label="square",
-    )
-    seconds.set_xticks(*[sorted(set(times["unknowns"]))] * 2)
-    seconds.set_xlabel("charges (1)")
-    seconds.set_ylabel("time, here (s)")
+    square = times["integrals_seconds"].max() * (n / n[-1]) ** 2 / 2
+    seconds.loglog(n, square, ":", color="grey", label="square")
+    figures.tick_at(seconds, times["unknowns"])
+    seconds.set(xlabel="charges (1)", ylabel="time, here (s)")
     seconds.legend(fontsize=7)
     for place, (unknowns, rows) in enumerate(moves.groupby("unknowns", sort=False)):
-        steps.semilogx(
-            rows["motion_over_gap"],
-            rows["iterations"],
-            marker=figures.MARKERS[place],
-            color=figures.COLOURS[place],
-            label=f"{unknowns} charges",
-        )
-    steps.set_ylim(bottom=0)
-    steps.set_xlabel("largest displacement over the gap (1)")
+        style, label = figures.numbered(place), f"{unknowns} charges"
+        steps.semilogx(rows["motion_over_gap"], rows["iterations"], label=label, **style)
+    steps.set(xlabel="largest displacement over the gap (1)", ylim=(0, None))
     steps.set_ylabel("GMRES steps with the old factor (1)")
     steps.legend(fontsize=7)
     return figure

@@ -51,26 +51,22 @@ HALF = 0.5 * (VOLTAGES[0] - VOLTAGES[1]) ** 2
 TOLERANCES = (
     Tolerance(
         "growth of σ²/(2ε) with a doubling of segments, over K²·ln 2/ε a halving of the last",
-        0.02,
-        "1",
+        0.02, "1",
         "the tip looks the same at every fineness; what differs is the first-order error of K², "
         "a few times 1/n",
     ),
     Tolerance(
-        "pull of point sums on the middle of wide strips, over coth(πd/l)",
-        2e-3,
-        "1",
+        "pull of point sums on the middle of wide strips, over coth(πd/l)", 2e-3, "1",
         "ends are 30 segments away, where points and segments differ by (1/30)²/24 or so, and the "
         "density by its margin of d/(30πl)·l/w",
     ),
     Tolerance(
         "consistent force along half a strip, finest, over that on a tip by the closed form",
-        2e-4,
-        "1",
+        2e-4, "1",
         "what even segments miss at the tip goes with their length over the gap, 0.025 and less, "
         "with a small factor: the tip's pull holds for the charge that is there",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "faces_over_exact": "Σσ²·l/(2ε) of a strip over the pull by the closed form (1)",
@@ -231,49 +227,29 @@ def draw(tables: Tables) -> Figure:
     faces, points, tips = tables["both_faces"], tables["point_sums"], tables["halves"]
     figure, (both, sums, tip_axis) = figures.new(3, size=(3.2, 3.0))
     for place, (grading, rows) in enumerate(by_grading(faces)):
-        both.semilogx(
-            rows["segments"],
-            rows["faces_over_exact"],
-            figures.MARKERS[place],
-            color=figures.COLOURS[place],
-            label=f"{grading} segments",
-        )
+        style, n = figures.numbered(place), rows["segments"].to_numpy()
+        pull = rows["faces_over_exact"].to_numpy()
+        both.semilogx(n, pull, ls="", label=f"{grading} segments", **style)
         slope = DOUBLINGS[grading] * 2 / (np.pi * RATIO)
-        n = rows["segments"].to_numpy()
-        both.semilogx(
-            n,
-            rows["faces_over_exact"].iloc[-1] + slope * np.log(n / n[-1]),
-            color=figures.COLOURS[place],
-            lw=0.8,
-        )
-    both.set_xticks(*[sorted(set(faces["segments"]))] * 2)
-    both.set_title(f"Σσ²·l/(2ε), w/d = {RATIO:g}", fontsize=9)
-    both.set_xlabel("segments of each strip (1)")
+        both.semilogx(n, pull[-1] + slope * np.log(n / n[-1]), color=style["color"], lw=0.8)
+    figures.tick_at(both, faces["segments"])
+    both.set(title=f"Σσ²·l/(2ε), w/d = {RATIO:g}", xlabel="segments of each strip (1)")
     both.set_ylabel("pull over the closed form's (1)")
-    both.legend(fontsize=7)
-    sums.plot(
-        points["length_over_gap"],
-        points["points_over_exact"],
-        "o",
-        color=figures.COLOURS[0],
-        label="point sums",
-    )
+    lengths, blue = points["length_over_gap"], figures.COLOURS[0]
+    sums.plot(lengths, points["points_over_exact"], "o", color=blue, label="point sums")
     drawn = np.linspace(min(LENGTHS), max(LENGTHS), 80)
     sums.plot(drawn, 1 / np.tanh(np.pi / drawn), color="black", lw=0.8, label="coth(πd/l)")
-    sums.set_title("Coulomb's law between middles", fontsize=9)
-    sums.set_xlabel("length of segments over gap l/d (1)")
+    sums.set(title="Coulomb's law between middles", xlabel="length of segments over gap l/d (1)")
     sums.set_ylabel("pull over that of even segments (1)")
-    sums.legend(fontsize=7)
     near = tips[(tips["from_edge"] != "half") & (tips["grading"] == "uniform")]
     near = near[near["segments"] == near["segments"].max()]
     where = near["from_edge"].astype(float)
     for place, (column, name) in enumerate((("along", "consistent"), ("along_halves", "halves"))):
-        tip_axis.bar(
-            where + 0.4 * place - 0.2, near[column], 0.36, color=figures.COLOURS[place], label=name
-        )
+        colour, x = figures.COLOURS[place], where + 0.4 * place - 0.2
+        tip_axis.bar(x, near[column], 0.36, color=colour, label=name)
     tip_axis.set_xticks(list(range(NEAR)))
-    tip_axis.set_title("force along the strip", fontsize=9)
-    tip_axis.set_xlabel("points from the edge (1)")
+    tip_axis.set(title="force along the strip", xlabel="points from the edge (1)")
     tip_axis.set_ylabel("force over that on the tip (1)")
-    tip_axis.legend(fontsize=7)
+    for axis in (both, sums, tip_axis):
+        axis.legend(fontsize=7)
     return figure

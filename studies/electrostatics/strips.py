@@ -45,39 +45,33 @@ ORDER_BECAUSE = (
 TOLERANCES = (
     *(
         Tolerance(
-            f"capacitance of facing strips, graded segments, {weighting}",
-            1e-4,
-            "1",
+            f"capacitance of facing strips, graded segments, {weighting}", 1e-4, "1",
             "errors fall with order 2 from 1e-3 or so at 40 segments: 64 times less at 320",
         )
         for weighting in WEIGHTINGS
     ),
     *(
         Tolerance(
-            f"order of the capacitance, {grading} segments, {weighting}", 0.1, "1", ORDER_BECAUSE
+            f"order of the capacitance, {grading} segments, {weighting}", 0.1, "1",
+            ORDER_BECAUSE,
         )
         for grading, weighting in product(GRADINGS, WEIGHTINGS)
     ),
     Tolerance(
-        "Galerkin's capacitance above the closed form, largest",
-        1e-10,
-        "1",
+        "Galerkin's capacitance above the closed form, largest", 1e-10, "1",
         "a maximum over fewer charges is no larger; 1e-10 is rounding times the condition of the "
         "equations",
     ),
     Tolerance(
-        "capacitance of strips a thousand times as large",
-        1e-10,
-        "1",
+        "capacitance of strips a thousand times as large", 1e-10, "1",
         "per depth it has no unit of length; rounding times the condition of the equations",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "capacitance": "per depth over the permittivity (1)",
     "capacitance_exact": "the same by the closed form (1)",
     "capacitance_error": "of the method of moments over the closed form, less 1 (1)",
-    "order": "exponent of the length of segments that fits the errors (1)",
     "order_expected": "order that theory gives (1)",
     "capacitance_limit": "by the nearer of its limits (1)",
     "limit": "wide plates: w/d + (1 + ln(2πw/d))/π; two wires: π/arcosh(2d/w), of a quarter of the "
@@ -196,47 +190,29 @@ def draw(tables: Tables) -> Figure:
     """Errors against the number of segments, and the closed form."""
     table, form = tables["strips"], tables["closed_form"]
     figure, axes = figures.new(3, size=(3.3, 3.2))
-    for axis, grading in zip(axes, GRADINGS, strict=False):
+    *errors, last = axes
+    for axis, (grading, order) in zip(errors, GRADINGS.items(), strict=True):
         rows = table[table["grading"] == grading]
         for (ratio, weighting), line in rows.groupby(["width_over_gap", "weighting"], sort=False):
-            place = RATIOS.index(ratio)
-            axis.loglog(
-                line["segments"],
-                line["capacitance_error"].abs(),
-                figures.MARKERS[place],
-                ls="-" if weighting == "galerkin" else "--",
-                mfc=None if weighting == "galerkin" else "none",
-                color=figures.COLOURS[place],
-                label=f"w/d = {ratio:g}, {weighting}",
-            )
-        n = np.array([rows["segments"].min(), rows["segments"].max()])
-        order = GRADINGS[grading]
-        top = 2 * rows["capacitance_error"].abs().max()
-        axis.loglog(n, top * (n[0] / n) ** order, ":", color="grey", label=f"order {order:g}")
-        axis.set_xticks(
-            sorted(set(rows["segments"])), [str(m) for m in sorted(set(rows["segments"]))]
-        )
-        axis.set_title(f"{grading} segments", fontsize=9)
-        axis.set_xlabel("segments of each strip (1)")
+            style = figures.numbered(RATIOS.index(ratio)) | {"ls": "-"}
+            if weighting != "galerkin":
+                style |= {"ls": "--", "mfc": "none"}
+            label = f"w/d = {ratio:g}, {weighting}"
+            axis.loglog(line["segments"], line["capacitance_error"].abs(), label=label, **style)
+        most = rows["capacitance_error"].abs().max()
+        figures.draw_order(axis, rows["segments"], 2 * most, order)
+        figures.tick_at(axis, rows["segments"])
+        axis.set(title=f"{grading} segments", xlabel="segments of each strip (1)")
     axes[0].set_ylabel("relative error of the capacitance (1)")
-    last = axes[2]
-    r = form["width_over_gap"]
-    last.loglog(r, form["capacitance_exact"], color="black", label="closed form")
-    for place, (name, rows) in enumerate(form.groupby("limit", sort=False)):
-        last.loglog(
-            rows["width_over_gap"],
-            rows["capacitance_limit"],
-            "--",
-            color=figures.COLOURS[3 + place],
-            label=str(name),
-        )
+    closed = form["capacitance_exact"]
+    last.loglog(form["width_over_gap"], closed, color="black", label="closed form")
+    for place, (name, rows) in enumerate(form.groupby("limit", sort=False), start=3):
+        width, limit = rows["width_over_gap"], rows["capacitance_limit"]
+        last.loglog(width, limit, "--", color=figures.COLOURS[place], label=str(name))
     met = table[table["segments"] == table["segments"].max()]
-    last.loglog(
-        met["width_over_gap"], met["capacitance"], "o", color=figures.COLOURS[1], label="moments"
-    )
-    last.set_title("capacitance", fontsize=9)
-    last.set_xlabel("width over gap w/d (1)")
-    last.set_ylabel("C/ε per depth (1)")
+    orange = figures.COLOURS[1]
+    last.loglog(met["width_over_gap"], met["capacitance"], "o", color=orange, label="moments")
+    last.set(title="capacitance", xlabel="width over gap w/d (1)", ylabel="C/ε per depth (1)")
     last.legend(fontsize=7)
-    figures.shared_legend(figure, axes[:2], columns=4)
+    figures.shared_legend(figure, errors, columns=4)
     return figure

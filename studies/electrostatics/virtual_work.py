@@ -49,68 +49,50 @@ FINE = (20, 40, 80, 160, 320)
 QUICK_FINE = (20, 40, 80, 160)
 TOLERANCES = (
     Tolerance(
-        "Galerkin's forces, farthest from differences of the energy",
-        1e-7,
-        "of the largest force",
+        "Galerkin's forces, farthest from differences of the energy", 1e-7, "of the largest force",
         "differences of fourth order with steps of a hundredth of a segment: 1e-8 times the bend "
         "of the energy of neighbours, of order 1 to 10",
     ),
     Tolerance(
         "Galerkin's forces on the edges, farthest from differences of the energy",
-        1e-7,
-        "of that force",
+        1e-7, "of that force",
         "as of all forces: those on edges are the largest",
     ),
     Tolerance(
-        "net force of Galerkin's forces",
-        1e-12,
-        "of the sum of their sizes",
+        "net force of Galerkin's forces", 1e-12, "of the sum of their sizes",
         "pairs cancel as numbers; some hundred roundings of 1e-16",
     ),
     Tolerance(
-        "net moment of Galerkin's forces",
-        1e-12,
-        "of the sum of their sizes times the width",
+        "net moment of Galerkin's forces", 1e-12, "of the sum of their sizes times the width",
         "exact integrals; some thousand roundings of 1e-16",
     ),
     Tolerance(
-        "asymmetry of the tangent",
-        1e-10,
-        "of its largest component",
+        "asymmetry of the tangent", 1e-10, "of its largest component",
         "a second derivative; rounding times the condition of the equations",
     ),
     Tolerance(
-        "tangent, farthest from differences of the forces",
-        1e-6,
-        "of its largest component",
+        "tangent, farthest from differences of the forces", 1e-6, "of its largest component",
         "differences of fourth order, as of the energy",
     ),
     Tolerance(
-        "pull between flat strips, finest, over dW/dd of the closed form",
-        1e-4,
-        "1",
+        "pull between flat strips, finest, over dW/dd of the closed form", 1e-4, "1",
         "falls with order 2 like the capacitance, from 1e-3 or so at 40 segments",
     ),
     Tolerance(
-        "stretch of flat strips, finest, over dW/dw of the closed form",
-        1e-4,
-        "1",
+        "stretch of flat strips, finest, over dW/dw of the closed form", 1e-4, "1",
         "as of the pull, which it equals",
     ),
     Tolerance(
-        "order of pull and stretch",
-        0.1,
-        "1",
+        "order of pull and stretch", 0.1, "1",
         "as of the capacitance: derivatives of an error that goes like 1/n² do so too",
     ),
     Tolerance(
         "forces on a wavy slab in air, farthest from differences of the energy",
-        1e-6,
-        "of the largest force",
+        1e-6, "of the largest force",
         "differences of fourth order with steps of a hundredth of a segment, whose next term grows "
         "with the cube of the field at edges and corners",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **common.COLUMNS,
     "points": "of both electrodes, or around the slab (1)",
@@ -122,13 +104,19 @@ COLUMNS = {
     "tangent_error": "farthest component of the tangent from differences of the forces, over its "
     "largest (1)",
     "asymmetry": "farthest component of the tangent from its transpose's, over its largest (1)",
-    "pull_error": "force between flat strips over dW/dd of the closed form, less 1 (1)",
-    "stretch_error": "forces along flat strips times their place, over w·dW/dw of the closed form, "
-    "less 1 (1)",
     "pull_order": "exponent of 1/n that fits the errors of the pull (1)",
     "outline_error": "farthest force on a wavy slab in air from differences of the energy, over "
     "the largest (1)",
     "stretch_order": "exponent of 1/n that fits the errors of the stretch (1)",
+}
+
+
+ROUNDING = {
+    **dict.fromkeys(("force_error", "edge_force_error", "outline_error", "tangent_error"), 1e-8),
+    **dict.fromkeys(("net_force", "net_moment"), 1e-13),
+    **dict.fromkeys(("pull_error", "stretch_error"), 1e-9),
+    **dict.fromkeys(("pull_order", "stretch_order"), 1e-4),
+    "asymmetry": 1e-12,
 }
 
 
@@ -157,19 +145,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
         figures={"virtual_work": draw},
         columns=COLUMNS,
         findings=(finding(table, flat),),
-        rounding={
-            "force_error": 1e-8,
-            "edge_force_error": 1e-8,
-            "outline_error": 1e-8,
-            "net_force": 1e-13,
-            "net_moment": 1e-13,
-            "tangent_error": 1e-8,
-            "asymmetry": 1e-12,
-            "pull_error": 1e-9,
-            "stretch_error": 1e-9,
-            "pull_order": 1e-4,
-            "stretch_order": 1e-4,
-        },
+        rounding=ROUNDING,
     )
 
 

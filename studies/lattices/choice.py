@@ -21,12 +21,10 @@ from .cases import Case
 NO_BODY = '"no body", "no corner point", "no box" or "mechanism", as in the column body of solids'
 TOLERANCES = (
     Tolerance(
-        "known lattices and rules without a row",
-        0,
-        "1",
+        "known lattices and rules without a row", 0, "1",
         "lattices are found by what their functions return, not listed",
     ),
-)
+)  # fmt: skip
 MEANING = {"E": "modulus along x (N/m, Pa at a spacing of 1 m)", "nu": "Poisson's ratio (1)"}
 MEANING["A"] = 'Zener\'s ratio, "none" where the solid is neither square nor cubic (1)'
 COLUMNS = {

@@ -39,34 +39,27 @@ ALIKE = 0.2
 """Largest distance of an order seen from that of the limit."""
 TOLERANCES = (
     Tolerance(
-        "work of elastic bodies: uncertainty, relative",
-        0.02,
-        "1",
+        "work of elastic bodies: uncertainty, relative", 0.02, "1",
         "half of what an extrapolation adds, 2.4 % on 12 cells at most: a tenth of the coarsest "
         "lattices' difference; whether it serves for an order, clamped_order says",
     ),
     Tolerance(
         "lattices of like cells: order, from twice the exponent of the clamped side's end",
-        ALIKE,
-        "1",
+        ALIKE, "1",
         "a sheared body bends as well, with an error of order 2 beside that of its corners, and a "
         "pulled one has weak corners: two sizes are off by 0.17 and -0.12 at 16 and 32 cells of "
         "the plane, and by -0.18 at 3 and 4 of space",
     ),
     Tolerance(
-        "lattices with springs across sides, pulled: order, from 1",
-        ALIKE,
-        "1",
+        "lattices with springs across sides, pulled: order, from 1", ALIKE, "1",
         "the next term is of order 1.4 to 1.6 and smaller by far: 0.08 for 3 and 4 cells",
     ),
     Tolerance(
-        "lattices whose difference does not fall with the spacing",
-        0,
-        "1",
+        "lattices whose difference does not fall with the spacing", 0, "1",
         "every lattice converges to its solid; where springs cross sides and the body is sheared, "
         "two errors of opposite sign cancel at few cells, so those are left out",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **cases.COLUMNS,
     "work": "work of the load over that on a free bar of the same modulus, of the lattice (1)",

@@ -48,12 +48,10 @@ UNITS = {
 ACROSS = {2: 8, 3: 2}
 TOLERANCES = (
     Tolerance(
-        "smallest fault noticed, largest over the kinds",
-        1e-6,
-        "1",
+        "smallest fault noticed, largest over the kinds", 1e-6, "1",
         "a thousand times the limit of an identity: no fault hides behind a weak lever",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **cases.COLUMNS,
     "fault": "what is wrong with the network, or the pattern",

@@ -48,20 +48,16 @@ AT_REST = 1e-12
 LOOK_EVERY = 2
 TOLERANCES = (
     Tolerance(
-        "steps to rest over the prediction from frequencies, worst",
-        0.05,
-        "1",
+        "steps to rest over the prediction from frequencies, worst", 0.05, "1",
         "the prediction is of the slowest mode alone, as if it were the whole displacement; a look "
         "is taken at every second of 120 steps or more",
     ),
     Tolerance(
-        "highest frequency of a body beyond that of one cell alone, relative",
-        1e-9,
-        "1",
+        "highest frequency of a body beyond that of one cell alone, relative", 1e-9, "1",
         "energy and mass of the body are sums over cells that are alike, so no quotient of sums "
         "is beyond that of one; left is rounding",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **cases.COLUMNS,
     "root_kappa": "highest over lowest frequency of the clamped body (1)",

@@ -39,19 +39,15 @@ STRESS = 1e-4
 """Pa, of a solid with moduli near 10 Pa."""
 TOLERANCES = (
     Tolerance(
-        "orthotropic cubes: tensor against that on paper, relative",
-        1e-10,
-        "1",
+        "orthotropic cubes: tensor against that on paper, relative", 1e-10, "1",
         "a sum of a few terms, and points that do not move: rounding",
     ),
     Tolerance(
-        "orthotropic cubes: shear of springs and of elements over that on paper, from 1",
-        1e-9,
-        "1",
+        "orthotropic cubes: shear of springs and of elements over that on paper, from 1", 1e-9, "1",
         "uniform stress is exact in both: left is rounding, 1e-16 times a condition number of up "
         "to 1e5",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "stress": "component of stress on the body",
     "entry_on_paper": "the tensor's entry for that shear, on paper (Pa)",

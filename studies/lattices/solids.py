@@ -49,44 +49,36 @@ FORCE_LEFT = 1e-6
 """On a point of a strained cell, per spring constant and nudge; its square is left of energy."""
 TOLERANCES = (
     Tolerance(
-        "tensor against its closed form, relative",
-        1e-10,
-        "1",
+        "tensor against its closed form, relative", 1e-10, "1",
         "the same sum over springs, less what points release: none in these; left is rounding, "
         "and what the solution for the points makes of it",
     ),
     Tolerance(
-        "tensor above the affine bound, relative",
-        1e-10,
-        "1",
+        "tensor above the affine bound, relative", 1e-10, "1",
         "the affine motion is one of those among which the energy is least; left is rounding",
     ),
     Tolerance(
-        "tensor against differences of energy, relative",
-        1e-6,
-        "1",
+        "tensor against differences of energy, relative", 1e-6, "1",
         "fourth derivatives of the energy times the nudge squared, 1e-8 times numbers up to 10",
     ),
     Tolerance(
-        "Zener's ratio against theory", 1e-10, "1", "a quotient of sums of a few terms: rounding"
+        "Zener's ratio against theory", 1e-10, "1",
+        "a quotient of sums of a few terms: rounding",
     ),
     Tolerance(
-        "lattices isotropic, or not, against theory", 0, "1", "Zener's ratio on paper is 1, or not"
+        "lattices isotropic, or not, against theory", 0, "1",
+        "Zener's ratio on paper is 1, or not",
     ),
     Tolerance(
-        "Poisson's ratio of isotropic lattices against Cauchy's",
-        1e-10,
-        "1",
+        "Poisson's ratio of isotropic lattices against Cauchy's", 1e-10, "1",
         "central springs between points that follow the strain: C12 = C44, so isotropic means 1/3 "
         "in the plane and 1/4 in space",
     ),
     Tolerance(
-        "highest frequency squared against theory, relative",
-        1e-10,
-        "1",
+        "highest frequency squared against theory, relative", 1e-10, "1",
         "the wave that theory names is one of those tried; left is rounding of an eigenvalue",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **cases.COLUMNS,
     "E": "modulus along x (N/m in the plane, Pa in space, at a spacing of 1 m)",

@@ -39,26 +39,20 @@ QUICK = {2: (8, 16, 32), 3: (2, 3, 4)}
 EXACT = 1e-9
 TOLERANCES = (
     Tolerance(
-        "bodies that should be exact: error of E, nu or G, relative",
-        EXACT,
-        "1",
+        "bodies that should be exact: error of E, nu or G, relative", EXACT, "1",
         "cells that share springs are all alike: uniform strain is exact; left is rounding, 1e-16 "
         "times a condition number of up to 1e5",
     ),
     Tolerance(
-        "bodies that should not be exact and are",
-        0,
-        "1",
+        "bodies that should not be exact and are", 0, "1",
         "a force that nothing balances moves points: the pattern says which tests have one",
     ),
     Tolerance(
-        "order of the error of the finest pair, from that of the pattern's edges",
-        0.35,
-        "1",
+        "order of the error of the finest pair, from that of the pattern's edges", 0.35, "1",
         "the next term is of one order more: as large as the first at one cell, it adds a part "
         "1/N, 0.29 for 3 and 4 cells",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **cases.COLUMNS,
     "E_over": "modulus of the body over that of the solid (1)",
@@ -256,8 +250,7 @@ def draw(tables: Tables) -> Figure:
             cells, float(power) * cells**-power, ":", color="black", label=f"slope -{power}"
         )
         axis.set_xticks(cells, [f"{n:g}" for n in cells])
-        axis.set_xlabel("cells along the body (1)")
-        axis.set_title(test)
+        axis.set(title=test, xlabel="cells along the body (1)")
     axes[0].set_ylabel("error of the strain, relative (1)")
     figures.shared_legend(figure, axes, columns=3)
     return figure

@@ -39,26 +39,20 @@ MAGNIFIED = 20
 """Factor on the displacements in the picture of the block."""
 TOLERANCES = (
     Tolerance(
-        "rest position against Newton, relative to the largest displacement",
-        1e-8,
-        "1",
+        "rest position against Newton, relative to the largest displacement", 1e-8, "1",
         "stops at 1e-10 of the forces; their error grows by at most the condition number, 4e2",
     ),
     Tolerance(
-        "order in the strain of the ratio towards the linear one, k2 = 2 k1",
-        0.01,
-        "1",
+        "order in the strain of the ratio towards the linear one, k2 = 2 k1", 0.01, "1",
         "the first term of the series; the next is smaller by the strain, at most 1e-2, times a "
         "factor of up to 4, and the line runs over two decades: it weighs 1/(2 ln 10) in the slope",
     ),
     Tolerance(
-        "ratio against the linear one, times 1/strain",
-        0.35,
-        "1",
+        "ratio against the linear one, times 1/strain", 0.35, "1",
         "the bulk drifts by 0.28 per strain at k2 = 2 k1; equal springs on the edge change it by "
         "the order of 1/N = 0.2 of that",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **block.COLUMNS,
     "steps": "time steps to rest",
@@ -147,8 +141,7 @@ def draw(tables: Tables) -> Figure:
     energy.semilogy(moving["step"], moving["kinetic_energy_J"], color=figures.COLOURS[1])
     energy.set_ylabel("kinetic energy (J)")
     for axis in (force, energy):
-        axis.set_title("equal springs, k2 = 2 k1, strain 1 %", fontsize=9)
-        axis.set_xlabel("time step")
+        axis.set(title="equal springs, k2 = 2 k1, strain 1 %", xlabel="time step")
     return figure
 
 

@@ -28,12 +28,10 @@ PROBE = 1e-4
 """Size of the fault from which the smallest noticed one is extrapolated."""
 TOLERANCES = (
     Tolerance(
-        "smallest fault noticed, largest over the kinds",
-        1e-6,
-        "1",
+        "smallest fault noticed, largest over the kinds", 1e-6, "1",
         "a thousand times the limits of the identities: no fault hides behind a weak lever",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "fault": "what is wrong with the network",
     "unit": "how the fault is measured",

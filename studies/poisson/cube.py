@@ -53,59 +53,43 @@ NONE = "none"
 EXACT, ONE = 1e-9, "1"
 TOLERANCES = (
     Tolerance(
-        "cube, shared springs in whole cells: C12/(C11 + C12)",
-        EXACT,
-        ONE,
+        "cube, shared springs in whole cells: C12/(C11 + C12)", EXACT, ONE,
         "exact at every size; left is the rounding of a linear solve, 1e-16 times a condition "
         "number of up to 1e4",
     ),
     Tolerance(
-        "cube, per-cell springs: the same with 4 k1 and 2 k2",
-        EXACT,
-        ONE,
+        "cube, per-cell springs: the same with 4 k1 and 2 k2", EXACT, ONE,
         "exact at every size, as for shared springs",
     ),
     Tolerance(
-        "cube, modulus of shared springs in whole cells, relative",
-        EXACT,
-        ONE,
+        "cube, modulus of shared springs in whole cells, relative", EXACT, ONE,
         "the same uniform strain, measured by the traction that it takes",
     ),
     Tolerance(
-        "one cubic cell of equal springs: the layers' ratio",
-        EXACT,
-        ONE,
+        "one cubic cell of equal springs: the layers' ratio", EXACT, ONE,
         "every point is a corner, so uniform strain is exact in an isolated cell",
     ),
     Tolerance(
-        "cubes of equal springs: work of the layers on a uniform strain",
-        EXACT,
-        ONE,
+        "cubes of equal springs: work of the layers on a uniform strain", EXACT, ONE,
         "virtual work: an identity of sums over layers at equilibrium, whatever the shape",
     ),
     Tolerance(
-        "cubes that lose springs: order in 1/N towards the tensor",
-        0.25,
-        ONE,
+        "cubes that lose springs: order in 1/N towards the tensor", 0.25, ONE,
         "an edge effect is of order 1; the next term, log(N)/N², is 0.4 of it at N = 5 and adds "
         "up to 0.2 to the order of a pair",
     ),
     Tolerance(
-        "clamped cube, shared springs: difference to FEM times N",
-        0.03,
-        ONE,
+        "clamped cube, shared springs: difference to FEM times N", 0.03, ONE,
         "the layer of points next to each clamp, 2/N of a face, is off by a twentieth of the "
         "contraction of 0.25 to 0.35 that the clamp keeps back; further in, differences fall "
         "faster than 1/N",
         layer="agreement",
     ),
     Tolerance(
-        "clamped cube: uncertainty of FEM",
-        2e-3,
-        ONE,
+        "clamped cube: uncertainty of FEM", 2e-3, ONE,
         "a third of what the springs may be off at N = 5",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **block.COLUMNS,
     "constants": "spring constants by length, shortest first (N/m)",

@@ -38,20 +38,16 @@ MESH = 2
 UNIFORM = 1e-9
 TOLERANCES = (
     Tolerance(
-        "tensor against FEM on the turned tensor",
-        UNIFORM,
-        "1",
+        "tensor against FEM on the turned tensor", UNIFORM, "1",
         "uniform strain: rounding of a small linear solve is all that is left",
     ),
     Tolerance("along the axes: k2/(k1+k2)", UNIFORM, "1", "C12/C11 of the affine sum over springs"),
     Tolerance("spread over directions at k2 = k1/2", UNIFORM, "1", "isotropic: 2 C66 = C11 - C12"),
     Tolerance(
-        "along the diagonal: k1/(k1+4k2)",
-        UNIFORM,
-        "1",
+        "along the diagonal: k1/(k1+4k2)", UNIFORM, "1",
         "closed form: the compliance of C11 = k1 + k2, C12 = C66 = k2, turned by 45 degrees",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **block.COLUMNS,
     "nu_fem": "Poisson's ratio of the elastic body, by finite elements (1)",

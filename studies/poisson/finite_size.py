@@ -47,64 +47,48 @@ ROUNDING = 1e-12
 """Own error of elements that are exact: 1e-16 times a condition number of 1e4."""
 TOLERANCES = (
     Tolerance(
-        "shared springs: k2/(k1+k2)",
-        IDENTITY,
-        ONE,
+        "shared springs: k2/(k1+k2)", IDENTITY, ONE,
         "exact at every size; left is the rounding of a linear solve, 1e-16 times a condition "
         "number of up to 1e5",
     ),
     Tolerance("per-cell springs: k2/(2k1+k2)", IDENTITY, ONE, "exact, as for shared springs"),
     Tolerance(
-        "uniform strain: springs against FEM",
-        IDENTITY,
-        ONE,
+        "uniform strain: springs against FEM", IDENTITY, ONE,
         "with consistent weights both sides are exact",
         layer="agreement",
     ),
     Tolerance(
-        "modulus of shared springs against FEM, relative",
-        IDENTITY,
-        ONE,
+        "modulus of shared springs against FEM, relative", IDENTITY, ONE,
         "the same uniform strain, measured by the traction that it takes",
         layer="agreement",
     ),
     Tolerance(
-        "one cell of equal springs: k2/(2k1+k2)",
-        IDENTITY,
-        ONE,
+        "one cell of equal springs: k2/(2k1+k2)", IDENTITY, ONE,
         "the report derived its formula for one isolated cell",
     ),
     Tolerance(
-        "equal springs: an independent program",
-        5e-5,
-        ONE,
+        "equal springs: an independent program", 5e-5, ONE,
         "half a unit of the last of the four digits that it gave; of nine values the worst is nine "
         "tenths of that by chance alone, and ours move by 1e-12",
     ),
     Tolerance(
-        "equal springs: order in 1/N towards the bulk",
-        0.03,
-        ONE,
+        "equal springs: order in 1/N towards the bulk", 0.03, ONE,
         "whole springs on the sides make k1 along the body k1(1 + 1/N): an error of order 1, its "
         "next term smaller by k1/((k1 + k2)N), 1/30 at 20 cells, which tilts the line through a "
         "pair by 0.7 of itself; the ends have terms of the other sign",
     ),
     Tolerance(
-        "clamped, shared springs: order in 1/N towards FEM",
-        0.1,
-        ONE,
+        "clamped, shared springs: order in 1/N towards FEM", 0.1, ONE,
         "twice the exponent of the corner singularity (Williams 1952); the next term and the "
         "reference's own error, up to 1e-4 in differences of 4e-4, bend one pair",
     ),
     Tolerance(
-        "clamped, shared springs: difference to FEM times N^order",
-        0.05,
-        ONE,
+        "clamped, shared springs: difference to FEM times N^order", 0.05, ONE,
         "0.035 was measured where the order has set in; a fault of 1 % of k2 makes 0.5 of it",
         layer="regression",
     ),
     Tolerance("uncertainty of the reference", REFERENCE_ERROR, ONE, "what the question asks of it"),
-)
+)  # fmt: skip
 COLUMNS = {
     **block.COLUMNS,
     "definition": "lateral strain over the edges (mean of all edge nodes) or at the middle",

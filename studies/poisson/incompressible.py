@@ -34,30 +34,22 @@ NONE = "none"
 """The declared word where no constants exist."""
 TOLERANCES = (
     Tolerance(
-        "finite strain: springs against the exact stretch of a cell",
-        1e-8,
-        "1",
+        "finite strain: springs against the exact stretch of a cell", 1e-8, "1",
         "Newton's relative residual of 1e-11, over the smallest strain of 1e-3",
     ),
     Tolerance(
-        "drift per strain at the smallest strain",
-        2e-3,
-        "1",
+        "drift per strain at the smallest strain", 2e-3, "1",
         "the next term of the series: the strain of 1e-3 times a factor of order 1",
     ),
     Tolerance(
-        "k2 = 2 k1, springs: 2/3 along the axes",
-        1e-9,
-        "1",
+        "k2 = 2 k1, springs: 2/3 along the axes", 1e-9, "1",
         "k2/(k1+k2), exact with shared springs",
     ),
     Tolerance(
-        "k2 = k1, springs: 1/2 along the axes",
-        1e-9,
-        "1",
+        "k2 = k1, springs: 1/2 along the axes", 1e-9, "1",
         "k2/(k1+k2), exact with shared springs",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "reading": "what is meant by incompressible",
     "nu_wanted": "in-plane ratio that the reading asks for (1)",
@@ -191,7 +183,6 @@ def draw(tables: Tables) -> Figure:
         axis.plot(100 * rows["strain"], drift, marker, color=colour, mfc="white")
     for style, label in (("-", "one cell, exact"), (":", "first order"), ("o", "springs")):
         axis.plot([], [], style, color="grey", mfc="white", label=label)
-    axis.set_xlabel("axial strain (%)")
-    axis.set_ylabel("drift of the ratio (1)")
+    axis.set(xlabel="axial strain (%)", ylabel="drift of the ratio (1)")
     figures.shared_legend(figure, [axis], columns=2)
     return figure

@@ -44,27 +44,21 @@ QUICK_RATIOS = (0.5, 2.0)
 EXACT = 1e-9
 TOLERANCES = (
     Tolerance(
-        "square at 0 degrees: the tensor's ratio",
-        EXACT,
-        "1",
+        "square at 0 degrees: the tensor's ratio", EXACT, "1",
         "whole cells: exact at every size; left is the rounding of a linear solve",
     ),
     Tolerance(
-        "cut blocks: order in 1/N towards the tensor",
-        0.25,
-        "1",
+        "cut blocks: order in 1/N towards the tensor", 0.25, "1",
         "an edge effect is of order 1; the next term, log(N)/N², is 0.4 of it at N = 20 and 0.24 "
         "at 40, which adds 0.2 to the order of that pair, and less to finer ones",
     ),
     Tolerance(
-        "cut blocks: difference to the tensor times N, finest size",
-        0.35,
-        "1",
+        "cut blocks: difference to the tensor times N, finest size", 0.35, "1",
         "layers a fraction of a cell thick, of which theory says no more: 0.33 was measured at "
         "N = 40 for triangles, falling to finer ones",
         layer="regression",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **block.COLUMNS,
     "order": "slope of log|nu_springs - nu_tensor| against log(1/N) between N/2 and N = cells, or "
@@ -174,7 +168,6 @@ def draw(tables: Tables) -> Figure:
     sizes = np.array(sorted(set(table["cells"])))
     axis.loglog(sizes, 0.5 / sizes, "--", color="grey", label="0.5/N")
     axis.set_xticks(sizes, [str(n) for n in sizes])
-    axis.set_xlabel("cells per side N (1)")
-    axis.set_ylabel("difference to the tensor's ratio (1)")
+    axis.set(xlabel="cells per side N (1)", ylabel="difference to the tensor's ratio (1)")
     figures.shared_legend(figure, [axis], columns=2)
     return figure

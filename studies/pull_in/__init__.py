@@ -19,7 +19,6 @@ lattice's energy, and the same slab pressed charge by charge (`pressed`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from msvalidate.judging.candidate import of_kind
@@ -53,7 +52,5 @@ def run(
     """All questions, or those named, for one candidate."""
     setting = setting or Setting()
     candidate = of_kind(candidate, Way)
-    asked: dict[str, Callable[[], Evidence]] = {
-        name: partial(ask, candidate, setting) for name, ask in ASKED.items()
-    }
+    asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     return answers(asked | {"controls": controls.run}, questions)

@@ -33,24 +33,18 @@ BODIES = ("between walls", "bonded, edges held", "bonded")
 BRACKET = 1e-4
 TOLERANCES = (
     Tolerance(
-        "voltages beyond pull-in that were held, or refused in no clear line",
-        0.0,
-        "1",
+        "voltages beyond pull-in that were held, or refused in no clear line", 0.0, "1",
         "a line that names the voltage asked for and the last one held is what a user needs",
     ),
     Tolerance(
-        "last voltage held over that of another step, from 1",
-        2e-4,
-        "1",
+        "last voltage held over that of another step, from 1", 2e-4, "1",
         "two walks end within the bracket of 1e-4, each of its own",
     ),
     Tolerance(
-        "residual of the equilibrium kept, over the forces that meet",
-        1e-9,
-        "1",
+        "residual of the equilibrium kept, over the forces that meet", 1e-9, "1",
         "equilibria are found to 1e-10 of these forces",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **slab.COLUMNS,
     "asked_over_pull_in": "voltage asked for over the pull-in voltage of the uniform slab (1)",

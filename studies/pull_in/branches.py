@@ -167,8 +167,3 @@ def at_edge(held: Held, mode: Array) -> float:
     away = np.linalg.norm(points[:, None] - points[top[[0, -1]]], axis=2).min(axis=1)
     square = (mode**2).sum(axis=1)
     return float(square[away <= 0.5 * REACH * (1 + 1e-9)].sum() / square.sum())
-
-
-def edge_moved(held: Held) -> float:
-    """How far the electrode's edge has moved (m)."""
-    return float(np.linalg.norm(held.displacement[held.actuator.electrodes[0][-1]]))

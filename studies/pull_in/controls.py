@@ -33,13 +33,11 @@ PROBE = 1e-3
 """Size of the fault from which the smallest noticed one is extrapolated."""
 TOLERANCES = (
     Tolerance(
-        "smallest fault noticed, largest over the kinds, against twice the tolerance",
-        1e-8,
-        "1",
+        "smallest fault noticed, largest over the kinds, against twice the tolerance", 1e-8, "1",
         "the pull-in voltage goes with the root of a stiffness and of a force: 2e-6; read off a "
         "fault of 1e-3, whose next term is 1e-3 of that at most, and a factor of five",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "fault": "what is wrong with the way to rest",
     "smallest_noticed": "smallest part by which it may be wrong before a tolerance fails (1)",
@@ -109,6 +107,7 @@ def linear_sheet(first: float, second: float) -> float:
 
 KINDS: dict[str, Callable[..., Held]] = {"electric force": stronger, "springs": stiffer}
 """What may be wrong by a part of itself."""
+SOFTER = partial(film.field, ratio=0.49)
 FAULTS = {
     "electric force halved": (Way(partial(stronger, -0.5)), "sweep"),
     "springs 1 % too stiff": (Way(partial(stiffer, 0.01)), "sweep"),
@@ -118,34 +117,25 @@ FAULTS = {
     "half of K_elec": (Way(at_voltage, half_softened), "instability"),
     "a lattice without its diagonals": (Way(laws=Laws(lattice=pressed.straight_springs)), "which"),
     "a linear sheet in the neo-Hookean one's place": (Way(laws=Laws(sheet=linear_sheet)), "which"),
-    "a bonded film of a ratio of 0.49": (
-        Way(laws=Laws(wave=partial(film.field, ratio=0.49))),
-        "which",
-    ),
+    "a bonded film of a ratio of 0.49": (Way(laws=Laws(wave=SOFTER)), "which"),
 }
 """Fault -> the way that has it, and the question that notices."""
 
 
 def run() -> Evidence:
     """State the smallest fault of each kind that the study notices."""
-    quantity = sweep.TOLERANCES[1]
+    by = sweep.TOLERANCES[1]
     right = pulled_in(SPRINGS)
     rows = []
     for kind, faulty in KINDS.items():
         moved = abs(pulled_in(Way(partial(faulty, PROBE))) / right - 1)
-        rows.append(
-            {
-                "fault": kind,
-                "smallest_noticed": PROBE * quantity.limit / moved,
-                "noticed_by": quantity.quantity,
-            }
-        )
+        least = PROBE * by.limit / moved
+        rows.append({"fault": kind, "smallest_noticed": least, "noticed_by": by.quantity})
     table = pd.DataFrame(rows)
+    largest = Observed(table["smallest_noticed"].max(), 2 * by.limit)
     return Evidence(
         tables={"resolution": table},
-        observed={
-            TOLERANCES[0].quantity: Observed(table["smallest_noticed"].max(), 2 * quantity.limit)
-        },
+        observed={TOLERANCES[0].quantity: largest},
         tolerances=TOLERANCES,
         columns=COLUMNS,
         # The bracket of the voltage over what the probe moves it by.

@@ -39,6 +39,13 @@ SHOWN = 1
 CHANGED = 0.1
 """Part by which a number may differ between the coarsest mesh and the finest and not be the
 mesh's."""
+WAVED = (
+    "critical_infinite",
+    "mode_wavelength_over_h",
+    "wavelength_infinite",
+    "wavelength_over_spacing",
+)
+"""Columns of a mode inside the slab; there are none of one at its edges."""
 WAVES = 48
 """Wavelengths among which an infinite slab's softest is looked for, before it is refined."""
 COLUMNS = {
@@ -67,35 +74,39 @@ COLUMNS = {
 }
 TOLERANCES = (
     Tolerance(
-        "exponent in the spacing of the voltage at which the flat slab's edge gives way",
-        0.1,
-        "1",
+        "exponent in the spacing of the voltage at which the flat slab's edge gives way", 0.1, "1",
         "√a·(1 - b·√(a/h)) has the exponent 1/2 - b·√(a/h)/2 or so: 0.09 less on cells of a "
         "third of the height, with the b = 0.3 that the three cells themselves give",
     ),
     Tolerance(
-        "lowest eigenvalue at the critical voltage over that at no voltage",
-        0.05,
-        "1",
+        "lowest eigenvalue at the critical voltage over that at no voltage", 0.05, "1",
         "where equilibria end it falls as the root of what is missing of the voltage, √1e-6, from "
         "what the edge alone had, ten times that of the whole; inside in proportion to it, 1e-4, "
         "fifty times as steep at the end as on the whole",
     ),
     Tolerance(
         "critical voltage inside over that of an infinite slab with the same cells, from 1",
-        0.01,
-        "1",
+        0.01, "1",
         "the outer field of the finite slab takes 1 % off the pull, half of that off the voltage; "
         "held ends stiffen a wave by the square of its length over their distance",
         layer="agreement",
     ),
     Tolerance(
-        "mode inside: part of its square at the electrode's edges",
-        0.0,
-        "1",
+        "mode inside: part of its square at the electrode's edges", 0.0, "1",
         "points there are held: a mode has no component there at all",
     ),
-)
+)  # fmt: skip
+
+
+ROUNDING = {
+    # Brackets of voltages, 1e-4 of them, and what an eigenvalue and a mode are known to there.
+    **dict.fromkeys(("critical_over_pull_in", "voltage_over_pull_in", "voltage"), 1e-3),
+    **dict.fromkeys(("left", "softest", "softest_infinite", "edge_moved_over_spacing"), 1e-2),
+    **dict.fromkeys(("x_m", "y_m", "at_edge"), 0.05),
+    **dict.fromkeys(("mode_wavelength_over_h", "wavelength_over_spacing"), 0.05),
+    # The grid of wavelengths, where the voltage is flat.
+    "wavelength_infinite": 0.02,
+}
 
 
 def run(candidate: Way, setting: Setting) -> Evidence:
@@ -137,17 +148,6 @@ def run(candidate: Way, setting: Setting) -> Evidence:
     )
 
 
-ROUNDING = {
-    # Brackets of voltages, 1e-4 of them, and what an eigenvalue and a mode are known to there.
-    **dict.fromkeys(("critical_over_pull_in", "voltage_over_pull_in", "voltage"), 1e-3),
-    **dict.fromkeys(("left", "softest", "softest_infinite", "edge_moved_over_spacing"), 1e-2),
-    **dict.fromkeys(("x_m", "y_m", "at_edge"), 0.05),
-    **dict.fromkeys(("mode_wavelength_over_h", "wavelength_over_spacing"), 0.05),
-    # The grid of wavelengths, where the voltage is flat.
-    **dict.fromkeys(("wavelength_infinite",), 0.02),
-}
-
-
 def followed(
     way: Way, case: tuple[str, int]
 ) -> tuple[dict[str, object], list[dict[str, object]], pd.DataFrame]:
@@ -155,14 +155,16 @@ def followed(
     name, layers = case
     branch = FOLLOWED[name](way, layers)
     wave = waved(branch, layers) if name == "inside" else dict.fromkeys(WAVED, "none")
+    last = branch.last
+    edge_moved = np.linalg.norm(last.displacement[last.actuator.electrodes[0][-1]])
     row = {
         "branch": name,
         "layers": layers,
         "spacing_m": HEIGHT / layers,
-        "critical_over_pull_in": branch.last.voltage / PULL_IN.voltage,
+        "critical_over_pull_in": last.voltage / PULL_IN.voltage,
         **wave,
-        "edge_moved_over_spacing": branches.edge_moved(branch.last) * layers / HEIGHT,
-        "at_edge": branches.at_edge(branch.last, branch.mode),
+        "edge_moved_over_spacing": float(edge_moved) * layers / HEIGHT,
+        "at_edge": branches.at_edge(last, branch.mode),
         "left": branch.seen[-1][1] / branch.seen[0][1],
     }
     rows: list[dict[str, object]] = [
@@ -177,14 +179,6 @@ def followed(
         for volts, value in branch.seen
     ]
     return row, rows, shape(name, layers, branch)
-
-
-WAVED = (
-    "critical_infinite",
-    "mode_wavelength_over_h",
-    "wavelength_infinite",
-    "wavelength_over_spacing",
-)
 
 
 def waved(branch: Branch, layers: int) -> dict[str, object]:

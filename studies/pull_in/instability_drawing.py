@@ -28,19 +28,16 @@ def softest(tables: Tables) -> Figure:
     figure, axes = figures.new(3, size=(3.3, 3.3), sharey=True)
     for axis, (branch, title) in zip(axes, TITLES.items(), strict=True):
         for place, (layers, own) in enumerate(table[table["branch"] == branch].groupby("layers")):
-            colour, rest = figures.COLOURS[place], own["softest"].iloc[0]
+            style, rest = figures.numbered(place), own["softest"].iloc[0]
             volts = own["voltage_over_pull_in"]
-            mark = figures.MARKERS[place] + "-"
-            axis.plot(volts, own["softest"] / rest, mark, color=colour, label=f"{layers} layers")
+            axis.plot(volts, own["softest"] / rest, label=f"{layers} layers", **style)
             if branch == "inside":
                 even = own["softest_infinite"].astype(float) / rest
-                axis.plot(volts, even, "--", color=colour, lw=0.9)
+                axis.plot(volts, even, "--", color=style["color"], lw=0.9)
         if branch == "inside":
             axis.plot([], [], "--", color="#444444", lw=0.9, label="infinite slab")
         axis.axvline(1.0, color="black", lw=0.8, ls=":")
-        axis.set_xlim(0, 1.05)
-        axis.set_ylim(0, 1.05)
-        axis.set_title(title, fontsize=9)
+        axis.set(xlim=(0, 1.05), ylim=(0, 1.05), title=title)
         axis.set_xlabel("voltage over the uniform pull-in (1)")
         axis.legend(fontsize=8, loc="lower left")
     axes[0].set_ylabel("lowest eigenvalue over that at no voltage (1)")
@@ -59,11 +56,10 @@ def modes(tables: Tables) -> Figure:
         lines = _slab(axis, table[table["branch"] == branch], layers)
         axis.set_aspect(times)
         how = "equal axes" if times == 1 else f"heights stretched {times:g} times"
-        axis.set_title(f"{TITLES[branch]}; {how}", fontsize=9)
-        axis.set_ylabel("height (m)")
+        axis.set(title=f"{TITLES[branch]}; {how}", ylabel="height (m)")
     axes[-1].set_xlabel("place along the slab (m)")
-    bar = figure.colorbar(lines, ax=list(axes), shrink=0.5)
-    bar.set_label("mode up, over its largest component (1)")
+    label = "mode up, over its largest component (1)"
+    figure.colorbar(lines, ax=list(axes), shrink=0.5, label=label)
     figure.suptitle(f"{layers} layers, the largest movement drawn as {AMPLITUDE:g} m", fontsize=9)
     return figure
 
@@ -76,12 +72,8 @@ def _slab(axis: Axes, own: pd.DataFrame, layers: int) -> LineCollection:
     place, mode = own[["x_m", "y_m"]].to_numpy(), own[["mode_x_here", "mode_y_here"]].to_numpy()
     grid = place + AMPLITUDE * mode
     numbers = np.arange(len(grid)).reshape(layers + 1, -1)
-    pairs = np.concatenate(
-        [
-            np.stack([numbers[:, :-1], numbers[:, 1:]], -1).reshape(-1, 2),
-            np.stack([numbers[:-1], numbers[1:]], -1).reshape(-1, 2),
-        ]
-    )
+    along, up = (numbers[:, :-1], numbers[:, 1:]), (numbers[:-1], numbers[1:])
+    pairs = np.concatenate([np.stack(ends, -1).reshape(-1, 2) for ends in (along, up)])
     lines = LineCollection(list(grid[pairs]), cmap="cividis", linewidths=0.8)
     lines.set_array(mode[pairs, 1].mean(axis=1))
     lines.set_clim(-1, 1)
@@ -99,38 +91,20 @@ def waves(tables: Tables) -> Figure:
     table, limits = tables["waves"], tables["waves_softest"]
     inside = tables["instability"][tables["instability"]["branch"] == "inside"]
     for place, (layers, own) in enumerate(table.groupby("layers")):
-        threshold.semilogx(
-            own["wavelength_over_h"],
-            own["critical_over_pull_in"],
-            color=figures.COLOURS[place % len(figures.COLOURS)],
-            label=f"infinite, {layers} layers",
-        )
+        volts, colour = own["critical_over_pull_in"], figures.numbered(place)["color"]
+        label = f"infinite, {layers} layers"
+        threshold.semilogx(own["wavelength_over_h"], volts, color=colour, label=label)
     for place, row in enumerate(inside.to_dict("records")):
-        threshold.plot(
-            row["mode_wavelength_over_h"],
-            row["critical_over_pull_in"],
-            figures.MARKERS[place],
-            color="black",
-            mfc="none",
-            label=f"slab of {row['layers']} layers",
-        )
+        at = row["mode_wavelength_over_h"], row["critical_over_pull_in"]
+        mark, label = figures.MARKERS[place], f"slab of {row['layers']} layers"
+        threshold.plot(*at, mark, color="black", mfc="none", label=label)
     threshold.axhline(1.0, color="black", lw=0.8, ls=":")
     threshold.set_xlabel("wavelength over the height (1)")
     threshold.set_ylabel("critical voltage over the uniform pull-in (1)")
-    length.semilogx(
-        limits["layers"],
-        1 / limits["wavelength_infinite"],
-        figures.MARKERS[0] + "-",
-        color=figures.COLOURS[0],
-        label="infinite slab",
-    )
-    length.semilogx(
-        inside["layers"],
-        1 / inside["mode_wavelength_over_h"].astype(float),
-        figures.MARKERS[1],
-        color=figures.COLOURS[1],
-        label="slab: its mode",
-    )
+    heights = 1 / limits["wavelength_infinite"]
+    length.semilogx(limits["layers"], heights, label="infinite slab", **figures.numbered(0))
+    heights, style = 1 / inside["mode_wavelength_over_h"].astype(float), figures.numbered(1)
+    length.semilogx(inside["layers"], heights, ls="", label="slab: its mode", **style)
     length.set_xlabel("cells up the slab's height (1)")
     length.set_ylabel("height over the wavelength that goes first (1)")
     figures.shared_legend(figure, [threshold, length], 4)

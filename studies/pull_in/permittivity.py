@@ -36,18 +36,16 @@ WALLED_LAYERS, BONDED_LAYERS = 5, 3
 TOLERANCES = (
     Tolerance(
         "thickness at another permittivity against that at 1 F/m, voltages by their root",
-        1e-7,
-        "1",
+        1e-7, "1",
         "the same equation; equilibrium to 1e-10 of the forces, over the stiffness that is left at "
         "0.9 of pull-in, a fifth of the first",
     ),
     Tolerance(
         "pull-in voltage in closed form at another permittivity, times its root, from 1",
-        1e-12,
-        "1",
+        1e-12, "1",
         "one product: rounding",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **slab.COLUMNS,
     "permittivity": "inside the slab and around it (F/m)",
@@ -72,7 +70,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
             low,
         ),
     }
-    rows = [
+    table = pd.DataFrame(
         {
             "body": body,
             "permittivity": OTHER,
@@ -81,8 +79,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
             "thickness_scaled": scaled,
         }
         for body, (thickness, scaled, voltage) in seen.items()
-    ]
-    table = pd.DataFrame(rows)
+    )
     top = uniform.pull_in(height=HEIGHT, axial=AXIAL, diagonal=DIAGONAL, permittivity=OTHER)
     values = (
         worst(table["thickness"], table["thickness_scaled"]),

@@ -59,50 +59,40 @@ STEPS, QUICK_COSTLY, COSTLY, COSTLY_PART = 20, 5, 10, 0.4
 """Of the sweep whose cost is stated, of 61 x 11 points: steps, layers, and how far it goes."""
 TOLERANCES = (
     Tolerance(
-        "thickness between walls against the closed form",
-        1e-7,
-        "1",
+        "thickness between walls against the closed form", 1e-7, "1",
         "uniform to rounding; equilibrium to 1e-10 of the forces, over the stiffness that is left "
         "near pull-in, a thirtieth of the first",
     ),
     Tolerance(
-        "pull-in voltage over the closed form, from 1",
-        1e-6,
-        "1",
+        "pull-in voltage over the closed form, from 1", 1e-6, "1",
         "voltages are flat there: a charge known to 1e-4 gives 1e-8 of the voltage, and a bracket "
         "of the voltage 1e-9",
     ),
     Tolerance(
-        "thickness at pull-in against the closed form",
-        8e-5,
-        "1",
+        "thickness at pull-in against the closed form", 8e-5, "1",
         "the root of 1e-9/3.4, 1.7e-5, from a bracket of the voltage; and 2(1 - l) = 0.62 times "
         "the part to which a charge is known, 1e-4, as the charge goes with the root of 1 - l",
     ),
     Tolerance(
         "squeeze in the middle of the bonded slab over that with the outer field, from 1",
-        0.05,
-        "1",
+        0.05, "1",
         "what both ends do reaches the middle as 2·exp(-3κh) = 13 %, of a widening that thins the "
         "slab by a third or so of its squeeze, nu being 1/3",
         layer="agreement",
     ),
     Tolerance(
         "what the ends add to the squeeze, of a slab of ten heights over that of one of six",
-        0.03,
-        "1",
+        0.03, "1",
         "exp(-2κh) = 0.163 from the slowest decay alone; the outer field lacks a part h/w of "
         "itself, 2e-3 and 4e-4 of the squeeze beside the 0.027 and 0.004 that the ends add",
         layer="agreement",
     ),
     Tolerance(
-        "squeeze in the middle of the bonded slab, springs over elements, from 1",
-        0.01,
-        "1",
+        "squeeze in the middle of the bonded slab, springs over elements, from 1", 0.01, "1",
         "the same law and, three heights from the ends, the same field",
         layer="agreement",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **slab.COLUMNS,
     "thickness_exact": "thickness of the infinite slab at that voltage, in closed form (1)",
@@ -140,20 +130,15 @@ def run(candidate: Way, setting: Setting) -> Evidence:
         worst((1 - told["thickness"]) / (1 - told["thickness_elements"].astype(float)), 1.0),
     )
     return Evidence(
-        tables={
-            "between_walls": table,
-            "pull_in": ends,
-            "bonded": long,
-            "sweep_cost": costs,
-        },
+        tables={"between_walls": table, "pull_in": ends, "bonded": long, "sweep_cost": costs},
         observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
         tolerances=TOLERANCES,
         figures={"sweep": draw},
         columns=COLUMNS,
         findings=findings(ends, long, costs.iloc[0]),
         # How far equilibria and turning points stop from their limit.
-        rounding={"pull_in_thickness": 1e-4, "pull_in_voltage": 1e-7, "thickness_elements": 1e-7}
-        | {"thickness": 1e-8, "squeeze_over_outer": 1e-7},
+        rounding={"pull_in_thickness": 1e-4, "thickness": 1e-8}
+        | dict.fromkeys(("pull_in_voltage", "thickness_elements", "squeeze_over_outer"), 1e-7),
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -29,21 +31,14 @@ def draw(tables: Tables) -> Figure:
     for place, (body, own) in enumerate(finest.groupby("body", sort=False), start=2):
         _marked(whole, place, own["voltage"], own["thickness"], f"bonded, {body}, middle")
     whole.plot(PULL_IN.voltage, PULL_IN.thickness, "k*", ms=11, label="pull-in")
-    whole.set_xlabel("voltage (V)")
-    whole.set_ylabel("thickness over that at no voltage (1)")
+    whole.set(xlabel="voltage (V)", ylabel="thickness over that at no voltage (1)")
     whole.legend(fontsize=7)
     missing = 1 - table["voltage_over_pull_in"]
     _marked(near, 0, missing, table["thickness"] - PULL_IN.thickness, "springs")
     _marked(near, 1, missing, table["thickness_elements"] - PULL_IN.thickness, "elements")
-    near.loglog(
-        1 - volts[stable] / PULL_IN.voltage,
-        parts[stable] - PULL_IN.thickness,
-        color="black",
-        lw=1.0,
-        label="closed form: a root",
-    )
-    near.set_xlim(5e-4, 1)
-    near.set_ylim(8e-3, 0.5)
+    left, above = 1 - volts[stable] / PULL_IN.voltage, parts[stable] - PULL_IN.thickness
+    near.loglog(left, above, color="black", lw=1.0, label="closed form: a root")
+    near.set(xlim=(5e-4, 1), ylim=(8e-3, 0.5))
     near.set_xlabel("voltage missing to pull-in, over it (1)")
     near.set_ylabel("thickness above that at pull-in (1)")
     near.legend(fontsize=7.5)
@@ -51,12 +46,5 @@ def draw(tables: Tables) -> Figure:
 
 
 def _marked(axis: Axes, place: int, x: pd.Series, y: pd.Series, label: str) -> None:
-    axis.plot(
-        x,
-        y.astype(float),
-        figures.MARKERS[place],
-        color=figures.COLOURS[place],
-        mfc="none" if place == 1 else None,
-        ms=8 if place == 1 else 4.5,
-        label=label,
-    )
+    larger: dict[str, Any] = {"mfc": "none", "ms": 8} if place == 1 else {}
+    axis.plot(x, y.astype(float), ls="", label=label, **figures.numbered(place), **larger)

@@ -36,27 +36,21 @@ STRETCHES = (1.2, 1.5, 2.0, 4.0, 16.0)
 """Of the sheet in plane strain."""
 TOLERANCES = (
     Tolerance(
-        "pull-in by another route over its closed form: thickness and field, from 1",
-        1e-4,
-        "1",
+        "pull-in by another route over its closed form: thickness and field, from 1", 1e-4, "1",
         "a field is flat at its largest, so its place is known to the root of the field's own "
         "error: 1e-5 where derivatives are differences (1e-10), less where they are solved for",
     ),
     Tolerance(
-        "field of a sheet in plane strain over its closed form, from 1",
-        1e-6,
-        "1",
+        "field of a sheet in plane strain over its closed form, from 1", 1e-6, "1",
         "central differences of 1e-5 leave 1e-10 of the second derivative and as much of rounding, "
         "over a slope of 1e-2 or more",
     ),
     Tolerance(
-        "field of a wave on a bonded film, by elements over its closed form, from 1",
-        2e-4,
-        "1",
+        "field of a wave on a bonded film, by elements over its closed form, from 1", 2e-4, "1",
         "energies of elements of the second degree with 12 to half a wave: (π/12)⁴/12 = 4e-4 at "
         "most, halved by the root",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **slab.COLUMNS,
     "pull_in": "which instability",
@@ -87,11 +81,24 @@ Three = Sequence[object]
 def run(candidate: Way, setting: Setting) -> Evidence:
     """Compute what can be, beside the closed forms."""
     laws = candidate.laws
-    plane = pd.DataFrame([widened(laws, stretch) for stretch in STRETCHES])
-    kappas = QUICK_WAVES if setting.quick else WAVES
-    waves = pd.DataFrame([waved(laws, kappa) for kappa in kappas])
-    shortest = waves.iloc[-1]
-    table = pd.DataFrame([*thinned(laws), *sheets(laws), *waves_named(shortest), *creases()])
+    plane = pd.DataFrame(
+        {
+            "stretch": stretch,
+            "field_theory": uniform.plane_strain_nominal_field(stretch),
+            "field_found": homogeneous.plane_field(stretch, laws.sheet),
+        }
+        for stretch in STRETCHES
+    )
+    waves = pd.DataFrame(
+        {
+            "kh": kappa,
+            "wavelength_over_h": 2 * np.pi / kappa,
+            "field_theory": uniform.bonded_film_field(kappa),
+            "field_found": laws.wave(kappa),
+        }
+        for kappa in (QUICK_WAVES if setting.quick else WAVES)
+    )
+    table = pd.DataFrame([*thinned(laws), *sheets(laws), *bonded(waves.iloc[-1])])
     sharp = table[table["computed_by"].str.contains("springs|elements with|minimised")]
     ratios = [
         float(row[f"{name}_found"]) / float(row[f"{name}_theory"])
@@ -112,21 +119,18 @@ def run(candidate: Way, setting: Setting) -> Evidence:
         columns=COLUMNS,
         findings=findings(table, waves),
         # Where a field is largest, and what differences leave of its slope there.
-        rounding={"thickness_found": 1e-5, "true_found": 1e-5, "nominal_found": 1e-8}
-        | {"field_found": 1e-8},
+        rounding=dict.fromkeys(("thickness_found", "true_found"), 1e-5)
+        | dict.fromkeys(("nominal_found", "field_found"), 1e-8),
     )
 
 
 def row(
-    names: tuple[str, str, str],
-    theory: Three,
-    found: Three,
-    words: tuple[str, str, str],
+    names: tuple[str, ...], theory: Three, found: Three, words: tuple[str, ...]
 ) -> dict[str, object]:
     """A row: instability, hold and unit; thickness, nominal and true field twice; three remarks."""
     cells: dict[str, object] = dict(zip(("pull_in", "held", "unit"), names, strict=True))
-    for i, name in enumerate(("thickness", "nominal", "true")):
-        cells |= {f"{name}_theory": theory[i], f"{name}_found": found[i]}
+    for name, known, computed in zip(("thickness", "nominal", "true"), theory, found, strict=True):
+        cells |= {f"{name}_theory": known, f"{name}_found": computed}
     return cells | dict(zip(("computed_by", "source", "to_take"), words, strict=True))
 
 
@@ -140,137 +144,91 @@ def thinned(laws: Laws) -> list[dict[str, object]]:
     """Films whose area is held, pressed charge by charge."""
     modulus = float(np.sqrt(slab.AXIAL / slab.PERMITTIVITY))
     line = uniform.linear_stress_pull_in(slab.AXIAL, slab.HEIGHT, slab.PERMITTIVITY)
-    net = uniform.pull_in(
-        height=slab.HEIGHT,
-        axial=slab.AXIAL,
-        diagonal=slab.DIAGONAL,
-        permittivity=slab.PERMITTIVITY,
-    )
+    lattice, maximum = ("√(μ/ε)", slab.NATURAL, slab.PULL_IN), "maximum of l²·P(l)"
     cases = (
         (
-            "thinning, stress linear in the thickness",
-            ("√(C/ε)", modulus, line),
-            (laws.straight, "springs, charge by charge"),
-            (
-                "maximum of l²·(1 - l)",
-                "what electrostatic actuators quote, a third of the gap: it is no soft solid's",
-            ),
+            "thinning, stress linear in the thickness", ("√(C/ε)", modulus, line), laws.straight,
+            "springs, charge by charge", "maximum of l²·(1 - l)",
+            "what electrostatic actuators quote, a third of the gap: it is no soft solid's",
         ),
         (
-            "thinning, square lattice with diagonals",
-            ("√(μ/ε)", slab.NATURAL, net),
-            (laws.lattice, "springs, charge by charge"),
-            ("maximum of l²·P(l)", "the network's own pull-in: compare runs with this one"),
+            "thinning, square lattice with diagonals", lattice, laws.lattice,
+            "springs, charge by charge", maximum,
+            "the network's own pull-in: compare runs with this one",
         ),
         (
-            "thinning, elements with the lattice's energy",
-            ("√(μ/ε)", slab.NATURAL, net),
-            (laws.elements, "elements with the lattice's law, charge by charge"),
-            ("maximum of l²·P(l)", "the same law, other code: the law decides, not the method"),
+            "thinning, elements with the lattice's energy", lattice, laws.elements,
+            "elements with the lattice's law, charge by charge", maximum,
+            "the same law, other code: the law decides, not the method",
         ),
     )  # fmt: skip
     rows = []
-    for name, (unit, size, exact), (law, route), (source, lesson) in cases:
+    for name, (unit, size, exact), law, *words in cases:
         found = pressed.pull_in(law)
-        rows.append(
-            row(
-                (name, "area held", unit),
-                fields(exact.thickness, exact.voltage, size),
-                fields(found.thickness, found.voltage, size),
-                (route, source, lesson),
-            )
-        )
+        theory = fields(exact.thickness, exact.voltage, size)
+        computed = fields(found.thickness, found.voltage, size)
+        rows.append(row((name, "area held", unit), theory, computed, tuple(words)))
     return rows
 
 
 def sheets(laws: Laws) -> list[dict[str, object]]:
     """Neo-Hookean sheets that widen as they are thinned."""
     exact = uniform.biaxial_pull_in(1.0, 1.0)
-    found = homogeneous.free_pull_in(laws.sheet)
     most = homogeneous.plane_field(STRETCHES[-1], laws.sheet)
     return [
         row(
             ("thinning, neo-Hookean sheet", "free to widen along both axes", "√(μ/ε)"),
             (exact.thickness, exact.voltage, exact.voltage / exact.thickness),
-            found,
+            homogeneous.free_pull_in(laws.sheet),
             (
-                "energy minimised over shapes",
-                ZHAO_SUO,
+                "energy minimised over shapes", ZHAO_SUO,
                 "the textbooks' pull-in: of a film free in space, not of a bonded or a plane one",
             ),
         ),
         row(
             ("thinning, neo-Hookean sheet", "free to widen along one axis", "√(μ/ε)"),
-            ("none", 1.0, "endless"),
-            ("none", most, "endless"),
+            ("none", 1.0, "endless"), ("none", most, "endless"),
             (
                 f"energy minimised, at a stretch of {STRETCHES[-1]:g}",
                 "(1 - λ⁻⁴)^½, which rises for ever",
                 "a plane model of a free film has no pull-in, only a voltage that it nears",
             ),
         ),
-    ]
+    ]  # fmt: skip
 
 
-def waves_named(shortest: pd.Series) -> list[dict[str, object]]:
-    """Waves of a bonded film that keeps its volume."""
-    short = float(shortest["field_found"])
-    limit = uniform.bonded_film_limit()
-    return [
-        row(
-            ("waves of the surface", "bonded, volume kept, linear", "√(μ/ε)"),
-            ("as it was", limit, limit),
-            ("as it was", short, short),
-            (
-                f"stiffness of finite elements, kh = {shortest['kh']:g}",
-                "surface stiffness 2μk against εE²k",
-                "the shortest wave first: without surface energy the mesh chooses the wavelength",
-            ),
-        )
-    ]
-
-
-def creases() -> list[dict[str, object]]:
-    """What neither a lattice nor smooth elements fold by themselves."""
+def bonded(shortest: pd.Series) -> list[dict[str, object]]:
+    """Waves of a bonded film that keeps its volume; creases, which nothing here folds by itself."""
+    short, limit = float(shortest["field_found"]), uniform.bonded_film_limit()
     theory, seen = uniform.CREASING_FIELD_THEORY, uniform.CREASING_FIELD_EXPERIMENT
     not_computed = ("not computed",) * 3
-    remark = "a network that stays flat up to a higher field does not prove that a film would"
     apart = (
         f"creases stand {uniform.CREASING_WAVELENGTH:g} heights apart: no wave of the table does"
     )
     return [
         row(
+            ("waves of the surface", "bonded, volume kept, linear", "√(μ/ε)"),
+            ("as it was", limit, limit), ("as it was", short, short),
+            (
+                f"stiffness of finite elements, kh = {shortest['kh']:g}",
+                "surface stiffness 2μk against εE²k",
+                "the shortest wave first: without surface energy the mesh chooses the wavelength",
+            ),
+        ),
+        row(
             ("creases, theory", "bonded, neo-Hookean", "√(μ/ε)"),
-            ("as it was", theory, theory),
-            not_computed,
-            ("literature alone", TAHIR, remark),
+            ("as it was", theory, theory), not_computed,
+            (
+                "literature alone", TAHIR,
+                "a network that stays flat up to a higher field does not prove that a film would",
+            ),
         ),
         row(
             ("creases, experiment", "bonded, elastomers", "√(μ/ε)"),
-            ("as it was", seen, seen),
-            not_computed,
+            ("as it was", seen, seen), not_computed,
             ("literature alone", WANG, apart),
         ),
-    ]
-
-
-def widened(laws: Laws, stretch: float) -> dict[str, object]:
-    """A sheet in plane strain at a stretch."""
-    return {
-        "stretch": stretch,
-        "field_theory": uniform.plane_strain_nominal_field(stretch),
-        "field_found": homogeneous.plane_field(stretch, laws.sheet),
-    }
-
-
-def waved(laws: Laws, kappa: float) -> dict[str, object]:
-    """A wave of a bonded film."""
-    return {
-        "kh": kappa,
-        "wavelength_over_h": 2 * np.pi / kappa,
-        "field_theory": uniform.bonded_film_field(kappa),
-        "field_found": laws.wave(kappa),
-    }
+    ]  # fmt: skip
 
 
 def findings(table: pd.DataFrame, waves: pd.DataFrame) -> tuple[str, ...]:

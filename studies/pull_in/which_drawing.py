@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -28,43 +30,29 @@ def draw(tables: Tables) -> Figure:
         thin.plot(parts, nominal, color=figures.COLOURS[place], label=label)
     known = tables["which"]
     found = known[[isinstance(value, float) for value in known["thickness_found"]]]
-    thin.plot(
-        found["thickness_found"].astype(float),
-        found["nominal_found"].astype(float),
-        figures.MARKERS[0],
-        color="black",
-        label="pull-in, computed",
-    )
+    thickness, field = (found[f"{name}_found"].astype(float) for name in ("thickness", "nominal"))
+    thin.plot(thickness, field, figures.MARKERS[0], color="black", label="pull-in, computed")
     thin.set_xlabel("thickness over that at no voltage (1)")
     thin.set_ylabel("nominal field over its unit, √(μ/ε) (1)")
-    thin.legend(fontsize=7.5)
-    waves = tables["waves_of_a_film"]
-    kappa = np.geomspace(0.4, 20.0, 200)
+    waves, kappa = tables["waves_of_a_film"], np.geomspace(0.4, 20.0, 200)
+    exact, style = [uniform.bonded_film_field(k) for k in kappa], figures.numbered(0)
+    wave.semilogx(kappa, exact, color=style["color"], label="bonded film, linear, volume kept")
     wave.semilogx(
-        kappa,
-        [uniform.bonded_film_field(k) for k in kappa],
-        color=figures.COLOURS[0],
-        label="bonded film, linear, volume kept",
+        waves["kh"], waves["field_found"], ls="", label="its stiffness by elements", **style
     )
-    wave.semilogx(
-        waves["kh"], waves["field_found"], figures.MARKERS[0], color=figures.COLOURS[0],
-        label="its stiffness by elements",
-    )  # fmt: skip
-    for place, (name, value) in enumerate(
-        (
-            ("√2, short waves", uniform.bonded_film_limit()),
-            ("creases, theory", uniform.CREASING_FIELD_THEORY),
-            ("creases, experiment", uniform.CREASING_FIELD_EXPERIMENT),
-        )
-    ):
-        wave.axhline(value, ls=("-", "--", ":")[place], color="#444444", lw=1.0, label=name)
-    wave.axvline(2 * np.pi / uniform.CREASING_WAVELENGTH, ymax=0.6, color="#bbbbbb", lw=1.0)
-    wave.text(
-        2 * np.pi / uniform.CREASING_WAVELENGTH * 0.95, 2.2, "creases' distance",
-        rotation=90, ha="right", va="center", fontsize=7.5, color="#666666",
-    )  # fmt: skip
-    wave.set_ylim(0.5, 4.3)
-    wave.set_xlabel("wavenumber times height, kh (1)")
+    known_fields = (
+        ("√2, short waves", "-", uniform.bonded_film_limit()),
+        ("creases, theory", "--", uniform.CREASING_FIELD_THEORY),
+        ("creases, experiment", ":", uniform.CREASING_FIELD_EXPERIMENT),
+    )
+    for name, line, value in known_fields:
+        wave.axhline(value, ls=line, color="#444444", lw=1.0, label=name)
+    creased = 2 * np.pi / uniform.CREASING_WAVELENGTH
+    wave.axvline(creased, ymax=0.6, color="#bbbbbb", lw=1.0)
+    words: dict[str, Any] = {"rotation": 90, "ha": "right", "va": "center"}
+    wave.text(0.95 * creased, 2.2, "creases' distance", fontsize=7.5, color="#666666", **words)
+    wave.set(xlabel="wavenumber times height, kh (1)", ylim=(0.5, 4.3))
     wave.set_ylabel("true field over √(μ/ε) (1)")
-    wave.legend(fontsize=7.5)
+    for axis in (thin, wave):
+        axis.legend(fontsize=7.5)
     return figure

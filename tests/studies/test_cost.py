@@ -19,7 +19,6 @@ from msvalidate.studies.cost import (
     ngsolve_peer,
     plain,
     readings,
-    resting,
     solver_peers,
     solvers,
     start_up,
@@ -315,7 +314,7 @@ def test_bodies_have_the_shape_that_is_said():
 
 def test_where_a_factor_is_dear_points_in_another_order_answer(monkeypatch):
     monkeypatch.setattr(solvers, "FACTORED", {2: 0, 3: 0})
-    row = solvers.measured(solvers.solved, solvers.steps, "random tetrahedra", 1_000, 1)
+    row = solvers.measured(solvers.solved, solvers.steps, 1, ("random tetrahedra", 1_000))
     assert (row["solver"], row["beside"]) == ("multigrid", "multigrid, in random order")
     assert 0 < row["from_beside_here"] <= row["stated_here"] + row["beside_stated_here"]
 
@@ -328,7 +327,7 @@ def test_an_answer_that_is_worse_than_it_says_is_seen():
         times = 1 + 1e-12 * (solver == "auto")
         return replace(found, displacement=found.displacement * times)
 
-    row = solvers.measured(off, lambda _: 10, "plate", 300, 1)
+    row = solvers.measured(off, lambda _: 10, 1, ("plate", 300))
     both = row["stated_here"] + row["beside_stated_here"]
     assert row["from_beside_here"] == pytest.approx(1e-12, rel=0.01)
     assert row["from_beside_here"] > 1e3 * both
@@ -419,18 +418,6 @@ def test_a_fresh_process_that_fails_is_told():
 
 
 # --- what is judged -------------------------------------------------------------------------------
-
-
-def test_predicted_steps_are_those_of_a_critically_damped_oscillator():
-    """By stepping the slowest mode itself with the leapfrog of the method."""
-    root_kappa, threshold = 50.0, 1e-3
-    h = 2 * 0.9 / root_kappa
-    x, v, count = 1.0, 0.5 * h, 0
-    while abs(x) > threshold:
-        v = ((1 - h) * v - h * x) / (1 + h)
-        x += h * v
-        count += 1
-    assert resting.predicted(root_kappa, threshold) == pytest.approx(count, abs=2)
 
 
 def test_seconds_are_told_and_not_gated():

@@ -101,8 +101,6 @@ def test_one_step_is_the_schemes_own():
     found = bodies.one_step(omegas, dt, c)
     for matrix, omega in zip(found, omegas, strict=True):
         assert matrix == pytest.approx(one_step_matrix(EULER_CROMER, omega, dt, c), abs=1e-14)
-    third = bodies.powered(found, 3)
-    assert third[1] == pytest.approx(found[1] @ found[1] @ found[1])
 
 
 def test_critical_damping_of_the_scheme_is_lower():

@@ -245,7 +245,7 @@ def test_squeeze_counts_half_of_the_border():
 
 
 def test_plates_by_their_own_size():
-    square, disc = plates.patched("square plate", 4), plates.patched("disc", 6)
+    square, disc = (plates.BODIES[name][0](n) for name, n in (("square plate", 4), ("disc", 6)))
     assert square.area.sum() == pytest.approx(plates.SIDE**2)
     assert disc.area.sum() == pytest.approx(np.pi * plates.RADIUS**2)
 

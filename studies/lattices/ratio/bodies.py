@@ -47,29 +47,23 @@ QUICK = {2: (4, 8, 16)}
 EXACT = 1e-9
 TOLERANCES = (
     Tolerance(
-        "stretched blocks that should be exact: error of strains, relative",
-        EXACT,
-        "1",
+        "stretched blocks that should be exact: error of strains, relative", EXACT, "1",
         "uniform strain leaves no force on any point: rounding, 1e-16 times a condition number of "
         "up to 1e5",
     ),
     Tolerance(
         "stretched blocks of the plane that should not be exact: order of the finest pair, from "
-        "the expected",
-        0.22,
-        "1",
+        "the expected", 0.22, "1",
         "what a side loses, its ends lose otherwise: at most a cell at each end, a part 2/N of it. "
         "log2((1 - 2/16)/(1 - 2/8)) = 0.22 for 8 and 16 cells",
     ),
     Tolerance(
         "stretched blocks of space that should not be exact: order of the finest pair, from the "
-        "expected",
-        0.45,
-        "1",
+        "expected", 0.45, "1",
         "half a cell at each end of an edge makes log2((1 - 1/8)/(1 - 1/4)) = 0.22 for 4 and 8 "
         "cells, a whole one 0.58: twice the half is allowed",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **{name: routes.COLUMNS[name] for name in ("lattice", "route")},
     **{name: cases.COLUMNS[name] for name in ("cells", "spacing")},

@@ -44,13 +44,11 @@ BLOCKS = (
 )
 TOLERANCES = (
     Tolerance(
-        "smallest fault of κ noticed, largest over blocks and kinds",
-        1e-5,
-        "1",
+        "smallest fault of κ noticed, largest over blocks and kinds", 1e-5, "1",
         "ten thousand times the limit of an identity: a ratio near 1/2 is a thousandth as "
         "sensitive to κ, one cell of 25 a tenth as all",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "block": "lattice, state and Poisson's ratio of the stretched or bent block",
     "fault_of_volumes": "whose κ is wrong: every cell's, or that of one in the middle",

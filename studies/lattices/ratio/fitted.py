@@ -60,36 +60,31 @@ WAYS = ("springs", "springs and volumes")
 TOLERANCES = (
     Tolerance(
         "springs and volumes, fitted: residual of the displacements, worst at the finest size",
-        0.12,
-        "1",
+        0.12, "1",
         "a random network moves unevenly, by a tenth of its displacement at 8 spacings and less as "
         "the root of the number of springs across: the band within which it is a solid",
         layer="agreement",
     ),
     Tolerance(
-        "springs alone, fitted to nu = 1/3: k over that of the endless network",
-        0.08,
-        "1",
+        "springs alone, fitted to nu = 1/3: k over that of the endless network", 0.08, "1",
         "a layer of one spacing at the boundary has other neighbours, 2 of 16 through the height; "
         "half of its springs are stiffer or softer by as much as half",
         layer="agreement",
     ),
     Tolerance(
         "springs and volumes, fitted to nu = 1/3 and above: κ over E from λ - μ, finest size",
-        0.06,
-        "1",
+        0.06, "1",
         "the endless network has nu = 0.35, not 1/3, which takes κ lower by 0.02; the layer at the "
         "boundary makes a part 0.08 of its 0.5 uncertain",
         layer="agreement",
     ),
     Tolerance(
         "springs alone, fitted to nu = 0.45: residual over that with volumes, at least 2: short by",
-        0,
-        "1",
+        0, "1",
         "a control: were one ratio as good as another, the loads could not tell κ. A ratio wrong "
         "by 0.1 misses a tenth of a displacement, more than twice the scatter",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "nu_fitted": "Poisson's ratio of the body whose displacements are fitted, plane stress (1)",
     "fitted": "what is fitted: springs, or springs and volumes",

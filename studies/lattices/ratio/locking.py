@@ -36,28 +36,22 @@ LOCKS = 0.05
 locks."""
 TOLERANCES = (
     Tolerance(
-        "volume energy: part of the deflection lost from nu = 0.45 to the largest",
-        0.03,
-        "1",
+        "volume energy: part of the deflection lost from nu = 0.45 to the largest", 0.03, "1",
         "at 1/2 the clamped end's exponent is 0.595, at 0.45 0.64: differences of 0.14 at 4 cells "
         "of a cube change by 1 - 4^-0.09, 12 % of themselves",
     ),
     Tolerance(
-        "models that lock in plane strain and space, or do not, against expectation",
-        0,
-        "1",
+        "models that lock in plane strain and space, or do not, against expectation", 0, "1",
         "conditions of volume for every freedom tell: half of them, or a third, in cells of one "
         "volume; one and more in halves, tetrahedra, and cells that resist at every point",
     ),
     Tolerance(
         "triangular lattice with its triangles' volumes, plane strain: stiffness from P1's, "
-        "relative to its largest entry",
-        1e-12,
-        "1",
+        "relative to its largest entry", 1e-12, "1",
         "springs are P1 elements of λ = μ, and a linear element's dilatation is its area's: an "
         "identity; left is rounding",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "state": stretch.COLUMNS["state"],
     "nu_rubber": "Poisson's ratio of the nearly incompressible material (1)",

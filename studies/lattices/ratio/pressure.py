@@ -52,26 +52,21 @@ FREE = 0.5
 """Part of the block, from its loaded end, that has no corner with singular stress but weak ones."""
 TOLERANCES = (
     Tolerance(
-        "patterns of pressure that push nothing: 2 held all round, else none",
-        0,
-        "1",
+        "patterns of pressure that push nothing: 2 held all round, else none", 0, "1",
         "black against white, and a constant; any free side is pushed by both",
     ),
     Tolerance(
-        "least push of other patterns, held all round: order in the spacing, from 1",
-        0.25,
-        "1",
+        "least push of other patterns, held all round: order in the spacing, from 1", 0.25, "1",
         "the next term is of one order more: on 8 and 12 cells, as large as the first at one cell, "
         "it makes 0.1, and twice as large 0.22",
     ),
     Tolerance(
         "bent block, away from the clamped side: cell pressures from mixed elements', finest size",
-        0.02,
-        "1",
+        0.02, "1",
         "of order 2 but for the corners' own: some (1/16)² times 5; a pattern that alternates "
         "would not fall",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "held": "sides that are held: left, or all round",
     "cells_square": "cells along each edge of a square block",

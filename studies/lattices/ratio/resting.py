@@ -41,27 +41,22 @@ now and then by rounding, and a stop costs 1 to 2 % of the steps, of 27,000 at t
 TOLERANCES = (
     Tolerance(
         "highest frequency squared of rubber beyond that of one cell, 8 (λ + μ)/m, relative",
-        1e-9,
-        "1",
+        1e-9, "1",
         "energy and mass of the body are sums over cells that are alike, so no quotient of sums is "
         "beyond that of one; left is rounding",
     ),
     Tolerance(
-        "leapfrog steps over the prediction from frequencies",
-        0.05,
-        "1",
+        "leapfrog steps over the prediction from frequencies", 0.05, "1",
         "the prediction takes the slowest mode for the whole displacement; looks are four steps "
         "apart, of 200 and more",
     ),
     Tolerance(
-        "leapfrog steps against 1/(1 - 2 nu) above nu = 0.48: exponent, from 1/2",
-        0.03,
-        "1",
+        "leapfrog steps against 1/(1 - 2 nu) above nu = 0.48: exponent, from 1/2", 0.03, "1",
         "λ + 2μ is 2μ (1 - nu)/(1 - 2 nu): while 1 - 2 nu changes three times, the root of 1 - nu "
         "and the lowest frequency change by 1 % each, 0.02/log(3) = 0.018 and less over a wider "
         "range; looks, four steps apart of 2000, make 0.002",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "nu_settled": "Poisson's ratio of the bent block, plane strain (1)",
     "lame_over_mu": "Lamé's λ over μ (1)",

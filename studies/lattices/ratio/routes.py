@@ -60,32 +60,27 @@ ADDED = ("volume energy", "shear springs")
 TOLERANCES = (
     Tolerance(
         "volume energy: least κ/μ of free blocks whose springs cross no side, from -(1 + 2/d)",
-        1e-9,
-        "1",
+        1e-9, "1",
         "their softest motion is a uniform strain, which they follow exactly: rounding of an "
         "eigenvalue",
     ),
     Tolerance(
         "least κ/μ and k_t/k_n of endless lattices, by rows of stiffness and by Fourier sums",
-        1e-7,
-        "1",
+        1e-7, "1",
         "two routes to one eigenvalue; of the stiffness of waves of phase 1e-3 a part of 1e-6 is "
         "left, so that rounding of a hundred terms of 1e-16 makes 1e-8 of it",
     ),
     Tolerance(
-        "shear springs: least α of endless lattices, from -2/d",
-        5e-7,
-        "1",
+        "shear springs: least α of endless lattices, from -2/d", 5e-7, "1",
         "the longest wave tried has phase φ = 1e-3; squares of sines of half of it are off by "
         "φ²/12 of themselves, above and below a line, along three axes at most: φ²/2",
     ),
     Tolerance(
         "volume energy: ω² m of square and cubic lattices, from 4 (λ + 2μ) h^(d - 2), relative",
-        1e-10,
-        "1",
+        1e-10, "1",
         "a wave that alternates along x strains every cell alike: an identity",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "lattice": cases.COLUMNS["lattice"],
     "route": "what makes the ratio: springs alone, volume energy or shear springs",

@@ -57,22 +57,19 @@ QUICK_MESHES = {2: (3, 6, 12), 3: (1, 2, 4)}
 WORDS = {"plane_strain": "plane strain", "plane_stress": "plane stress", "solid": "space"}
 TOLERANCES = (
     Tolerance(
-        "deflection by mixed elements: uncertainty, relative",
-        0.01,
-        "1",
+        "deflection by mixed elements: uncertainty, relative", 0.01, "1",
         "half of what an extrapolation adds, 2 % on 4 cells of a cube at most: a tenth of the "
         "lattices' difference there",
     ),
     Tolerance(
         "volume energy: orders of the finest pair, out of twice the clamped end's exponent to 2",
-        0.03,
-        "1",
+        0.03, "1",
         "the end adds an error of the first, bending one of order 2, both of one sign: the order "
         "of their sum lies between. The reference is uncertain by 1 % of the difference in the "
         "plane, by 2 % on the cube: log2(1.02) = 0.03. Where a quarter is missing, orders by "
         "deflection and by stiffness differ: one of them, or what is between, has to lie there",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "state": "plane_stress or plane_strain in the plane, solid in space",
     "nu_rubber": "Poisson's ratio of the nearly incompressible material (1)",

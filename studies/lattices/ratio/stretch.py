@@ -48,25 +48,19 @@ STRAIN = 1e-5
 EXACT = 1e-9
 TOLERANCES = (
     Tolerance(
-        "volume energy: nu of stretched blocks against nu asked for",
-        EXACT,
-        "1",
+        "volume energy: nu of stretched blocks against nu asked for", EXACT, "1",
         "an identity; left is rounding, 1e-16 times a condition number of at most 1e6, where κ is "
         "500 times μ",
     ),
     Tolerance(
-        "volume energy: E of stretched blocks, relative",
-        EXACT,
-        "1",
+        "volume energy: E of stretched blocks, relative", EXACT, "1",
         "an identity too, with the same rounding as nu",
     ),
     Tolerance(
-        "volume energy: displacement of stretched blocks, relative to the pull",
-        EXACT,
-        "1",
+        "volume energy: displacement of stretched blocks, relative to the pull", EXACT, "1",
         "uniform strain is exact at every point, not on average alone: as of nu",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "lattice": cases.COLUMNS["lattice"],
     "state": "plane_stress or plane_strain in the plane, solid in space",

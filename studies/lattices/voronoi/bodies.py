@@ -67,25 +67,21 @@ Family = tuple[int, str, str]
 TOLERANCES = (
     Tolerance(
         "random bodies: difference from their solid times the spacings to a side, medians",
-        6.0,
-        "1",
+        6.0, "1",
         "a layer of one spacing on each of four sides that carries nothing changes a stretch by "
         "4 over the spacings to a side; a clamped side adds one, and the scatter of medians one",
     ),
     Tolerance(
         "random bodies: order of one body's deviation from its solid, mean of all kinds and loads",
-        0.5,
-        "1",
+        0.5, "1",
         "1 of a boundary layer, and of scatter in the plane; the mean of twelve medians of 6 "
         "bodies is known to a quarter, over a factor of four in size 0.25 of an order: twice that",
     ),
     Tolerance(
-        "clamped body: uncertainty of the reference, relative",
-        ACCURACY,
-        "1",
+        "clamped body: uncertainty of the reference, relative", ACCURACY, "1",
         "what the question asks of it",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     **{key: solids.COLUMNS[key] for key in ("axes", "point_set", "stiffness")},
     "spacings_a_side": "mean spacings to a side of the box (1)",

@@ -71,8 +71,7 @@ def spread(tables: Tables) -> Figure:
         top = 1.4 * rows["nu_std"].max()
         axis.loglog(counts, top * (counts / counts[0]) ** -0.5, color="grey", label="order -1/2")
         axis.set_xticks(counts, [f"{count:.0f}" for count in counts])
-        axis.set_title(f"{dim}D")
-        axis.set_xlabel("points in the periodic cell (1)")
+        axis.set(title=f"{dim}D", xlabel="points in the periodic cell (1)")
     axes[0].set_ylabel("st. dev. of Poisson's ratio (1)")
     figures.shared_legend(figure, axes, columns=3)
     return figure
@@ -106,8 +105,7 @@ def bodies(tables: Tables) -> Figure:
         cells = sorted(set(rows["spacings_a_side"]))
         axis.set_xticks([1 / n for n in cells], [f"1/{n}" for n in cells])
         axis.set_xlim(left=0)
-        axis.set_title(load, fontsize=9)
-        axis.set_xlabel("spacing over side (1)")
+        axis.set(title=load, xlabel="spacing over side (1)")
     axes[0].set_ylabel("springs over solid, less 1 (%)")
     figures.shared_legend(figure, axes, columns=3)
     return figure

@@ -25,12 +25,10 @@ COUNTS = {2: 64, 3: 30}
 SEED = 7
 CASES = list(product(COUNTS, STIFFNESS_RULES))
 TOLERANCE = Tolerance(
-    "small random solids: tensor from that by least squares, relative",
-    1e-9,
-    "1",
+    "small random solids: tensor from that by least squares, relative", 1e-9, "1",
     "the same minimum of the energy by two routes; left is the rounding of a linear solve, 1e-16 "
     "times a condition number of up to 1e6, and least squares have its root",
-)
+)  # fmt: skip
 COLUMNS = {
     "count": "points in the periodic cell, or in the body (1)",
     "random_released": "largest part of the tensor that relaxation takes, affine less relaxed (1)",

@@ -51,60 +51,45 @@ NO_SCATTER = 1e-12
 """Standard deviation of a ratio below which it is rounding."""
 TOLERANCES = (
     Tolerance(
-        "Voronoi cells: Σ A L over d times the volume, less 1",
-        1e-12,
-        "1",
+        "Voronoi cells: Σ A L over d times the volume, less 1", 1e-12, "1",
         "an identity; left is the rounding of sums of up to 7000 terms, each of one sign",
     ),
     Tolerance(
-        "Voronoi cells: Σ A n, largest of a cell over its surface",
-        1e-11,
-        "1",
+        "Voronoi cells: Σ A n, largest of a cell over its surface", 1e-11, "1",
         "an identity: the cell is closed; facets come from circumcentres of slivers, whose "
         "rounding is 1e-16 times their length over their height, up to 1e4",
     ),
     Tolerance(
-        "k = A/L, points held: sum of the tensor's normal block, over d less 1",
-        1e-12,
-        "1",
+        "k = A/L, points held: sum of the tensor's normal block, over d less 1", 1e-12, "1",
         "Σ A L again, by way of the candidate's affine tensor",
     ),
     Tolerance(
-        "k = A/L, points at rest: bulk modulus over 1/d less 1",
-        1e-9,
-        "1",
+        "k = A/L, points at rest: bulk modulus over 1/d less 1", 1e-9, "1",
         "an identity for each seed; left is the rounding of closed cells and of a linear solve, "
         "1e-16 times a condition number of up to 1e6",
     ),
     Tolerance(
-        "points held: Poisson's ratio is Cauchy's",
-        1e-12,
-        "1",
+        "points held: Poisson's ratio is Cauchy's", 1e-12, "1",
         "C_iijj = C_ijij of central springs, term by term; left is rounding",
     ),
     Tolerance(
-        "relaxed above affine: largest eigenvalue of the difference, relative",
-        1e-12,
-        "1",
+        "relaxed above affine: largest eigenvalue of the difference, relative", 1e-12, "1",
         "what relaxation releases is an energy; left is rounding",
     ),
     Tolerance(
         "uniform points: one network's ratio by an independent program, from the mean",
-        3.0,
-        "standard deviations",
+        3.0, "standard deviations",
         "of single networks of the smallest size, as its own is not known; of six fair draws one "
         "is farther out once in sixty times",
     ),
     Tolerance(
-        "spread of the ratio: exponent in the number of points, from -1/2",
-        4.0,
-        "standard errors",
+        "spread of the ratio: exponent in the number of points, from -1/2", 4.0, "standard errors",
         "a standard deviation from S seeds is known to 1/√(2S - 2); the rules share their points, "
         "so one exponent a kind of point set and dimension counts; what is farther out is no "
         "chance",
     ),
     energy.TOLERANCE,
-)
+)  # fmt: skip
 COLUMNS = {
     "axes": "2 in the plane, 3 in space",
     "point_set": "kind of random point set",

@@ -44,11 +44,10 @@ DRAWN = 64
 TOLERANCES = (
     Tolerance(
         "uniform points: depth of the surface against its closed form",
-        1.0,
-        "half-widths of the 99.9 % interval",
+        1.0, "half-widths of the 99.9 % interval",
         "Student's, of the mean over the seeds; what is farther out is no chance",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "count": "points in the periodic cell, or in the body (1)",
     "depth": "distance of the surface's points from the flat side, rms over the side (spacings)",

@@ -51,33 +51,25 @@ ASPECTS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0)
 """Length over height."""
 TOLERANCES = (
     Tolerance(
-        "square grid: Poisson's ratio 0",
-        1e-12,
-        "1",
+        "square grid: Poisson's ratio 0", 1e-12, "1",
         "C12 = 0, closed form; left is rounding",
     ),
     Tolerance(
-        "nearly square grid, k = A/L: order of the ratio in the jitter",
-        5e-4,
-        "1",
+        "nearly square grid, k = A/L: order of the ratio in the jitter", 5e-4, "1",
         "facets are in proportion to the jitter; the next term is the jitter itself, at most 1e-4, "
         "times a number of up to ten, and weighs 1/(2 ln 10) in a slope over two decades: 2e-4, "
         "and a factor of two",
     ),
     Tolerance(
-        "nearly square grid, k = 1: ratio at a jitter of 1e-6 less that at 1e-5",
-        5e-5,
-        "1",
+        "nearly square grid, k = 1: ratio at a jitter of 1e-6 less that at 1e-5", 5e-5, "1",
         "the same diagonals, turned by twice the jitter, 2e-5, at most; points that relax add a "
         "factor of two or three",
     ),
     Tolerance(
-        "Algorithm 1 at rest: ratio against linear equilibrium",
-        5e-3,
-        "1",
+        "Algorithm 1 at rest: ratio against linear equilibrium", 5e-3, "1",
         "springs turn by the strain of 1e-3, times a factor of order 1 that disorder doubles",
     ),
-)
+)  # fmt: skip
 COLUMNS = {
     "jitter": "largest move of a point of a square grid along each axis (spacings)",
     "stiffness": "rule of a random network's springs: 1, 1/L or A/L",

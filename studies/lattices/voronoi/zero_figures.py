@@ -37,8 +37,7 @@ def _jitter(axis: Axes, table: pd.DataFrame) -> None:
         axis.semilogx(place[grid], rows["nu_endless"][grid], ls="none", **style)
         axis.semilogx(place[~grid], rows["nu_endless"][~grid], label=f"k ∝ {rule}", **style)
     axis.set_xticks([floor, 1e-6, 1e-4, 1e-2], ["0", "1e-6", "1e-4", "0.01"])
-    axis.set_title("nearly square grids, endless", fontsize=9)
-    axis.set_xlabel("jitter (spacings)")
+    axis.set(title="nearly square grids, endless", xlabel="jitter (spacings)")
     axis.legend(fontsize=7)
 
 
@@ -59,8 +58,7 @@ def _few(axis: Axes, table: pd.DataFrame) -> None:
     axis.set_xscale("log")
     counts = sorted(set(table["count"]))
     axis.set_xticks(counts, [str(count) for count in counts])
-    axis.set_title("random points, median and quartiles", fontsize=9)
-    axis.set_xlabel("points in the body (1)")
+    axis.set(title="random points, median and quartiles", xlabel="points in the body (1)")
     axis.set_ylim(top=0.95)
     axis.legend(fontsize=7, ncols=2)
 

@@ -1,0 +1,69 @@
+"""Steps of a relaxation to a displacement error: predicted, and counted as it comes to rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+
+from scipy.optimize import brentq
+
+from msvalidate.network import Network
+from msvalidate.problem import Array, SolverError
+from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.run import SAFETY, Run
+
+THRESHOLDS = (1e-3, 1e-6)
+"""Errors that are counted to, relative to the largest displacement."""
+TIGHT = min(THRESHOLDS)
+AT_REST = 1e-13
+"""Tolerance of a run, far below what the thresholds need: they end it."""
+LOOKS = 100
+"""Looks on the way to the first threshold: the count of steps is then known to about 1 %."""
+SINGLY = ("conjugate_gradients", "newton", "newton_multigrid")
+"""Methods of few steps, looked at after every one."""
+BUDGET = 50
+"""Times the predicted steps after which a run has failed."""
+
+
+def predicted(root_kappa: float, threshold: float) -> int:
+    """Steps after which the slowest mode, critically damped, is left with `threshold`.
+
+    x(t) = (1 + ωt) exp(-ωt) from rest, and ω dt = 2·SAFETY/√κ.
+    """
+    s = float(brentq(lambda s: math.log1p(s) - s - math.log(threshold), 0.0, 100.0))
+    return math.ceil(s * root_kappa / (2 * SAFETY))
+
+
+def counted(
+    method: Method,
+    network: Network,
+    frequencies: tuple[float, float],
+    error: Callable[[Array], float],
+) -> dict[float, tuple[int, int]]:
+    """Threshold -> steps and evaluations at the first look that met it, of those that were met.
+
+    `frequencies` are the lowest and the highest (rad/s), `error` is that of displacements (n, d).
+    """
+    root_kappa = frequencies[1] / frequencies[0]
+    reached: dict[float, tuple[int, int]] = {}
+
+    def watch(run: Run) -> bool:
+        now = error(run.displacement)
+        for threshold in THRESHOLDS:
+            if now <= threshold:
+                reached.setdefault(threshold, (run.steps, run.evaluations))
+        return len(reached) == len(THRESHOLDS)
+
+    stride = max(1, predicted(root_kappa, max(THRESHOLDS)) // LOOKS)
+    with suppress(SolverError):  # what was not reached is told as such
+        relax(
+            network,
+            method,
+            tolerance=AT_REST,
+            max_steps=BUDGET * predicted(root_kappa, min(THRESHOLDS)),
+            watch=watch,
+            look_every=1 if method.name in SINGLY else stride,
+            frequencies=frequencies,
+        )
+    return reached
