@@ -122,10 +122,11 @@ KERNELS = {
     "stencil": GRIDS,
     "sweep": LISTS,
     "turning": LISTS,
+    "values": GRIDS,
 }
 """File of compiled code -> tests that reach it, those that compile the least first; of other
 modules they are found by the lines that tests run, which compiled code does not tell."""
-PLAIN = {"__init__", "cache", "general", "grid", "rows"}
+PLAIN = {"__init__", "cache", "general", "grid", "rows", "values"}
 """Files of `kernels` without compiled functions: what is compiled stays as it is."""
 QUESTIONS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "integrators": [("stability", ("limits", "order"))],
