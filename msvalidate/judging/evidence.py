@@ -53,6 +53,17 @@ class Tolerance:
             )
 
 
+def by_quantity(tolerances: Iterable[Tolerance], values: Iterable[Observed]) -> dict[str, Observed]:
+    """Quantity -> what was observed of it, from as many values in the tolerances' order.
+
+    Raises
+    ------
+    ValueError
+        If there are more of the one than of the other.
+    """
+    return {t.quantity: value for t, value in zip(tolerances, values, strict=True)}
+
+
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """What a study found.

@@ -80,3 +80,7 @@ class Setting:
     ) -> list[Result]:
         """As `sweep`, but here and in turn whatever the workers: what is timed runs alone."""
         return replace(self, executor=None).sweep(function, cases, label)
+
+
+FULL = Setting()
+"""The whole study, its cases one after another."""

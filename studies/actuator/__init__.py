@@ -21,7 +21,7 @@ from functools import partial
 
 from msvalidate.judging.candidate import actuated
 from msvalidate.judging.evidence import Evidence, answers
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 
 from . import air, controls, figure8, permittivity, prestretched, profile
 from .bodies import Candidate, responding, springs
@@ -55,11 +55,10 @@ notices is enough, so the rest is left out."""
 
 def run(
     candidate: Candidate = springs,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    setting = setting or Setting()
     linear = air.run if candidate is springs else partial(air.run, actuated(candidate))
     candidate = actuated(candidate)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}

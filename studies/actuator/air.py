@@ -18,8 +18,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
 
@@ -69,9 +69,9 @@ LINEAR: Candidate = partial(responding, None)
 """Newton's method would want derivatives of forces in air, which take minutes by differences."""
 
 
-def run(candidate: Candidate = LINEAR, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = LINEAR, setting: Setting = FULL) -> Evidence:
     """Compare the upper faces for every ratio of permittivities."""
-    quick = bool(setting and setting.quick)
+    quick = setting.quick
     layers, mesh = (QUICK_LAYERS, QUICK_MESH) if quick else (LAYERS, MESH)
     ratios = QUICK_RATIOS if quick else RATIOS
     found = [compared(candidate, c, r, layers, mesh) for c in COVERED for r in ratios]
@@ -135,7 +135,7 @@ def observe(table: pd.DataFrame) -> Mapping[str, Observed]:
         worst(limit, 0.0),
         worst(table["air_uncertainty"], 0.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def finding(table: pd.DataFrame) -> str:

@@ -20,7 +20,7 @@ import pandas as pd
 from msvalidate.dielectric.actuator import Actuator
 from msvalidate.dielectric.actuator.models import electrified
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array
 
 from . import profile
@@ -153,9 +153,9 @@ COLUMNS = {
 }
 
 
-def run(setting: Setting | None = None) -> Evidence:
+def run(setting: Setting = FULL) -> Evidence:
     """Try every kind of fault on the small form of one profile, whose answers are linear in it."""
-    small = replace(setting or Setting(), quick=True)
+    small = replace(setting, quick=True)
     right = profile.asked(partial(responding, None), small, SLABS)
     table = pd.DataFrame([tried(name, right, small) for name in ASKED])
     return Evidence(

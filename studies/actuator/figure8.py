@@ -30,8 +30,8 @@ import pandas as pd
 
 from msvalidate.dielectric.actuator import at_voltage
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 
 from . import bodies, figure8_drawing, models
 from . import figure8_statements as said
@@ -118,9 +118,9 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Walk up the voltage three ways, put numbers to the words, and draw the figure again."""
-    voltages = QUICK_VOLTAGES if setting and setting.quick else VOLTAGES
+    voltages = QUICK_VOLTAGES if setting.quick else VOLTAGES
     seen = {
         covered: dict(zip(SOURCES, ways(candidate, covered, volts), strict=True))
         for covered, volts in voltages.items()
@@ -248,4 +248,4 @@ def observe(
         Observed(fine, coarse),
         Observed(float(split)),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)

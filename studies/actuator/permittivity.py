@@ -18,7 +18,7 @@ import pandas as pd
 
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array
 
 from . import bodies
@@ -43,7 +43,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate, setting: Setting = FULL) -> Evidence:
     """Move both slabs at one permittivity and at the other."""
     rows = []
     for covered in COVERED:

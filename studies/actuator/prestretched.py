@@ -25,8 +25,8 @@ import pandas as pd
 from msvalidate.dielectric.actuator import Actuator, slab, uniform
 from msvalidate.dielectric.actuator.models import electrified
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array
 from reference_fem import facing_slab
 from reference_fem.actuator import SoftSlab, equilibrium_at
@@ -158,9 +158,8 @@ def films(stretches: tuple[float, ...], layers: int) -> tuple[Film, ...]:
     return (*stretched, *as_long)
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compress every film by its voltage."""
-    setting = setting or Setting()
     stretches, layers = (QUICK_STRETCHES, QUICK_LAYERS) if setting.quick else (STRETCHES, LAYERS)
     found = [measured(candidate, film, layers) for film in films(stretches, layers)]
     table = pd.DataFrame([row for row, _ in found])
@@ -248,7 +247,7 @@ def observe(table: pd.DataFrame) -> Mapping[str, Observed]:
         worst(table["thinning"] / table["thinning_fem"], 1.0),
         worst(table["margin_heights"], table["margin_heights_fem"]),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def finding(table: pd.DataFrame) -> str:

@@ -21,8 +21,8 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Mask
 
 from . import bodies, edges, profile_drawing
@@ -101,9 +101,9 @@ Face = dict[str | int, tuple[Array, Array, Array]]
 a uniform slab's deflection."""
 
 
-def run(candidate: Candidate, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate, setting: Setting = FULL) -> Evidence:
     """Compare the upper faces, and follow what happens at the edges."""
-    return evidence(asked(candidate, setting or Setting()))
+    return evidence(asked(candidate, setting))
 
 
 def asked(
@@ -248,7 +248,7 @@ def observe(profile: pd.DataFrame, edge: pd.DataFrame) -> Mapping[str, Observed]
         worst(profile["uncertainty"], 0.0),
         worst(limit / last["growth_exact"], 1.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def findings(profile: pd.DataFrame, edge: pd.DataFrame) -> tuple[str, ...]:

@@ -30,7 +30,7 @@ from functools import partial
 
 from msvalidate.judging.candidate import Candidate, answering, springs
 from msvalidate.judging.evidence import Evidence, answers, merged
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 
 from . import (
     bending,
@@ -73,11 +73,11 @@ QUESTIONS: dict[str, Callable[[Candidate, Setting], Evidence]] = {
 
 def run(
     candidate: Candidate = springs,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    asked = setting or Setting()
+    asked = setting
     candidate = answering(candidate)
     found = answers(
         {name: partial(ask, candidate, asked) for name, ask in QUESTIONS.items()}, questions

@@ -33,7 +33,7 @@ from msvalidate.constants.stiffness import in_plane
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import square
 from msvalidate.output import figures
 from msvalidate.problem import Array, Box, Isotropic, Problem, Region, Support, Traction
@@ -64,9 +64,8 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's beams with the closed form."""
-    setting = setting or Setting()
     sizes = QUICK_HEIGHTS if setting.quick else HEIGHTS
     rows: list[dict[str, object]] = []
     for material in MATERIALS:

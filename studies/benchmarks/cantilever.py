@@ -29,8 +29,8 @@ import pandas as pd
 import reference_fem
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import square
 from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
 
@@ -59,9 +59,8 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's beams and finite elements with the exact field."""
-    setting = setting or Setting()
     sizes = QUICK_SIZES if setting.quick else SIZES
     rows: list[dict[str, object]] = []
     for nu in QUICK_RATIOS if setting.quick else RATIOS:
@@ -148,4 +147,4 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
         worst(cases.orders(last[~quadratic]), 2.0),
         worst(last[quadratic]["against_limit"], 0.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)

@@ -25,9 +25,9 @@ from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import cut_lattice, mesh_lattice, patterns
 from msvalidate.problem import (
     Array,
@@ -91,9 +91,8 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's panels and finite elements with the accepted value."""
-    setting = setting or Setting()
     meshes = QUICK_MESHES if setting.quick else MESHES
     lattices = QUICK_LATTICES if setting.quick else LATTICES
     estimate = reference_fem.refine(
@@ -229,7 +228,7 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
         worst(curved.fitted_orders(cut), 2.0),
         Observed(float((edges <= BAND).sum())),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def finding(goal: cases.Quantity, table: pd.DataFrame) -> str:

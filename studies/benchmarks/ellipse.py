@@ -22,8 +22,8 @@ import pandas as pd
 
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
 
 from . import cases, curved, curved_drawing
@@ -89,9 +89,8 @@ TOLERANCES = (
 COLUMNS = {**cases.COLUMNS, **curved_drawing.COLUMNS}
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare springs and elements with the published value and the series."""
-    setting = setting or Setting()
     meshes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     lattices = QUICK_LATTICES if setting.quick else LATTICES
     exact, doubt = limit()
@@ -177,7 +176,7 @@ def observe(table: pd.DataFrame, missing: float) -> dict[str, Observed]:
         worst(quartic["against_limit"], 0.0),
         worst(curved.fitted_orders(quadratic), 2.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def findings(table: pd.DataFrame) -> tuple[str, ...]:

@@ -19,8 +19,8 @@ import pandas as pd
 
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
 
 from . import cases, curved, curved_drawing
@@ -80,9 +80,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare springs and elements with Kirsch's field."""
-    setting = setting or Setting()
     table = pd.DataFrame(rows(candidate, setting))
     meshed = partial(ring_quarter, RADIUS, RIM)
     drawn = curved.field(candidate, meshed, piece, FIELD)
@@ -200,4 +199,4 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
         worst(quartic["against_limit"], 0.0),
         worst(curved.fitted_orders(quadratic), 2.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)

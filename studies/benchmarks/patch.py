@@ -22,8 +22,8 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import fill, mesh_lattice, patterns, square, triangular, zigzag_block
 from msvalidate.output import figures
 
@@ -74,7 +74,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare elements and the candidate's springs with the linear field."""
     found = [
         row
@@ -165,7 +165,7 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
         worst(table[~edges]["against_accepted"], 0.0),
         Observed(float(right.sum())),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def finding(table: pd.DataFrame) -> str:

@@ -25,8 +25,8 @@ import pandas as pd
 import reference_fem
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import patterns
 from msvalidate.lattice.cut import CutLattice, cut_lattice
 from msvalidate.network import Network
@@ -104,9 +104,8 @@ class Plate:
     points: Array
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare springs with elements where the rim is held, and with the published value."""
-    setting = setting or Setting()
     sizes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     solved = setting.sweep(elastic, sizes, "LE10 by graded elements")
     layers, lines = (QUICK_LAYERS, QUICK_LINES) if setting.quick else (LAYERS, LINES)
@@ -259,7 +258,7 @@ def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
         worst(observed_order(1 / sunk["cells"], sunk["against_limit"]), 1.5),
         worst(float(face["extrapolated"]) / goal - 1, 0.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, found, strict=True)}
+    return by_quantity(TOLERANCES, found)
 
 
 def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:

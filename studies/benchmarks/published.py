@@ -28,8 +28,8 @@ import pandas as pd
 
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 
 from . import cases, published_drawing, published_membranes, published_sources
 from . import spring_meshes as meshes
@@ -103,9 +103,8 @@ ROUNDED = {
 """Sizes below which values are rounding."""
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Make the published meshes and judge them."""
-    setting = setting or Setting()
     wanted = [n for n in meshes.PRINTED if n <= QUICK or not setting.quick]
     rows = setting.sweep(partial(meshes.mesh_row, candidate), wanted, "published meshes")
     table = pd.DataFrame(rows)
@@ -122,7 +121,7 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
             "published_membrane": membrane,
             "published_sources": published_sources.table(),
         },
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         figures={"published": published_drawing.draw},

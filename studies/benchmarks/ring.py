@@ -29,8 +29,8 @@ import pandas as pd
 
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
 from msvalidate.problem.material import State
 
@@ -129,9 +129,8 @@ class Found:
     slanted: tuple[float, float] | None = None
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare springs and elements with Lamé's field."""
-    setting = setting or Setting()
     meshes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     lattices = QUICK_LATTICES if setting.quick else LATTICES
     rows: list[dict[str, object]] = []
@@ -273,7 +272,7 @@ def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
         worst(fitted_orders, 2.0),
         worst(fitted["against_limit"], 0.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:

@@ -21,8 +21,8 @@ import pandas as pd
 
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
 from reference_fem.refinement import Estimate, refine
 
@@ -83,9 +83,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare springs, elements, potentials and Heywood's fit."""
-    setting = setting or Setting()
     widths = QUICK_WIDTHS if setting.quick else WIDTHS
     fine = QUICK_LATTICE if setting.quick else LATTICE
     table = pd.DataFrame(setting.sweep(partial(row, candidate, fine), widths, "strips"))
@@ -158,7 +157,7 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
         worst(table["heywood_off"], 0.0),
         worst(table["springs_off"], 0.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def finding(table: pd.DataFrame) -> str:

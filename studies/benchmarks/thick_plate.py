@@ -26,8 +26,8 @@ from scipy.special import ellipe
 import reference_fem
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic
 from reference_fem import Solution
 from reference_fem.elasticity import solve_on
@@ -88,9 +88,8 @@ class Plate:
     sinking: float
 
 
-def run(_candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(_candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Solve the plate by quadratic hexahedra, and with other supports; no candidate is asked."""
-    setting = setting or Setting()
     sizes = QUICK_SIZES if setting.quick else SIZES
     found = setting.sweep(as_published, sizes, "LE10 by elements")
     published = cases.Quantity("NAFEMS LE10", "σyy at (2, 0, 0.6)", "MPa", PUBLISHED, SOURCE, NU)
@@ -204,7 +203,7 @@ def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
         worst(sunk / sunk_by_theory() - 1, 0.0),
         worst([change[-1] / change[-2] for change in changes], 0.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:

@@ -23,9 +23,9 @@ import pandas as pd
 import reference_fem
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import square
 from msvalidate.problem import Box, Isotropic, Problem, Region, Segment, Support, Traction
 from reference_fem.elasticity import elastic_tensor
@@ -76,9 +76,8 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's beams with finite elements and beam theory."""
-    setting = setting or Setting()
     sizes = QUICK_SIZES if setting.quick else SIZES
     rows: list[dict[str, object]] = []
     accuracy = QUICK_ACCURACY if setting.quick else ACCURACY
@@ -208,4 +207,4 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
         worst(last[fem & ~supported]["limit"] / last[fem & ~supported]["accepted"], 1.0),
         worst(last["limit_uncertainty"], 0.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)

@@ -24,7 +24,7 @@ import pandas as pd
 
 from msvalidate.judging.candidate import named
 from msvalidate.judging.evidence import Evidence, answers
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 
@@ -41,11 +41,10 @@ notices is enough, so the rest is left out."""
 
 def run(
     candidate: Mapping[str, Method] = METHODS,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one table of relaxations."""
-    setting = setting or Setting()
     candidate = named(candidate, Method, METHODS)
     counted = cache(partial(steps.run, candidate, setting))
 

@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 from msvalidate.dynamics.integrators import LEAPFROG, Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging.compare import fitted_power, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.figures import COLOURS, new
 from msvalidate.problem import SolverError
@@ -90,7 +90,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     ]
     return Evidence(
         tables={"dynamic_relaxation": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, seen, strict=True)},
+        observed=by_quantity(TOLERANCES, seen),
         tolerances=TOLERANCES,
         figures={"dynamic_relaxation": draw},
         columns=COLUMNS,

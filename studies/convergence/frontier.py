@@ -28,7 +28,7 @@ from matplotlib.figure import Figure
 
 import reference_fem
 from msvalidate.judging.compare import fitted_power, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.figures import COLOURS, MARKERS, new, shared_legend
@@ -124,7 +124,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     seen = observed(table, fitted, apart)
     return Evidence(
         tables={"frontier": table, "frontier_orders": fitted},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, seen, strict=True)},
+        observed=by_quantity(TOLERANCES, seen),
         tolerances=TOLERANCES,
         figures={"frontier": draw},
         columns=COLUMNS,

@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 import reference_fem
 from msvalidate.judging.compare import fitted_power
 from msvalidate.judging.counting import TIGHT
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.output.figures import COLOURS
@@ -141,7 +141,7 @@ def run(counted: pd.DataFrame, grown: pd.DataFrame, setting: Setting) -> Evidenc
             "growth_of_factors": growing,
             "growth_of_multigrid": growing_here,
         },
-        observed={t.quantity: value for t, value in zip(TOLERANCES, seen, strict=True)},
+        observed=by_quantity(TOLERANCES, seen),
         tolerances=TOLERANCES,
         figures={"elements_in_space": draw},
         columns=COLUMNS,

@@ -27,7 +27,7 @@ from matplotlib.figure import Figure
 from msvalidate.judging import counting
 from msvalidate.judging.compare import fitted_power, worst
 from msvalidate.judging.counting import THRESHOLDS, TIGHT, predicted
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.relaxation.relax import Method
@@ -124,7 +124,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     grown = growth(table)
     return Evidence(
         tables=apart("steps", table) | apart("growth", grown),
-        observed=dict(zip((t.quantity for t in TOLERANCES), observed(table, grown), strict=True)),
+        observed=by_quantity(TOLERANCES, observed(table, grown)),
         tolerances=TOLERANCES,
         figures={"steps": draw, "cost": draw_cost},
         columns=COLUMNS,

@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.network import Network, stretched
@@ -70,7 +70,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"strained": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         rounding={"distance": FLOOR, "gain": 0.03},

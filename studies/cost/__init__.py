@@ -32,7 +32,7 @@ from typing import Any
 from msvalidate import kernels
 from msvalidate.judging.candidate import of_kind
 from msvalidate.judging.evidence import Evidence, answers
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
@@ -118,11 +118,10 @@ notices is enough, so the rest is left out."""
 
 def run(
     candidate: Candidate = OURS,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named."""
-    setting = setting or Setting()
     candidate = of_kind(candidate, Candidate)
     asked: dict[str, Callable[[], Evidence]] = {
         "agreement": partial(agreement.run, candidate.motion, setting),

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 from msvalidate.problem import Array
@@ -75,7 +75,7 @@ def run(candidate: Moving, setting: Setting) -> Evidence:
     shown = table.assign(**table[APART].astype(object).where(finite, "no number"))
     return Evidence(
         tables={"agreement": shown},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
     )

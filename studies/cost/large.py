@@ -25,7 +25,7 @@ import pandas as pd
 
 from msvalidate import kernels
 from msvalidate.judging.compare import fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network, tangent
 from msvalidate.problem import SolverError
@@ -95,7 +95,7 @@ def run(method: Method, ways: Mapping[str, Solve], setting: Setting) -> Evidence
     values = Observed(spread), Observed(cycles), Observed(ratio, 1.0)
     return Evidence(
         tables={"large": table, "memory": weighed, "network_arrays": arrays},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"large": drawing.large},
         columns=COLUMNS,

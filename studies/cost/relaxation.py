@@ -26,7 +26,7 @@ import pandas as pd
 
 from msvalidate.judging.compare import fitted_power, worst
 from msvalidate.judging.counting import THRESHOLDS, TIGHT, predicted
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
@@ -101,7 +101,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     grown = growth(table)
     return Evidence(
         tables={"relaxation": shown(table), "relaxation_growth": grown},
-        observed=dict(zip((t.quantity for t in TOLERANCES), judged(table, grown), strict=True)),
+        observed=by_quantity(TOLERANCES, judged(table, grown)),
         tolerances=TOLERANCES,
         figures={"relaxation": drawing.relaxation},
         columns=COLUMNS,

@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.judging.compare import fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import Index
@@ -240,7 +240,7 @@ def judged(table: pd.DataFrame, grown: pd.DataFrame, weighed: pd.DataFrame) -> d
         Observed(float(most.max()), 2.0),
         Observed(fitted_power(weighed["springs"], weighed["most_bytes"]).exponent, 1.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:

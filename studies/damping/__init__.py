@@ -24,7 +24,7 @@ from functools import partial
 
 from msvalidate.judging.candidate import moving
 from msvalidate.judging.evidence import Evidence, answers
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 
 from . import advice, controls, cycles, decay, direction, figure2, rest, stop_rule, wave
 from .bodies import MOTION, Motion
@@ -57,11 +57,10 @@ notices is enough, so the rest is left out. (A force a whole step late diverges.
 
 def run(
     candidate: Motion = MOTION,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    setting = setting or Setting()
     candidate = moving(candidate)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     return answers(asked | {"controls": controls.run}, questions)

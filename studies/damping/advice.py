@@ -18,7 +18,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 
@@ -67,7 +67,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"advice": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"advice": draw},
         columns=COLUMNS,

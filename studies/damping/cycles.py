@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.dynamics.integrate import State
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import energy
 from msvalidate.output import figures
@@ -67,7 +67,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"cycles": table, "energy": found[0][1]},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"energy": draw},
         columns=COLUMNS,

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.dynamics.integrate import State
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network, spring_network
 from msvalidate.output import figures
@@ -59,7 +59,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     values = (worst(table["rate_over_c"] / table["rate_over_c_predicted"], 1.0),)
     return Evidence(
         tables={"decay": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"decay": draw},
         columns=COLUMNS,

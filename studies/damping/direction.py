@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.dynamics.integrate import State
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -67,7 +67,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"direction": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"direction": draw},
         columns=COLUMNS,

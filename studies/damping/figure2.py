@@ -20,7 +20,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -114,7 +114,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"figure2": curves, "overshoots": swings, "scheme": scheme},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"figure2": draw},
         columns=COLUMNS,

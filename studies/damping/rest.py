@@ -23,7 +23,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import SolverError
@@ -125,7 +125,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"rest": table, "optimum": best},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"rest": draw},
         columns=COLUMNS,

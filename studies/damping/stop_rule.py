@@ -24,7 +24,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import internal_force
 from msvalidate.output import figures
@@ -112,7 +112,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"stop_rule": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"stop_rule": draw},
         columns=COLUMNS,

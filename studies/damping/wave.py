@@ -31,7 +31,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import moduli, square_tensor
 from msvalidate.dynamics.integrate import State
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.network import Network, internal_force
@@ -148,7 +148,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"wave": table, "wave_xt": found[len(cells) - 1][1]},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"wave": draw},
         columns=COLUMNS,

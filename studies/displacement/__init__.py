@@ -21,7 +21,7 @@ from functools import cache, partial
 
 from msvalidate.judging.candidate import Candidate, answering, springs
 from msvalidate.judging.evidence import Evidence, answers
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 
 from . import (
     bent_bar,
@@ -63,11 +63,10 @@ must too."""
 
 def run(
     candidate: Candidate = springs,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    setting = setting or Setting()
     candidate = answering(candidate)
     bodies = cache(partial(elastic.solved, setting))
     measured = cache(partial(measuring.all_measured, candidate, setting))

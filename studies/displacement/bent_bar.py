@@ -29,8 +29,8 @@ from msvalidate.constants.homogenise import network_tensor
 from msvalidate.constants.stiffness import moduli, pattern_tensor
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import fill, patterns
 from msvalidate.problem import Anisotropic, Array, Box, Index, Problem, Region, Support, Traction
 
@@ -74,9 +74,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's bar with its cross-section and the closed form."""
-    setting = setting or Setting()
     bars = setting.sweep(partial(bending_stiffness, candidate), HEIGHTS, "bent bars")
     measured: list[float | str] = [*bars, *("none" for _ in (8, FINE_SECTION))]
     table = pd.DataFrame(
@@ -105,7 +104,7 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
     )
     return Evidence(
         tables={"bent_bar": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=(finding,),

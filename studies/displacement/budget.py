@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.problem import Array
 from reference_fem.elasticity import elastic_tensor
 
@@ -274,7 +274,7 @@ def observe(cases: pd.DataFrame, order: pd.DataFrame) -> dict[str, Observed]:
         worst(cases["reference"], 0.0),
         *(Observed(farthest(cases, case)) for case in CASES),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def farthest(cases: pd.DataFrame, case: str) -> float:

@@ -20,8 +20,8 @@ import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import Lattice, square
 from msvalidate.network import tangent
 from msvalidate.problem import Array, Box, Problem, Region, Support, Traction
@@ -73,9 +73,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate with P1 elements, and with the closed form."""
-    setting = setting or Setting()
     compared = setting.sweep(partial(against_p1, candidate), CASES, "P1 elements")
     p1 = pd.DataFrame(
         {
@@ -112,7 +111,7 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
     )
     return Evidence(
         tables={"p1_identity": p1, "pure_bending": bending, "uniform_tension": tension},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         rounding={

@@ -23,7 +23,7 @@ import pandas as pd
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import Answer
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.problem import Array
 
 from . import load_cases, redrawn
@@ -122,7 +122,7 @@ def run(measured: Mapping[Block, Measured], bodies: Bodies) -> Evidence:
             "deformed_springs": pd.concat([pairs for _, pairs in springs], ignore_index=True),
             "outline": outlines(bodies),
         },
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"shapes": redrawn.figures_4_to_7, "bent_line": redrawn.bent_line},
         columns=COLUMNS,

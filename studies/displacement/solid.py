@@ -24,9 +24,9 @@ import pandas as pd
 
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_edge_exponent
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic
 from reference_fem.elasticity import elastic_tensor
 
@@ -114,9 +114,8 @@ Key = tuple[str, str]
 """(load case, model)."""
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's cubes and bars with elastic bodies."""
-    setting = setting or Setting()
     keys = list(QUICK_BODIES if setting.quick else [(c, m) for c in CASES for m in MODELS])
     asked = [(case, MODELS[model].tensor) for case, model in keys]
     isotropic = dict(list(targets(MODELS["cubic 26"]).items())[: 1 if setting.quick else None])
@@ -244,7 +243,7 @@ def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
         worst(theory["beam theory, PL³/(3EI) + PL/(κGA)"], 0.0),
         worst(doubts, 0.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def _numbers(values: pd.Series) -> Array:

@@ -21,9 +21,9 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import moduli, square_tensor
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import square
 from msvalidate.problem import Anisotropic, Array, Box, Material, Problem, Support, Traction
 
@@ -87,9 +87,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's tip with every target's."""
-    setting = setting or Setting()
     bodies = [Anisotropic(TENSOR), *(in_plane(*constants) for constants in TARGETS.values())]
     own, *targets = setting.sweep(elastic_tip, bodies, "sheared squares")
     tips = setting.sweep(partial(spring_tip, candidate), CELLS, "sheared networks")
@@ -176,7 +175,7 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
         Observed(order, 2 * clamped_free_exponent(TENSOR, np.pi / 2)),
         worst(table["uncertainty"], 0.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def finding(table: pd.DataFrame) -> str:

@@ -26,7 +26,7 @@ from functools import partial
 
 from msvalidate.judging.candidate import of_kind
 from msvalidate.judging.evidence import Evidence, answers
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 
 from . import (
     controls,
@@ -62,11 +62,10 @@ FAULTS = controls.FAULTS
 
 def run(
     candidate: Solver = MOMENTS,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    setting = setting or Setting()
     candidate = of_kind(candidate, Solver)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     return answers(asked | {"controls": controls.run}, questions)

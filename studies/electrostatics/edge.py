@@ -27,7 +27,7 @@ from msvalidate.dielectric.charges import Electrodes, facing_strips, strip
 from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.dielectric.charges.moments import WEIGHTINGS
 from msvalidate.judging.compare import fitted_power, worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -100,7 +100,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"edge": table, "edge_charge": lines[-1], "density": along, "corner": corners},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"density": draw},
         columns=COLUMNS,

@@ -29,7 +29,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -129,7 +129,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"in_air": table, "far_boundary": far},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"in_air": draw},
         columns=COLUMNS,

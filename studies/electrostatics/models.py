@@ -30,7 +30,7 @@ from msvalidate.dielectric.charges.patches import Patches, conductors
 from msvalidate.dielectric.charges.plates import plate
 from msvalidate.dielectric.charges.report_model import report_forces
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
 
@@ -124,7 +124,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"models": table, "depths": depths, "along_electrode": lines},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"models": draw},
         columns=COLUMNS,

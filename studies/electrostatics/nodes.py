@@ -29,7 +29,7 @@ from msvalidate.dielectric.charges.report_model import (
     report_forces,
 )
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -97,7 +97,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"nodes": table, "nodes_own_energy": own, "nodes_orders": orders},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"nodes": draw},
         columns=COLUMNS,

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from msvalidate.dielectric.charges import disc_capacitance, square_capacitance
 from msvalidate.dielectric.charges.plates import disc, plate
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 
@@ -72,7 +72,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     values = (*(worst(by_body[body], 1.0) for body in BODIES), worst(limits["order"], ORDER))
     return Evidence(
         tables={"plates": table, "plate_limits": limits},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"plates": draw},
         columns=COLUMNS,

@@ -25,7 +25,7 @@ from msvalidate.dielectric.charges import Moments
 from msvalidate.dielectric.charges.moments import coefficients
 from msvalidate.dielectric.charges.multipole import Multipole
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array, ProblemError
@@ -84,7 +84,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     values = worst(moves["iterated_error"], 0.0), Observed(steps)
     return Evidence(
         tables={"scaling": times, "motions": moves},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"scaling": draw},
         columns=COLUMNS,

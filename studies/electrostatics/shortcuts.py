@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.dielectric.charges import Charges, facing_strips
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -103,7 +103,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
             "both_faces_growth": growths,
             "halves": tips,
         },
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"shortcuts": draw},
         columns=COLUMNS,

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from msvalidate.dielectric.charges import facing_strips, facing_strips_capacitance
 from msvalidate.dielectric.charges.moments import WEIGHTINGS
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 
@@ -88,9 +88,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     orders = pd.DataFrame([fitted(rows) for _, rows in table.groupby(keys, sort=False)])
     return Evidence(
         tables={"strips": table, "strip_orders": orders, "closed_form": closed_form()},
-        observed=dict(
-            zip((t.quantity for t in TOLERANCES), judged(candidate, table, orders), strict=True)
-        ),
+        observed=by_quantity(TOLERANCES, judged(candidate, table, orders)),
         tolerances=TOLERANCES,
         figures={"strips": draw},
         columns=COLUMNS,

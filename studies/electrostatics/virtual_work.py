@@ -26,7 +26,7 @@ from msvalidate.dielectric.charges.dielectric import ChargesInAir
 from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.dielectric.charges.moments import WEIGHTINGS
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
 
@@ -267,7 +267,7 @@ def judged(
         Observed(float(finest["stretch_error"])),
         worst(order[["pull_order", "stretch_order"]], 2.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES[:-1], values, strict=True)}
+    return by_quantity(TOLERANCES[:-1], values)
 
 
 def finding(table: pd.DataFrame, flat: pd.DataFrame) -> str:

@@ -24,7 +24,7 @@ from functools import cache, partial
 from msvalidate.constants.homogenise import homogenised
 from msvalidate.judging.candidate import Candidate, answering, springs
 from msvalidate.judging.evidence import Evidence, answers
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 
 from . import choice, clamped, controls, cost, orthotropic, solids, uniform
 from .cases import Solid
@@ -63,12 +63,11 @@ that should notice."""
 
 def run(
     candidate: Candidate = springs,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
     solid: Solid = homogenised,
 ) -> Evidence:
     """All questions, or those named, for one candidate and one way to homogenise."""
-    setting = setting or Setting()
     candidate = answering(candidate)
     endless = cache(partial(solids.found, solid, setting))
     stretched = cache(lambda: uniform.run(candidate, solid, setting))

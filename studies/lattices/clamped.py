@@ -23,7 +23,7 @@ from matplotlib.figure import Figure
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import Candidate
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 
@@ -82,7 +82,7 @@ def run(candidate: Candidate, solid: Solid, setting: Setting) -> Evidence:
     orders = approach(table, solid)
     return Evidence(
         tables={"clamped": table, "clamped_order": orders},
-        observed=dict(zip((t.quantity for t in TOLERANCES), observed(table, orders), strict=True)),
+        observed=by_quantity(TOLERANCES, observed(table, orders)),
         tolerances=TOLERANCES,
         figures={"clamped": draw},
         columns=COLUMNS,

@@ -25,7 +25,7 @@ from scipy.optimize import brentq
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import fill
 from msvalidate.network import tangent
@@ -84,7 +84,7 @@ def run(solid: Solid, setting: Setting, endless: pd.DataFrame) -> Evidence:
     )
     return Evidence(
         tables={"cost": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=findings(table),

@@ -22,7 +22,7 @@ import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import Candidate
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Pattern, fill, patterns
 from msvalidate.problem import Anisotropic, Array, Box
@@ -71,7 +71,7 @@ def run(candidate: Candidate, solid: Solid, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"orthotropic": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
     )

@@ -33,7 +33,7 @@ from msvalidate.constants.stiffness import (
 )
 from msvalidate.constants.waves import highest_frequency
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Constants, Pattern, repeated
 from msvalidate.problem import VOIGT, Array, ProblemError
@@ -119,9 +119,7 @@ def run(tables: dict[str, pd.DataFrame], above_bound: float) -> Evidence:
     drawn = set(solid["axes"][solid["strains"] == "every strain"])
     return Evidence(
         tables=tables,
-        observed=dict(
-            zip((t.quantity for t in TOLERANCES), observed(solid, above_bound), strict=True)
-        ),
+        observed=by_quantity(TOLERANCES, observed(solid, above_bound)),
         tolerances=TOLERANCES,
         figures={name: draw for axes, (name, draw) in surfaces.FIGURES.items() if axes in drawn},
         columns=COLUMNS,

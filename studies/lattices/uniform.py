@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.judging.candidate import Candidate
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -90,7 +90,7 @@ def run(candidate: Candidate, solid: Solid, setting: Setting) -> Evidence:
     return Evidence(
         tables={"uniform": table, "uniform_order": orders}
         | ({"crossing": mended} if len(mended) else {}),
-        observed=dict(zip((t.quantity for t in TOLERANCES), observed(table, orders), strict=True)),
+        observed=by_quantity(TOLERANCES, observed(table, orders)),
         tolerances=TOLERANCES,
         figures={"uniform": draw},
         columns=COLUMNS,

@@ -21,7 +21,7 @@ from functools import partial
 
 from msvalidate.judging.candidate import Candidate, answering, springs
 from msvalidate.judging.evidence import Evidence, merged
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import faults
 
 from . import (
@@ -43,9 +43,8 @@ FAULTS = {
 """Negative controls: arguments of `run` under which a tolerance must fail."""
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """All questions, for one candidate."""
-    setting = setting or Setting()
     candidate = answering(candidate)
     return merged(
         finite_size.run(candidate, setting),

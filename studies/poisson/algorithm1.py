@@ -21,8 +21,8 @@ from matplotlib.figure import Figure
 from msvalidate import lattice
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
 from msvalidate.output import figures
 from msvalidate.relaxation.run import Relaxation
@@ -74,10 +74,9 @@ COLUMNS = {
 def run(
     relaxation: Callable[[Network], Relaxation] = algorithm1,
     candidate: Candidate = springs,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
 ) -> Evidence:
     """Relax the report's block and compare it with Newton's method."""
-    setting = setting or Setting()
     cases = list(product(CONSTANTS, STRAINS))
     found = setting.sweep(partial(relaxed, relaxation, candidate), cases, "Algorithm 1")
     table = pd.DataFrame([row for row, _ in found])
@@ -97,7 +96,7 @@ def run(
             "rest": history.astype({"step": int}),
             "block": pd.DataFrame(places, columns=["x", "y", "ux", "uy"]),
         },
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"rest": draw, "block": draw_block},
         columns=COLUMNS,

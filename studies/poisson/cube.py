@@ -23,8 +23,8 @@ import pandas as pd
 from msvalidate.constants.stiffness import moduli, pattern_tensor
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import patterns
 from msvalidate.problem import Anisotropic, Array
 
@@ -106,9 +106,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate with tensors, closed forms and finite elements on every cube."""
-    setting = setting or Setting()
     sizes = QUICK_CELLS if setting.quick else CELLS
     found = setting.sweep(partial(measure, candidate), cases(setting), "spring cubes")
     cubes = pd.DataFrame([row for row, _ in found])
@@ -236,7 +235,7 @@ def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
         worst(held["cells"] * (held["nu_springs"] - held["nu_fem"]), 0.0),
         worst(held["nu_fem_uncertainty"], 0.0),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def findings(tables: dict[str, pd.DataFrame]) -> tuple[str, ...]:

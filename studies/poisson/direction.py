@@ -23,8 +23,8 @@ from msvalidate import lattice
 from msvalidate.constants.homogenise import network_tensor
 from msvalidate.constants.stiffness import directional_ratio, rotated
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
 
@@ -59,11 +59,8 @@ def square_lattice(k2: float) -> Array:
     return network_tensor(lattice.square(BOX, 1), (K1, k2), "shared")
 
 
-def run(
-    tensor: Callable[[float], Array] = square_lattice, setting: Setting | None = None
-) -> Evidence:
+def run(tensor: Callable[[float], Array] = square_lattice, setting: Setting = FULL) -> Evidence:
     """Compare the tensor's ratio with finite elements in every direction."""
-    setting = setting or Setting()
     cases = list(product(RATIOS, QUICK_ANGLES if setting.quick else ANGLES))
     mesh = reference_fem.box_discretisation(BOX, MESH, "Q1")
     ratios = setting.sweep(partial(both, tensor, mesh), cases, "directions")
@@ -95,7 +92,7 @@ def run(
     )
     return Evidence(
         tables={"direction": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"direction": draw},
         columns=COLUMNS,

@@ -24,9 +24,9 @@ from msvalidate import lattice
 from msvalidate.constants.stiffness import square_tensor
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
 
 from . import block
@@ -105,9 +105,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate with formulas and finite elements on every block."""
-    setting = setting or Setting()
     ratios = QUICK_RATIOS if setting.quick else RATIOS
     cases = list(product(ratios, lattice.WEIGHTS, CELLS))
     bodies = tuple(sorted({body_of(k2, weights) for k2, weights, _ in cases}))
@@ -203,7 +202,7 @@ def observe(
         worst(away / spacing**order, 0.0),
         Observed(float(quality["uncertainty"].max())),
     )
-    return {t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)}
+    return by_quantity(TOLERANCES, values)
 
 
 def summarised(table: pd.DataFrame) -> pd.DataFrame:

@@ -21,8 +21,8 @@ from scipy.optimize import brentq
 from msvalidate.constants.stiffness import directional_ratio, moduli, square_tensor
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
 
 from . import block
@@ -65,9 +65,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Say what incompressible asks for, and measure what the lattice gives."""
-    setting = setting or Setting()
     cases = list(product(RATIOS, STRAINS))
     found = setting.sweep(partial(stretched, candidate), cases, "finite strain")
     drift = pd.DataFrame(
@@ -89,7 +88,7 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
     )
     return Evidence(
         tables={"incompressible": readings, "drift": drift},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"drift": draw},
         columns=COLUMNS,

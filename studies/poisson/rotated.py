@@ -29,8 +29,8 @@ from msvalidate.constants.homogenise import network_tensor
 from msvalidate.constants.stiffness import directional_ratio, rotated
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
 
@@ -66,9 +66,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evidence:
+def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     """Compare blocks cut along the lattice, and at an angle to it, with its tensor."""
-    setting = setting or Setting()
     sizes = CELLS if setting.quick else (*CELLS, FINEST)
     ratios = QUICK_RATIOS if setting.quick else RATIOS
     cases = [("square", K1 * ratio, 0, n) for ratio in ratios for n in CELLS]
@@ -86,7 +85,7 @@ def run(candidate: Candidate = springs, setting: Setting | None = None) -> Evide
     )
     return Evidence(
         tables={"rotated": table, "rotated_order": orders},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"rotated": draw},
         columns=COLUMNS,

@@ -23,7 +23,7 @@ from functools import partial
 
 from msvalidate.judging.candidate import of_kind
 from msvalidate.judging.evidence import Evidence, answers
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 
 from . import beyond, controls, instability, permittivity, sweep, which
 from .way import SPRINGS, Way
@@ -46,11 +46,10 @@ notices is enough, so the rest is left out."""
 
 def run(
     candidate: Way = SPRINGS,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    setting = setting or Setting()
     candidate = of_kind(candidate, Way)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     return answers(asked | {"controls": controls.run}, questions)

@@ -17,7 +17,7 @@ import pandas as pd
 
 from msvalidate.dielectric.actuator import Held, PulledIn, without_tips
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network.residual import force_scale
 from msvalidate.problem import SolverError
@@ -72,7 +72,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"beyond": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=(finding(table),),

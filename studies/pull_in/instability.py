@@ -22,7 +22,7 @@ import pandas as pd
 
 from msvalidate.dielectric.actuator import uniform
 from msvalidate.judging.compare import fitted_power, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
 
@@ -135,7 +135,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
             "waves": pd.concat([spectrum(count) for count in finer], ignore_index=True),
             "waves_softest": limits,
         },
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={
             "softest": instability_drawing.softest,

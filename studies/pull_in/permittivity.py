@@ -17,7 +17,7 @@ import pandas as pd
 
 from msvalidate.dielectric.actuator import uniform
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.electric import facing_slab
@@ -87,7 +87,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"permittivity": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         rounding={"thickness": 1e-8, "thickness_scaled": 1e-8},

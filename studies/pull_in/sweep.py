@@ -27,7 +27,7 @@ from scipy.optimize import brentq
 from msvalidate.dielectric.actuator import Held, uniform
 from msvalidate.dielectric.actuator import sweep as raised
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from reference_fem.actuator import SoftSlab, equilibrium_at, turning
 from reference_fem.electric import facing_slab
@@ -131,7 +131,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"between_walls": table, "pull_in": ends, "bonded": long, "sweep_cost": costs},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"sweep": draw},
         columns=COLUMNS,

@@ -23,7 +23,7 @@ import pandas as pd
 
 from msvalidate.dielectric.actuator import uniform
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 
 from . import homogeneous, pressed, slab
@@ -113,7 +113,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"which": table, "sheet_in_plane_strain": plane, "waves_of_a_film": waves},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"which": draw},
         columns=COLUMNS,

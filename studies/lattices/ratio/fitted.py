@@ -29,7 +29,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import homogenised
 from msvalidate.constants.stiffness import Moduli, isotropic_moduli
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, voronoi_box
 from msvalidate.lattice.voronoi import tessellated
@@ -129,7 +129,7 @@ def run(setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"fitted": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         rounding=dict.fromkeys(("k_fitted", "kappa_fitted", "residual", "fit_condition"), 1e-7)

@@ -19,7 +19,7 @@ import reference_fem
 from msvalidate.bodies.calibrate import calibrated
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.network import tangent
 from msvalidate.problem import Isotropic
 from reference_fem.elasticity import stiffness
@@ -91,7 +91,7 @@ def run(table: pd.DataFrame) -> Evidence:
     )
     return Evidence(
         tables={"rubber_locking": locks, "rubber_p1": p1},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         rounding={"lost": 1e-7, "p1_difference": 1e-12},

@@ -27,7 +27,7 @@ from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import Candidate
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import fill, patterns
 from msvalidate.network import Network, tangent
@@ -107,7 +107,7 @@ def run(candidate: Candidate, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"pressure_push": pushes, "push_order": orders, "pressures": fields},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"pressures": draw},
         columns=COLUMNS,

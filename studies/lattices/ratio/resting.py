@@ -20,7 +20,7 @@ import pandas as pd
 
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Box, Isotropic
 from msvalidate.relaxation.relax import relax
@@ -85,7 +85,7 @@ def run(setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"rubber_rest": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         rounding={"condition": 1e-6, "steps_leapfrog": 4, "steps_fire": RESTART[setting.quick]},

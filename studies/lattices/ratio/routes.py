@@ -34,7 +34,7 @@ from msvalidate.constants.routes import ROUTES
 from msvalidate.constants.stable_range import least_ratio, least_volume
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, Pattern, fill, patterns
 from msvalidate.network import tangent
@@ -136,7 +136,7 @@ def run(setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"routes": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"routes": draw},
         columns=COLUMNS,

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.judging.candidate import Candidate
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, merged
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity, merged
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -123,7 +123,7 @@ def run(candidate: Candidate, setting: Setting) -> Evidence:
     values = (worst(table["deflection_uncertainty"], 0.0), worst(outside, 0.0))
     bending = Evidence(
         tables={"rubber": table, "rubber_orders": orders},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"rubber": draw},
         columns=COLUMNS,

@@ -21,7 +21,7 @@ from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import Candidate
 from msvalidate.judging.compare import worst
-from msvalidate.judging.evidence import Evidence, Tolerance
+from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, fill, patterns, triangular
 from msvalidate.problem import (
@@ -106,7 +106,7 @@ def run(candidate: Candidate, setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"any_ratio": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         rounding=dict.fromkeys(("nu_found", "E_found", "displacement_error"), 1e-11),

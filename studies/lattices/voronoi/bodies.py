@@ -26,8 +26,8 @@ from msvalidate.constants.homogenise import homogenised
 from msvalidate.constants.stiffness import AXES_OF, cubic_part, isotropic_part
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import STIFFNESS_RULES, voronoi_box
 from msvalidate.lattice.point_sets import POINT_SETS
 from msvalidate.network import Network
@@ -101,10 +101,9 @@ COLUMNS = {
 
 
 def run(
-    candidate: Candidate = springs, setting: Setting | None = None, solid: Solid = homogenised
+    candidate: Candidate = springs, setting: Setting = FULL, solid: Solid = homogenised
 ) -> Evidence:
     """Compare bodies with their solids, and look at their surfaces."""
-    setting = setting or Setting()
     rules = ("A/L",) if setting.quick else STIFFNESS_RULES
     families: list[Family] = [(2, *kind) for kind in product(POINT_SETS, rules)]
     if not setting.quick:
@@ -145,7 +144,7 @@ def run(
             "random_surface_loaded": pd.DataFrame(rough),
             "random_networks": sample,
         },
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)} | judged,
+        observed=by_quantity(TOLERANCES, values) | judged,
         tolerances=(*TOLERANCES, *surfaces.TOLERANCES),
         figures={
             "random_bodies": drawing.bodies,

@@ -30,8 +30,8 @@ from scipy.special import stdtrit
 from msvalidate.constants.homogenise import homogenised
 from msvalidate.constants.stiffness import isotropic_moduli
 from msvalidate.judging.compare import CONFIDENCE, observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.point_sets import POINT_SETS
 
@@ -131,9 +131,8 @@ IDENTITIES = {
 }
 
 
-def run(solid: Solid = homogenised, setting: Setting | None = None) -> Evidence:
+def run(solid: Solid = homogenised, setting: Setting = FULL) -> Evidence:
     """Draw networks, and say what solids they are."""
-    setting = setting or Setting()
     sizes = {dim: counts[:2] if setting.quick else counts for dim, counts in COUNTS.items()}
     cases = [
         (dim, points, count, seed)
@@ -171,7 +170,7 @@ def run(solid: Solid = homogenised, setting: Setting | None = None) -> Evidence:
             "random_identities": identities,
             "random_energy": routes,
         },
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"random_nu": drawing.ratios, "random_spread": drawing.spread},
         columns=COLUMNS,

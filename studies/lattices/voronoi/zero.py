@@ -24,8 +24,8 @@ import pandas as pd
 from msvalidate.constants.homogenise import homogenised
 from msvalidate.judging.candidate import Candidate, springs
 from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 
 from ..cases import Solid
 from . import bodies, early, zero_figures
@@ -99,10 +99,9 @@ COLUMNS = {
 
 
 def run(
-    candidate: Candidate = springs, setting: Setting | None = None, solid: Solid = homogenised
+    candidate: Candidate = springs, setting: Setting = FULL, solid: Solid = homogenised
 ) -> Evidence:
     """Try every cause."""
-    setting = setting or Setting()
     jitter = pd.DataFrame(jittered(candidate, solid, setting))
     few = pd.DataFrame(few_points(candidate, setting))
     slack = pd.DataFrame(slackened(candidate, setting))
@@ -127,7 +126,7 @@ def run(
             "zero_length": length,
             "zero_early": stopped,
         },
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"zero": zero_figures.causes},
         columns=COLUMNS,
