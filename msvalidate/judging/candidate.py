@@ -25,7 +25,7 @@ AT_REST = 3e-11
 relative displacement of it."""
 Answer = Literal["linear", "nonlinear", "relaxed"]
 """Static equilibrium to first order, or in full, or where Algorithm 1 comes to rest."""
-Candidate = Callable[[Problem, Network, Answer], Array]
+DisplacementSolver = Callable[[Problem, Network, Answer], Array]
 """Predicts the displacement (n, d) in m at a network's points, from the problem or the network."""
 Kind = TypeVar("Kind")
 SUPPORTED = 1e-6
@@ -60,7 +60,7 @@ def springs(problem: Problem, network: Network, answer: Answer = "linear") -> Ar
 class Answering:
     """A candidate whose every answer is looked at; see `displacement`."""
 
-    predict: Candidate
+    predict: DisplacementSolver
 
     def __call__(self, problem: Problem, network: Network, answer: Answer = "linear") -> Array:
         """The candidate's displacement (n, d) in m."""
@@ -105,7 +105,7 @@ class Moving:
         return State(position, velocity)
 
 
-def answering(candidate: Candidate) -> Candidate:
+def answering(candidate: DisplacementSolver) -> DisplacementSolver:
     """A candidate for displacements, with its answers looked at.
 
     Raises

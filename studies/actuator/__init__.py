@@ -24,7 +24,7 @@ from msvalidate.judging.evidence import Evidence, answers
 from msvalidate.judging.sweep import FULL, Setting
 
 from . import air, controls, figure8, permittivity, prestretched, profile
-from .bodies import Candidate, responding, springs
+from .bodies import ActuatorSolver, responding, springs
 
 ASKED = {
     "profile": profile.run,
@@ -54,7 +54,7 @@ notices is enough, so the rest is left out."""
 
 
 def run(
-    candidate: Candidate = springs,
+    candidate: ActuatorSolver = springs,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:

@@ -24,7 +24,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Array
 
 from . import bodies, profile
-from .bodies import COVERED, HEIGHT, Candidate, body, elastic, responding, upper
+from .bodies import COVERED, HEIGHT, ActuatorSolver, body, elastic, responding, upper
 from .profile_drawing import TITLES, broken
 
 RATIOS, QUICK_RATIOS = (1.0, 3.0, 10.0), (3.0,)
@@ -65,11 +65,11 @@ COLUMNS = {
 }
 
 
-LINEAR: Candidate = partial(responding, None)
+LINEAR: ActuatorSolver = partial(responding, None)
 """Newton's method would want derivatives of forces in air, which take minutes by differences."""
 
 
-def run(candidate: Candidate = LINEAR, setting: Setting = FULL) -> Evidence:
+def run(candidate: ActuatorSolver = LINEAR, setting: Setting = FULL) -> Evidence:
     """Compare the upper faces for every ratio of permittivities."""
     quick = setting.quick
     layers, mesh = (QUICK_LAYERS, QUICK_MESH) if quick else (LAYERS, MESH)
@@ -87,7 +87,7 @@ def run(candidate: Candidate = LINEAR, setting: Setting = FULL) -> Evidence:
 
 
 def compared(
-    candidate: Candidate, covered: str, ratio: float, layers: tuple[int, ...], mesh: int
+    candidate: ActuatorSolver, covered: str, ratio: float, layers: tuple[int, ...], mesh: int
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Rows of a slab, and its upper face by springs and elements."""
     volts, rows = profile.VOLTAGE, list[dict[str, object]]()

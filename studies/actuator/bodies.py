@@ -31,7 +31,7 @@ COLUMNS = {
 }
 """What columns of several tables mean."""
 
-Candidate = Callable[[Actuator, float], Array]
+ActuatorSolver = Callable[[Actuator, float], Array]
 """Displacement (n, 2) in m of an actuator's points at rest at a voltage (V)."""
 Spoil = Callable[[Actuator, Array], Array]
 """Forces (k, 2) in N on the electrodes' points, top then bottom, in place of the right ones."""

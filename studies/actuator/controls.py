@@ -24,7 +24,7 @@ from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array
 
 from . import profile
-from .bodies import Candidate, Spoil, responding
+from .bodies import ActuatorSolver, Spoil, responding
 
 
 def weaker(size: float, actuator: Actuator, pull: Array) -> Array:
@@ -98,7 +98,7 @@ class Kind:
     unit: str
     spoil: Callable[[float, Actuator, Array], Array] | None = None
 
-    def spoilt(self, size: float) -> Candidate:
+    def spoilt(self, size: float) -> ActuatorSolver:
         """The candidate with a fault of this size."""
         if self.spoil is None:
             return partial(stiffer, size)

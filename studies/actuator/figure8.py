@@ -35,7 +35,7 @@ from msvalidate.judging.sweep import FULL, Setting
 
 from . import bodies, figure8_drawing, models
 from . import figure8_statements as said
-from .bodies import Candidate, body, springs
+from .bodies import ActuatorSolver, body, springs
 from .figure8_statements import COMMON, LAYERS, LOW, RAISED, beside, middle
 from .models import SOURCES, Seen
 
@@ -118,7 +118,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: ActuatorSolver = springs, setting: Setting = FULL) -> Evidence:
     """Walk up the voltage three ways, put numbers to the words, and draw the figure again."""
     voltages = QUICK_VOLTAGES if setting.quick else VOLTAGES
     seen = {
@@ -158,7 +158,9 @@ def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     )
 
 
-def ways(candidate: Candidate, covered: str, volts: tuple[float, ...]) -> tuple[list[Seen], ...]:
+def ways(
+    candidate: ActuatorSolver, covered: str, volts: tuple[float, ...]
+) -> tuple[list[Seen], ...]:
     """What the candidate, the report's way and finite elements show at rising voltages."""
     own = models.of_springs(candidate, covered, LAYERS, volts)
     return own, *(list(run) for run in others(covered, volts))

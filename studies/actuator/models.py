@@ -14,7 +14,7 @@ from reference_fem import facing_slab
 from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.large_strain import square_fibres
 
-from .bodies import AXIAL, COVERED, DIAGONAL, HEIGHT, LENGTH, Candidate, body, upper
+from .bodies import AXIAL, COVERED, DIAGONAL, HEIGHT, LENGTH, ActuatorSolver, body, upper
 
 COARSE = 5
 """Layers of the lattice on which the report's way is walked a second time."""
@@ -53,7 +53,7 @@ class Seen:
 
 
 def of_springs(
-    candidate: Candidate, covered: str, layers: int, voltages: tuple[float, ...]
+    candidate: ActuatorSolver, covered: str, layers: int, voltages: tuple[float, ...]
 ) -> list[Seen]:
     """The candidate at each voltage, up to the last that it holds."""
     actuator = body(covered, layers)

@@ -22,7 +22,7 @@ from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array
 
 from . import bodies
-from .bodies import COVERED, Candidate, body, elastic, uniform_deflection, upper
+from .bodies import COVERED, ActuatorSolver, body, elastic, uniform_deflection, upper
 
 PERMITTIVITY, VOLTAGE, LAYERS, MESH = 2.7, 0.1, 3, 4
 """F/m, V, and cells up the slab of springs and up that of elements."""
@@ -43,7 +43,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate, setting: Setting = FULL) -> Evidence:
+def run(candidate: ActuatorSolver, setting: Setting = FULL) -> Evidence:
     """Move both slabs at one permittivity and at the other."""
     rows = []
     for covered in COVERED:

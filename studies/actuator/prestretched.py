@@ -33,7 +33,7 @@ from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.large_strain import Law, Solid, square_fibres
 
 from . import prestretched_drawing
-from .bodies import AXIAL, DIAGONAL, HEIGHT, LENGTH, Candidate, springs, upper
+from .bodies import AXIAL, DIAGONAL, HEIGHT, LENGTH, ActuatorSolver, springs, upper
 
 STRETCHES, QUICK_STRETCHES = (1.0, 1.5, 2.0), (1.0, 2.0)
 LAYERS, QUICK_LAYERS = 10, 6
@@ -158,7 +158,7 @@ def films(stretches: tuple[float, ...], layers: int) -> tuple[Film, ...]:
     return (*stretched, *as_long)
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: ActuatorSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compress every film by its voltage."""
     stretches, layers = (QUICK_STRETCHES, QUICK_LAYERS) if setting.quick else (STRETCHES, LAYERS)
     found = [measured(candidate, film, layers) for film in films(stretches, layers)]
@@ -177,7 +177,7 @@ def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
 
 
 def measured(
-    candidate: Candidate, film: Film, layers: int
+    candidate: ActuatorSolver, film: Film, layers: int
 ) -> tuple[dict[str, object], pd.DataFrame]:
     """Row of a film, and its upper face."""
     actuator = film.bonded(layers)

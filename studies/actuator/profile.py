@@ -26,7 +26,7 @@ from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Mask
 
 from . import bodies, edges, profile_drawing
-from .bodies import COVERED, HEIGHT, Candidate, body, elastic, tips, upper
+from .bodies import COVERED, HEIGHT, ActuatorSolver, body, elastic, tips, upper
 
 SAID = {"full": "fully covered", "partial": "covered in the middle"}
 VOLTAGE = 0.01
@@ -101,13 +101,13 @@ Face = dict[str | int, tuple[Array, Array, Array]]
 a uniform slab's deflection."""
 
 
-def run(candidate: Candidate, setting: Setting = FULL) -> Evidence:
+def run(candidate: ActuatorSolver, setting: Setting = FULL) -> Evidence:
     """Compare the upper faces, and follow what happens at the edges."""
     return evidence(asked(candidate, setting))
 
 
 def asked(
-    candidate: Candidate, setting: Setting, slabs: tuple[str, ...] = tuple(COVERED)
+    candidate: ActuatorSolver, setting: Setting, slabs: tuple[str, ...] = tuple(COVERED)
 ) -> dict[str, Face]:
     """Upper faces of the slabs named, on every lattice and by finite elements."""
     layers = QUICK_LAYERS if setting.quick else LAYERS
@@ -135,7 +135,7 @@ def evidence(faces: Mapping[str, Face]) -> Evidence:
     )
 
 
-def lattices(candidate: Candidate, covered: str, layers: tuple[int, ...]) -> Face:
+def lattices(candidate: ActuatorSolver, covered: str, layers: tuple[int, ...]) -> Face:
     """Displacement of the upper face on every lattice."""
     found: Face = {}
     for n in layers:

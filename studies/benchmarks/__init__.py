@@ -28,7 +28,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from msvalidate.judging.candidate import Candidate, answering, springs
+from msvalidate.judging.candidate import DisplacementSolver, answering, springs
 from msvalidate.judging.evidence import Evidence, answers, merged
 from msvalidate.judging.sweep import FULL, Setting
 
@@ -54,7 +54,7 @@ from . import (
 FAULTS = controls.FAULTS
 """Negative controls: arguments of `run` under which a tolerance must fail, asked of the question
 that should notice."""
-QUESTIONS: dict[str, Callable[[Candidate, Setting], Evidence]] = {
+QUESTIONS: dict[str, Callable[[DisplacementSolver, Setting], Evidence]] = {
     "patch": patch.run,
     "from_file": from_file.run,
     "cantilever": cantilever.run,
@@ -72,7 +72,7 @@ QUESTIONS: dict[str, Callable[[Candidate, Setting], Evidence]] = {
 
 
 def run(
-    candidate: Candidate = springs,
+    candidate: DisplacementSolver = springs,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:

@@ -30,7 +30,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.constants.stiffness import in_plane
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
 from msvalidate.judging.sweep import FULL, Setting
@@ -64,7 +64,7 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's beams with the closed form."""
     sizes = QUICK_HEIGHTS if setting.quick else HEIGHTS
     rows: list[dict[str, object]] = []
@@ -100,7 +100,7 @@ def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     )
 
 
-def bending_stiffness(candidate: Candidate, material: Isotropic, cells: int) -> float:
+def bending_stiffness(candidate: DisplacementSolver, material: Isotropic, cells: int) -> float:
     """EI_eff/EI of a beam 1 m high under end moments, from the curvature at its middle."""
     length = float(LENGTH)
     beam = Box((length, 1.0))

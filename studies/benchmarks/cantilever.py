@@ -27,7 +27,7 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -59,7 +59,7 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's beams and finite elements with the exact field."""
     sizes = QUICK_SIZES if setting.quick else SIZES
     rows: list[dict[str, object]] = []
@@ -130,7 +130,7 @@ def elastic_end(element: str, nu: float, cells: int) -> float:
     return -float(reference_fem.solve_problem(problem(nu), mesh).at(np.array([END]))[0, 1])
 
 
-def spring_end(candidate: Candidate, nu: float, cells: int) -> float:
+def spring_end(candidate: DisplacementSolver, nu: float, cells: int) -> float:
     """Deflection (m, downward) of the end's middle of the candidate's network."""
     asked = problem(nu, DEPTH / cells)
     network = models.network_of(asked, square(BEAM, (4 * cells, cells)))

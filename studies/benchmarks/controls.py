@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.judging.candidate import Answer, Candidate, springs
+from msvalidate.judging.candidate import Answer, DisplacementSolver, springs
 from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem
 
@@ -24,7 +24,7 @@ def spoilt(
     return springs(problem, fault(network, size), answer)
 
 
-def body_with(fault: Fault, size: float) -> Candidate:
+def body_with(fault: Fault, size: float) -> DisplacementSolver:
     """The spring network with a fault of this size."""
     return partial(spoilt, fault, size)
 

@@ -23,7 +23,7 @@ import pandas as pd
 import reference_fem
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
@@ -91,7 +91,7 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's panels and finite elements with the accepted value."""
     meshes = QUICK_MESHES if setting.quick else MESHES
     lattices = QUICK_LATTICES if setting.quick else LATTICES
@@ -156,7 +156,7 @@ def elastic_deflection(element: str, grading: float, cells: int) -> float:
     return float(reference_fem.solve_problem(problem(PANEL), body).at(PROBE)[0, 1])
 
 
-def cut_deflection(candidate: Candidate, cells: int) -> float:
+def cut_deflection(candidate: DisplacementSolver, cells: int) -> float:
     """The same of the candidate's square lattice cut to the outline."""
     lattice = cut_lattice(patterns.square(), PANEL, WIDTH / cells)
     asked = problem(PANEL)
@@ -165,7 +165,7 @@ def cut_deflection(candidate: Candidate, cells: int) -> float:
     return float((weights * move[points, 1]).sum())
 
 
-def edge_deflection(candidate: Candidate, method: str, cells: int) -> float:
+def edge_deflection(candidate: DisplacementSolver, method: str, cells: int) -> float:
     """The same of the candidate's springs along the edges of a mesh."""
     unit = reference_fem.box_discretisation(Box((1.0, 1.0)), cells, "Q1")
     body = edge_mesh(mapped(unit.points), unit.cells, method)
@@ -183,7 +183,7 @@ def edge_mesh(points: Array, cells: Index, method: str) -> Mesh:
     return Mesh(points, np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]]), "triangle")
 
 
-def drawn(candidate: Candidate) -> pd.DataFrame:
+def drawn(candidate: DisplacementSolver) -> pd.DataFrame:
     """The cut lattice and finite elements at the same places, the nodes of a mesh of the panel.
 
     Stresses are those of a fit to displacements near by, of the lattice's whole cells: at corners

@@ -18,7 +18,7 @@ import reference_fem
 from msvalidate.bodies.calibrate import calibrated
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import observed_order
 from msvalidate.lattice import Pattern, patterns
 from msvalidate.lattice.cut import CutLattice, cut_lattice
@@ -71,7 +71,7 @@ def elastic(problem: Problem) -> reference_fem.Solution:
 
 
 def spring_body(
-    candidate: Candidate, problem: Problem, spacing: float, pattern: Pattern | None = None
+    candidate: DisplacementSolver, problem: Problem, spacing: float, pattern: Pattern | None = None
 ) -> SpringBody:
     """The candidate's answer on a lattice cut to the body, its lines along both axes."""
     kind = pattern or patterns.square()
@@ -106,7 +106,7 @@ def quarter_supports(mesh: Mesh) -> tuple[Support, ...]:
 
 
 def field(
-    candidate: Candidate,
+    candidate: DisplacementSolver,
     meshes: Callable[[int], Meshed],
     problem: Callable[[Mesh], Problem],
     sizes: tuple[int, int, float],

@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -89,7 +89,7 @@ TOLERANCES = (
 COLUMNS = {**cases.COLUMNS, **curved_drawing.COLUMNS}
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare springs and elements with the published value and the series."""
     meshes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     lattices = QUICK_LATTICES if setting.quick else LATTICES
@@ -154,7 +154,7 @@ def elastic_tip(nu: float, cells: int) -> float:
     return float(curved.elastic(asked).stress(TIP)[0, 1] / MEGA)
 
 
-def spring_tip(candidate: Candidate, nu: float, cells: int) -> dict[str, float]:
+def spring_tip(candidate: DisplacementSolver, nu: float, cells: int) -> dict[str, float]:
     """The same of the candidate's lattice, `cells` per metre, by each fit."""
     asked = problem(nu, elliptic_quarter(OUTLINE).mesh)
     body = curved.spring_body(candidate, asked, 1 / cells)

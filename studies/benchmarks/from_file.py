@@ -17,7 +17,7 @@ import pandas as pd
 
 import reference_fem
 from msvalidate.bodies.mesh_file import read_mesh
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.judging.sweep import Setting
@@ -43,7 +43,7 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: Candidate, setting: Setting) -> Evidence:
+def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     """Read the file and pull at what is in it."""
     mesh = read_mesh(FILE, unit=UNIT)
     asked = problem(mesh)

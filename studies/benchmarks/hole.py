@@ -17,7 +17,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -80,7 +80,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare springs and elements with Kirsch's field."""
     table = pd.DataFrame(rows(candidate, setting))
     meshed = partial(ring_quarter, RADIUS, RIM)
@@ -102,7 +102,7 @@ def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     )
 
 
-def rows(candidate: Candidate, setting: Setting) -> list[dict[str, object]]:
+def rows(candidate: DisplacementSolver, setting: Setting) -> list[dict[str, object]]:
     """Rows of the table `hole`."""
     lattices = QUICK_LATTICES if setting.quick else LATTICES
     of_elements = setting.sweep(elastic_sides, ELEMENTS, "hole by elements")
@@ -173,7 +173,7 @@ def elastic_sides(cells: int) -> dict[str, float]:
     return found | dict(zip(SLANTED, seen, strict=True))
 
 
-def spring_sides(candidate: Candidate, cells: int) -> dict[tuple[str, str], float]:
+def spring_sides(candidate: DisplacementSolver, cells: int) -> dict[tuple[str, str], float]:
     """The same of springs, `cells` per radius, by quantity and fit."""
     asked = piece(ring_quarter(RADIUS, RIM, OUTLINE).mesh)
     body = curved.spring_body(candidate, asked, RADIUS / cells)

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 import reference_fem
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
     SIDES,
@@ -119,7 +119,9 @@ def elastic_patch(element: str, nu: float) -> Patch:
     return Patch(body.points, move, len(body.cells), mean, solution.stress(body.points))
 
 
-def spring_patch(candidate: Candidate, asked: Problem, network: Network, cells: int) -> Patch:
+def spring_patch(
+    candidate: DisplacementSolver, asked: Problem, network: Network, cells: int
+) -> Patch:
     """A patch of the candidate's springs."""
     move = candidate(asked, network, "linear")
     force = (tangent(network, network.points) @ move.ravel()).reshape(move.shape)

@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -104,7 +104,7 @@ class Plate:
     points: Array
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare springs with elements where the rim is held, and with the published value."""
     sizes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     solved = setting.sweep(elastic, sizes, "LE10 by graded elements")
@@ -140,7 +140,7 @@ def elastic(n: int) -> Solution:
     return thick_plate.solved(FACE, meshed, body)
 
 
-def spring_plate(candidate: Candidate, support: str, layers: int) -> Plate:
+def spring_plate(candidate: DisplacementSolver, support: str, layers: int) -> Plate:
     """The plate by the candidate's lattice, its rim held in one of two ways."""
     problem, lattice, network = spring_model(support, layers)
     move = candidate(problem, network, "linear")

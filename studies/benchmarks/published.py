@@ -26,7 +26,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -103,7 +103,7 @@ ROUNDED = {
 """Sizes below which values are rounding."""
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Make the published meshes and judge them."""
     wanted = [n for n in meshes.PRINTED if n <= QUICK or not setting.quick]
     rows = setting.sweep(partial(meshes.mesh_row, candidate), wanted, "published meshes")

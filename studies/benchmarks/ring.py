@@ -27,7 +27,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -129,7 +129,7 @@ class Found:
     slanted: tuple[float, float] | None = None
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare springs and elements with Lamé's field."""
     meshes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     lattices = QUICK_LATTICES if setting.quick else LATTICES
@@ -198,7 +198,7 @@ def elastic_ring(state: State, nu: float, cells: int) -> Found:
     return Found(FEM, float(solution.at(TOP)[0, 0]), {FEM: float(stress[0, 1])}, slanted=slanted)
 
 
-def spring_ring(candidate: Candidate, state: State, nu: float, cells: int) -> Found:
+def spring_ring(candidate: DisplacementSolver, state: State, nu: float, cells: int) -> Found:
     """The inside by springs, its stress by a quartic fit, and their error everywhere."""
     asked = problem(state, nu, ring_quarter(INSIDE, OUTSIDE, OUTLINE).mesh)
     body = curved.spring_body(candidate, asked, 1 / cells)

@@ -11,7 +11,7 @@ import pandas as pd
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import homogenised
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.lattice import fill, patterns
 from msvalidate.problem import (
     Anisotropic,
@@ -85,7 +85,7 @@ def elastic(chi: float = CHI) -> Isotropic:
 
 
 def apparent_stiffness(
-    candidate: Candidate, cells: int, chi: float = CHI, weights: str = "equal"
+    candidate: DisplacementSolver, cells: int, chi: float = CHI, weights: str = "equal"
 ) -> float:
     """Total force over mean elongation (N/m) of a square mesh: 1 N² over the work of 1 N.
 
@@ -106,7 +106,7 @@ def bare_plate(cells: int) -> float:
     return float(1 / (nodal_forces(problem, mesh) * move).sum())
 
 
-def mesh_row(candidate: Candidate, cells: int) -> dict[str, float]:
+def mesh_row(candidate: DisplacementSolver, cells: int) -> dict[str, float]:
     """One row of the table `published`."""
     found = apparent_stiffness(candidate, cells)
     shared = apparent_stiffness(candidate, cells, weights="shared")
@@ -130,7 +130,7 @@ def mesh_row(candidate: Candidate, cells: int) -> dict[str, float]:
     }
 
 
-def form_row(candidate: Candidate, cells: int, chi: float) -> dict[str, float]:
+def form_row(candidate: DisplacementSolver, cells: int, chi: float) -> dict[str, float]:
     """One row of the table `published_forms`."""
     found, form = apparent_stiffness(candidate, cells, chi), FORMS[cells](chi)
     return {
@@ -142,7 +142,7 @@ def form_row(candidate: Candidate, cells: int, chi: float) -> dict[str, float]:
     }
 
 
-def claimed(candidate: Candidate) -> pd.DataFrame:
+def claimed(candidate: DisplacementSolver) -> pd.DataFrame:
     """The table `published_claim`: the mesh named for 1 %, the last beyond it and the first within.
 
     By halving: the error falls with every cell.

@@ -19,7 +19,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -83,7 +83,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare springs, elements, potentials and Heywood's fit."""
     widths = QUICK_WIDTHS if setting.quick else WIDTHS
     fine = QUICK_LATTICE if setting.quick else LATTICE
@@ -110,7 +110,7 @@ def problem(mesh: Mesh) -> Problem:
     )
 
 
-def row(candidate: Candidate, cells: int, part: float) -> dict[str, object]:
+def row(candidate: DisplacementSolver, cells: int, part: float) -> dict[str, object]:
     """One row of the table, of a hole that takes this part of the width.
 
     `cells`: of the springs' lattice, per half width.

@@ -24,7 +24,7 @@ import pandas as pd
 from scipy.special import ellipe
 
 import reference_fem
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -88,7 +88,7 @@ class Plate:
     sinking: float
 
 
-def run(_candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(_candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Solve the plate by quadratic hexahedra, and with other supports; no candidate is asked."""
     sizes = QUICK_SIZES if setting.quick else SIZES
     found = setting.sweep(as_published, sizes, "LE10 by elements")

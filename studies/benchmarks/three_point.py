@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
@@ -76,7 +76,7 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's beams with finite elements and beam theory."""
     sizes = QUICK_SIZES if setting.quick else SIZES
     rows: list[dict[str, object]] = []
@@ -178,7 +178,7 @@ def elastic_deflection(kind: str, nu: float, cells: int) -> float:
     return -float(reference_fem.solve_problem(problem(kind, nu), mesh).at(MIDSPAN)[0, 1])
 
 
-def spring_deflection(candidate: Candidate, kind: str, nu: float, cells: int) -> float:
+def spring_deflection(candidate: DisplacementSolver, kind: str, nu: float, cells: int) -> float:
     """Deflection (m, downward) of the axis at midspan of the candidate's network."""
     asked = problem(kind, nu)
     network = models.network_of(asked, square(BEAM, (int(LENGTH) * cells, cells)))

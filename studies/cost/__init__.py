@@ -58,7 +58,7 @@ from .kernel import Moving
 
 
 @dataclass(frozen=True)
-class Candidate:
+class Implementations:
     """What is timed and held to its counts.
 
     Parameters
@@ -85,7 +85,7 @@ class Candidate:
     multigrid_steps: Callable[[Network], int] = solvers.steps
 
 
-OURS = Candidate()
+OURS = Implementations()
 ALONE = True
 """It compares times: what runs beside it would take some of them."""
 FAULTY: dict[str, tuple[str, dict[str, Any]]] = {
@@ -117,12 +117,12 @@ notices is enough, so the rest is left out."""
 
 
 def run(
-    candidate: Candidate = OURS,
+    candidate: Implementations = OURS,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named."""
-    candidate = of_kind(candidate, Candidate)
+    candidate = of_kind(candidate, Implementations)
     asked: dict[str, Callable[[], Evidence]] = {
         "agreement": partial(agreement.run, candidate.motion, setting),
         "kernel": partial(kernel.run, candidate.motion, setting),

@@ -27,7 +27,7 @@ from msvalidate.judging.evidence import Evidence, answers
 from msvalidate.judging.sweep import FULL, Setting
 
 from . import advice, controls, cycles, decay, direction, figure2, rest, stop_rule, wave
-from .bodies import MOTION, Motion
+from .bodies import MOTION, MotionSolver
 
 ASKED = {
     "figure2": figure2.run,
@@ -56,7 +56,7 @@ notices is enough, so the rest is left out. (A force a whole step late diverges.
 
 
 def run(
-    candidate: Motion = MOTION,
+    candidate: MotionSolver = MOTION,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:

@@ -23,7 +23,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 
 from . import bodies, rest
-from .bodies import Motion
+from .bodies import MotionSolver
 
 BODIES = (("plate sheared", (8, 8), "across"), ("beam bent", (20, 2), "across"))
 GUESSED = (1 / 10, 1 / 3, 1.0, 3.0, 10.0)
@@ -50,7 +50,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Motion, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Prices of wrong dampings."""
     found = setting.sweep(partial(priced, candidate), BODIES, "price of a guess")
     table = pd.DataFrame([row for rows in found for row in rows])
@@ -75,7 +75,9 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
 
 
-def priced(candidate: Motion, shape: tuple[str, tuple[int, int], str]) -> list[dict[str, object]]:
+def priced(
+    candidate: MotionSolver, shape: tuple[str, tuple[int, int], str]
+) -> list[dict[str, object]]:
     """Steps to rest of one body, one row a damping."""
     body = bodies.loaded(*shape)
     omega = float(body.frequencies[0])

@@ -29,7 +29,7 @@ from msvalidate.network import Network, tangent
 from msvalidate.problem import Anisotropic, Array, Box, Problem, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
 
-Motion = Callable[[Network, State, float, int, Any], State]
+MotionSolver = Callable[[Network, State, float, int, Any], State]
 """A candidate: state after so many steps of dt (s) with a damping (1/s)."""
 MOTION = partial(euler_cromer, warn=False)
 """The compiled Euler-Cromer. Steps beyond its limit are asked for on purpose here."""

@@ -24,7 +24,7 @@ from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.network import Network, internal_force
 
 from . import direction, figure2
-from .bodies import MOTION, Motion
+from .bodies import MOTION, MotionSolver
 
 PROBE = 1e-4
 """Size of the fault from which the smallest noticed one is extrapolated."""
@@ -118,7 +118,7 @@ KINDS: dict[str, tuple[Fault, str]] = {
 }
 
 
-def spoilt(kind: str, size: float) -> Motion:
+def spoilt(kind: str, size: float) -> MotionSolver:
     """A candidate with a fault of some kind and size."""
     return partial(KINDS[kind][0], size)
 
@@ -148,7 +148,7 @@ def smallest(kind: str) -> dict[str, object]:
     }
 
 
-def excesses(candidate: Motion) -> dict[str, float]:
+def excesses(candidate: MotionSolver) -> dict[str, float]:
     """Errors of the identities over their limits."""
     free = direction.tried(candidate, 0, ("free", 0.5))
     factor = float(str(free["factor"])) / float(str(free["factor_predicted"]))

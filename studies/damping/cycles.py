@@ -24,7 +24,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Array
 
 from . import bodies
-from .bodies import Motion
+from .bodies import MotionSolver
 
 PLATE = ("plate", (3, 3), "across")
 RATIOS = (0.001, 0.01, 0.1)
@@ -57,7 +57,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Motion, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Let the plate go at two dampings."""
     found = [watched(candidate, ratio) for ratio in RATIOS]
     table = pd.DataFrame([row for row, _ in found])
@@ -75,7 +75,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
 
 
-def watched(candidate: Motion, ratio: float) -> tuple[dict[str, object], pd.DataFrame]:
+def watched(candidate: MotionSolver, ratio: float) -> tuple[dict[str, object], pd.DataFrame]:
     """One row, and the energy against time."""
     body = bodies.loaded(*PLATE)
     network, omega = body.unloaded, float(body.frequencies[0])

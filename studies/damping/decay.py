@@ -25,7 +25,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Array
 
 from . import bodies
-from .bodies import LOAD, Motion
+from .bodies import LOAD, MotionSolver
 
 PLATE = ("plate", (4, 4), "across")
 RATIOS = (0.1, 0.2, 0.5, 2.0, 5.0, 10.0)
@@ -52,7 +52,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Motion, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Fit the rates."""
     found = setting.sweep(partial(fitted, candidate), (None, *RATIOS), "rates of decay")
     table = pd.DataFrame(found)
@@ -72,7 +72,7 @@ def free_pair() -> Network:
     return spring_network([[0.0, 0.0], [1.0, 0.0]], [[0, 1]], 0.0)
 
 
-def fitted(candidate: Motion, ratio: float | None) -> dict[str, object]:
+def fitted(candidate: MotionSolver, ratio: float | None) -> dict[str, object]:
     """One row: the free pair, or the plate's lowest mode at a damping over the critical one."""
     if ratio is None:
         network, damping, dt, omega, name = free_pair(), 1.0, 0.01, 1.0, "free pair"

@@ -26,7 +26,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Array
 
 from . import bodies, decay
-from .bodies import LOAD, Motion
+from .bodies import LOAD, MotionSolver
 
 PLATE = ("plate", (4, 4), "across")
 PRODUCTS = (0.1, 0.5, 0.9, 1.1, 1.5, 1.8, 1.95, 2.1)
@@ -57,7 +57,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Motion, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Try both motions over time step times damping."""
     cases = list(product(("free", "plate"), PRODUCTS))
     table = pd.DataFrame(setting.sweep(partial(tried, candidate, setting.seed), cases, "direction"))
@@ -75,7 +75,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
 
 
-def tried(candidate: Motion, seed: int, case: tuple[str, float]) -> dict[str, object]:
+def tried(candidate: MotionSolver, seed: int, case: tuple[str, float]) -> dict[str, object]:
     """One row."""
     what, hc = case
     if what == "free":

@@ -26,7 +26,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Array
 
 from . import bodies
-from .bodies import Body, Motion
+from .bodies import Body, MotionSolver
 
 RATIOS = (0.2, 0.5, 1.0, 2.0, 5.0)
 """Damping over the critical one, c = 2ω of the slowest mode."""
@@ -90,7 +90,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Motion, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Curves, overshoots, and how the differences fall with the step."""
     body = block()
     dt = shared_step(body)
@@ -134,7 +134,7 @@ def shared_step(body: Body) -> float:
 
 
 def curve(
-    candidate: Motion, body: Body, dt: float, case: tuple[float, int]
+    candidate: MotionSolver, body: Body, dt: float, case: tuple[float, int]
 ) -> tuple[pd.DataFrame | None, dict[str, float]]:
     """The curve at one damping in steps of dt over a divisor, and its differences.
 
@@ -171,7 +171,7 @@ def curve(
 
 
 def watched(
-    candidate: Motion, body: Body, damping: float, dt: float, looks: int, every: int
+    candidate: MotionSolver, body: Body, damping: float, dt: float, looks: int, every: int
 ) -> tuple[Array, Array]:
     """Displacement of the loaded corner and amplitude of the slowest mode, every few steps.
 

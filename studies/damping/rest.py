@@ -29,7 +29,7 @@ from msvalidate.output import figures
 from msvalidate.problem import SolverError
 
 from . import bodies
-from .bodies import Body, Motion
+from .bodies import Body, MotionSolver
 
 ERRORS = (1e-3, 1e-6)
 """Displacement errors that count as rest."""
@@ -107,7 +107,7 @@ class Run(NamedTuple):
     modes: dict[float, int]
 
 
-def run(candidate: Motion, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Steps to rest over the range of dampings."""
     cases = QUICK_BODIES if setting.quick else BODIES
     points = QUICK_POINTS if setting.quick else POINTS
@@ -134,7 +134,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
 
 
-def swept(candidate: Motion, case: Case) -> tuple[list[dict[str, object]], dict[str, object]]:
+def swept(candidate: MotionSolver, case: Case) -> tuple[list[dict[str, object]], dict[str, object]]:
     """Rows of one body, one a damping and error; and the row that tells of the body."""
     body = bodies.loaded(*case[0])
     mode = body.lowest_excited(VISIBLE)
@@ -165,7 +165,7 @@ def swept(candidate: Motion, case: Case) -> tuple[list[dict[str, object]], dict[
     }
 
 
-def relaxed(candidate: Motion, body: Body, ratio: float, errors: Sequence[float]) -> Run:
+def relaxed(candidate: MotionSolver, body: Body, ratio: float, errors: Sequence[float]) -> Run:
     """Steps to rest at a damping over 2ω of the slowest mode that the load excites."""
     omega = float(body.frequencies[body.lowest_excited(VISIBLE)])
     damping = 2 * ratio * omega
@@ -181,7 +181,12 @@ def relaxed(candidate: Motion, body: Body, ratio: float, errors: Sequence[float]
 
 
 def counted(
-    candidate: Motion, body: Body, damping: float, dt: float, look: int, errors: Sequence[float]
+    candidate: MotionSolver,
+    body: Body,
+    damping: float,
+    dt: float,
+    look: int,
+    errors: Sequence[float],
 ) -> dict[float, int]:
     """Steps after which a run stays within each error, to a look.
 

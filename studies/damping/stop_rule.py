@@ -31,7 +31,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Array, Mask, SolverError
 
 from . import bodies
-from .bodies import Body, Motion
+from .bodies import Body, MotionSolver
 
 QUICK_BODIES = (("plate sheared", (8, 8), "across"), ("beam bent", (4, 1), "across"))
 BODIES = (*QUICK_BODIES, ("plate pulled", (8, 8), "along"), ("beam bent", (10, 2), "across"))
@@ -97,7 +97,7 @@ class Watch(NamedTuple):
     pulling: Array
 
 
-def run(candidate: Motion, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Watch both rules over dampings and errors asked for."""
     shapes = QUICK_BODIES if setting.quick else BODIES
     ratios = QUICK_RATIOS if setting.quick else RATIOS
@@ -123,7 +123,7 @@ def run(candidate: Motion, setting: Setting) -> Evidence:
     )
 
 
-def stopped(candidate: Motion, case: Case) -> list[dict[str, object]]:
+def stopped(candidate: MotionSolver, case: Case) -> list[dict[str, object]]:
     """Rows of one body and damping, one an error asked for."""
     shape, ratio = case
     body = bodies.loaded(*shape)
@@ -159,7 +159,7 @@ def stopped(candidate: Motion, case: Case) -> list[dict[str, object]]:
     return rows
 
 
-def watched(candidate: Motion, body: Body, omega: float, damping: float, dt: float) -> Watch:
+def watched(candidate: MotionSolver, body: Body, omega: float, damping: float, dt: float) -> Watch:
     """Both rules' quantities after every step, until the least error asked for is out of sight."""
     network, state = body.network, body.start
     farthest = largest(body.rest)
@@ -185,7 +185,7 @@ def largest(field: Array) -> float:
     return float(np.linalg.norm(field, axis=1).max())
 
 
-def as_printed(candidate: Motion, body: Body, dt: float, damping: float, eps: float) -> int:
+def as_printed(candidate: MotionSolver, body: Body, dt: float, damping: float, eps: float) -> int:
     """Steps of the report's loop to a speed of eps (m/s): its condition comes before a step."""
     state, steps = body.start, 0
     while largest(state.velocity) > eps and steps < MOST_STEPS:

@@ -39,7 +39,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Anisotropic, Array, Box, Problem, Support
 
 from . import bodies
-from .bodies import DENSITY, ISOTROPIC, Motion
+from .bodies import DENSITY, ISOTROPIC, MotionSolver
 
 LENGTH = 1.0
 HEIGHT = 0.02
@@ -132,7 +132,7 @@ class Flight(NamedTuple):
     dt: float
 
 
-def run(candidate: Motion, setting: Setting) -> Evidence:
+def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Strike both bars at every resolution."""
     cells = QUICK_CELLS if setting.quick else CELLS
     cases = list(product(SIDES, cells))
@@ -181,7 +181,9 @@ def bar(sides: str, cells: int) -> Bar:
     return Bar(network, speed, beta, modulus, spacing, box.size[1])
 
 
-def struck(candidate: Motion, case: tuple[str, int]) -> tuple[dict[str, object], pd.DataFrame]:
+def struck(
+    candidate: MotionSolver, case: tuple[str, int]
+) -> tuple[dict[str, object], pd.DataFrame]:
     """One row, and the wave in place and time."""
     sides, cells = case
     body = bar(sides, cells)
@@ -210,7 +212,7 @@ def struck(candidate: Motion, case: tuple[str, int]) -> tuple[dict[str, object],
     return row, picture(flight, x, v)
 
 
-def flown(candidate: Motion, body: Bar) -> Flight:
+def flown(candidate: MotionSolver, body: Bar) -> Flight:
     """Strike the bar's right end and watch until the wave has come back to the middle."""
     network = body.network
     block = DEVIATION / body.speed / BLOCKS

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from functools import cache, partial
 
-from msvalidate.judging.candidate import Candidate, answering, springs
+from msvalidate.judging.candidate import DisplacementSolver, answering, springs
 from msvalidate.judging.evidence import Evidence, answers
 from msvalidate.judging.sweep import FULL, Setting
 
@@ -62,7 +62,7 @@ must too."""
 
 
 def run(
-    candidate: Candidate = springs,
+    candidate: DisplacementSolver = springs,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:

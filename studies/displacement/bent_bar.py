@@ -27,7 +27,7 @@ import pandas as pd
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import network_tensor
 from msvalidate.constants.stiffness import moduli, pattern_tensor
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -74,7 +74,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's bar with its cross-section and the closed form."""
     bars = setting.sweep(partial(bending_stiffness, candidate), HEIGHTS, "bent bars")
     measured: list[float | str] = [*bars, *("none" for _ in (8, FINE_SECTION))]
@@ -111,7 +111,7 @@ def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     )
 
 
-def bending_stiffness(candidate: Candidate, cells: int) -> float:
+def bending_stiffness(candidate: DisplacementSolver, cells: int) -> float:
     """EI_eff/EI of a bar 1 m high and wide under end moments, from the curvature at its middle."""
     length = float(LENGTH)
     bar = Box((length, 1.0, 1.0))

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Answer, Candidate, springs
+from msvalidate.judging.candidate import Answer, DisplacementSolver, springs
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem
@@ -81,7 +81,7 @@ COLUMNS = {
     "smallest_noticed": "smallest fault of the kind that this quantity notices, in its unit; "
     '"none" up to the largest tried',
 }
-Measure = Callable[[Candidate], float]
+Measure = Callable[[DisplacementSolver], float]
 
 
 def spoilt(
@@ -91,7 +91,7 @@ def spoilt(
     return springs(problem, KINDS[kind](problem, network, size), answer)
 
 
-def candidate_with(kind: str, size: float) -> Candidate:
+def candidate_with(kind: str, size: float) -> DisplacementSolver:
     """The spring network with a fault of some kind and size."""
     return partial(spoilt, kind, size)
 
@@ -136,7 +136,7 @@ def smallest(kind: str, sign: float, measure: Measure, limit: float) -> float | 
     return "none"
 
 
-def order_error(bodies: Bodies, candidate: Candidate) -> float:
+def order_error(bodies: Bodies, candidate: DisplacementSolver) -> float:
     """Largest distance of the two-sided case's observed orders from what they should be."""
     case = "two-sided pressure"
     errors = []
@@ -154,14 +154,14 @@ def order_error(bodies: Bodies, candidate: Candidate) -> float:
     return max(abs((0.0 if isinstance(o, str) else o) - SMOOTH) for o in found)
 
 
-def bending_error(candidate: Candidate) -> float:
+def bending_error(candidate: DisplacementSolver) -> float:
     """Error of EI_eff/EI of a beam four cells high."""
     nu = ISOTROPIC.target.nu
     exact = 1 + (2 - nu) / (1 + nu) / 4**2
     return abs(identities.bending_stiffness(candidate, 4) - exact)
 
 
-def p1_error(candidate: Candidate) -> float:
+def p1_error(candidate: DisplacementSolver) -> float:
     """Difference of a sheared triangular network to P1 elements."""
     return identities.against_p1(candidate, CASE)[1]
 

@@ -18,7 +18,7 @@ import pandas as pd
 
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -73,7 +73,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate with P1 elements, and with the closed form."""
     compared = setting.sweep(partial(against_p1, candidate), CASES, "P1 elements")
     p1 = pd.DataFrame(
@@ -122,7 +122,7 @@ def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     )
 
 
-def against_p1(candidate: Candidate, case: str) -> tuple[float, float]:
+def against_p1(candidate: DisplacementSolver, case: str) -> tuple[float, float]:
     """Largest relative difference of stiffness and of displacement, springs against P1."""
     shape = load_cases.body("triangular", case, FINENESS)
     grid = shape.grid()
@@ -145,7 +145,7 @@ def counter_clockwise(grid: Lattice) -> Array:
     return np.where(turn[:, None] > 0, grid.cells, grid.cells[:, ::-1])
 
 
-def bending_stiffness(candidate: Candidate, cells: int) -> float:
+def bending_stiffness(candidate: DisplacementSolver, cells: int) -> float:
     """EI_eff/EI of a beam 1 m high under end moments, from the curvature at its middle."""
     beam = Box((float(LENGTH), 1.0))
     stress = 12 * MOMENT / THICKNESS
@@ -177,7 +177,7 @@ def bending_stiffness(candidate: Candidate, cells: int) -> float:
     return float(MOMENT / abs(curvature) / (MODULUS * THICKNESS / 12))
 
 
-def uniform_tension(candidate: Candidate, cells: int) -> float:
+def uniform_tension(candidate: DisplacementSolver, cells: int) -> float:
     """Largest error of the displacement (x, -nu·y)·strain of a unit square pulled along x."""
     box = Box((1.0, 1.0))
     left, right = box.side("left"), box.side("right")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Answer, Candidate
+from msvalidate.judging.candidate import Answer, DisplacementSolver
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
 
@@ -49,14 +49,14 @@ def sizes(setting: Setting, lattice: str) -> tuple[int, ...]:
     return (QUICK_SIZES if setting.quick else SIZES)[lattice]
 
 
-def all_measured(candidate: Candidate, setting: Setting) -> dict[Block, Measured]:
+def all_measured(candidate: DisplacementSolver, setting: Setting) -> dict[Block, Measured]:
     """Every block of the study, measured."""
     todo = blocks(setting)
     found = setting.sweep(partial(measure, candidate), todo, "spring networks")
     return dict(zip(todo, found, strict=True))
 
 
-def measure(candidate: Candidate, block: Block) -> Measured:
+def measure(candidate: DisplacementSolver, block: Block) -> Measured:
     """The candidate's answers for a block, under every boundary rule."""
     shape = load_cases.body(block.model.lattice, block.case, block.fineness)
     problem = load_cases.problem(block.case, shape, homogenised(block.model))

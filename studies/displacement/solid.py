@@ -22,7 +22,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_edge_exponent
@@ -114,7 +114,7 @@ Key = tuple[str, str]
 """(load case, model)."""
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's cubes and bars with elastic bodies."""
     keys = list(QUICK_BODIES if setting.quick else [(c, m) for c in CASES for m in MODELS])
     asked = [(case, MODELS[model].tensor) for case, model in keys]
@@ -154,7 +154,7 @@ def sizes(setting: Setting, case: SolidCase) -> tuple[int, ...]:
     return CUBE_SIZES if case.length == 1 else BAR_SIZES
 
 
-def measured(candidate: Candidate, asked: tuple[str, str, int]) -> Moved:
+def measured(candidate: DisplacementSolver, asked: tuple[str, str, int]) -> Moved:
     """One spring body: of a load case, a model, and cells through the height."""
     case, model, cells = asked
     return spring_body(candidate, MODELS[model], CASES[case], cells)

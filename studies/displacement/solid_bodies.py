@@ -9,7 +9,7 @@ import numpy as np
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.singularity import clamped_edge_exponent
 from msvalidate.lattice import Constants, Pattern, PatternLattice, fill, patterns
 from msvalidate.problem import Anisotropic, Array, Box, Isotropic, Problem, Support, Traction
@@ -160,7 +160,9 @@ class Moved:
     at_points: Array
 
 
-def spring_body(candidate: Candidate, model: SolidModel, case: SolidCase, cells: int) -> Moved:
+def spring_body(
+    candidate: DisplacementSolver, model: SolidModel, case: SolidCase, cells: int
+) -> Moved:
     """The candidate's answer, edges and faces shared."""
     lattice = grid(model, case, cells)
     constants = tuple(k * lattice.spacing for k in model.constants)

@@ -19,7 +19,7 @@ import pandas as pd
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import moduli, square_tensor
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
@@ -87,7 +87,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's tip with every target's."""
     bodies = [Anisotropic(TENSOR), *(in_plane(*constants) for constants in TARGETS.values())]
     own, *targets = setting.sweep(elastic_tip, bodies, "sheared squares")
@@ -144,7 +144,7 @@ def elastic_tip(material: Material) -> tuple[Array, float]:
     return estimate.value * size, float((estimate.uncertainty / estimate.value).max())
 
 
-def spring_tip(candidate: Candidate, cells: int) -> Array:
+def spring_tip(candidate: DisplacementSolver, cells: int) -> Array:
     """Displacements (m) of the candidate's network by measure."""
     problem = sheared(Anisotropic(TENSOR))
     network = lattice_network(problem, square(BOX, cells), (K1, 2 * K1))

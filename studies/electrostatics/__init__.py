@@ -41,7 +41,7 @@ from . import (
     strips,
     virtual_work,
 )
-from .common import MOMENTS, Solver
+from .common import MOMENTS, ChargeSolver
 
 ASKED = {
     "strips": strips.run,
@@ -61,11 +61,11 @@ FAULTS = controls.FAULTS
 
 
 def run(
-    candidate: Solver = MOMENTS,
+    candidate: ChargeSolver = MOMENTS,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    candidate = of_kind(candidate, Solver)
+    candidate = of_kind(candidate, ChargeSolver)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     return answers(asked | {"controls": controls.run}, questions)

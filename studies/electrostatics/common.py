@@ -38,7 +38,7 @@ COLUMNS = {
 """What columns of several tables mean."""
 
 
-class Solver(NamedTuple):
+class ChargeSolver(NamedTuple):
     """A way to find charges and forces; by default the method of moments.
 
     Attributes
@@ -86,7 +86,7 @@ def moved(moments: Moments, points: Array) -> Charges:
     return moments.moved(points).charges(VOLTAGES)
 
 
-MOMENTS = Solver(
+MOMENTS = ChargeSolver(
     charges,
     electrostatics.forces,
     electrostatics.tangent,

@@ -29,7 +29,7 @@ from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.problem import Array
 
 from . import strips, virtual_work
-from .common import MOMENTS, VOLTAGES, Solver
+from .common import MOMENTS, VOLTAGES, ChargeSolver
 from .shortcuts import halves
 
 PROBE = 0.01
@@ -111,7 +111,7 @@ def partly(size: float, faulty: Callable[[Charges], Array], charges: Charges) ->
     return (1 - size) * MOMENTS.forces(charges) + size * faulty(charges)
 
 
-def with_forces(faulty: Callable[[Charges], Array], size: float) -> Solver:
+def with_forces(faulty: Callable[[Charges], Array], size: float) -> ChargeSolver:
     """The method of moments with forces that are partly a faulty way's."""
     return MOMENTS._replace(forces=partial(partly, size, faulty))
 
@@ -242,19 +242,19 @@ RATIO, SEGMENTS = 6.0, 160
 WAVY = ("wavy", "galerkin", 8)
 
 
-def capacitance_error(solver: Solver) -> float:
+def capacitance_error(solver: ChargeSolver) -> float:
     """Of facing strips, over its tolerance."""
     row = strips.found(solver, (RATIO, "cosine", "galerkin", SEGMENTS))
     return float(str(row["capacitance_error"])) / CAPACITANCE.limit
 
 
-def force_error(solver: Solver) -> float:
+def force_error(solver: ChargeSolver) -> float:
     """Of wavy electrodes, over its tolerance."""
     row = virtual_work.held_to_energy(solver, WAVY)
     return float(str(row["force_error"])) / DERIVATIVE.limit
 
 
-KINDS: dict[str, tuple[Callable[[float], Solver], Callable[[Solver], float], str]] = {
+KINDS: dict[str, tuple[Callable[[float], ChargeSolver], Callable[[ChargeSolver], float], str]] = {
     "own potential of segments": (
         lambda size: MOMENTS._replace(charges=partial(spoilt_potentials, size)),
         capacitance_error,

@@ -33,7 +33,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Array
 
 from . import common
-from .common import VOLTAGES, Solver
+from .common import VOLTAGES, ChargeSolver
 
 RADIUS = 100.0
 """Of the circle over half the strip's width."""
@@ -84,7 +84,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Solver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Charge near the edge for several numbers of segments."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(WEIGHTINGS, numbers))
@@ -109,7 +109,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
 
 
-def alone(candidate: Solver, case: tuple[str, int]) -> pd.DataFrame:
+def alone(candidate: ChargeSolver, case: tuple[str, int]) -> pd.DataFrame:
     """Charge of a strip alone from its edge to its middle."""
     weighting, segments = case
     line = strip(2.0, 0.0, segments)
@@ -159,7 +159,7 @@ def summary(line: pd.DataFrame) -> dict[str, object]:
     }
 
 
-def at_corner(candidate: Solver, ratio: float) -> dict[str, object]:
+def at_corner(candidate: ChargeSolver, ratio: float) -> dict[str, object]:
     """Row of a slab in air whose top is covered in full."""
     faces = slab_faces(SLAB, 1.0, BOTTOM)
     free = candidate.in_air(faces, ratio=ratio).charges(VOLTAGES).free
@@ -190,7 +190,7 @@ def fitted_exponent(start: Array, end: Array, charge: Array) -> float:
     return float(minimize_scalar(misfit, bounds=(0.3, 0.9), method="bounded").x)
 
 
-def density(candidate: Solver, ratio: float) -> pd.DataFrame:
+def density(candidate: ChargeSolver, ratio: float) -> pd.DataFrame:
     """Density along the upper of two facing strips."""
     electrodes = facing_strips(ratio, 1.0, DRAWN)
     found = candidate.charges(electrodes)

@@ -24,7 +24,7 @@ from msvalidate.output import figures
 from reference_fem.electric import FAR
 
 from . import common, in_air
-from .common import Solver
+from .common import ChargeSolver
 from .in_air import LENGTH, VOLTAGES, Case
 
 CASES = (Case(1 / 3, 1.0), Case(1 / 3, 3.0))
@@ -51,7 +51,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Solver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Look at the potential on a grid of points."""
     table = pd.concat([looked_at(candidate, case) for case in CASES], ignore_index=True)
     del setting  # one size serves both forms: it is a picture
@@ -65,7 +65,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
 
 
-def looked_at(candidate: Solver, case: Case) -> pd.DataFrame:
+def looked_at(candidate: ChargeSolver, case: Case) -> pd.DataFrame:
     """Potential and field of one slab."""
     x, y = (np.linspace(*ends, n) for ends, n in zip((WIDE, HIGH), GRID, strict=True))
     points = np.column_stack([part.ravel() for part in np.meshgrid(x, y)])

@@ -36,7 +36,7 @@ from msvalidate.problem import Array
 from reference_fem.electric import FAR, Charged, Electrode, Far, Slab, charged, slab_mesh
 
 from . import common
-from .common import Solver
+from .common import ChargeSolver
 
 LENGTH = 6.0
 """Of the slab over its height."""
@@ -107,7 +107,7 @@ class Case(NamedTuple):
     ratio: float
 
 
-def run(candidate: Solver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Both methods on every slab."""
     cases = [Case(*case) for case in product(COVERED, RATIOS)]
     size = (QUICK_SEGMENTS, QUICK_LAYERS) if setting.quick else (SEGMENTS, LAYERS)
@@ -149,7 +149,7 @@ def reference(case: Case, layers: int, far: Far, reach: float = REACHES[-1]) -> 
     return charged(slab_mesh(slab, layers, reach=reach * LENGTH), far=far)
 
 
-def beside(candidate: Solver, segments: int, layers: int, case: Case) -> dict[str, object]:
+def beside(candidate: ChargeSolver, segments: int, layers: int, case: Case) -> dict[str, object]:
     """Row of one slab."""
     faces = slab_faces(LENGTH, 1.0, segments, covered=case.covered)
     found = candidate.in_air(faces, ratio=case.ratio).charges(VOLTAGES)

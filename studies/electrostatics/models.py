@@ -35,7 +35,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
 
 from . import common
-from .common import Solver
+from .common import ChargeSolver
 from .model_cases import DEPTHS, MODELS, PLANE, RATIOS, Model
 from .models_drawing import draw
 
@@ -104,7 +104,7 @@ class Upper(NamedTuple):
     stretch: float = 0.0
 
 
-def run(candidate: Solver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Charge, squeeze and margin of every model."""
     found = setting.sweep(partial(upper, candidate), MODELS, "models")
     plane = found[0]
@@ -138,7 +138,7 @@ def electrodes() -> Electrodes:
     return facing_strips(RATIO, 1.0, SPRINGS, grading="uniform")
 
 
-def upper(candidate: Solver, model: Model) -> Upper:
+def upper(candidate: ChargeSolver, model: Model) -> Upper:
     """Charge of the upper electrode and the forces on its points, from left to right."""
     if model.name == "in air":
         faces = slab_faces(RATIO, 1.0, SPRINGS, grading="uniform")
@@ -211,7 +211,7 @@ def line(model: Model, found: Upper) -> pd.DataFrame:
     )
 
 
-def at_depth(candidate: Solver, depth: float) -> dict[str, object]:
+def at_depth(candidate: ChargeSolver, depth: float) -> dict[str, object]:
     """Row of one depth."""
     report, flat = (
         candidate.report(electrodes(), **how).charges(VOLTAGES)
@@ -227,7 +227,7 @@ def at_depth(candidate: Solver, depth: float) -> dict[str, object]:
     }
 
 
-def by_patches(candidate: Solver) -> Observed:
+def by_patches(candidate: ChargeSolver) -> Observed:
     """Charge of the report's model, over the same plates' by patches, at the depth farthest off."""
     given = electrodes()
     found = []

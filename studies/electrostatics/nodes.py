@@ -35,7 +35,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Array
 
 from . import common
-from .common import VOLTAGES, Solver, pair
+from .common import VOLTAGES, ChargeSolver, pair
 from .derivatives import differences, growth, steps_of
 from .shortcuts import HALF, RATIO
 
@@ -74,7 +74,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Solver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Compare four ways."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(WAYS, numbers))
@@ -106,12 +106,12 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
 
 
-def charged(candidate: Solver, where: str, electrodes: object) -> ReportCharges:
+def charged(candidate: ChargeSolver, where: str, electrodes: object) -> ReportCharges:
     """Charges of a pair of electrodes."""
     return candidate.report(electrodes, kernel="plane", charges_on=where).charges(VOLTAGES)
 
 
-def flat(candidate: Solver, case: tuple[tuple[str, str], int]) -> dict[str, object]:
+def flat(candidate: ChargeSolver, case: tuple[tuple[str, str], int]) -> dict[str, object]:
     """Row of two flat strips of even springs."""
     (where, how), segments = case
     electrodes = pair("flat", RATIO, segments, grading="uniform")
@@ -129,7 +129,7 @@ def flat(candidate: Solver, case: tuple[tuple[str, str], int]) -> dict[str, obje
     }
 
 
-def held_to_own(candidate: Solver, where: str, how: str) -> dict[str, object]:
+def held_to_own(candidate: ChargeSolver, where: str, how: str) -> dict[str, object]:
     """Row of wavy electrodes."""
     electrodes = pair("wavy", WAVY_WIDTH, WAVY)
     points = electrodes.points
@@ -149,7 +149,7 @@ def held_to_own(candidate: Solver, where: str, how: str) -> dict[str, object]:
     }
 
 
-def unit_of_length(candidate: Solver, where: str, how: str) -> float:
+def unit_of_length(candidate: ChargeSolver, where: str, how: str) -> float:
     """Σx·F of wavy electrodes less that of the plane's law, over the sum of |F| times the width."""
     electrodes = pair("wavy", WAVY_WIDTH, WAVY)
     found = charged(candidate, where, electrodes)

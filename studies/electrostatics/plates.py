@@ -24,7 +24,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 
 from . import common
-from .common import Solver
+from .common import ChargeSolver
 
 SIDE = RADIUS = 1.0
 ARCS = 256
@@ -63,7 +63,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Solver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Capacitances of both bodies on several meshes."""
     cases = list(product(BODIES, QUICK_ACROSS if setting.quick else ACROSS))
     table = pd.DataFrame(setting.sweep(partial(found, candidate), cases, "plates"))
@@ -81,7 +81,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
 
 
-def found(candidate: Solver, case: tuple[str, int]) -> dict[str, object]:
+def found(candidate: ChargeSolver, case: tuple[str, int]) -> dict[str, object]:
     """Row of one mesh."""
     body, across = case
     made, accepted = BODIES[body]

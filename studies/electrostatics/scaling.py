@@ -31,7 +31,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Array, ProblemError
 
 from . import common
-from .common import VOLTAGES, Solver, pair
+from .common import VOLTAGES, ChargeSolver, pair
 
 SEGMENTS = (250, 500, 1000, 2000)
 QUICK_SEGMENTS = (250, 500)
@@ -71,7 +71,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Solver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Time and count, one after another whatever the workers."""
     sizes = QUICK_SEGMENTS if setting.quick else SEGMENTS
     timed(candidate, sizes[0])  # compiles
@@ -93,7 +93,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
 
 
-def timed(candidate: Solver, segments: int) -> dict[str, object]:
+def timed(candidate: ChargeSolver, segments: int) -> dict[str, object]:
     """Row of one size, each act once."""
     electrodes = pair("wavy", WIDTH, segments)
     clock = [time.perf_counter()]
@@ -126,7 +126,7 @@ def timed(candidate: Solver, segments: int) -> dict[str, object]:
     }
 
 
-def moved(candidate: Solver, segments: int) -> list[dict[str, object]]:
+def moved(candidate: ChargeSolver, segments: int) -> list[dict[str, object]]:
     """Rows of one size: charges after motions, by the old factor and by a new one."""
     electrodes = pair("flat", WIDTH, segments)
     moments = Moments(electrodes)

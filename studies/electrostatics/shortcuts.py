@@ -31,7 +31,7 @@ from msvalidate.output import figures
 from msvalidate.problem import Array
 
 from . import common
-from .common import VOLTAGES, Solver
+from .common import VOLTAGES, ChargeSolver
 from .derivatives import growth
 
 RATIO = 6.0
@@ -83,7 +83,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Solver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Measure the three."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(DOUBLINGS, numbers))
@@ -117,7 +117,7 @@ def by_grading(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
     return [(str(grading), rows) for grading, rows in table.groupby("grading", sort=False)]
 
 
-def both_faces(candidate: Solver, case: tuple[str, int]) -> dict[str, object]:
+def both_faces(candidate: ChargeSolver, case: tuple[str, int]) -> dict[str, object]:
     """Row of Σσ²·l/(2ε) of the upper strip."""
     grading, segments = case
     electrodes = facing_strips(RATIO, 1.0, segments, grading=grading)
@@ -146,7 +146,7 @@ def growing(grading: str, rows: pd.DataFrame) -> dict[str, object]:
     }
 
 
-def point_sums(candidate: Solver, length: float) -> dict[str, object]:
+def point_sums(candidate: ChargeSolver, length: float) -> dict[str, object]:
     """Row of one length of segments."""
     electrodes = facing_strips(ROW * length, 1.0, ROW, grading="uniform")
     found = candidate.charges(electrodes)
@@ -171,7 +171,7 @@ def halves(found: Charges) -> Array:
     return total
 
 
-def tip(candidate: Solver, grading: str, segments: int) -> pd.DataFrame:
+def tip(candidate: ChargeSolver, grading: str, segments: int) -> pd.DataFrame:
     """Rows of the points next to an edge, and of all of half the strip."""
     electrodes = facing_strips(RATIO, 1.0, segments, grading=grading)
     found = candidate.charges(electrodes)

@@ -27,7 +27,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 
 from . import common
-from .common import Solver
+from .common import ChargeSolver
 
 RATIOS = (1.0, 6.0, 10.0)
 GRADINGS = {"uniform": 1.0, "cosine": 2.0}
@@ -79,7 +79,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Solver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Errors of both weightings with both gradings, and their orders."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(RATIOS, GRADINGS, WEIGHTINGS, numbers))
@@ -97,7 +97,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
 
 
-def found(candidate: Solver, case: tuple[float, str, str, int]) -> dict[str, object]:
+def found(candidate: ChargeSolver, case: tuple[float, str, str, int]) -> dict[str, object]:
     """Row of one pair of strips."""
     ratio, grading, weighting, segments = case
     charges = candidate.charges(
@@ -143,7 +143,7 @@ def closed_form() -> pd.DataFrame:
     )
 
 
-def judged(candidate: Solver, table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
+def judged(candidate: ChargeSolver, table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
     """What `TOLERANCES` name, in their order."""
     finest = table[table["segments"] == table["segments"].max()].set_index(["grading", "weighting"])
     grouped = orders.set_index(["grading", "weighting"])

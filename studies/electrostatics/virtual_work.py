@@ -31,7 +31,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
 
 from . import common
-from .common import VOLTAGES, Solver, pair
+from .common import VOLTAGES, ChargeSolver, pair
 from .derivatives import differences, growth, steps_of
 from .virtual_work_drawing import draw
 
@@ -120,7 +120,7 @@ ROUNDING = {
 }
 
 
-def run(candidate: Solver, setting: Setting) -> Evidence:
+def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Hold forces to the energy, and to closed forms."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(SHAPES, WEIGHTINGS, numbers))
@@ -149,7 +149,7 @@ def run(candidate: Solver, setting: Setting) -> Evidence:
     )
 
 
-def held_to_energy(candidate: Solver, case: tuple[str, str, int]) -> dict[str, object]:
+def held_to_energy(candidate: ChargeSolver, case: tuple[str, str, int]) -> dict[str, object]:
     """Row of one pair of electrodes."""
     shape, weighting, segments = case
     electrodes = pair(shape, WIDTH, segments)
@@ -177,7 +177,7 @@ def held_to_energy(candidate: Solver, case: tuple[str, str, int]) -> dict[str, o
     }
 
 
-def held_to_forces(candidate: Solver, shape: str, segments: int) -> dict[str, object]:
+def held_to_forces(candidate: ChargeSolver, shape: str, segments: int) -> dict[str, object]:
     """Row of one tangent."""
     electrodes = pair(shape, WIDTH, segments)
 
@@ -197,7 +197,7 @@ def held_to_forces(candidate: Solver, shape: str, segments: int) -> dict[str, ob
     }
 
 
-def outlined(candidate: Solver, ratio: float) -> dict[str, object]:
+def outlined(candidate: ChargeSolver, ratio: float) -> dict[str, object]:
     """Row of a slab in air, partly covered, whose surface is not straight."""
     flat = slab_faces(SLAB, 1.0, BOTTOM, covered=0.5)
     x, y = flat.points.T
@@ -219,7 +219,7 @@ def outlined(candidate: Solver, ratio: float) -> dict[str, object]:
     }
 
 
-def held_to_form(candidate: Solver, case: tuple[str, int]) -> dict[str, object]:
+def held_to_form(candidate: ChargeSolver, case: tuple[str, int]) -> dict[str, object]:
     """Row of two flat strips."""
     weighting, segments = case
     electrodes = facing_strips(RATIO, 1.0, segments)

@@ -22,7 +22,7 @@ from __future__ import annotations
 from functools import cache, partial
 
 from msvalidate.constants.homogenise import homogenised
-from msvalidate.judging.candidate import Candidate, answering, springs
+from msvalidate.judging.candidate import DisplacementSolver, answering, springs
 from msvalidate.judging.evidence import Evidence, answers
 from msvalidate.judging.sweep import FULL, Setting
 
@@ -62,7 +62,7 @@ that should notice."""
 
 
 def run(
-    candidate: Candidate = springs,
+    candidate: DisplacementSolver = springs,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
     solid: Solid = homogenised,

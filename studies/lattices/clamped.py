@@ -21,7 +21,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -76,7 +76,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate, solid: Solid, setting: Setting) -> Evidence:
+def run(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> Evidence:
     """Load clamped bodies, and judge them."""
     table = measured(candidate, solid, setting)
     orders = approach(table, solid)
@@ -92,7 +92,7 @@ def run(candidate: Candidate, solid: Solid, setting: Setting) -> Evidence:
     )
 
 
-def measured(candidate: Candidate, solid: Solid, setting: Setting) -> pd.DataFrame:
+def measured(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> pd.DataFrame:
     """The table `clamped`."""
     wanted = QUICK if setting.quick else SIZES
     todo = [
@@ -122,7 +122,7 @@ def measured(candidate: Candidate, solid: Solid, setting: Setting) -> pd.DataFra
     return pd.DataFrame(rows)
 
 
-def lattice_work(candidate: Candidate, solid: Solid, todo: tuple[Case, str, int]) -> float:
+def lattice_work(candidate: DisplacementSolver, solid: Solid, todo: tuple[Case, str, int]) -> float:
     """Work of the load on a clamped lattice, over that on a free bar of the solid's modulus."""
     case, test, across = todo
     lattice = cases.filled(case, across)

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.constants.homogenise import Homogenised, homogenised
-from msvalidate.judging.candidate import Answer, Candidate, springs
+from msvalidate.judging.candidate import Answer, DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.lattice import Constants, Pattern
@@ -75,7 +75,7 @@ def softened(size: float, pattern: Pattern, k: Constants, spacing: float = 1.0) 
     return homogenised(replace(pattern, factor=factor), k, spacing)
 
 
-def body_with(fault: str, size: float) -> Candidate:
+def body_with(fault: str, size: float) -> DisplacementSolver:
     """The spring network with a fault of some kind and size."""
     return partial(spoilt, BODIES[fault], size)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.lattice import Constants, Lattice
 from msvalidate.network import Network
 from msvalidate.problem import (
@@ -85,7 +85,7 @@ def components(dim: int) -> dict[str, Stress]:
 
 
 def compliance(
-    candidate: Candidate, lattice: Lattice, constants: Constants, body: Anisotropic
+    candidate: DisplacementSolver, lattice: Lattice, constants: Constants, body: Anisotropic
 ) -> tuple[float, float, float]:
     """Strain per stress (1 over the unit of a tensor): along a pull, across it, and of shear.
 

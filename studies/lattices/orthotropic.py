@@ -20,7 +20,7 @@ import pandas as pd
 
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -58,7 +58,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate, solid: Solid, setting: Setting) -> Evidence:
+def run(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> Evidence:
     """Homogenise the lattice, and shear a body of it in three ways."""
     pattern, C = lattice(), on_paper()
     found = solid(pattern, pattern.rules["axes"], SPACING).tensor
@@ -101,7 +101,12 @@ def on_paper() -> Array:
 
 
 def sheared(
-    candidate: Candidate, pattern: Pattern, C: Array, found: Array, i: int, pair: tuple[int, int]
+    candidate: DisplacementSolver,
+    pattern: Pattern,
+    C: Array,
+    found: Array,
+    i: int,
+    pair: tuple[int, int],
 ) -> dict[str, object]:
     """Row of one shear."""
     problem = loading.uniform(BOX, Anisotropic(C), pair, STRESS)

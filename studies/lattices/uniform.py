@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -81,7 +81,7 @@ COLUMNS = {
 ROUNDED = ("pull_error", "across_error", "shear_error", "left_over", "pull_error_rewired")
 
 
-def run(candidate: Candidate, solid: Solid, setting: Setting) -> Evidence:
+def run(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> Evidence:
     """Stretch and shear bodies, and judge them."""
     table = measured(candidate, solid, setting)
     orders = approach(table, solid)
@@ -99,7 +99,7 @@ def run(candidate: Candidate, solid: Solid, setting: Setting) -> Evidence:
     )
 
 
-def measured(candidate: Candidate, solid: Solid, setting: Setting) -> pd.DataFrame:
+def measured(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> pd.DataFrame:
     """The table `uniform`."""
     wanted = QUICK if setting.quick else SIZES
     todo = [
@@ -110,7 +110,9 @@ def measured(candidate: Candidate, solid: Solid, setting: Setting) -> pd.DataFra
     return pd.DataFrame(setting.sweep(partial(measure, candidate, solid), todo, "uniform stress"))
 
 
-def measure(candidate: Candidate, solid: Solid, todo: tuple[Case, int]) -> dict[str, object]:
+def measure(
+    candidate: DisplacementSolver, solid: Solid, todo: tuple[Case, int]
+) -> dict[str, object]:
     """One row of the table `uniform`."""
     case, across = todo
     lattice = cases.filled(case, across)

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.judging.candidate import Candidate, answering, springs
+from msvalidate.judging.candidate import DisplacementSolver, answering, springs
 from msvalidate.judging.evidence import Evidence, merged
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import faults
@@ -43,7 +43,7 @@ FAULTS = {
 """Negative controls: arguments of `run` under which a tolerance must fail."""
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """All questions, for one candidate."""
     candidate = answering(candidate)
     return merged(

@@ -19,7 +19,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import lattice
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -73,7 +73,7 @@ COLUMNS = {
 
 def run(
     relaxation: Callable[[Network], Relaxation] = algorithm1,
-    candidate: Candidate = springs,
+    candidate: DisplacementSolver = springs,
     setting: Setting = FULL,
 ) -> Evidence:
     """Relax the report's block and compare it with Newton's method."""
@@ -106,7 +106,7 @@ def run(
 
 def relaxed(
     relaxation: Callable[[Network], Relaxation],
-    candidate: Candidate,
+    candidate: DisplacementSolver,
     case: tuple[float, float],
 ) -> tuple[dict[str, object], Relaxation]:
     """One row, and the run that it tells of."""

@@ -15,7 +15,7 @@ from functools import partial
 
 import pandas as pd
 
-from msvalidate.judging.candidate import Answer, Candidate, springs
+from msvalidate.judging.candidate import Answer, DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.network import Network, faults
@@ -85,7 +85,7 @@ def smallest(name: str) -> dict[str, object]:
     }
 
 
-def identities(candidate: Candidate) -> dict[str, float]:
+def identities(candidate: DisplacementSolver) -> dict[str, float]:
     """Errors of the identities that hold for 5 x 5 cells of shared springs at k2 = k1/2."""
     k2 = block.K1 / 2
     ratios, modulus = finite_size.measure(candidate, (k2, "shared", 5))

@@ -21,7 +21,7 @@ from functools import partial
 import pandas as pd
 
 from msvalidate.constants.stiffness import moduli, pattern_tensor
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -106,7 +106,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate with tensors, closed forms and finite elements on every cube."""
     sizes = QUICK_CELLS if setting.quick else CELLS
     found = setting.sweep(partial(measure, candidate), cases(setting), "spring cubes")
@@ -153,7 +153,7 @@ def cases(setting: Setting) -> list[tuple[str, str, str, int]]:
 
 
 def measure(
-    candidate: Candidate, case: tuple[str, str, str, int]
+    candidate: DisplacementSolver, case: tuple[str, str, str, int]
 ) -> tuple[dict[str, object], dict[str, object]]:
     """One row of the table `cube` and, under traction, one of `cube_modulus`."""
     name, weights, loading, cells = case
@@ -179,7 +179,7 @@ def _tensor(material: object) -> Array:
     return material.C
 
 
-def clamped_rows(candidate: Candidate, sizes: tuple[int, ...], name: str) -> pd.DataFrame:
+def clamped_rows(candidate: DisplacementSolver, sizes: tuple[int, ...], name: str) -> pd.DataFrame:
     """Rows of the table `cube_clamped`: shared springs against the elastic cube."""
     fem = clamped_reference(name, sizes)
     values = iter(zip(fem.value, fem.uncertainty, strict=True))
@@ -195,7 +195,7 @@ def clamped_rows(candidate: Candidate, sizes: tuple[int, ...], name: str) -> pd.
     return pd.DataFrame(rows)
 
 
-def one_cell(candidate: Candidate, k2: float) -> dict[str, float]:
+def one_cell(candidate: DisplacementSolver, k2: float) -> dict[str, float]:
     """One row of the table `cube_cell`: an isolated cell of cubic 18, all springs equal."""
     k1 = block.K1
     problem, network = spring_cube("cubic 18", "equal", "slide", 1, (k1, k2))

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.evidence import Tables
 from msvalidate.output import figures
 
@@ -26,7 +26,7 @@ COLUMNS = {
 }
 
 
-def shape(candidate: Candidate, cells: int) -> pd.DataFrame:
+def shape(candidate: DisplacementSolver, cells: int) -> pd.DataFrame:
     """Surface points of a clamped cube of cubic 18, shared springs, and their displacements."""
     problem, network = spring_cube("cubic 18", "shared", "clamped", cells)
     move = candidate(problem, network, "linear")

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from msvalidate import lattice
 from msvalidate.constants.stiffness import square_tensor
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
@@ -105,7 +105,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate with formulas and finite elements on every block."""
     ratios = QUICK_RATIOS if setting.quick else RATIOS
     cases = list(product(ratios, lattice.WEIGHTS, CELLS))
@@ -150,7 +150,7 @@ def body_of(k2: float, weights: str) -> float:
 
 
 def measure(
-    candidate: Candidate, case: tuple[float, str, int]
+    candidate: DisplacementSolver, case: tuple[float, str, int]
 ) -> tuple[dict[tuple[str, str], float], float]:
     """Ratios of one block by (loading, definition), and its modulus (N/m) under traction."""
     k2, weights, cells = case

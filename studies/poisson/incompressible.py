@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from msvalidate.constants.stiffness import directional_ratio, moduli, square_tensor
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -65,7 +65,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Say what incompressible asks for, and measure what the lattice gives."""
     cases = list(product(RATIOS, STRAINS))
     found = setting.sweep(partial(stretched, candidate), cases, "finite strain")
@@ -96,7 +96,7 @@ def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     )
 
 
-def stretched(candidate: Candidate, case: tuple[float, float]) -> float:
+def stretched(candidate: DisplacementSolver, case: tuple[float, float]) -> float:
     """Ratio of a block of shared springs, ends sliding, at a finite strain."""
     k2, strain = case
     problem, network = block.spring_block("slide", k2, CELLS, "shared", strain)
@@ -133,7 +133,9 @@ def exact_ratio(k2: float, strain: float) -> float:
     return float((1 - brentq(force, 0.5, 1.0, xtol=1e-15, rtol=1e-15)) / strain)
 
 
-def reading(candidate: Candidate, name: str, wanted: float, k2: float | None) -> dict[str, object]:
+def reading(
+    candidate: DisplacementSolver, name: str, wanted: float, k2: float | None
+) -> dict[str, object]:
     """One row: the ratio a reading of "incompressible" wants, and what constants give."""
     if k2 is None:  # nu = k2/(k1 + k2) = 1 leaves k1 = 0, a lattice that shears for nothing
         columns = ("k2_over_k1", "nu_axis", "nu_diagonal", "zener", "nu_springs")

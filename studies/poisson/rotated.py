@@ -27,7 +27,7 @@ from msvalidate import lattice
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import network_tensor
 from msvalidate.constants.stiffness import directional_ratio, rotated
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -66,7 +66,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compare blocks cut along the lattice, and at an angle to it, with its tensor."""
     sizes = CELLS if setting.quick else (*CELLS, FINEST)
     ratios = QUICK_RATIOS if setting.quick else RATIOS
@@ -93,7 +93,7 @@ def run(candidate: Candidate = springs, setting: Setting = FULL) -> Evidence:
     )
 
 
-def measure(candidate: Candidate, case: tuple[str, float, int, int]) -> dict[str, object]:
+def measure(candidate: DisplacementSolver, case: tuple[str, float, int, int]) -> dict[str, object]:
     """One row of the table `rotated`: of a lattice, k2 (N/m), the pull's direction, and N."""
     name, k2, degrees, cells = case
     angle = np.deg2rad(degrees)

@@ -26,7 +26,7 @@ from msvalidate.judging.evidence import Evidence, answers
 from msvalidate.judging.sweep import FULL, Setting
 
 from . import beyond, controls, instability, permittivity, sweep, which
-from .way import SPRINGS, Way
+from .way import SPRINGS, PullInSolver
 
 ASKED = {
     "sweep": sweep.run,
@@ -45,11 +45,11 @@ notices is enough, so the rest is left out."""
 
 
 def run(
-    candidate: Way = SPRINGS,
+    candidate: PullInSolver = SPRINGS,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    candidate = of_kind(candidate, Way)
+    candidate = of_kind(candidate, PullInSolver)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     return answers(asked | {"controls": controls.run}, questions)

@@ -24,7 +24,7 @@ from msvalidate.problem import SolverError
 
 from . import slab
 from .slab import PULL_IN, REACH
-from .way import Way, bonded, sliding
+from .way import PullInSolver, bonded, sliding
 
 QUICK_LAYERS, LAYERS = 3, 5
 QUICK_ASKED, ASKED = (1.02, 20.0), (1.02, 1.5, 20.0)
@@ -57,7 +57,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Way, setting: Setting) -> Evidence:
+def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     """Ask for too much, by steps of several sizes, of each body."""
     layers = QUICK_LAYERS if setting.quick else LAYERS
     parts = QUICK_ASKED if setting.quick else ASKED
@@ -80,7 +80,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
     )
 
 
-def asked(way: Way, case: tuple[str, int, float]) -> dict[str, object]:
+def asked(way: PullInSolver, case: tuple[str, int, float]) -> dict[str, object]:
     """What is said, and what is kept."""
     body, layers, part = case
     actuator = sliding(layers) if body == BODIES[0] else bonded(layers)

@@ -22,7 +22,7 @@ from msvalidate.dielectric.actuator import Actuator, Held, PulledIn, uniform
 from msvalidate.problem import Array, SolverError
 
 from .slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN, REACH
-from .way import Way, bonded, last_held
+from .way import PullInSolver, bonded, last_held
 
 PARTS = (0.0, 0.25, 0.5, 0.7, 0.85, 0.95)
 """Of the critical voltage, at which the lowest eigenvalue is looked at, and at that voltage."""
@@ -62,7 +62,7 @@ def closed(volts: float) -> float:
     )
 
 
-def edge_flat(way: Way, layers: int) -> Branch:
+def edge_flat(way: PullInSolver, layers: int) -> Branch:
     """The flat slab: K_mech - K_elec at the start, the voltage raised until it loses its sign."""
     rest = way.at_voltage(bonded(layers), 0.0)
 
@@ -77,7 +77,7 @@ def edge_flat(way: Way, layers: int) -> Branch:
     return Branch(last, way.modes(last, 1)[1][0], seen)
 
 
-def edge_followed(way: Way, layers: int) -> Branch:
+def edge_followed(way: PullInSolver, layers: int) -> Branch:
     """Equilibria of the slab as it is, to the last that is held."""
     actuator = bonded(layers)
     last, _ = last_held(way, actuator, PULL_IN.voltage, bracket=EDGE_BRACKET)
@@ -89,7 +89,7 @@ def edge_followed(way: Way, layers: int) -> Branch:
     return Branch(last, modes[0], [*seen, (last.voltage, float(values[0]))])
 
 
-def inside(way: Way, layers: int) -> Branch:
+def inside(way: PullInSolver, layers: int) -> Branch:
     """Equilibria between ends that are pressed as an infinite slab is."""
     actuator = bonded(layers)
     held = pressed(way, actuator, 0.0)
@@ -111,7 +111,9 @@ def inside(way: Way, layers: int) -> Branch:
     return Branch(held, modes[0], [*seen, (held.voltage, float(values[0]))])
 
 
-def pressed(way: Way, actuator: Actuator, volts: float, near: Held | None = None) -> Held | None:
+def pressed(
+    way: PullInSolver, actuator: Actuator, volts: float, near: Held | None = None
+) -> Held | None:
     """Equilibrium at a voltage (V) between ends pressed evenly; None where there is none.
 
     It is looked for from an equilibrium nearby, or from the state of an infinite slab.
@@ -133,7 +135,7 @@ def pressed(way: Way, actuator: Actuator, volts: float, near: Held | None = None
         return None
 
 
-FOLLOWED: dict[str, Callable[[Way, int], Branch]] = {
+FOLLOWED: dict[str, Callable[[PullInSolver, int], Branch]] = {
     "edge, flat": edge_flat,
     "edge, followed": edge_followed,
     "inside": inside,

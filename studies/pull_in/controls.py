@@ -27,7 +27,7 @@ from msvalidate.statics.equilibrium import equilibrium
 
 from . import film, pressed, sweep
 from .slab import PULL_IN
-from .way import SPRINGS, Laws, Way, last_held, sliding
+from .way import SPRINGS, Laws, PullInSolver, last_held, sliding
 
 PROBE = 1e-3
 """Size of the fault from which the smallest noticed one is extrapolated."""
@@ -109,15 +109,21 @@ KINDS: dict[str, Callable[..., Held]] = {"electric force": stronger, "springs": 
 """What may be wrong by a part of itself."""
 SOFTER = partial(film.field, ratio=0.49)
 FAULTS = {
-    "electric force halved": (Way(partial(stronger, -0.5)), "sweep"),
-    "springs 1 % too stiff": (Way(partial(stiffer, 0.01)), "sweep"),
-    "gap and charges as at the start": (Way(gap_as_it_was), "sweep"),
-    "a voltage beyond pull-in is held": (Way(gap_as_it_was), "beyond"),
-    "stiffness without K_elec": (Way(at_voltage, springs_alone), "instability"),
-    "half of K_elec": (Way(at_voltage, half_softened), "instability"),
-    "a lattice without its diagonals": (Way(laws=Laws(lattice=pressed.straight_springs)), "which"),
-    "a linear sheet in the neo-Hookean one's place": (Way(laws=Laws(sheet=linear_sheet)), "which"),
-    "a bonded film of a ratio of 0.49": (Way(laws=Laws(wave=SOFTER)), "which"),
+    "electric force halved": (PullInSolver(partial(stronger, -0.5)), "sweep"),
+    "springs 1 % too stiff": (PullInSolver(partial(stiffer, 0.01)), "sweep"),
+    "gap and charges as at the start": (PullInSolver(gap_as_it_was), "sweep"),
+    "a voltage beyond pull-in is held": (PullInSolver(gap_as_it_was), "beyond"),
+    "stiffness without K_elec": (PullInSolver(at_voltage, springs_alone), "instability"),
+    "half of K_elec": (PullInSolver(at_voltage, half_softened), "instability"),
+    "a lattice without its diagonals": (
+        PullInSolver(laws=Laws(lattice=pressed.straight_springs)),
+        "which",
+    ),
+    "a linear sheet in the neo-Hookean one's place": (
+        PullInSolver(laws=Laws(sheet=linear_sheet)),
+        "which",
+    ),
+    "a bonded film of a ratio of 0.49": (PullInSolver(laws=Laws(wave=SOFTER)), "which"),
 }
 """Fault -> the way that has it, and the question that notices."""
 
@@ -128,7 +134,7 @@ def run() -> Evidence:
     right = pulled_in(SPRINGS)
     rows = []
     for kind, faulty in KINDS.items():
-        moved = abs(pulled_in(Way(partial(faulty, PROBE))) / right - 1)
+        moved = abs(pulled_in(PullInSolver(partial(faulty, PROBE))) / right - 1)
         least = PROBE * by.limit / moved
         rows.append({"fault": kind, "smallest_noticed": least, "noticed_by": by.quantity})
     table = pd.DataFrame(rows)
@@ -143,7 +149,7 @@ def run() -> Evidence:
     )
 
 
-def pulled_in(way: Way) -> float:
+def pulled_in(way: PullInSolver) -> float:
     """Pull-in voltage (V) of the slab between walls."""
     actuator = sliding(sweep.WALLED_LAYERS)
     return last_held(way, actuator, 1.05 * PULL_IN.voltage, bracket=sweep.BRACKET)[0].voltage

@@ -29,7 +29,7 @@ from msvalidate.problem import Array
 from . import branches, infinite, instability_drawing, slab
 from .branches import FOLLOWED, Branch, closed
 from .slab import HEIGHT, LENGTH, PULL_IN, REACH
-from .way import Way
+from .way import PullInSolver
 
 QUICK_LAYERS, LAYERS = (3, 4, 6), (5, 10, 16)
 QUICK_FINER, FINER = (4, 8, 16), (5, 10, 16, 32, 64, 128)
@@ -109,7 +109,7 @@ ROUNDING = {
 }
 
 
-def run(candidate: Way, setting: Setting) -> Evidence:
+def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     """Follow every branch on every mesh."""
     layers = QUICK_LAYERS if setting.quick else LAYERS
     cases = [(branch, count) for branch in FOLLOWED for count in layers]
@@ -149,7 +149,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
 
 
 def followed(
-    way: Way, case: tuple[str, int]
+    way: PullInSolver, case: tuple[str, int]
 ) -> tuple[dict[str, object], list[dict[str, object]], pd.DataFrame]:
     """A branch on a mesh: its row, eigenvalues on the way, and the mode at its end."""
     name, layers = case

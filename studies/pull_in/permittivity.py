@@ -26,7 +26,7 @@ from reference_fem.large_strain import square_fibres
 from . import slab
 from .branches import closed
 from .slab import AXIAL, DIAGONAL, HEIGHT, PULL_IN
-from .way import Way, bonded, middle, sliding
+from .way import PullInSolver, bonded, middle, sliding
 
 OTHER = 2.7
 """F/m; the rest of the study has `slab.PERMITTIVITY`."""
@@ -54,7 +54,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Way, setting: Setting) -> Evidence:
+def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     """Press two slabs, and elements between plates."""
     volts = PART * PULL_IN.voltage / OTHER**0.5
     low = BONDED_PART * PULL_IN.voltage / OTHER**0.5

@@ -37,7 +37,7 @@ from . import branches, pressed, slab
 from .branches import closed
 from .slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN
 from .sweep_drawing import draw
-from .way import Way, bonded, last_held, middle, sliding
+from .way import PullInSolver, bonded, last_held, middle, sliding
 
 PARTS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.96, 0.99, 0.999)
 """Voltages of the slab between walls, over the pull-in voltage."""
@@ -110,7 +110,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Way, setting: Setting) -> Evidence:
+def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     """Sweep the voltage of both slabs."""
     table = walled(candidate)
     ends = pulled_in(candidate)
@@ -142,7 +142,7 @@ def run(candidate: Way, setting: Setting) -> Evidence:
     )
 
 
-def walled(way: Way) -> pd.DataFrame:
+def walled(way: PullInSolver) -> pd.DataFrame:
     """The slab between walls, voltage by voltage."""
     actuator, plates = sliding(WALLED_LAYERS), between_plates()
     rows, held, soft = [], None, None
@@ -170,7 +170,7 @@ def between_plates() -> SoftSlab:
     return SoftSlab(question, law, layers=2, around="plates", element="Q1")
 
 
-def pulled_in(way: Way) -> pd.DataFrame:
+def pulled_in(way: PullInSolver) -> pd.DataFrame:
     """Pull-in by every route."""
     near = way.at_voltage(sliding(WALLED_LAYERS), 0.95 * PULL_IN.voltage)
     held, _ = last_held(way, near.actuator, 1.05 * PULL_IN.voltage, start=near, bracket=BRACKET)
@@ -191,7 +191,7 @@ def pulled_in(way: Way) -> pd.DataFrame:
     )
 
 
-def bonded_slab(way: Way, layers: int) -> list[dict[str, object]]:
+def bonded_slab(way: PullInSolver, layers: int) -> list[dict[str, object]]:
     """Rows of one bonded slab: as it is, then between ends pressed evenly."""
     actuator = bonded(layers)
     rows: list[dict[str, object]] = []

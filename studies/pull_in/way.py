@@ -36,7 +36,7 @@ class Laws(NamedTuple):
     wave: Callable[[float], float] = film.field
 
 
-class Way(NamedTuple):
+class PullInSolver(NamedTuple):
     """What is judged.
 
     Parameters
@@ -55,7 +55,7 @@ class Way(NamedTuple):
     laws: Laws = Laws()
 
 
-SPRINGS = Way()
+SPRINGS = PullInSolver()
 """The network's own equilibrium and stiffness."""
 
 
@@ -79,7 +79,12 @@ def bonded(layers: int, length: float = LENGTH) -> Actuator:
 
 
 def last_held(
-    way: Way, actuator: Actuator, beyond: float, *, start: Held | None = None, bracket: float
+    way: PullInSolver,
+    actuator: Actuator,
+    beyond: float,
+    *,
+    start: Held | None = None,
+    bracket: float,
 ) -> tuple[Held, float]:
     """The last equilibrium on the way to a voltage (V), and one a small step on that is not held.
 

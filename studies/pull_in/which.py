@@ -27,7 +27,7 @@ from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 
 from . import homogeneous, pressed, slab
-from .way import Laws, Way
+from .way import Laws, PullInSolver
 from .which_drawing import draw
 
 QUICK_WAVES, WAVES = (0.5, 2.0, 8.0), (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
@@ -78,7 +78,7 @@ TAHIR = "Wang, Tahir, Zhang and Zhao 2011, doi:10.1039/c1sm05645j"
 Three = Sequence[object]
 
 
-def run(candidate: Way, setting: Setting) -> Evidence:
+def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     """Compute what can be, beside the closed forms."""
     laws = candidate.laws
     plane = pd.DataFrame(

@@ -13,7 +13,7 @@
 
 from __future__ import annotations
 
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.evidence import Evidence, merged
 from msvalidate.judging.sweep import Setting
 
@@ -29,7 +29,7 @@ from . import (
 )
 
 
-def any_ratio(candidate: Candidate, setting: Setting) -> Evidence:
+def any_ratio(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     """Is any ratio reached, by which route, and at what price?"""
     return merged(
         stretch.run(candidate, setting),
@@ -40,7 +40,7 @@ def any_ratio(candidate: Candidate, setting: Setting) -> Evidence:
     )
 
 
-def near_half(candidate: Candidate, setting: Setting) -> Evidence:
+def near_half(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     """Do springs with the volume energy lock, alternate or crawl as nu goes to 1/2?"""
     return merged(
         rubber.run(candidate, setting),

@@ -11,7 +11,7 @@ import numpy as np
 import reference_fem
 from msvalidate.bodies.calibrate import calibrated
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.lattice import fill, patterns
 from msvalidate.network import Network
 from msvalidate.network.laws.volumes import Volumes
@@ -85,7 +85,7 @@ def reference(
     return elastic.extrapolated(*found)
 
 
-def deflection(candidate: Candidate, block: Bent) -> float:
+def deflection(candidate: DisplacementSolver, block: Bent) -> float:
     """Mean displacement (m) of the loaded side along the load."""
     problem = bent(block.state, block.nu)
     box = box_of(problem)

@@ -23,7 +23,7 @@ from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.routes import ROUTES
 from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
@@ -99,7 +99,7 @@ def blocks(setting: Setting) -> list[Block]:
     return found
 
 
-def run(candidate: Candidate, setting: Setting) -> Evidence:
+def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     """Stretch blocks by every route, and judge their errors."""
     wanted = blocks(setting)
     table = pd.DataFrame(setting.sweep(partial(measure, candidate), wanted, "blocks by route"))
@@ -174,7 +174,7 @@ def findings(table: pd.DataFrame, orders: pd.DataFrame) -> tuple[str, ...]:
     )
 
 
-def measure(candidate: Candidate, block: Block) -> dict[str, object]:
+def measure(candidate: DisplacementSolver, block: Block) -> dict[str, object]:
     """One row of the table `route_blocks`."""
     pattern = block.way.pattern
     d = pattern.dim

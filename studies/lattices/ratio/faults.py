@@ -18,7 +18,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import Answer, Candidate, springs
+from msvalidate.judging.candidate import Answer, DisplacementSolver, springs
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.judging.sweep import Setting
@@ -103,7 +103,7 @@ def spoilt(
     return springs(problem, fault(network, size), answer)
 
 
-def with_fault(fault: Callable[[Network, float], Network], size: float) -> Candidate:
+def with_fault(fault: Callable[[Network, float], Network], size: float) -> DisplacementSolver:
     """The spring network with a fault of some size."""
     return partial(spoilt, fault, size)
 
@@ -161,7 +161,7 @@ def smallest(block: Block, fault: Callable[[Network, float], Network]) -> float:
     return PROBE * stretch.EXACT / (sum(seen) / len(seen))
 
 
-def _noticed(block: Block, candidate: Candidate) -> float:
+def _noticed(block: Block, candidate: DisplacementSolver) -> float:
     """Largest error of those that the tolerances of `stretch` judge."""
     row = stretch.measure(candidate, block)
     return max(

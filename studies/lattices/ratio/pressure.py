@@ -25,7 +25,7 @@ from scipy.linalg import eigh
 import reference_fem
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -85,7 +85,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Candidate, setting: Setting) -> Evidence:
+def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     """Look for patterns that push little, and for their traces in a bent block."""
     sizes, across = (QUICK, QUICK_BENT) if setting.quick else (SIZES, BENT)
     todo = [(held, n) for held in HELD for n in sizes]
@@ -168,7 +168,7 @@ def push(todo: tuple[str, int]) -> dict[str, object]:
     }
 
 
-def pressed(candidate: Candidate, todo: tuple[float, int]) -> dict[str, object]:
+def pressed(candidate: DisplacementSolver, todo: tuple[float, int]) -> dict[str, object]:
     """One row of the table `pressures`."""
     nu, n = todo
     own, mixed, middle = fields(candidate, nu, n)
@@ -186,7 +186,7 @@ def pressed(candidate: Candidate, todo: tuple[float, int]) -> dict[str, object]:
     }
 
 
-def fields(candidate: Candidate, nu: float, cells: int) -> tuple[Array, Array, Array]:
+def fields(candidate: DisplacementSolver, nu: float, cells: int) -> tuple[Array, Array, Array]:
     """Pressures (c,) in Pa in cells by springs and by mixed elements, and the middles (c, 2)."""
     problem = bent("plane_strain", nu)
     along = counts(box_of(problem), cells)

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity, merged
 from msvalidate.judging.singularity import clamped_free_exponent
@@ -110,7 +110,7 @@ def blocks(setting: Setting) -> list[Bent]:
     return found
 
 
-def run(candidate: Candidate, setting: Setting) -> Evidence:
+def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     """Bend blocks near nu = 1/2, and judge them."""
     wanted = blocks(setting)
     kinds = list(dict.fromkeys((b.state, b.nu) for b in wanted))

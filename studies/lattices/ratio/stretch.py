@@ -19,7 +19,7 @@ import pandas as pd
 
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import worst
 from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -95,7 +95,7 @@ def blocks() -> list[Block]:
     return plane + [Block(name, "solid", nu) for name in ("cubic18", "cubic26") for nu in SOLID]
 
 
-def run(candidate: Candidate, setting: Setting) -> Evidence:
+def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     """Stretch blocks, and judge their constants."""
     rows = setting.sweep(partial(measure, candidate), blocks(), "stretched blocks")
     table = pd.DataFrame(rows)
@@ -163,7 +163,7 @@ def pulled(lattice: Lattice, material: Material) -> Problem:
     return Problem(lattice.domain, material, held, tuple(loads), name="pull")
 
 
-def measure(candidate: Candidate, block: Block) -> dict[str, object]:
+def measure(candidate: DisplacementSolver, block: Block) -> dict[str, object]:
     """One row of the table."""
     lattice = body(block.lattice)
     d = lattice.points.shape[1]

@@ -24,7 +24,7 @@ import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import homogenised
 from msvalidate.constants.stiffness import AXES_OF, cubic_part, isotropic_part
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -101,7 +101,7 @@ COLUMNS = {
 
 
 def run(
-    candidate: Candidate = springs, setting: Setting = FULL, solid: Solid = homogenised
+    candidate: DisplacementSolver = springs, setting: Setting = FULL, solid: Solid = homogenised
 ) -> Evidence:
     """Compare bodies with their solids, and look at their surfaces."""
     rules = ("A/L",) if setting.quick else STIFFNESS_RULES
@@ -179,7 +179,9 @@ def mean_tensors(
     }
 
 
-def measure(candidate: Candidate, case: tuple[Family, int, int]) -> dict[str, float] | None:
+def measure(
+    candidate: DisplacementSolver, case: tuple[Family, int, int]
+) -> dict[str, float] | None:
     """What one random body shows, by load; None if it is a mechanism."""
     (dim, points, rule), cells, seed = case
     box = Box((1.0,) * dim)

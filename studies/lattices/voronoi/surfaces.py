@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.evidence import Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice.point_sets import POINT_SETS, periodic_points
@@ -153,7 +153,7 @@ def mechanical(
     }
 
 
-def drawn(candidate: Candidate, setting: Setting) -> pd.DataFrame:
+def drawn(candidate: DisplacementSolver, setting: Setting) -> pd.DataFrame:
     """Table `random_networks`: springs and surface of a network of each kind of point set."""
     tables = setting.sweep(
         partial(lines, candidate, seeds(setting, 1)[0]), POINT_SETS, "drawn networks"
@@ -161,7 +161,7 @@ def drawn(candidate: Candidate, setting: Setting) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True)
 
 
-def lines(candidate: Candidate, seed: int, points: str) -> pd.DataFrame:
+def lines(candidate: DisplacementSolver, seed: int, points: str) -> pd.DataFrame:
     """Lines of one network, its ends pulled apart."""
     body = strewn(points, DRAWN, "A/L", seed)
     problem, network = stretched(body)

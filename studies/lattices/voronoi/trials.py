@@ -10,7 +10,7 @@ import numpy as np
 
 import reference_fem
 from msvalidate.constants.stiffness import cubic_part, moduli
-from msvalidate.judging.candidate import Candidate
+from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.tessellation import periodic_tessellation
 from msvalidate.lattice.voronoi import tessellated
@@ -39,7 +39,7 @@ THINNEST = 6.0
 
 
 def nearly_square(
-    candidate: Candidate, solid: Solid, case: tuple[float, int]
+    candidate: DisplacementSolver, solid: Solid, case: tuple[float, int]
 ) -> list[dict[str, Any]]:
     """Ratios of a square grid whose points have moved a little, endless and as a body, by rule."""
     jitter, seed = case
@@ -65,7 +65,7 @@ def nearly_square(
     return rows
 
 
-def few(candidate: Candidate, case: tuple[int, int]) -> list[dict[str, Any]]:
+def few(candidate: DisplacementSolver, case: tuple[int, int]) -> list[dict[str, Any]]:
     """Ratio by the report's means of one strewn body, by how it is held and by rule.
 
     With the part of the measured points that cannot move up or down, as their height is held. The
@@ -90,7 +90,7 @@ def few(candidate: Candidate, case: tuple[int, int]) -> list[dict[str, Any]]:
 
 
 def with_slack(
-    candidate: Candidate, case: tuple[str, float, int]
+    candidate: DisplacementSolver, case: tuple[str, float, int]
 ) -> tuple[str, float, float, float]:
     """Ratio of one body whose slack springs keep a part of their stiffness; part of them slack.
 
@@ -117,7 +117,7 @@ def with_slack(
     return slack, kept, ratio(body, move), float(loose.mean())
 
 
-def clamped(candidate: Candidate, case: tuple[float, int]) -> list[float]:
+def clamped(candidate: DisplacementSolver, case: tuple[float, int]) -> list[float]:
     """Ratios of a strewn body between clamped ends, by place."""
     aspect, seed = case
     count = round(THINNEST**2 * max(aspect, 1 / aspect))

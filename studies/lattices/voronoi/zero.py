@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.constants.homogenise import homogenised
-from msvalidate.judging.candidate import Candidate, springs
+from msvalidate.judging.candidate import DisplacementSolver, springs
 from msvalidate.judging.compare import observed_order, worst
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
@@ -99,7 +99,7 @@ COLUMNS = {
 
 
 def run(
-    candidate: Candidate = springs, setting: Setting = FULL, solid: Solid = homogenised
+    candidate: DisplacementSolver = springs, setting: Setting = FULL, solid: Solid = homogenised
 ) -> Evidence:
     """Try every cause."""
     jitter = pd.DataFrame(jittered(candidate, solid, setting))
@@ -135,7 +135,7 @@ def run(
     )
 
 
-def jittered(candidate: Candidate, solid: Solid, setting: Setting) -> list[dict[str, Any]]:
+def jittered(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> list[dict[str, Any]]:
     """Rows of the table `zero_jitter`."""
     draws = seeds(setting, 2 if setting.quick else 12)
     cases = list(product(JITTERS, draws))
@@ -149,7 +149,7 @@ def jittered(candidate: Candidate, solid: Solid, setting: Setting) -> list[dict[
     ]
 
 
-def few_points(candidate: Candidate, setting: Setting) -> list[dict[str, Any]]:
+def few_points(candidate: DisplacementSolver, setting: Setting) -> list[dict[str, Any]]:
     """Rows of the table `zero_few`."""
     draws = seeds(setting, 8 if setting.quick else 100)
     counts = COUNTS[:-1] if setting.quick else COUNTS
@@ -165,7 +165,7 @@ def few_points(candidate: Candidate, setting: Setting) -> list[dict[str, Any]]:
     ]
 
 
-def slackened(candidate: Candidate, setting: Setting) -> list[dict[str, Any]]:
+def slackened(candidate: DisplacementSolver, setting: Setting) -> list[dict[str, Any]]:
     """Rows of the table `zero_slack`."""
     draws = seeds(setting, 3 if setting.quick else 20)
     kinds = [("compressed", kept) for kept in KEPT] + [("surface", 0.01)]
@@ -182,7 +182,7 @@ def slackened(candidate: Candidate, setting: Setting) -> list[dict[str, Any]]:
     ]
 
 
-def lengths(candidate: Candidate, solid: Solid, setting: Setting) -> list[dict[str, Any]]:
+def lengths(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> list[dict[str, Any]]:
     """Rows of the table `zero_length`."""
     draws = seeds(setting, 4 if setting.quick else 20)
     cases = [(aspect, seed) for aspect in ASPECTS for seed in draws]
