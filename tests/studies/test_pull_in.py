@@ -20,7 +20,7 @@ from msvalidate.studies.pull_in import (
     which,
 )
 from msvalidate.studies.pull_in.slab import HEIGHT, PERMITTIVITY, PULL_IN
-from msvalidate.studies.pull_in.way import SPRINGS, Way, bonded, sliding
+from msvalidate.studies.pull_in.way import SPRINGS, PullInSolver, bonded, sliding
 
 from msvalidate.dielectric.actuator import PulledIn, at_voltage, uniform
 from msvalidate.dielectric.charges import Moments, facing_strips, tangent
@@ -252,7 +252,7 @@ def test_beyond_pull_in_the_last_equilibrium_is_kept():
 def test_stated_resolution_is_the_real_one(kind):
     noticed = controls.run().tables["resolution"].set_index("fault")["smallest_noticed"][kind]
     for part, passes in ((1.1, False), (0.9, True)):
-        found = controls.pulled_in(Way(partial(controls.KINDS[kind], part * noticed)))
+        found = controls.pulled_in(PullInSolver(partial(controls.KINDS[kind], part * noticed)))
         error = abs(found / PULL_IN.voltage - 1)
         assert (error <= sweep.TOLERANCES[1].limit) == passes
 
@@ -260,7 +260,7 @@ def test_stated_resolution_is_the_real_one(kind):
 def test_no_fault_is_the_way_itself():
     right = controls.pulled_in(SPRINGS)
     for faulty in controls.KINDS.values():
-        assert controls.pulled_in(Way(partial(faulty, 0.0))) == right
+        assert controls.pulled_in(PullInSolver(partial(faulty, 0.0))) == right
 
 
 def test_half_the_softening_is_between():
@@ -274,7 +274,7 @@ def test_half_the_softening_is_between():
 
 
 def test_a_held_voltage_beyond_pull_in_is_noticed():
-    found = beyond.run(Way(controls.gap_as_it_was), QUICK)
+    found = beyond.run(PullInSolver(controls.gap_as_it_was), QUICK)
     assert not held(judge(found))
 
 
