@@ -16,14 +16,14 @@ _HOMES = {
     "bodies.fit": ("fitted_constants",),
     "bodies.lattice_network": ("lattice_network",),
     "bodies.mesh_file": ("read_mesh",),
-    "constants.homogenise": ("homogenised",),
+    "constants.homogenise": ("homogenise",),
     "dynamics.integrate": ("motion",),
     "dynamics.integrators": ("INTEGRATORS",),
     "dynamics.spectrum": ("natural_frequencies",),
     "judging.evidence": ("judge",),
     "lattice": (
-        *("cut_lattice", "fill", "mesh_lattice", "patterns", "square", "triangular", "turned"),
-        *("voronoi", "voronoi_box"),
+        *("cut_lattice", "fill", "fill_rotated", "mesh_lattice", "patterns", "square"),
+        *("triangular", "voronoi", "voronoi_box"),
     ),
     "network": ("spring_network",),
     "problem": (
@@ -45,18 +45,18 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.bodies.fit import fitted_constants as fitted_constants
     from msvalidate.bodies.lattice_network import lattice_network as lattice_network
     from msvalidate.bodies.mesh_file import read_mesh as read_mesh
-    from msvalidate.constants.homogenise import homogenised as homogenised
+    from msvalidate.constants.homogenise import homogenise as homogenise
     from msvalidate.dynamics.integrate import motion as motion
     from msvalidate.dynamics.integrators import INTEGRATORS as INTEGRATORS
     from msvalidate.dynamics.spectrum import natural_frequencies as natural_frequencies
     from msvalidate.judging.evidence import judge as judge
     from msvalidate.lattice import cut_lattice as cut_lattice
     from msvalidate.lattice import fill as fill
+    from msvalidate.lattice import fill_rotated as fill_rotated
     from msvalidate.lattice import mesh_lattice as mesh_lattice
     from msvalidate.lattice import patterns as patterns
     from msvalidate.lattice import square as square
     from msvalidate.lattice import triangular as triangular
-    from msvalidate.lattice import turned as turned
     from msvalidate.lattice import voronoi as voronoi
     from msvalidate.lattice import voronoi_box as voronoi_box
     from msvalidate.network import spring_network as spring_network

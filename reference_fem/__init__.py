@@ -2,7 +2,8 @@
 
 Entry points: `solve_problem` for a `Problem`, `solve` or `solve_mixed` for a mesh as arrays, and a
 `Solver` for many loads of one body. Of a dielectric `Slab` with electrodes in air: `slab_mesh`,
-`charged` and `respond`, or `capacitance` and `surface_profile` with their errors; `solve_potential`
+`solve_charges` and `respond`, or `capacitance` and `surface_profile` with their errors;
+`solve_potential`
 for a mesh as arrays. At large strain: `large_strain` for a solid, `actuator` for a slab squeezed by
 its field.
 """
@@ -18,25 +19,25 @@ from reference_fem.electric import (
     Slab,
     SlabMesh,
     capacitance,
-    charged,
     facing_slab,
     far_boundary,
-    moved_air,
+    move_air,
     respond,
     slab_mesh,
+    solve_charges,
     solve_potential,
     surface_profile,
 )
 from reference_fem.mesh import (
     Discretisation,
     box_discretisation,
-    discretise,
+    make_discretisation,
     mesh_discretisation,
     polygon_discretisation,
 )
 from reference_fem.mixed import solve_mixed
 from reference_fem.refinement import Estimate, refine
-from reference_fem.systems import Solved, Solver
+from reference_fem.systems import Solver, SystemSolution
 
 __all__ = [
     "Capacitance",
@@ -49,21 +50,21 @@ __all__ = [
     "Slab",
     "SlabMesh",
     "Solution",
-    "Solved",
     "Solver",
+    "SystemSolution",
     "box_discretisation",
     "capacitance",
-    "charged",
-    "discretise",
     "facing_slab",
     "far_boundary",
+    "make_discretisation",
     "mesh_discretisation",
-    "moved_air",
+    "move_air",
     "polygon_discretisation",
     "refine",
     "respond",
     "slab_mesh",
     "solve",
+    "solve_charges",
     "solve_mixed",
     "solve_potential",
     "solve_problem",

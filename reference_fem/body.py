@@ -21,21 +21,21 @@ from msvalidate.problem import (
     Problem,
     ProblemError,
     Traction,
-    enclosed,
+    enclosed_volume,
     facet_areas,
     facet_middles,
+    format_point,
     measure_of,
-    place_name,
-    prescribed,
+    prescribed_displacements,
     vectors_at,
 )
-from msvalidate.problem.checks import instance, shaped, shown
-from reference_fem.elasticity import elastic_tensor, solver_of
+from msvalidate.problem.checks import format_value, require_type, shaped
+from reference_fem.elasticity import elastic_tensor, make_solver
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
-from reference_fem.mixed import lame, mixed_solution
-from reference_fem.stress import engineering_strain, gradient, pressure_at
-from reference_fem.systems.solver import Solved
+from reference_fem.mixed import lame_constants, mixed_solution
+from reference_fem.stress import displacement_gradient, engineering_strain, pressure_at
+from reference_fem.systems.solver import SystemSolution
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,16 +64,16 @@ class Solution:
     displacement: Array
     material: Material | None = None
     pressure: Array | None = None
-    solved: Solved | None = None
+    solved: SystemSolution | None = None
 
     def __post_init__(self) -> None:
-        instance("body", self.body, Discretisation)
+        require_type("body", self.body, Discretisation)
         shape = getattr(self.displacement, "shape", ())
         if shape != self.body.points.shape:
             raise ProblemError(f"solution: shape {shape}; give an array {self.body.points.shape}")
         self.displacement.setflags(write=False)
         if self.material is not None:
-            instance("material", self.material, Material)
+            require_type("material", self.material, Material)
         if self.pressure is not None:
             wanted = self.body.vertices.shape
             shaped("pressure", np.asarray(self.pressure), *wanted)
@@ -110,7 +110,7 @@ class Solution:
             If a point lies outside the body.
         """
         rest = self.solved.remainder if self.solved else None
-        return engineering_strain(gradient(self.body, self.displacement, points, rest))
+        return engineering_strain(displacement_gradient(self.body, self.displacement, points, rest))
 
     def stress(self, points: ArrayLike) -> Array:
         """Stress (p, 3 or 6) in Pa at points (p, d), tension positive, in the order of `strain`.
@@ -130,7 +130,7 @@ class Solution:
         if self.pressure is None:
             return np.asarray(self.strain(points) @ elastic_tensor(law).T)
         d, pairs = self.body.dim, len(VOIGT[self.body.dim]) - self.body.dim
-        mu, _ = lame(law)
+        mu, _ = lame_constants(law)
         stress = self.strain(points) * ([2 * mu] * d + [mu] * pairs)
         stress[:, :d] += self.pressure_at(points)[:, None]
         return stress
@@ -180,40 +180,42 @@ def solve_problem(
         `solver.ACCEPTED`.
     """
     _refuse_other_body(problem, body)
-    held, displacement = prescribed(problem, body.points)
+    held, displacement = prescribed_displacements(problem, body.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what is infinite
         force = nodal_forces(problem, body)
     law = problem.material
     if mixed:
         if solver not in ("auto", "superlu"):
             raise ProblemError(
-                f"solver: {shown(solver)}; mixed elements are indefinite, take auto or superlu"
+                f"solver: {format_value(solver)}; mixed elements are indefinite, take auto or "
+                f"superlu"
             )
         found, pressure, solved = mixed_solution(body, law, held, displacement, force)
         return Solution(body, found, law, pressure, solved)
     with np.errstate(over="ignore", invalid="ignore"):
-        ready = solver_of(body, law, held, solver, allow_locked=allow_locked)
+        ready = make_solver(body, law, held, solver, allow_locked=allow_locked)
     found, solved = ready.solve(displacement, force)
     return Solution(body, found, law, solved=solved)
 
 
 def _refuse_other_body(problem: Problem, body: Discretisation) -> None:
-    instance("problem", problem, Problem)
-    instance("body", body, Discretisation)
+    require_type("problem", problem, Problem)
+    require_type("body", body, Discretisation)
     domain = problem.domain
     if domain.dim != body.dim:
         raise ProblemError(f"{problem.name}: a {domain.dim}D {domain}, meshed in {body.dim}D")
     reached = np.array([body.points.min(axis=0), body.points.max(axis=0)])
     low, high = np.array(domain.span).T
     off = np.abs(reached - (low, high)).max() > domain.tolerance
-    volume = enclosed(body.points[body.surface])
+    volume = enclosed_volume(body.points[body.surface])
     # Only boxes are known by their span and volume; others by where their sides are, too.
     if isinstance(domain, Mesh) and not off:
         off = not domain.on_boundary(body.points[np.unique(body.surface)])
     if off or abs(volume - domain.volume) > 1e-9 * domain.volume:
         raise ProblemError(
-            f"{problem.name}: the mesh spans {place_name(reached[0])} to {place_name(reached[1])} "
-            f"m, the domain {place_name(low)} to {place_name(high)} m, a {domain}; mesh the "
+            f"{problem.name}: the mesh spans {format_point(reached[0])} to "
+            f"{format_point(reached[1])} "
+            f"m, the domain {format_point(low)} to {format_point(high)} m, a {domain}; mesh the "
             "problem's own domain"
         )
 

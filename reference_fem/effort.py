@@ -1,4 +1,4 @@
-"""What a solution takes: work and memory of a factor, foreseen; memory that is not there, told."""
+"""Predicted work and memory of a factor, and a clear error if memory is short."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components
 from msvalidate.problem import Index, Mask, SolverError
 
 
-def envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:
+def factor_envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:
     """Entries of a factor within the envelope, and products to make it: Σ b and Σ b² by row.
 
     b is how far a row reaches to the left of the diagonal in the ordering of Cuthill and McKee
     (1969), reversed. A factor is made by nested dissection, with half as many entries in a cube of
     hexahedra and twice as many in a bar: the count is for choosing, cheap and the same on every
     machine.
+
+    Source: [GeorgeLiu1981]; the order is that of [CuthillMcKee1969].
 
     Parameters
     ----------
@@ -29,7 +31,7 @@ def envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:
     """
     free = ~held.all(axis=1)
     graph = links[free][:, free]
-    order = _in_breadth(graph)
+    order = _breadth_first_order(graph)
     place = np.empty(len(order), dtype=np.intp)
     place[order[::-1]] = np.arange(len(order))
     first = np.minimum.reduceat(place[graph.indices], graph.indptr[:-1])
@@ -37,7 +39,7 @@ def envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:
     return held.shape[1] * float(reach.sum()), held.shape[1] * float((reach**2).sum())
 
 
-def _in_breadth(graph: csr_matrix) -> Index:
+def _breadth_first_order(graph: csr_matrix) -> Index:
     """Nodes (n,) of each part in breadth from one of fewest neighbours, those with fewer first.
 
     Ties go by number. The library's `reverse_cuthill_mckee` leaves its start to an unstable sort,
@@ -58,7 +60,7 @@ def _in_breadth(graph: csr_matrix) -> Index:
 
 
 @contextmanager
-def within_memory(count: int, what: str) -> Iterator[None]:
+def fits_in_memory(count: int, what: str) -> Iterator[None]:
     """Turn a lack of memory for so many of `what` into a `SolverError`."""
     try:
         yield

@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 
 from msvalidate.problem import VOIGT, Array, Isotropic, Mask, Material, ProblemError
-from msvalidate.problem.checks import finite, instance, shown
-from reference_fem.effort import within_memory
+from msvalidate.problem.checks import finite, format_value, require_type
+from reference_fem.effort import fits_in_memory
 from reference_fem.locking import refuse_locked
-from reference_fem.mesh.discretisation import Discretisation, discretise
+from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.systems.solver import Solver, refuse_shapes
 
 
@@ -53,12 +53,12 @@ def solve(
         If the elements lock, or the solution fails its residual check or its error may be above
         `ACCEPTED`.
     """
-    body = discretise(points, cells, element)
-    rows = arrays(body, fixed, nodal_forces)
+    body = make_discretisation(points, cells, element)
+    rows = check_arrays(body, fixed, nodal_forces)
     return solve_on(body, material, *rows, allow_locked=allow_locked)
 
 
-def arrays(
+def check_arrays(
     body: Discretisation,
     fixed: Iterable[tuple[int, int, float]],
     nodal_forces: Iterable[tuple[int, int, float]],
@@ -107,7 +107,7 @@ def solve_on(
     """
     refuse_shapes(body, held=held, displacement=displacement, force=force)
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
-        ready = solver_of(body, material, held, solver, allow_locked=allow_locked)
+        ready = make_solver(body, material, held, solver, allow_locked=allow_locked)
     return ready.solve(displacement, force)[0]
 
 
@@ -116,6 +116,8 @@ def stiffness(body: Discretisation, material: Material) -> csr_matrix:
 
     K_(ai)(bj) = t Σ_cd C_acbd ∫ ∂c φi ∂d φj.
 
+    Source: [ZienkiewiczTaylorZhu2013].
+
     Raises
     ------
     ProblemError
@@ -123,19 +125,19 @@ def stiffness(body: Discretisation, material: Material) -> csr_matrix:
     SolverError
         If memory does not suffice.
     """
-    instance("body", body, Discretisation)
-    instance("material", material, Material)
+    require_type("body", body, Discretisation)
+    require_type("material", material, Material)
     if material.dim != body.dim:
         raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
-    return weighted(body, measured(material))
+    return weighted_stiffness(body, thickness_tensor(material))
 
 
-def measured(material: Material) -> Array:
+def thickness_tensor(material: Material) -> Array:
     """C (d, d, d, d) in Pa, times the thickness."""
     return np.asarray(material.thickness * full_tensor(elastic_tensor(material)))
 
 
-def solver_of(
+def make_solver(
     body: Discretisation,
     material: Material,
     held: Mask,
@@ -155,12 +157,12 @@ def solver_of(
     K = stiffness(body, material)
     if not allow_locked:
         refuse_locked(body, elastic_tensor(material))
-    return Solver(body, K, held, choice, measured(material))
+    return Solver(body, K, held, choice, thickness_tensor(material))
 
 
-def weighted(body: Discretisation, C: Array) -> csr_matrix:
+def weighted_stiffness(body: Discretisation, C: Array) -> csr_matrix:
     """Σ_cd C_acbd ∫ ∂c φi ∂d φj (d·n, d·n), component-major, of a constant tensor (d, d, d, d)."""
-    with within_memory(len(body.points), "nodes"):
+    with fits_in_memory(len(body.points), "nodes"):
         blocks = np.tensordot(C, body.gradients, axes=((1, 3), (0, 1)))
         return body.pattern.component_major(blocks)
 
@@ -171,12 +173,14 @@ def elastic_tensor(material: Material) -> Array:
     Order xx, yy, xy or xx, yy, zz, yz, xz, xy, with engineering shear. Plane stress replaces λ by
     2λμ/(λ + 2μ) = E·nu/(1 - nu²).
 
+    Source: Hooke's law, [TimoshenkoGoodier1970], article 6.
+
     Raises
     ------
     ProblemError
         If λ is infinite (nu = 1/2 but in plane stress).
     """
-    instance("material", material, Material)
+    require_type("material", material, Material)
     if not isinstance(material, Isotropic):
         return material.C
     E, nu = material.E, material.nu
@@ -212,15 +216,15 @@ def _rows(
     """Check rows (node, component, value) against a body of shape (n, d)."""
     checked = []
     if not isinstance(rows, Iterable):
-        raise ProblemError(f"{name}: {shown(rows)}; give rows (node, component, value)")
+        raise ProblemError(f"{name}: {format_value(rows)}; give rows (node, component, value)")
     for row in rows:
-        values = finite(f"{name} row {shown(row)}", row)
+        values = finite(f"{name} row {format_value(row)}", row)
         if values.shape != (3,) or (values[:2] != np.floor(values[:2])).any():
-            raise ProblemError(f"{name}: row {shown(row)}; give (node, component, value)")
+            raise ProblemError(f"{name}: row {format_value(row)}; give (node, component, value)")
         node, component = int(values[0]), int(values[1])
         if not (0 <= node < shape[0] and 0 <= component < shape[1]):
             raise ProblemError(
-                f"{name}: row {shown(row)}; nodes run to {shape[0] - 1}, components to "
+                f"{name}: row {format_value(row)}; nodes run to {shape[0] - 1}, components to "
                 f"{shape[1] - 1}"
             )
         checked.append((node, component, float(values[2])))

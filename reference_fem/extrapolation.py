@@ -1,4 +1,4 @@
-"""Limits of values on finer and finer meshes where theory knows the orders of their errors."""
+"""Richardson extrapolation of values on refined meshes with orders known from theory."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import finite, numbers, shown, whole
+from msvalidate.problem.checks import finite, format_value, numbers, whole_number
 
 NEAREST_ORDERS = 0.05
 """Orders closer than this cannot be told apart by three meshes."""
@@ -31,7 +31,7 @@ class Limit:
             array.setflags(write=False)
 
 
-def extrapolated(
+def extrapolate(
     quantity: Callable[[int], ArrayLike], coarsest: int, orders: tuple[float, float]
 ) -> Limit:
     """Limit of a quantity from four even meshes, each twice as fine as the last.
@@ -58,9 +58,11 @@ def extrapolated(
         numbers.
     """
     p, q = _orders(orders)
-    start = whole("coarsest", coarsest, 1)
+    start = whole_number("coarsest", coarsest, 1)
     if not callable(quantity):
-        raise ProblemError(f"extrapolated quantity: {shown(quantity)}; give a function of cells")
+        raise ProblemError(
+            f"extrapolated quantity: {format_value(quantity)}; give a function of cells"
+        )
     rows = [
         np.atleast_1d(finite(f"values at {n} cells", numbers("values", quantity(n))))
         for n in (start, 2 * start, 4 * start, 8 * start)
@@ -76,5 +78,5 @@ def extrapolated(
 def _orders(orders: tuple[float, float]) -> tuple[float, float]:
     given = finite("orders", orders)
     if given.shape != (2,) or (given <= 0).any() or abs(np.diff(given)[0]) < NEAREST_ORDERS:
-        raise ProblemError(f"orders: {shown(orders)}; give two different ones above zero")
+        raise ProblemError(f"orders: {format_value(orders)}; give two different ones above zero")
     return float(given[0]), float(given[1])

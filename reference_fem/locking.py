@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.problem import Array, SolverError, enclosed, facet_areas
+from msvalidate.problem import Array, SolverError, enclosed_volume, facet_areas
 from reference_fem.mesh.discretisation import Discretisation
 
 LOCKED = 0.2
@@ -38,7 +38,7 @@ def refuse_locked(body: Discretisation, C: Array) -> None:
     ratio = bulk_over_shear(C)
     if ratio <= NEARLY:
         return
-    size = body_size(body)
+    size = body_thickness(body)
     share = ratio * cell_size(body) ** 2 / size**2
     if share > LOCKED:
         name, (better, *_) = body.element.name, body.element.raised
@@ -66,10 +66,10 @@ def bulk_over_shear(C: Array) -> float:
     return (1 / (float(share @ (1 / stiffness)) * shear) - 1) * 2 / d
 
 
-def body_size(body: Discretisation) -> float:
+def body_thickness(body: Discretisation) -> float:
     """Thickness (m) of a slender or flat body: twice its volume over its surface."""
     facets = body.points[body.surface]
-    return 2 * enclosed(facets) / float(facet_areas(facets).sum())
+    return 2 * enclosed_volume(facets) / float(facet_areas(facets).sum())
 
 
 def cell_size(body: Discretisation) -> float:

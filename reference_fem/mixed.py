@@ -31,14 +31,20 @@ from msvalidate.problem import (
     SolverError,
     refuse_free_motions,
 )
-from msvalidate.problem.checks import chosen, instance
-from reference_fem.effort import within_memory
-from reference_fem.elasticity import arrays, full_tensor, weighted
-from reference_fem.mesh.discretisation import Discretisation, discretise
+from msvalidate.problem.checks import require_one_of, require_type
+from reference_fem.effort import fits_in_memory
+from reference_fem.elasticity import check_arrays, full_tensor, weighted_stiffness
+from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.systems.cells import mixed_cells
-from reference_fem.systems.refined import Inverse, refined
-from reference_fem.systems.solver import ACCEPTED, RESIDUAL, Solved, refuse_shapes, too_ill
+from reference_fem.systems.refined import Inverse, refine_solution
+from reference_fem.systems.solver import (
+    ACCEPTED,
+    RESIDUAL,
+    SystemSolution,
+    describe_lost_digits,
+    refuse_shapes,
+)
 
 TAYLOR_HOOD = {
     f"{name}-{kind.first.name}": name for name, kind in ELEMENTS.items() if kind.degree == 2
@@ -62,6 +68,8 @@ def solve_mixed(
 
     The pressures are in the order of `Discretisation.vertices`: by rising number of the corners.
 
+    Source: elements of [TaylorHood1973]; [BoffiBrezziFortin2013], section 8.8.
+
     Parameters
     ----------
     points, cells
@@ -81,15 +89,17 @@ def solve_mixed(
         If the system is singular, as at nu = 1/2 in a body held all round, or the solution fails
         its residual check.
     """
-    chosen("mixed element", element, TAYLOR_HOOD)
-    body = discretise(points, cells, TAYLOR_HOOD[element])
-    return solve_mixed_on(body, material, *arrays(body, fixed, nodal_forces))
+    require_one_of("mixed element", element, TAYLOR_HOOD)
+    body = make_discretisation(points, cells, TAYLOR_HOOD[element])
+    return solve_mixed_on(body, material, *check_arrays(body, fixed, nodal_forces))
 
 
 def solve_mixed_on(
     body: Discretisation, material: Material, held: Mask, displacement: Array, force: Array
 ) -> tuple[Array, Array]:
     """Displacement (n, d) in m and pressure (v,) in Pa under held components, values, forces (N).
+
+    Source: elements of [TaylorHood1973]; [BoffiBrezziFortin2013], section 8.8.
 
     Raises
     ------
@@ -104,12 +114,12 @@ def solve_mixed_on(
 
 def mixed_solution(
     body: Discretisation, material: Material, held: Mask, displacement: Array, force: Array
-) -> tuple[Array, Array, Solved]:
+) -> tuple[Array, Array, SystemSolution]:
     """As `solve_mixed_on`, and how it was solved: the larger residual of forces and of volumes."""
     refuse_shapes(body, held=held, displacement=displacement, force=force)
     began = perf_counter()
-    with within_memory(len(body.points), "nodes"):
-        system = _system(body, material)
+    with fits_in_memory(len(body.points), "nodes"):
+        system = _mixed_system(body, material)
     refuse_free_motions("finite element body", body.points, held)
     free = ~held.T.ravel()
     u = np.where(held, displacement, 0.0).T.ravel()
@@ -120,8 +130,8 @@ def mixed_solution(
         u[free], p = found[: free.sum(), 0], found[free.sum() :, 0]
         left = system.check(free, u, p, load)
         pressures = np.ones(len(p), dtype=bool)
-        better = refined(
-            mixed_cells(body, *lame(material), material.thickness),
+        better = refine_solution(
+            mixed_cells(body, *lame_constants(material), material.thickness),
             inverse,
             np.concatenate([u, p]),
             np.concatenate([load, np.zeros(len(p))]),
@@ -129,12 +139,12 @@ def mixed_solution(
             counted=np.concatenate([np.ones(len(u), dtype=bool), ~pressures]),
         )
     if not better.error <= ACCEPTED:
-        raise SolverError(too_ill(better.error))
+        raise SolverError(describe_lost_digits(better.error))
     moved, rest = (
         each[: len(u)].reshape(body.dim, -1).T.copy() for each in (better.value, better.rest)
     )
     how = "superlu", "mixed elements: indefinite", left, 0, perf_counter() - began
-    solved = Solved(*how, better.error, better.corrections, rest)
+    solved = SystemSolution(*how, better.error, better.corrections, rest)
     return moved, better.value[len(u) :].copy(), solved
 
 
@@ -160,7 +170,7 @@ class _System:
         scale = 1 / np.sqrt(np.concatenate([stiff, soft]))
         S = diags_array(scale)
         K = S @ block_array([[A, B.T], [B, -self.M]], format="csr") @ S
-        factor = _factorised(K)
+        factor = _factorise(K)
         return lambda right: np.asarray(scale[:, None] * factor(scale[:, None] * right))
 
     def check(self, free: Mask, u: Array, p: Array, load: Array) -> float:
@@ -191,9 +201,9 @@ _NO_VOLUME = (
 )
 
 
-def _factorised(K: csr_array) -> Inverse:
+def _factorise(K: csr_array) -> Inverse:
     """Solutions of a symmetric indefinite system by a factor."""
-    with within_memory(K.shape[0], "unknowns"):
+    with fits_in_memory(K.shape[0], "unknowns"):
         try:
             factor = splu(
                 K.tocsc(),
@@ -213,10 +223,10 @@ def _factorised(K: csr_array) -> Inverse:
     return lambda right: np.asarray(factor.solve(right))
 
 
-def _system(body: Discretisation, material: Material) -> _System:
+def _mixed_system(body: Discretisation, material: Material) -> _System:
     """The matrices of a body and material that mixed elements are for."""
-    instance("body", body, Discretisation)
-    mu, inverse = lame(material)
+    require_type("body", body, Discretisation)
+    mu, inverse = lame_constants(material)
     if material.dim != body.dim:
         raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
     if body.element.degree != 2:
@@ -226,7 +236,7 @@ def _system(body: Discretisation, material: Material) -> _System:
         )
     d, t = body.dim, material.thickness
     pairs = d * (d - 1) // 2
-    A = weighted(body, t * full_tensor(np.diag([2 * mu] * d + [mu] * pairs)))
+    A = weighted_stiffness(body, t * full_tensor(np.diag([2 * mu] * d + [mu] * pairs)))
     basis = body.basis
     pressure = skfem.Basis(
         basis.mesh, body.element.linear, mapping=basis.mapping, quadrature=(basis.X, basis.W)
@@ -240,7 +250,7 @@ def _system(body: Discretisation, material: Material) -> _System:
     return _System(csr_array(A), hstack(parts, "csr"), t * inverse * csr_array(mass))
 
 
-def lame(material: Material) -> tuple[float, float]:
+def lame_constants(material: Material) -> tuple[float, float]:
     """Lamé's μ (Pa) and 1/λ (1/Pa), finite at nu = 1/2.
 
     Raises
@@ -248,7 +258,7 @@ def lame(material: Material) -> tuple[float, float]:
     ProblemError
         If mixed elements are not for this material.
     """
-    instance("material", material, Material)
+    require_type("material", material, Material)
     if not isinstance(material, Isotropic):
         raise ProblemError(
             "mixed elements: the material is anisotropic; take displacement elements"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import numbers, positive, shown, whole
+from msvalidate.problem.checks import format_value, numbers, positive_number, whole_number
 
 SAFETY = 1.25
 """Factor on Richardson's estimate where three meshes show a plausible order (Roache 1994,
@@ -89,13 +89,15 @@ def refine(
         If the finest mesh still misses the tolerance.
     """
     if not callable(quantity):
-        raise ProblemError(f"refined quantity: {shown(quantity)}; give a function of the cells")
-    positive("tolerance", tolerance)
-    positive("highest order", highest_order)
-    if whole("coarsest", coarsest, 1) * 4 > whole("finest", finest, 1):
+        raise ProblemError(
+            f"refined quantity: {format_value(quantity)}; give a function of the cells"
+        )
+    positive_number("tolerance", tolerance)
+    positive_number("highest order", highest_order)
+    if whole_number("coarsest", coarsest, 1) * 4 > whole_number("finest", finest, 1):
         raise ProblemError(f"refinement: from {coarsest} cells to {finest}; leave room for three")
     cells = 4 * coarsest
-    values = [_measured(quantity, n) for n in (coarsest, 2 * coarsest, cells)]
+    values = [_evaluate(quantity, n) for n in (coarsest, 2 * coarsest, cells)]
     while True:
         if len({value.shape for value in values}) > 1:
             raise ProblemError("refined quantity: gives another number of values on another mesh")
@@ -108,10 +110,10 @@ def refine(
                 f"cells, wanted {tolerance:.3g}; allow finer meshes or grade them to the corners"
             )
         cells *= 2
-        values.append(_measured(quantity, cells))
+        values.append(_evaluate(quantity, cells))
 
 
-def _measured(quantity: Callable[[int], ArrayLike], cells: int) -> Array:
+def _evaluate(quantity: Callable[[int], ArrayLike], cells: int) -> Array:
     values = np.atleast_1d(numbers("refined quantity", quantity(cells)))
     if values.ndim != 1 or not values.size:
         raise ProblemError(
@@ -122,7 +124,7 @@ def _measured(quantity: Callable[[int], ArrayLike], cells: int) -> Array:
     return values
 
 
-def thrice(quantity: Callable[[int], Array], layers: int) -> tuple[Array, Array, Array]:
+def on_three_meshes(quantity: Callable[[int], Array], layers: int) -> tuple[Array, Array, Array]:
     """A quantity on a mesh and on those with a half and a quarter of its layers, coarsest first.
 
     Raises
@@ -130,7 +132,7 @@ def thrice(quantity: Callable[[int], Array], layers: int) -> tuple[Array, Array,
     ProblemError
         If the layers are no multiple of 8.
     """
-    if whole("layers", layers, 8) % 8:
+    if whole_number("layers", layers, 8) % 8:
         raise ProblemError(
             f"layers: {layers}; give a multiple of 8, for meshes of a quarter and a half of them"
         )
@@ -148,6 +150,8 @@ def richardson(
     last change times (5 - r)/3, where r is the one before over it. Where it is not: `CAUTION`
     times the last change or the one before, if that is larger; where changes hardly shrink, what a
     crawling order would leave.
+
+    Source: Richardson's extrapolation as in [Roache1994].
     """
     first, last = np.abs(medium - coarse), np.abs(fine - medium)
     scale = np.maximum(np.abs(fine), np.finfo(float).tiny)

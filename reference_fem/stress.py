@@ -17,7 +17,7 @@ from msvalidate.problem import VOIGT, Array, Index
 from reference_fem.mesh.discretisation import Discretisation
 
 
-def gradient(
+def displacement_gradient(
     body: Discretisation, displacement: Array, points: ArrayLike, rest: Array | None = None
 ) -> Array:
     """∂u_k/∂x_l as (p, d, d) at points (p, d) of the body, of nodal values (n, d).
@@ -34,16 +34,16 @@ def gradient(
     point, cell, local = body.incident(points)
     nodes = body.nodes_of(cell)
     _, slope = body.element.functions(local)
-    along = np.einsum("kjq,kqd->qjd", slope, _apart(body.points, nodes))  # Jᵀ
-    moved = _apart(displacement, nodes)
+    along = np.einsum("kjq,kqd->qjd", slope, _relative_to_first(body.points, nodes))  # Jᵀ
+    moved = _relative_to_first(displacement, nodes)
     if rest is not None:
-        moved += _apart(rest, nodes)
+        moved += _relative_to_first(rest, nodes)
     change = np.einsum("kjq,kqd->qjd", slope, moved)
     each = np.linalg.solve(along, change).transpose(0, 2, 1)
-    return _mean(point, each)
+    return _mean_by_point(point, each)
 
 
-def _apart(values: Array, nodes: Index) -> Array:
+def _relative_to_first(values: Array, nodes: Index) -> Array:
     """Values (k, q, d) at the nodes of cells (k, q), less those at the first of each."""
     each = values[nodes]
     return np.asarray(each - each[0])
@@ -53,6 +53,8 @@ def engineering_strain(gradient: Array) -> Array:
     """Strain (p, 3 or 6) of displacement gradients (p, d, d), its shears doubled.
 
     In Voigt's order: xx, yy, xy or xx, yy, zz, yz, xz, xy.
+
+    Source: [TimoshenkoGoodier1970], article 5.
     """
     rows = [
         gradient[:, a, a] if a == b else gradient[:, a, b] + gradient[:, b, a]
@@ -74,10 +76,10 @@ def pressure_at(body: Discretisation, pressure: Array, points: ArrayLike) -> Arr
     linear = body.element.linear
     values = np.array([linear.lbasis(local.T, i)[0] for i in range(len(corners))])
     known = pressure[np.searchsorted(body.vertices, corners)]
-    return _mean(point, (values * known).sum(axis=0))
+    return _mean_by_point(point, (values * known).sum(axis=0))
 
 
-def _mean(point: Index, values: Array) -> Array:
+def _mean_by_point(point: Index, values: Array) -> Array:
     """Means by point, which are numbered without a gap and rise, of values (q, ...)."""
     count = np.bincount(point)
     shape = len(count), len(point)

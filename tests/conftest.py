@@ -49,7 +49,7 @@ def small_tables():
 
     @cache
     def of(name):
-        paths = sorted((baseline.home("quick") / name).glob("*.csv"))
+        paths = sorted((baseline.baseline_folder("quick") / name).glob("*.csv"))
         assert paths, f"no baseline of {name}"
         return {path.stem: pd.read_csv(path) for path in paths}
 

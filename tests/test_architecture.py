@@ -232,9 +232,9 @@ def middle(cells):
     return reference_fem.solve_problem(problem, body).at(np.array([[0.5, 0.5]]))[0]
 reference_fem.refine(middle, 1, 1.0)
 slab = reference_fem.slab_mesh(reference_fem.facing_slab(2.0, 1.0), 2)
-forces = reference_fem.charged(slab).forces
+forces = reference_fem.solve_charges(slab).forces
 moved = reference_fem.respond(slab, 1e-6 * forces, Isotropic(1.0, 0.3)).displacement
-reference_fem.charged(reference_fem.moved_air(slab, moved))
+reference_fem.solve_charges(reference_fem.move_air(slab, moved))
 """
 
 
@@ -426,7 +426,7 @@ def test_imports_are_where_they_may_be():
         ("msvalidate.judging.evidence", "import reference_fem.body", "neither side"),
         (
             "msvalidate.judging.evidence",
-            "from msvalidate.output.figures import new",
+            "from msvalidate.output.figures import new_figure",
             "neither side",
         ),
         ("msvalidate.network", "from msvalidate.problem import *", "star"),

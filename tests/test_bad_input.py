@@ -15,14 +15,14 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import reference_fem
-from msvalidate.bodies.calibrate import calibrated, default_constants
+from msvalidate.bodies.calibrate import calibrate_material, default_constants
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.routes import ROUTES
 from msvalidate.constants.stiffness import (
     directional_ratio,
     moduli,
-    rotated,
+    rotate_tensor,
     spring_tensor,
     square_constants,
     square_tensor,
@@ -30,8 +30,8 @@ from msvalidate.constants.stiffness import (
 from msvalidate.dynamics.integrate import StabilityWarning, State, damping_rate, euler_cromer
 from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS, stability_limit
 from msvalidate.dynamics.spectrum import natural_frequencies
-from msvalidate.judging.candidate import springs
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.candidate import solve_springs
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.singularity import clamped_free_exponent, free_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import (
@@ -57,10 +57,10 @@ from msvalidate.problem import (
     SolverError,
     Support,
     Traction,
-    prescribed,
+    prescribed_displacements,
     vectors_at,
 )
-from msvalidate.problem.checks import finite, shown, whole
+from msvalidate.problem.checks import finite, format_value, whole_number
 from msvalidate.relaxation.viscous import algorithm1
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.tangents import is_stable
@@ -111,8 +111,18 @@ BAD = [
     ("objects", lambda: finite("mass", [1, None]), ProblemError, "expected numbers, got [1, None]"),
     ("long list", lambda: finite("mass", ["a"] * 10**6), ProblemError, "mass: expected numbers"),
     ("many lines", lambda: finite("mass", "1\n2\n3"), ProblemError, r"got '1\n2\n3'"),
-    ("thousands of digits", lambda: whole("steps", 10**5000, 1), ProblemError, "steps: <int>;"),
-    ("huge count", lambda: whole("steps", 10**12, 1), ProblemError, "the most is 1000000000"),
+    (
+        "thousands of digits",
+        lambda: whole_number("steps", 10**5000, 1),
+        ProblemError,
+        "steps: <int>;",
+    ),
+    (
+        "huge count",
+        lambda: whole_number("steps", 10**12, 1),
+        ProblemError,
+        "the most is 1000000000",
+    ),
     ("count as a float", lambda: square(BOX, (4.0, 2.0)), ProblemError, "cells: 4.0; give a whole"),
     # boxes and outlines
     ("box of None", lambda: Box(None), ProblemError, "box size: None; give a tuple of 2 or 3"),
@@ -201,7 +211,7 @@ BAD = [
     ("name too long", lambda: plate(name="a" * 10**6), ProblemError, "printable letters on one"),
     (
         "contradiction",
-        lambda: prescribed(
+        lambda: prescribed_displacements(
             plate(supports=(CLAMP, Support(BOX.side("bottom"), (None, 0.5)))), LATTICE.points
         ),
         ProblemError,
@@ -209,13 +219,13 @@ BAD = [
     ),
     (
         "points of one axis",
-        lambda: prescribed(PROBLEM, np.zeros(3)),
+        lambda: prescribed_displacements(PROBLEM, np.zeros(3)),
         ProblemError,
         "an array (n, 2)",
     ),
     (
         "points of None",
-        lambda: prescribed(PROBLEM, None),
+        lambda: prescribed_displacements(PROBLEM, None),
         ProblemError,
         "shape (); give an array (n, 2)",
     ),
@@ -282,26 +292,26 @@ BAD = [
     # faults
     (
         "fault of text",
-        lambda: faults.diagonals(NETWORK, "a"),
+        lambda: faults.stiffen_diagonals(NETWORK, "a"),
         ProblemError,
         "size of the fault: exp",
     ),
     (
         "fault of three sizes",
-        lambda: faults.every_spring(NETWORK, np.ones(3)),
+        lambda: faults.stiffen_all(NETWORK, np.ones(3)),
         ProblemError,
         "size of the fault: [1. 1. 1.]; give one number",
     ),
-    ("fault in None", lambda: faults.every_spring(None, 0.1), ProblemError, "give a Network"),
+    ("fault in None", lambda: faults.stiffen_all(None, 0.1), ProblemError, "give a Network"),
     (
         "fault too large",
-        lambda: faults.every_spring(NETWORK, -2.0),
+        lambda: faults.stiffen_all(NETWORK, -2.0),
         ProblemError,
         "must be 0 or mor",
     ),
     (
         "fault in other loads",
-        lambda: faults.lumped_tractions(PROBLEM, net(), 0.1),
+        lambda: faults.lump_tractions(PROBLEM, net(), 0.1),
         ProblemError,
         "no point of the network lies there; give the problem's own",
     ),
@@ -314,11 +324,16 @@ BAD = [
     ),
     ("no isotropy", lambda: square_constants(SHEET, isotropic="no"), ProblemError, "give a bool"),
     ("tensor of NaN", lambda: square_tensor(NAN, 1.0), ProblemError, "spring constant k1: nan"),
-    ("tensor of None", lambda: network_tensor(None, (1.0,), "equal"), ProblemError, "a Lattice"),
+    ("tensor of None", lambda: interior_tensor(None, (1.0,), "equal"), ProblemError, "a Lattice"),
     ("moduli of a row", lambda: moduli([1.0]), ProblemError, "shape (1,); give a plane one"),
     ("moduli of zeros", lambda: moduli(np.zeros((3, 3))), ProblemError, "C11 = 0, C12 = 0"),
     ("ratio of NaN", lambda: directional_ratio(TENSOR, NAN), ProblemError, "angle: nan"),
-    ("turn without end", lambda: rotated(TENSOR, 1e300), ProblemError, "in rad, within 1e+06"),
+    (
+        "turn without end",
+        lambda: rotate_tensor(TENSOR, 1e300),
+        ProblemError,
+        "in rad, within 1e+06",
+    ),
     (
         "springs of no length",
         lambda: spring_tensor(np.zeros((1, 2)), [1.0], 1.0),
@@ -338,11 +353,16 @@ BAD = [
     # equilibria
     (
         "springs of None",
-        lambda: springs(PROBLEM, None),
+        lambda: solve_springs(PROBLEM, None),
         ProblemError,
         "network: None; give a N",
     ),
-    ("answer of a list", lambda: springs(PROBLEM, NETWORK, ["linear"]), ProblemError, "choose lin"),
+    (
+        "answer of a list",
+        lambda: solve_springs(PROBLEM, NETWORK, ["linear"]),
+        ProblemError,
+        "choose lin",
+    ),
     ("stability of None", lambda: is_stable(None, NETWORK.points), ProblemError, "give a Network"),
     ("no stiffness", lambda: equilibrium(net(0.0)), SolverError, "a mechanism: nothing resists"),
     (
@@ -420,10 +440,10 @@ BAD = [
     ("frequencies of None", lambda: natural_frequencies(None), ProblemError, "give a Network"),
     ("no frequency", lambda: natural_frequencies(NETWORK, True), ProblemError, "count: True freq"),
     # comparisons and settings
-    ("nothing to compare", lambda: worst([], []), ProblemError, "comparison of no values"),
+    ("nothing to compare", lambda: farthest_value([], []), ProblemError, "comparison of no values"),
     (
         "unlike rows",
-        lambda: worst([1, 2], [1, 2, 3]),
+        lambda: farthest_value([1, 2], [1, 2, 3]),
         ProblemError,
         "with references (3,); give one",
     ),
@@ -595,12 +615,12 @@ def test_the_list_is_long_enough_and_names_each_once():
     ids=["text", "lookalike", "array", "box", "tuple"],
 )
 def test_what_was_given_is_shown_on_one_line(value, line):
-    assert shown(value) == line
+    assert format_value(value) == line
 
 
 def test_what_was_given_is_shown_shortened():
     for value in ("a" * 10**6, list(range(10**6)), np.zeros(10**6), {i: i for i in range(10**5)}):
-        assert len(shown(value)) <= 100
+        assert len(format_value(value)) <= 100
 
 
 def test_a_list_of_counts_is_as_good_as_a_tuple():
@@ -703,7 +723,9 @@ def test_any_isotropic_material(E, nu, thickness, state):
         assert constants is None or all_finite(constants)
         for route in ROUTES:
             found = judged(
-                lambda route=route: calibrated(material, square(Box((1.0, 1.0)), 2), route=route)
+                lambda route=route: calibrate_material(
+                    material, square(Box((1.0, 1.0)), 2), route=route
+                )
             )
             assert found is None or all_finite(found.constants, found.shear, found.volume, found.E)
 
@@ -866,7 +888,7 @@ def test_any_stability_limit(omega, damping):
 def test_any_constants(k1, k2, angle):
     C = judged(lambda: square_tensor(k1, k2))
     if C is not None:
-        turned = judged(lambda: rotated(C, angle))
+        turned = judged(lambda: rotate_tensor(C, angle))
         assert turned is None or all_finite(turned)
         found = judged(lambda: moduli(C))
         assert found is None or all_finite(found.E, found.nu, found.zener)
@@ -905,7 +927,7 @@ def test_any_place_to_refine_towards(place, depth, rings):
 @few
 @given(st.lists(number, min_size=1, max_size=4), st.lists(number, min_size=1, max_size=4))
 def test_any_rows_compared(values, references):
-    judged(lambda: worst(values, references))
+    judged(lambda: farthest_value(values, references))
     order = judged(lambda: observed_order(values, references))
     assert order is None or isinstance(order, float)
 

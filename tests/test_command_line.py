@@ -346,9 +346,9 @@ def test_a_backend_that_is_not_there_is_not_missed(backend, tmp_path):
 def run(setting):
     import pandas as pd
     from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-    from msvalidate.output.figures import new
+    from msvalidate.output.figures import new_figure
     return Evidence({"t": pd.DataFrame({"x": [1.0]})}, {"gap": Observed(0.0)},
-                    (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: new()[0]},
+                    (Tolerance("gap", 0.5, "m", "so"),), {"f": lambda tables: new_figure()[0]},
                     columns={"x": "place (m)"})"""
     script = PATCHED.format(body=body)
     done = run(cwd=tmp_path, script=script, fresh=True, MPLBACKEND=backend)

@@ -32,7 +32,7 @@ import pandas as pd
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging import catalogue
 from msvalidate.output import baseline
-from msvalidate.output.figures import new
+from msvalidate.output.figures import new_figure
 from msvalidate.problem import ProblemError
 
 baseline.CHECKOUT = Path("base")
@@ -43,7 +43,7 @@ def found(setting, **table):
     table = pd.DataFrame({"x": x, "wall_seconds": time.perf_counter()} | table)
 
     def drawn(tables):
-        figure, (axis,) = new()
+        figure, (axis,) = new_figure()
         axis.plot(tables["t"]["x"])
         return figure
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from msvalidate.bodies.uniform_tension import tried
+from msvalidate.bodies.uniform_tension import check_uniform_tension
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.lattice_constants import by_route, default_constants
+from msvalidate.constants.lattice_constants import calibrate_by_route, default_constants
 from msvalidate.lattice import Lattice, Pattern
 from msvalidate.problem import Isotropic
 from msvalidate.problem.material import State
 
-__all__ = ["calibrate", "calibrated", "default_constants"]
+__all__ = ["calibrate", "calibrate_material", "default_constants"]
 
 
 def calibrate(
@@ -41,25 +41,25 @@ def calibrate(
     thickness
         Out-of-plane thickness (m) of a plane body.
     spacing, route
-        As for `calibrated`.
+        As for `calibrate_material`.
 
     Raises
     ------
     ProblemError
-        As for `calibrated`, or if there is no such material.
+        As for `calibrate_material`, or if there is no such material.
     """
     material = Isotropic(E=E, nu=nu, state=plane, thickness=thickness)
-    return calibrated(material, lattice, spacing=spacing, route=route)
+    return calibrate_material(material, lattice, spacing=spacing, route=route)
 
 
-def calibrated(
+def calibrate_material(
     material: Isotropic,
     lattice: Pattern | Lattice,
     *,
     spacing: float | None = None,
     route: str | None = None,
 ) -> Calibration:
-    """Constants that make a lattice a material, by one route or by the first that leads there.
+    """Constants that give a lattice the moduli of a material, by one route or the first possible.
 
     The endless lattice is that material. Of a body, `Calibration.body` says how far it is.
 
@@ -77,7 +77,7 @@ def calibrated(
     ProblemError
         With the reason and the nearest that there is, if there is no way.
     """
-    found = by_route(material, lattice, spacing, route)
+    found = calibrate_by_route(material, lattice, spacing, route)
     if isinstance(lattice, Pattern):
         return found
-    return replace(found, body=tried(material, lattice, found))
+    return replace(found, body=check_uniform_tension(material, lattice, found))

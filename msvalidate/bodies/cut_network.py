@@ -32,10 +32,10 @@ import numpy as np
 
 from msvalidate.bodies.lattice_network import refuse_other_domain
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.lattice_constants import stiffnesses
+from msvalidate.constants.lattice_constants import spring_stiffnesses
 from msvalidate.lattice import Constants
 from msvalidate.lattice.cut import CutLattice
-from msvalidate.lattice.outline import crossed, outline, outside, straight_pieces
+from msvalidate.lattice.outline import crossed_cells, is_outside, outline, straight_pieces
 from msvalidate.network import Network, spring_network
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import (
@@ -51,10 +51,10 @@ from msvalidate.problem import (
     Traction,
     corners_of,
     measure_of,
-    prescribed_where,
+    prescribed_displacements_at,
     vectors_at,
 )
-from msvalidate.problem.checks import instance, number
+from msvalidate.problem.checks import finite_number, require_type
 
 GAUSS = (0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3))
 """Places on a piece within one cell: exact for a traction that is linear along it."""
@@ -86,16 +86,18 @@ def cut_network(
     ProblemError
         If the lattice cannot be the material, or a support does not meet its points or holds all.
     """
-    instance("problem", problem, Problem)
-    instance("lattice", lattice, CutLattice)
+    require_type("problem", problem, Problem)
+    require_type("lattice", lattice, CutLattice)
     refuse_other_domain(problem, lattice)
-    k, kappa, k_t = stiffnesses(problem.material, lattice, constants, volume)
+    k, kappa, k_t = spring_stiffnesses(problem.material, lattice, constants, volume)
     if k_t.any():
         raise ProblemError(
             "shear springs: strains of points at a cut outline are not the body's; calibrate by "
             "route 'volume energy'"
         )
-    held, displacement = prescribed_where(problem, lattice.points, _held_by(lattice))
+    held, displacement = prescribed_displacements_at(
+        problem, lattice.points, _support_selector(lattice)
+    )
     if held.all():
         raise ProblemError(
             f"cut network: its supports hold every point at a spacing of {lattice.spacing:g} m; "
@@ -120,7 +122,7 @@ def cut_network(
 
 def _volumes(lattice: CutLattice, stiffness: float) -> Volumes | None:
     """The lattice's cells, where they resist a change of volume."""
-    kappa = number("volume stiffness", stiffness)
+    kappa = finite_number("volume stiffness", stiffness)
     if not kappa:
         return None
     return Volumes(lattice.points, lattice.cells, kappa * lattice.fraction)
@@ -129,7 +131,7 @@ def _volumes(lattice: CutLattice, stiffness: float) -> Volumes | None:
 # Supports -----------------------------------------------------------------------------------------
 
 
-def _held_by(lattice: CutLattice) -> Callable[[Support], Mask]:
+def _support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
     """Which points a support holds, as a function of the support."""
 
     def held(support: Support) -> Mask:
@@ -140,7 +142,7 @@ def _held_by(lattice: CutLattice) -> Callable[[Support], Mask]:
             return np.asarray(region.select(lattice.points, lattice.domain.tolerance))
         if len(flat):
             return _on_lattice_line(support, lattice, corners, int(flat[0]))
-        return _around(region, lattice)
+        return _points_along(region, lattice)
 
     return held
 
@@ -162,14 +164,14 @@ def _on_lattice_line(support: Support, lattice: CutLattice, corners: Array, axis
     # point of the lattice there may be cut too.
     near = furthest < lattice.spacing - room
     beyond = (furthest <= lattice.spacing + room) & ~near & on
-    beyond[beyond] = outside(outline(lattice.domain), x[beyond, :2], room)
+    beyond[beyond] = is_outside(outline(lattice.domain), x[beyond, :2], room)
     return np.asarray(on & (near | beyond))
 
 
-def _around(region: Part, lattice: CutLattice) -> Mask:
+def _points_along(region: Part, lattice: CutLattice) -> Mask:
     """Points of the cells that a part of the outline runs through."""
     pieces = straight_pieces(region, lattice.domain)
-    cells = crossed(pieces, lattice.points[lattice.cells[:, 0], :2], lattice.spacing)
+    cells = crossed_cells(pieces, lattice.points[lattice.cells[:, 0], :2], lattice.spacing)
     held = np.zeros(len(lattice.points), dtype=bool)
     held[lattice.cells[cells]] = True
     if lattice.points.shape[1] == 3:  # a wall may not reach from the bottom to the top
@@ -188,7 +190,7 @@ def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
     thickness = problem.material.thickness
     for load in problem.loads:
         if isinstance(load, PointForce):
-            places, vectors = _in_body(load, lattice), np.array([load.force])
+            places, vectors = _nearest_in_body(load, lattice), np.array([load.force])
         elif isinstance(load, BodyForce):
             volume = thickness * lattice.point_volume[:, None]
             force += volume * vectors_at("body force", load.force, lattice.points)
@@ -201,10 +203,10 @@ def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
     return force
 
 
-def _in_body(load: PointForce, lattice: CutLattice) -> Array:
+def _nearest_in_body(load: PointForce, lattice: CutLattice) -> Array:
     """The place (1, d) in m of a point force: beyond the body a cell's motion means nothing."""
     place, domain = np.array([load.at]), lattice.domain
-    if outside(outline(domain), place[:, :2], domain.tolerance).any():
+    if is_outside(outline(domain), place[:, :2], domain.tolerance).any():
         raise ProblemError(
             f"point force at {load.region}: outside the body, as in a hole; choose a place in it"
         )
@@ -215,7 +217,7 @@ def _traction_forces(load: Traction, lattice: CutLattice) -> tuple[Array, Array]
     """Places (q, 2) in m and forces (q, 2) in N per thickness that a traction amounts to."""
     if lattice.points.shape[1] == 3:
         return _face_forces(load, lattice)
-    ends = _split(straight_pieces(load.region, lattice.domain), lattice)
+    ends = _split_at_lattice_lines(straight_pieces(load.region, lattice.domain), lattice)
     along = ends[:, 1] - ends[:, 0]
     places = np.concatenate([ends[:, 0] + s * along for s in GAUSS])
     length = np.tile(np.linalg.norm(along, axis=1) / 2, 2)
@@ -246,7 +248,7 @@ def _face_forces(load: Traction, lattice: CutLattice) -> tuple[Array, Array]:
     return x[taking], of_point[taking, None] * traction
 
 
-def _split(pieces: Array, lattice: CutLattice) -> Array:
+def _split_at_lattice_lines(pieces: Array, lattice: CutLattice) -> Array:
     """Ends (p, 2, 2) in m of the parts of straight lines (q, 2, 2) between lines of the lattice."""
     low, high = np.moveaxis((pieces - lattice.points[0]) / lattice.spacing, 1, 0)
     each = np.arange(len(pieces))

@@ -25,9 +25,9 @@ from msvalidate.linear_algebra.factor import Factor, NoMemoryError
 from msvalidate.linear_algebra.refine import LARGEST_ERROR
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import coordinates, finite, instance, integers
-from msvalidate.statics.linear_solution import Solved, solved
-from msvalidate.tangent.cycles import Cycles, UnsettledError
+from msvalidate.problem.checks import finite, finite_coordinates, integers, require_type
+from msvalidate.statics.linear_solution import LinearSolution, solve_linear
+from msvalidate.tangent.cycles import Cycles, NotConvergedError
 from msvalidate.tangent.inverse import Solver
 
 OPEN = 1e-7
@@ -100,7 +100,7 @@ def fitted_constants(
     weights: Sequence[ArrayLike] | None = None,
     start: Constants | None = None,
 ) -> Fit:
-    """Constants with which networks come nearest to wanted displacements, in least squares.
+    """Constants that fit given displacements of networks in least squares.
 
     Parameters
     ----------
@@ -124,12 +124,12 @@ def fitted_constants(
     SolverError
         If no stable network is found, or none that comes nearer than no displacement at all.
     """
-    number = _kinds(networks, kind)
-    cases = _cases(networks, wanted, np.asarray(kind), number, weights)
+    number = _count_kinds(networks, kind)
+    cases = _load_cases(networks, wanted, np.asarray(kind), number, weights)
     with_volumes = networks[0].volumes is not None
-    p = _start(cases, number, with_volumes, start)
+    p = _starting_constants(cases, number, with_volumes, start)
     unit = float(p.max())
-    found = _nearest(cases, p / unit, unit, number)
+    found = _least_squares(cases, p / unit, unit, number)
     if not found.success:
         raise SolverError(
             f"fitted constants: not found in {found.nfev} steps, a residual of "
@@ -141,8 +141,10 @@ def fitted_constants(
             f"fitted constants: a residual of {residual:.3g}, as of no displacement at all; look "
             "at the signs of what is wanted, or start from better constants"
         )
-    condition = _determined(found.jac * found.x[:number].max(), number)
-    constants, error = _corrected(networks, cases, np.asarray(kind), unit * found.x, found.jac)
+    condition = _check_determined(found.jac * found.x[:number].max(), number)
+    constants, error = _correct_constants(
+        networks, cases, np.asarray(kind), unit * found.x, found.jac
+    )
     if error > LARGEST_ERROR:
         raise SolverError(
             f"fitted constants: known to {error:.1g} of the largest only, more than "
@@ -159,7 +161,7 @@ def fitted_constants(
     )
 
 
-def _corrected(
+def _correct_constants(
     networks: Sequence[Network], cases: list[_Case], kind: Index, p: Array, slope: Array
 ) -> tuple[Array, float]:
     """Constants by refined solutions, and their error over the largest of them.
@@ -171,13 +173,13 @@ def _corrected(
     inverse = np.where(p[:, None] > 0, np.linalg.pinv(slope), 0.0)
     for _ in range(CORRECTIONS):
         try:
-            refined = [_refined(network, p, kind) for network in networks]
+            refined = [_refined_equilibrium(network, p, kind) for network in networks]
         except SolverError:  # without a constant that has come to nothing the network is loose
             if p.min() > WORTH_HAVING * unit:
                 raise
             return p, math.nan
         u = [one.displacement.ravel()[case.free] for one, case in zip(refined, cases, strict=True)]
-        plain = np.concatenate([_answer(case, p)[0] for case in cases])
+        plain = np.concatenate([_weighted_response(case, p)[0] for case in cases])
         exact = np.concatenate([case.scale * each for case, each in zip(cases, u, strict=True)])
         off = np.concatenate(
             [
@@ -198,20 +200,20 @@ def _corrected(
     return p, max(float(np.abs(step).max()), rounding)
 
 
-def _refined(network: Network, p: Array, kind: Index) -> Solved:
+def _refined_equilibrium(network: Network, p: Array, kind: Index) -> LinearSolution:
     """The equilibrium with constants p, refined to the last digit."""
     volumes = network.volumes
     if volumes is not None:
         volumes = replace(volumes, stiffness=float(p[-1]) * volumes.stiffness)
-    return solved(replace(network, stiffness=p[kind] * network.stiffness, volumes=volumes))
+    return solve_linear(replace(network, stiffness=p[kind] * network.stiffness, volumes=volumes))
 
 
-def _kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
+def _count_kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
     """Number of kinds of spring, of networks that go together."""
     if not isinstance(networks, Sequence) or not networks:
         raise ProblemError("fitted constants: no network; give a list, one a load case")
     for network in networks:
-        instance("network", network, Network)
+        require_type("network", network, Network)
         refuse_free_motions("network", network.points, network.held)
         if network.shear is not None:
             raise ProblemError("fitted constants: shear springs are not fitted; leave them out")
@@ -230,7 +232,7 @@ def _kinds(networks: Sequence[Network], kind: ArrayLike) -> int:
     return len(kinds)
 
 
-def _cases(
+def _load_cases(
     networks: Sequence[Network],
     wanted: Sequence[ArrayLike],
     kind: Index,
@@ -246,7 +248,7 @@ def _cases(
             )
     cases = []
     for network, target, weight in zip(networks, wanted, weights, strict=True):
-        u = coordinates("wanted displacement", target, *network.points.shape)
+        u = finite_coordinates("wanted displacement", target, *network.points.shape)
         w = finite("weights", weight, len(u))
         if w.min() < 0:
             raise ProblemError(f"weights: {w.min():g}; give one of 0 or more a point")
@@ -271,7 +273,9 @@ def _cases(
     return cases
 
 
-def _start(cases: list[_Case], number: int, volumes: bool, given: Constants | None) -> Array:
+def _starting_constants(
+    cases: list[_Case], number: int, volumes: bool, given: Constants | None
+) -> Array:
     """Constants to start from: those given, or the equal ones that come nearest under forces."""
     p = np.append(np.ones(number), np.zeros(int(volumes)))
     if given is not None:
@@ -281,7 +285,7 @@ def _start(cases: list[_Case], number: int, volumes: bool, given: Constants | No
                 f"start: {k.tolist()}; give {number} constants above 0, of ordinary size"
             )
         p[:number] = k
-    answers = [_answer(case, p)[0] for case in cases]
+    answers = [_weighted_response(case, p)[0] for case in cases]
     if not all(np.isfinite(answer).all() for answer in answers):
         raise ProblemError("fitted constants: the networks are loose; add springs, or hold more")
     if given is not None:
@@ -295,7 +299,7 @@ def _start(cases: list[_Case], number: int, volumes: bool, given: Constants | No
     return p * (factor if 1 / LONGEST <= factor <= LONGEST else 1.0)
 
 
-def _nearest(cases: list[_Case], start: Array, unit: float, number: int) -> OptimizeResult:
+def _least_squares(cases: list[_Case], start: Array, unit: float, number: int) -> OptimizeResult:
     """Least squares over constants in a unit of theirs; springs', the first, stay 0 or more."""
     lowest = np.where(np.arange(len(start)) < number, 0.0, -np.inf)
 
@@ -311,11 +315,11 @@ def _nearest(cases: list[_Case], start: Array, unit: float, number: int) -> Opti
 
 def _misfit(case: _Case, p: Array) -> tuple[Array, Array]:
     """Weighted misfit (f,) and its slopes (f, p); infinite where the network is not stable."""
-    answer, slope = _answer(case, p)
+    answer, slope = _weighted_response(case, p)
     return answer - case.scale * case.wanted, slope
 
 
-def _answer(case: _Case, p: Array) -> tuple[Array, Array]:
+def _weighted_response(case: _Case, p: Array) -> tuple[Array, Array]:
     """Weighted displacement (f,) and its slopes (f, p); infinite as in `_misfit`."""
     free = case.free
     network = case.network
@@ -325,21 +329,23 @@ def _answer(case: _Case, p: Array) -> tuple[Array, Array]:
         inverse = case.solver.inverse(network, network.points, K)
         if isinstance(inverse, Factor) and inverse.negative:
             return nowhere
-        return _moved(case, K, inverse)
+        return _response_by_inverse(case, K, inverse)
     except NoMemoryError:
         raise
-    except UnsettledError as error:  # not stable, or no more than too much for multigrid
+    except NotConvergedError as error:  # not stable, or no more than too much for multigrid
         try:
             case.solver.give_way(error)
         except SolverError:
             return nowhere
-        return _answer(case, p)
+        return _weighted_response(case, p)
     except RuntimeError:  # a pivot of zero
         return nowhere
 
 
-def _moved(case: _Case, K: bsr_array, inverse: Factor | Cycles) -> tuple[Array, Array]:
-    """As `_answer`, by the inverse of K."""
+def _response_by_inverse(
+    case: _Case, K: bsr_array, inverse: Factor | Cycles
+) -> tuple[Array, Array]:
+    """As `_weighted_response`, by the inverse of K."""
     free = case.free
 
     def solve(right: Array) -> Array:
@@ -352,7 +358,7 @@ def _moved(case: _Case, K: bsr_array, inverse: Factor | Cycles) -> tuple[Array, 
     return case.scale * u[free], slope
 
 
-def _determined(slope: Array, number: int) -> float:
+def _check_determined(slope: Array, number: int) -> float:
     """Condition of the slopes; refused with the names of the constants that they leave open."""
     _, values, ways = np.linalg.svd(slope, full_matrices=False)
     if values[-1] > OPEN * values[0]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.lattice_constants import stiffnesses
+from msvalidate.constants.lattice_constants import spring_stiffnesses
 from msvalidate.lattice import Constants, CutLattice, Lattice, VoronoiLattice, boundary_weights
 from msvalidate.lattice.corners import quadrilateral_shares
 from msvalidate.network import Network, spring_network
@@ -23,10 +23,10 @@ from msvalidate.problem import (
     ProblemError,
     Traction,
     measure_of,
-    prescribed,
+    prescribed_displacements,
     vectors_at,
 )
-from msvalidate.problem.checks import chosen, instance, number
+from msvalidate.problem.checks import finite_number, require_one_of, require_type
 
 RIGHT = 1e-9
 """Cotangent down to which an angle beyond 90° counts as right: rounding of coordinates is 1e-16."""
@@ -65,14 +65,14 @@ def lattice_network(
     ProblemError
         If the lattice cannot be the material, or a support or load does not meet its points.
     """
-    instance("problem", problem, Problem)
-    instance("lattice", lattice, Lattice)
+    require_type("problem", problem, Problem)
+    require_type("lattice", lattice, Lattice)
     if isinstance(lattice, CutLattice):
         raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
     refuse_other_domain(problem, lattice)
-    k, kappa, k_t = stiffnesses(problem.material, lattice, constants, volume)
+    k, kappa, k_t = spring_stiffnesses(problem.material, lattice, constants, volume)
     weight = boundary_weights(lattice, weights)
-    held, displacement = prescribed(problem, lattice.points)
+    held, displacement = prescribed_displacements(problem, lattice.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
         force, masses = _nodal_force(problem, lattice), _nodal_mass(problem, lattice, mass)
     return spring_network(
@@ -107,7 +107,7 @@ def _shear(lattice: Lattice, stiffness: Array) -> LocalShear | None:
 
 def _volumes(lattice: Lattice, stiffness: float) -> Volumes | None:
     """The lattice's cells, where they resist a change of volume."""
-    kappa = number("volume stiffness", stiffness)
+    kappa = finite_number("volume stiffness", stiffness)
     if not kappa:
         return None
     cells = Volumes(lattice.points, lattice.cells, np.full(len(lattice.cells), kappa))
@@ -122,7 +122,7 @@ def _volumes(lattice: Lattice, stiffness: float) -> Volumes | None:
 
 def _nodal_mass(problem: Problem, lattice: Lattice, rule: str) -> Array:
     total = problem.material.density * problem.material.thickness
-    chosen("mass", rule, ("shared", "equal"))
+    require_one_of("mass", rule, ("shared", "equal"))
     if rule == "shared":
         return total * lattice.point_volume
     return np.full(len(lattice.points), total * lattice.domain.volume / len(lattice.points))

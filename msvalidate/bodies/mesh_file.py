@@ -26,7 +26,7 @@ import meshio
 import numpy as np
 
 from msvalidate.problem import SHAPES, Array, Index, Mesh, ProblemError
-from msvalidate.problem.checks import coordinates, finite, positive, shown
+from msvalidate.problem.checks import finite, finite_coordinates, format_value, positive_number
 
 FORMATS = {".msh": "gmsh", ".vtu": "vtu", ".vtk": "vtk", ".inp": "abaqus"}
 """Suffix -> meshio's name of the format."""
@@ -54,38 +54,40 @@ def read_mesh(path: str | Path, unit: float = 1.0) -> Mesh:
         If the file is missing, unreadable, incomplete or of another format, its cells are of
         several kinds or of one that is not known, or they are no mesh (see `Mesh`).
     """
-    positive("mesh file: unit", unit, "m")
-    file = _checked_path(path)
-    said = f"mesh file {shown(file.name)}"
-    content = _read(file, said)
+    positive_number("mesh file: unit", unit, "m")
+    file = _check_path(path)
+    said = f"mesh file {format_value(file.name)}"
+    content = _read_content(file, said)
     shape, cells = _body_cells(content, said)
     try:
         points = _coordinates(content.points, SHAPES[shape].dim, unit)
-        cells = _turned(points, cells, shape)
+        cells = _orient_cells(points, cells, shape)
         mesh = Mesh(points, cells, shape)
         return mesh.named(_boundaries(content, file, mesh))
     except ProblemError as error:
         raise ProblemError(f"{said}: {error}") from error
 
 
-def _checked_path(path: object) -> Path:
+def _check_path(path: object) -> Path:
     if not isinstance(path, str | Path):
-        raise ProblemError(f"mesh file: {shown(path)}; give a path")
+        raise ProblemError(f"mesh file: {format_value(path)}; give a path")
     file = Path(path)
     if file.suffix.lower() not in FORMATS:
-        raise ProblemError(f"mesh file {shown(file.name)}: give one of {', '.join(FORMATS)}")
+        raise ProblemError(f"mesh file {format_value(file.name)}: give one of {', '.join(FORMATS)}")
     try:
         with file.open("rb") as opened:
             empty = not opened.read(1)
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or str(error)
-        raise ProblemError(f"mesh file {shown(str(path))}: {why}; give a file to read") from error
+        raise ProblemError(
+            f"mesh file {format_value(str(path))}: {why}; give a file to read"
+        ) from error
     if empty:
-        raise ProblemError(f"mesh file {shown(file.name)}: empty; write it again")
+        raise ProblemError(f"mesh file {format_value(file.name)}: empty; write it again")
     return file
 
 
-def _read(file: Path, said: str) -> Any:
+def _read_content(file: Path, said: str) -> Any:
     """What meshio finds in a file; it prints what it thinks, and leaves the program on an error."""
     form = FORMATS[file.suffix.lower()]
     heard = io.StringIO()
@@ -95,16 +97,18 @@ def _read(file: Path, said: str) -> Any:
     except (Exception, SystemExit) as error:  # whatever its parsers stumble over
         lines = [line for line in heard.getvalue().splitlines() if "Couldn't read" not in line]
         why = str(error) if isinstance(error, meshio.ReadError) else "".join(lines[:1])
-        what = shown(why).strip("'\"") or "it ends too soon, or is of another format"
+        what = format_value(why).strip("'\"") or "it ends too soon, or is of another format"
         raise ProblemError(f"{said}: not a whole {form} file: {what}; write it again") from error
-    if "not closed" in heard.getvalue() or _announced(file, form) > sum(map(len, content.cells)):
+    if "not closed" in heard.getvalue() or _announced_cells(file, form) > sum(
+        map(len, content.cells)
+    ):
         raise ProblemError(f"{said}: it ends too soon; write it again")
     if not len(content.points) or not len(content.cells):
         raise ProblemError(f"{said}: no {'cells' if len(content.points) else 'points'} in it")
     return content
 
 
-def _announced(file: Path, form: str) -> int:
+def _announced_cells(file: Path, form: str) -> int:
     """Number of cells that a VTK file of the old kind promises; meshio may come back with less."""
     if form != "vtk":
         return 0
@@ -148,7 +152,7 @@ def _remedy(name: str, dim: int) -> str:
 def _coordinates(points: Any, dim: int, unit: float) -> Array:
     """Coordinates (n, dim) in m."""
     with np.errstate(over="ignore"):  # what is too long is refused
-        given = coordinates("mesh points", finite("mesh points", points) * unit)
+        given = finite_coordinates("mesh points", finite("mesh points", points) * unit)
     if given.ndim != 2 or given.shape[1] < dim:
         raise ProblemError(f"points: shape {given.shape}; give {dim} coordinates each")
     if dim == 2 and given.shape[1] == 3:
@@ -161,7 +165,7 @@ def _coordinates(points: Any, dim: int, unit: float) -> Array:
     return np.ascontiguousarray(given[:, :dim])
 
 
-def _turned(points: Array, cells: Index, shape: str) -> Index:
+def _orient_cells(points: Array, cells: Index, shape: str) -> Index:
     """Plane cells counter-clockwise, if all of them were clockwise: seen from the other side."""
     kind = SHAPES[shape]
     if kind.dim != 2:
@@ -185,7 +189,8 @@ def _boundaries(content: Any, file: Path, mesh: Mesh) -> dict[str, Index]:
             continue
         if block.data.shape[1] != mesh.surface.shape[1]:
             raise ProblemError(
-                f"boundary {shown(name)}: {block.type} cells on sides of {mesh.shape} cells; mesh "
+                f"boundary {format_value(name)}: {block.type} cells on sides of {mesh.shape} "
+                f"cells; mesh "
                 "both to one order"
             )
         found.setdefault(name, []).append(np.asarray(block.data[chosen], dtype=np.intp))

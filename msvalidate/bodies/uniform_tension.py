@@ -16,9 +16,9 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.calibration import Body, Calibration
+from msvalidate.constants.calibration import Calibration, TensionCheck
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice, fill
-from msvalidate.linear_algebra.factor import NoMemoryError, factorised
+from msvalidate.linear_algebra.factor import NoMemoryError, factorise
 from msvalidate.network import Network, tangent
 from msvalidate.problem import (
     SIDES,
@@ -30,7 +30,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.tangent.inverse import order_of
+from msvalidate.tangent.inverse import elimination_order
 
 MOST_TRIED = 800
 """Points of a body that is tried as it is, for a tenth of a second or two. Of a larger one a
@@ -44,24 +44,28 @@ PULL = 1e-3
 """Traction over Young's modulus; answers to first order do not depend on it."""
 
 
-NOT_KNOWN = Body("not known", math.nan, 0)
+NOT_KNOWN = TensionCheck("not known", math.nan, 0)
 
 
-def tried(material: Isotropic, lattice: Lattice, found: Calibration) -> Body:
-    """What a body on a lattice does with its calibration."""
+def check_uniform_tension(
+    material: Isotropic, lattice: Lattice, found: Calibration
+) -> TensionCheck:
+    """Response of a body of a calibrated lattice to uniform tension."""
     if isinstance(lattice, CutLattice) or not isinstance(lattice.domain, Box):
         return NOT_KNOWN
-    small, scale = _smaller(lattice)
+    small, scale = _smaller_lattice(lattice)
     stiff = min(found.volume, *found.constants, *found.shear) >= 0
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is infinite is not known
-            body = _pulled(_on_rollers(material, small, found), small.points, stiff=stiff)
+            body = _measure_tension(_on_rollers(material, small, found), small.points, stiff=stiff)
     except ProblemError:  # such as cells that do not fill the body, said when it is made
         return NOT_KNOWN
     return replace(body, error=scale * body.error)
 
 
-def _pulled(pulls: list[tuple[Network, Array]], points: Array, *, stiff: bool) -> Body:
+def _measure_tension(
+    pulls: list[tuple[Network, Array]], points: Array, *, stiff: bool
+) -> TensionCheck:
     """What a body of points (n, d) does: networks with their loads, and the strains (d,) wanted."""
     first, _ = pulls[0]
     K, free = tangent(first, points), np.flatnonzero(~first.held.ravel())
@@ -75,25 +79,25 @@ def _pulled(pulls: list[tuple[Network, Array]], points: Array, *, stiff: bool) -
     most = max(float(np.abs(network.force).max()) for network, _ in pulls)
     balanced = bool(np.abs(left).max() <= BALANCED * most)
     if balanced and stiff:
-        return Body("exact", 0.0, len(points))
+        return TensionCheck("exact", 0.0, len(points))
     if len(points) > MOST_FACTORED:
         return NOT_KNOWN
     try:
-        factor = factorised(csr_array(K[free][:, free]), order_of(first))
+        factor = factorise(csr_array(K[free][:, free]), elimination_order(first))
     except NoMemoryError:
         raise
     except RuntimeError:  # a pivot of zero
-        return Body("unstable", math.nan, len(points))
+        return TensionCheck("unstable", math.nan, len(points))
     if factor.negative:
-        return Body("unstable", math.nan, len(points))
+        return TensionCheck("unstable", math.nan, len(points))
     if balanced:
-        return Body("exact", 0.0, len(points))
+        return TensionCheck("exact", 0.0, len(points))
     off = np.abs(factor.solve(left)).max(axis=0)
     error = max(float(o / np.abs(u).max()) for o, u in zip(off, wanted, strict=True))
-    return Body("first order", error, len(points)) if math.isfinite(error) else NOT_KNOWN
+    return TensionCheck("first order", error, len(points)) if math.isfinite(error) else NOT_KNOWN
 
 
-def _smaller(lattice: Lattice) -> tuple[Lattice, float]:
+def _smaller_lattice(lattice: Lattice) -> tuple[Lattice, float]:
     """A body of the same lattice of `MOST_TRIED` points or so, and its least count of cells over.
 
     The body itself, where it is no larger, or nobody knows what repeats in it.

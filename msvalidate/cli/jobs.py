@@ -18,7 +18,14 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 
-from msvalidate.cli.outcome import Clock, Outcome, Task, crashed, unfinished, work
+from msvalidate.cli.outcome import (
+    Clock,
+    Outcome,
+    Task,
+    crashed_outcome,
+    run_task,
+    unfinished_outcome,
+)
 from msvalidate.judging import catalogue
 
 DIED = "crashed: its process died"
@@ -27,7 +34,7 @@ ORPHANED = 1
 """Exit code of a worker that nobody waits for any more."""
 
 
-def ended(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) -> Generator[Outcome]:
+def run_tasks(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) -> Generator[Outcome]:
     """Outcomes of studies as they end, in any order; with one job in the order given.
 
     Close it to leave the rest: what is running is then stopped.
@@ -45,16 +52,16 @@ def ended(tasks: Sequence[Task], jobs: int, began: Callable[[str], None]) -> Gen
     if jobs == 1 or len(tasks) < 2:
         for task in tasks:
             began(task.name)
-            yield work(task)
+            yield run_task(task)
         return
     # Workers have no terminal to themselves: bars would write over each other.
     quiet = [replace(task, setting=replace(task.setting, progress=False)) for task in tasks]
     alone = [task for task in quiet if catalogue.alone(task.name)]
-    yield from _side_by_side([task for task in quiet if task not in alone], jobs, began)
-    yield from _side_by_side(alone, 1, began)
+    yield from _run_in_parallel([task for task in quiet if task not in alone], jobs, began)
+    yield from _run_in_parallel(alone, 1, began)
 
 
-def _side_by_side(
+def _run_in_parallel(
     tasks: Sequence[Task], jobs: int, began: Callable[[str], None]
 ) -> Generator[Outcome]:
     todo = deque(tasks)
@@ -66,8 +73,8 @@ def _side_by_side(
             while todo and idle:
                 task, worker = todo.popleft(), idle.pop()
                 began(task.name)
-                with _uninterrupted():
-                    busy[worker.submit(work, task)] = task, Clock(), worker
+                with _defer_interrupt():
+                    busy[worker.submit(run_task, task)] = task, Clock(), worker
             for future in wait(busy, return_when=FIRST_COMPLETED).done:
                 task, clock, worker = busy.pop(future)
                 died = isinstance(future.exception(), BrokenProcessPool)
@@ -90,8 +97,8 @@ def _outcome(task: Task, clock: Clock, future: Future[Outcome]) -> Outcome:
     if error is None:
         return future.result()
     if isinstance(error, BrokenProcessPool):
-        return unfinished(task, clock, "crash", DIED, WHY)
-    return crashed(task, clock, error)
+        return unfinished_outcome(task, clock, "crash", DIED, WHY)
+    return crashed_outcome(task, clock, error)
 
 
 def _worker(names: Sequence[str]) -> ProcessPoolExecutor:
@@ -118,7 +125,7 @@ def _end_with_parent() -> None:
 
 
 @contextlib.contextmanager
-def _uninterrupted() -> Iterator[None]:
+def _defer_interrupt() -> Iterator[None]:
     """Hold an interrupt back; processes that are started meanwhile never hear of any."""
     if not hasattr(signal, "pthread_sigmask"):  # not a Unix
         yield

@@ -15,11 +15,11 @@ from typing import Literal
 import pandas as pd
 
 from msvalidate.judging import catalogue
-from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import baseline, stored
 from msvalidate.output.junit import printable
-from msvalidate.output.provenance import provenance
+from msvalidate.output.provenance import collect_provenance
 from msvalidate.output.stored import Result
 from msvalidate.problem import ProblemError, SolverError
 
@@ -96,7 +96,7 @@ class Outcome:
     @property
     def held(self) -> bool:
         """Whether it finished, judged something, and all that it judged passed."""
-        return not self.error and held(self.verdict)
+        return not self.error and all_passed(self.verdict)
 
 
 class Clock:
@@ -111,8 +111,8 @@ class Clock:
         return time.perf_counter() - self._began
 
 
-def work(task: Task) -> Outcome:
-    """Run a study, judge it, compare its tables, draw its figures. What goes wrong is told.
+def run_task(task: Task) -> Outcome:
+    """Run a study, judge it, compare its tables and draw its figures; report any error.
 
     A study that ends the program, as libraries may, has crashed; an interrupt comes through.
     """
@@ -122,37 +122,37 @@ def work(task: Task) -> Outcome:
         seconds = clock.seconds
         verdict, rows = judge(evidence), []
         if task.against:
-            rows = baseline.compare(evidence, baseline.home(task.against) / task.name)
+            rows = baseline.compare(evidence, baseline.baseline_folder(task.against) / task.name)
             verdict = pd.concat([verdict, pd.DataFrame(rows)], ignore_index=True)
         result = Result(task.name, catalogue.docstring(task.name), evidence, verdict)
-        origin = provenance(task.command, task.setting.seed, clock.started, seconds)
-        files = stored.files(result, origin, seconds=seconds, plots=task.plots)
+        origin = collect_provenance(task.command, task.setting.seed, clock.started, seconds)
+        files = stored.result_files(result, origin, seconds=seconds, plots=task.plots)
     except (ProblemError, SolverError) as error:
         said = printable(str(error))
         kind: Fault = "problem" if isinstance(error, ProblemError) else "solver"
-        return unfinished(task, clock, kind, said, said, traceback.format_exc())
+        return unfinished_outcome(task, clock, kind, said, said, traceback.format_exc())
     except (Exception, SystemExit) as error:  # noqa: BLE001
-        return crashed(task, clock, error)
+        return crashed_outcome(task, clock, error)
     # Functions that draw may be of any kind, and not all can be sent to another process.
     found = replace(result, evidence=replace(evidence, figures={}))
     return Outcome(task.name, found.question, seconds, origin, found, files, compared=bool(rows))
 
 
-def crashed(task: Task, clock: Clock, error: BaseException) -> Outcome:
-    """The outcome of a study in which something went wrong that nobody foresaw."""
+def crashed_outcome(task: Task, clock: Clock, error: BaseException) -> Outcome:
+    """The outcome of a study that ended with an unexpected exception."""
     kind = type(error).__name__
     # What a crash says may hold paths of this machine: for the terminal, not the report.
     said = f"crashed: {kind}: {printable(str(error))}"
     trace = "".join(traceback.format_exception(error))
-    return unfinished(task, clock, "crash", f"crashed: {kind}", said, trace)
+    return unfinished_outcome(task, clock, "crash", f"crashed: {kind}", said, trace)
 
 
-def unfinished(
+def unfinished_outcome(
     task: Task, clock: Clock, fault: Fault, error: str, said: str, trace: str = ""
 ) -> Outcome:
     """The outcome of a study that did not finish."""
     seconds = clock.seconds
-    origin = provenance(task.command, task.setting.seed, clock.started, seconds)
+    origin = collect_provenance(task.command, task.setting.seed, clock.started, seconds)
     question = catalogue.docstring(task.name)
     return Outcome(
         task.name, question, seconds, origin, error=error, said=said, trace=trace, fault=fault

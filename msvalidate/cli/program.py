@@ -163,7 +163,7 @@ def _strangers(args: argparse.Namespace) -> list[int]:
 
     return [
         _error(f"{args.form} baseline: {name} is no study; check --update leaves it out", NOTHING)
-        for name in baseline.strangers(args.form, catalogue.names())
+        for name in baseline.unknown_folders(args.form, catalogue.names())
     ]
 
 
@@ -188,7 +188,7 @@ def _ended(args: argparse.Namespace, arguments: Sequence[str]) -> tuple[list[Out
             _tell(f"{name}: {catalogue.question(name)}")
 
     found, codes = {}, []
-    with contextlib.closing(jobs.ended(tasks, args.jobs, began)) as outcomes:
+    with contextlib.closing(jobs.run_tasks(tasks, args.jobs, began)) as outcomes:
         for outcome in outcomes:
             found[outcome.name] = outcome
             codes += _told(outcome, args)
@@ -216,7 +216,7 @@ def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
 def _written(outcomes: list[Outcome], args: argparse.Namespace) -> None:
     """Write what was found."""
     from msvalidate.output import exchange, report, stored
-    from msvalidate.output.junit import junit
+    from msvalidate.output.junit import junit_xml
 
     files = {each.name: each.files for each in outcomes if each.result}
     late = {
@@ -232,7 +232,7 @@ def _written(outcomes: list[Outcome], args: argparse.Namespace) -> None:
     }
     studies = report.publish(files, args.out, late)
     if args.junit:
-        exchange.replace_file(args.junit, lambda: junit(studies))
+        exchange.replace_file(args.junit, lambda: junit_xml(studies))
 
 
 def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) -> int:
@@ -243,10 +243,12 @@ def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) 
         return _error(
             f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
         )
-    tables = {result.name: baseline.files(result.evidence) for result in results}
+    tables = {result.name: baseline.baseline_files(result.evidence) for result in results}
     # The reason first: a number never moves without one. It follows at once.
     reason = baseline.CHANGELOG, lambda: _changelog(args)
-    exchange.replace_folder(baseline.home(args.form), tables, keep=args.named, beside=reason)
+    exchange.replace_folder(
+        baseline.baseline_folder(args.form), tables, keep=args.named, beside=reason
+    )
     whose = f" of {', '.join(args.studies)}" if args.named else ""
     _tell(f"{args.form} baseline{whose} renewed; CHANGELOG.md says why")
     return HELD
@@ -255,7 +257,7 @@ def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) 
 def _changelog(args: argparse.Namespace) -> bytes:
     from msvalidate.output import baseline
 
-    return baseline.changelog(args.form, args.reason, args.studies if args.named else ())
+    return baseline.changelog_entry(args.form, args.reason, args.studies if args.named else ())
 
 
 def _shown(result: Result, args: argparse.Namespace) -> list[str]:
@@ -283,7 +285,7 @@ def _refuse_unknown_tables(args: argparse.Namespace) -> None:
         return
     from msvalidate.output import baseline
     from msvalidate.problem import ProblemError
-    from msvalidate.problem.checks import shown
+    from msvalidate.problem.checks import format_value
 
     known = {"verdict"}.union(*map(baseline.tables, args.studies))
     if len(known) == 1:
@@ -293,7 +295,7 @@ def _refuse_unknown_tables(args: argparse.Namespace) -> None:
         if name not in words:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f"did you mean {near[0]}?" if near else f"choose from {', '.join(sorted(known))}"
-            raise ProblemError(f"--table {shown(name)}: no such table; {hint}")
+            raise ProblemError(f"--table {format_value(name)}: no such table; {hint}")
 
 
 def _tables_there(results: list[Result], args: argparse.Namespace) -> list[int]:
@@ -315,13 +317,13 @@ def _aligned(table: pd.DataFrame, most: int | None) -> str:
 
 def _say(study: Stored | Outcome, args: argparse.Namespace) -> None:
     """What a study missed, a line each, and in one how it ended, to stderr."""
-    from msvalidate.output.junit import line
+    from msvalidate.output.junit import failure_line
 
     rows = [] if study.error else study.verdict.to_dict("records")
     missed = [row for row in rows if row["verdict"] != "pass"]
     for row in missed:
         why = f" ({row['because']})" if row["layer"] == "baseline" else ""
-        _tell(f"{study.name}: FAIL {line(row)}{why}")
+        _tell(f"{study.name}: FAIL {failure_line(row)}{why}")
     if args.quiet:
         return
     held = f"{len(rows) - len(missed)} of {len(rows)} held"

@@ -12,8 +12,8 @@ Verdict = Literal["exact", "first order", "unstable", "not known"]
 
 
 @dataclass(frozen=True)
-class Body:
-    """What a body made of a calibrated lattice does under uniform tension, each axis in turn.
+class TensionCheck:
+    """Response of a body of a calibrated lattice to uniform tension along each axis.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Calibration:
     lattice: str
     spacing: float
     thickness: float
-    body: Body | None = None
+    body: TensionCheck | None = None
 
     def __post_init__(self) -> None:
         self.tensor.setflags(write=False)

@@ -19,8 +19,8 @@ from scipy.linalg import LinAlgError, cho_solve, cholesky, eigh, qr, solve_trian
 from scipy.linalg.lapack import dpocon
 from scipy.sparse import csr_array, diags_array
 
-from msvalidate.constants.cell_multigrid import Loose, Unsettled, relieved
-from msvalidate.linear_algebra.factor import factorised, softest_mode
+from msvalidate.constants.cell_multigrid import MechanismFound, NotConverged, multigrid_relaxation
+from msvalidate.linear_algebra.factor import factorise, softest_mode
 from msvalidate.linear_algebra.refine import EPS, LARGEST_ERROR
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.tangent.mechanism import NO_STIFFNESS as NO_ENERGY
@@ -55,8 +55,8 @@ Relieve = Callable[[Array], Array]
 """Motions (f, v) that relieve elongations (m, v): the least energy that is left, or nearly."""
 
 
-class AtRest(NamedTuple):
-    """Springs of a cell at rest under the unit strains.
+class RelaxedCell(NamedTuple):
+    """Elongations of a cell's springs under unit strains, its points in equilibrium.
 
     Parameters
     ----------
@@ -76,9 +76,9 @@ class AtRest(NamedTuple):
     solver: str
 
 
-def at_rest(
+def relax_cell(
     count: int, springs: Index, normal: Array, stiffness: Array, stretch: Array, solver: str
-) -> AtRest:
+) -> RelaxedCell:
     """The least energy of a cell's springs.
 
     Parameters
@@ -103,21 +103,21 @@ def at_rest(
     large = solver == "multigrid" or (solver == "auto" and (count - 1) * dim > MULTIGRID[dim])
     if large and count > 1:  # a single point has no motion to look for
         try:
-            relieve = relieved(_stiffness(B, k), B, k, dim, least_energy(k))
-            elongation, error = _relaxed(relieve, B, k, stretch)
-            return AtRest(elongation, None, error, "multigrid")
-        except Loose as loose:
+            relieve = multigrid_relaxation(_stiffness(B, k), B, k, dim, energy_threshold(k))
+            elongation, error = _relax_elongations(relieve, B, k, stretch)
+            return RelaxedCell(elongation, None, error, "multigrid")
+        except MechanismFound as loose:
             raise SolverError(FLOPPY) from loose
-        except Unsettled as why:
+        except NotConverged as why:
             if solver == "multigrid" or (count - 1) * dim > AFFORDED[dim]:
                 raise SolverError(
                     f"periodic network: {why}; the points may move without stretching a spring, "
                     "or stiffnesses be too far apart: solver='direct' tells, if it has the memory"
                 ) from why
     B = B[:, dim:]  # the first point held
-    relieve, floppy = _by_motions(B, k) if B.shape[1] <= DENSE else _by_factor(B, k)
-    elongation, error = _relaxed(relieve, B, k, stretch)
-    return AtRest(elongation, floppy, error, "direct")
+    relieve, floppy = _solve_dense(B, k) if B.shape[1] <= DENSE else _solve_by_factor(B, k)
+    elongation, error = _relax_elongations(relieve, B, k, stretch)
+    return RelaxedCell(elongation, floppy, error, "direct")
 
 
 def _elongations(n: int, pairs: Index, normal: Array) -> csr_array:
@@ -135,21 +135,23 @@ def _stiffness(B: csr_array, k: Array) -> csr_array:
     return csr_array(rows.T @ rows)
 
 
-def apart(k: Array) -> float:
+def stiffness_ratio(k: Array) -> float:
     """Largest stiffness over the least that is one."""
     there = k[k > 0]
     return float(there.max() / there.min()) if len(there) else 1.0
 
 
-def least_energy(k: Array) -> float:
+def energy_threshold(k: Array) -> float:
     """Energy of a motion, over what its components would cost one by one, below which it has none.
 
     By the springs' own elongations, which rounding of a stiffness's entries does not hide.
     """
-    return NO_ENERGY if apart(k) > NEAR else NO_STIFFNESS
+    return NO_ENERGY if stiffness_ratio(k) > NEAR else NO_STIFFNESS
 
 
-def _relaxed(relieve: Relieve, B: csr_array, k: Array, stretch: Array) -> tuple[Array, float]:
+def _relax_elongations(
+    relieve: Relieve, B: csr_array, k: Array, stretch: Array
+) -> tuple[Array, float]:
     """Elongations (m, v) with the least energy, from those of the points held, and an error.
 
     What a correction takes from an energy bounds what the next one would.
@@ -165,17 +167,17 @@ def _relaxed(relieve: Relieve, B: csr_array, k: Array, stretch: Array) -> tuple[
         left = float((taken / np.maximum(energy, max(floor, np.finfo(float).tiny))).max())
         if left <= ENOUGH or left > before / 2:
             break
-    error = left + ROUNDING + _rounded(k, total, stretch)
+    error = left + ROUNDING + _rounding_error(k, total, stretch)
     if not error <= LARGEST_ERROR:
         raise SolverError(
             f"periodic network: its tensor is known to {error:.1g} only, more than "
             f"{LARGEST_ERROR:g}: {_remedy(k)}"
         )
-    _refuse_blind(relieve, B, k)
+    _refuse_blind_solver(relieve, B, k)
     return total, error
 
 
-def _rounded(k: Array, total: Array, stretch: Array) -> float:
+def _rounding_error(k: Array, total: Array, stretch: Array) -> float:
     """Error of two strains' common energy, over the root of their own ones', by rounding.
 
     An elongation (m, v) at rest is rounded as the one that it was (`stretch`). Where a strain is
@@ -188,7 +190,7 @@ def _rounded(k: Array, total: Array, stretch: Array) -> float:
     return 2 * EPS * float((left / root / root[:, None]).max(initial=0.0))
 
 
-def _refuse_blind(relieve: Relieve, B: csr_array, k: Array) -> None:
+def _refuse_blind_solver(relieve: Relieve, B: csr_array, k: Array) -> None:
     """Raise `SolverError` unless the elongations of a random motion are found, asked as often."""
     known = B @ np.random.default_rng(0).normal(size=(B.shape[1], 1))
     known[k == 0] = 0.0
@@ -206,21 +208,22 @@ def _refuse_blind(relieve: Relieve, B: csr_array, k: Array) -> None:
 
 def _remedy(k: Array) -> str:
     return (
-        f"stiffnesses are {apart(k):.1g} times apart; bring them closer together, or take a cell "
+        f"stiffnesses are {stiffness_ratio(k):.1g} times apart; bring them closer together, or "
+        f"take a cell "
         f"of {DENSE} components at the most, which is solved by least squares at any ratio"
     )
 
 
-def _by_motions(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
+def _solve_dense(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
     """By dense matrices; and the number of motions without stiffness."""
     if not B.shape[1]:
         return lambda stretch: np.zeros((0, stretch.shape[1])), 0
     K = _stiffness(B, k).toarray()
-    solve, floppy = _by_pivots(K), 0
-    if solve is None and apart(k) > NEAR:
-        return _by_least_squares(B.toarray(), k)
+    solve, floppy = _solve_by_cholesky(K), 0
+    if solve is None and stiffness_ratio(k) > NEAR:
+        return _solve_by_least_squares(B.toarray(), k)
     if solve is None:
-        solve, floppy = _by_modes(K)
+        solve, floppy = _solve_by_modes(K)
     return lambda stretch: -solve(B.T @ (k[:, None] * stretch)), floppy
 
 
@@ -228,8 +231,11 @@ Solve = Callable[[Array], Array]
 """Motions (f, v) for forces (f, v)."""
 
 
-def _by_pivots(K: Array) -> Solve | None:
-    """By Cholesky's factor of a dense stiffness; None if a motion may be without any."""
+def _solve_by_cholesky(K: Array) -> Solve | None:
+    """By Cholesky's factor of a dense stiffness; None if a motion may be without any.
+
+    Source: Cholesky's factor, [GolubVanLoan2013], section 4.2.
+    """
     try:
         factor = cholesky(K)
     except LinAlgError:
@@ -239,7 +245,7 @@ def _by_pivots(K: Array) -> Solve | None:
     return lambda force: np.asarray(cho_solve((factor, False), force))
 
 
-def _by_modes(K: Array) -> tuple[Solve, int]:
+def _solve_by_modes(K: Array) -> tuple[Solve, int]:
     """By all eigenvectors of a dense stiffness; and the number of those without any."""
     values, modes = eigh(K)
     stiff = values > NO_STIFFNESS * max(values[-1], np.finfo(float).tiny)
@@ -247,7 +253,7 @@ def _by_modes(K: Array) -> tuple[Solve, int]:
     return lambda force: np.asarray((modes / values) @ (modes.T @ force)), int((~stiff).sum())
 
 
-def _by_least_squares(B: Array, k: Array) -> tuple[Relieve, int | None]:
+def _solve_by_least_squares(B: Array, k: Array) -> tuple[Relieve, int | None]:
     """By rows of springs (m, f), the stiff ones first: rounded by themselves, not by each other.
 
     Householder's method with columns exchanged (Cox and Higham 1998, in Numerical Analysis 1997).
@@ -267,11 +273,11 @@ def _by_least_squares(B: Array, k: Array) -> tuple[Relieve, int | None]:
     return relieve, B.shape[1] - rank
 
 
-def _by_factor(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
+def _solve_by_factor(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
     """By a sparse factor of the stiffness."""
     K = _stiffness(B, k)
     try:
-        factor = factorised(K)
+        factor = factorise(K)
     except SolverError as error:  # no memory
         raise SolverError(
             f"periodic network: a factor of {K.shape[0]} unknowns takes more memory than there is; "
@@ -280,7 +286,7 @@ def _by_factor(B: csr_array, k: Array) -> tuple[Relieve, int | None]:
     except RuntimeError as error:
         raise SolverError(FLOPPY) from error
     mode = softest_mode(K, factor, K.diagonal())
-    if float(k @ (B @ mode) ** 2) <= least_energy(k) * (mode**2 @ K.diagonal()):
+    if float(k @ (B @ mode) ** 2) <= energy_threshold(k) * (mode**2 @ K.diagonal()):
         raise SolverError(FLOPPY)
 
     def relieve(stretch: Array) -> Array:

@@ -45,7 +45,7 @@ _OPTIONS = {
 }
 
 
-class Unsettled(Exception):  # noqa: N818  an outcome, for the caller to act on
+class NotConverged(Exception):  # noqa: N818  an outcome, for the caller to act on
     """Conjugate gradients did not answer; the motion (f, v) that they came to, if any."""
 
     def __init__(self, why: str, motion: Array | None = None) -> None:
@@ -53,7 +53,7 @@ class Unsettled(Exception):  # noqa: N818  an outcome, for the caller to act on
         self.motion = motion
 
 
-class Loose(Exception):  # noqa: N818
+class MechanismFound(Exception):  # noqa: N818
     """A motion was found that stretches no spring."""
 
 
@@ -83,6 +83,8 @@ class _Level(NamedTuple):
 class _Cycle:
     """Nearly the inverse of a periodic stiffness, but for translations.
 
+    Source: smoothed aggregation, [Vanek1996].
+
     Parameters
     ----------
     K
@@ -104,7 +106,7 @@ class _Cycle:
         levels = smoothed_aggregation_solver(K, B=shift, **_OPTIONS).levels
         for depth, here in enumerate(levels[:-1]):
             if (soft := _softest_block(here.A)) is not None:
-                raise Unsettled(MEETS_NONE, _prolonged(soft, levels[:depth]))
+                raise NotConverged(MEETS_NONE, _prolong(soft, levels[:depth]))
         self.levels = [
             _level(here.A, here.P, here.R, None if depth else HIGHEST)
             for depth, here in enumerate(levels[:-1])
@@ -115,7 +117,7 @@ class _Cycle:
         stiffened = coarsest + np.abs(coarsest).max() * self.shift @ self.shift.T
         values, motions = np.linalg.eigh(stiffened)
         if not values[0] > LEAST_OWN * values[-1]:
-            raise Unsettled(MEETS_NONE, _prolonged(motions[:, :1], levels[:-1]))
+            raise NotConverged(MEETS_NONE, _prolong(motions[:, :1], levels[:-1]))
         self.factor = cho_factor(stiffened)
 
     def __call__(self, force: Array) -> Array:
@@ -134,7 +136,7 @@ class _Cycle:
         return x
 
 
-def _prolonged(motion: Array, levels: list[Any]) -> Array:
+def _prolong(motion: Array, levels: list[Any]) -> Array:
     """A motion (f, 1) of a coarse level on the finest."""
     for level in levels[::-1]:
         motion = np.asarray(level.P @ motion)
@@ -180,10 +182,12 @@ Stop = Callable[[Array], bool]
 """Whether a residual (f, v) is small enough."""
 
 
-def _solved(K: bsr_array, force: Array, cycle: _Cycle, stop: Stop | None = None) -> Array:
+def _solve(K: bsr_array, force: Array, cycle: _Cycle, stop: Stop | None = None) -> Array:
     """Motions (f, v) for forces (f, v), each by conjugate gradients of its own.
 
     Until `stop`, or until the energy left, as a cycle has it, is `PART`² of what it was.
+
+    Source: conjugate gradients, [HestenesStiefel1952].
 
     Raises
     ------
@@ -194,31 +198,31 @@ def _solved(K: bsr_array, force: Array, cycle: _Cycle, stop: Stop | None = None)
     residual = force / np.where(size > 0, size, 1.0)
     x, ahead = np.zeros_like(force), cycle(residual)
     direction = ahead.copy()
-    power = first = _dots(residual, ahead)
+    power = first = _column_products(residual, ahead)
     for _ in range(MOST_CYCLES):
         going = power > (0.0 if stop else PART**2 * first)
         if stop(size * residual) if stop else not going.any():
             return np.asarray(x * size)
         push = K @ direction
-        stiff = _dots(direction, push)
+        stiff = _column_products(direction, push)
         if not (np.isfinite(stiff).all() and (stiff[going] > 0).all()):
-            raise Unsettled(MEETS_NONE, direction)
+            raise NotConverged(MEETS_NONE, direction)
         step = np.where(going, power / np.where(going, stiff, 1.0), 0.0)
         x += step * direction
         residual -= step * push
         ahead = cycle(residual)
-        power, before = _dots(residual, ahead), power
+        power, before = _column_products(residual, ahead), power
         direction *= np.where(going, power / np.where(going, before, 1.0), 0.0)
         direction += ahead
-    raise Unsettled(f"conjugate gradients did not answer in {MOST_CYCLES} steps", size * x)
+    raise NotConverged(f"conjugate gradients did not answer in {MOST_CYCLES} steps", size * x)
 
 
-def _dots(a: Array, b: Array) -> Array:
+def _column_products(a: Array, b: Array) -> Array:
     """Products (v,) of columns, not by BLAS: its threads change the last digits."""
     return np.asarray(np.einsum("fv,fv->v", a, b))
 
 
-def _answer_to_any(K: bsr_array, cycle: _Cycle) -> Array:
+def _answer_to_random_load(K: bsr_array, cycle: _Cycle) -> Array:
     """The answer (f, 1) to a random load.
 
     The part along a motion without stiffness never falls (the residual is a polynomial in the
@@ -231,10 +235,10 @@ def _answer_to_any(K: bsr_array, cycle: _Cycle) -> Array:
     load = np.sqrt(own) * np.random.default_rng(0).normal(size=own.shape)
     parts = load.reshape(-1, cycle.dim)
     load = (parts - parts.mean(axis=0)).reshape(own.shape)
-    return _solved(K, load, cycle, lambda left: bool((left**2 / own).sum() <= UNSEEN**2))
+    return _solve(K, load, cycle, lambda left: bool((left**2 / own).sum() <= UNSEEN**2))
 
 
-def _is_loose(B: csr_array, k: Array, own: Array, motion: Array, least: float) -> bool:
+def _is_mechanism(B: csr_array, k: Array, own: Array, motion: Array, least: float) -> bool:
     """Whether a motion (f, 1) stretches no spring: energy over that of its parts, `own` (f,)."""
     size = float(np.abs(motion).max(initial=0.0))
     if not (size and np.isfinite(size)):
@@ -243,7 +247,7 @@ def _is_loose(B: csr_array, k: Array, own: Array, motion: Array, least: float) -
     return bool(k @ (B @ way) ** 2 <= least * (own @ way**2))
 
 
-def relieved(
+def multigrid_relaxation(
     K: csr_array, B: csr_array, k: Array, dim: int, least: float
 ) -> Callable[[Array], Array]:
     """A way to relieve elongations (m, v) by motions (f, v).
@@ -268,20 +272,20 @@ def relieved(
     """
     unit = float(k.max(initial=0.0))
     if not unit:
-        raise Loose
+        raise MechanismFound
     scaled, part = (K / unit).tobsr((dim, dim)), k / unit
     scaled.sort_indices()
     try:
         cycle = _Cycle(scaled, dim)
-        motion = _answer_to_any(scaled, cycle)
-    except Unsettled as why:
-        if why.motion is not None and _is_loose(B, part, scaled.diagonal(), why.motion, least):
-            raise Loose from why
+        motion = _answer_to_random_load(scaled, cycle)
+    except NotConverged as why:
+        if why.motion is not None and _is_mechanism(B, part, scaled.diagonal(), why.motion, least):
+            raise MechanismFound from why
         raise
-    if _is_loose(B, part, scaled.diagonal(), motion, least):
-        raise Loose
+    if _is_mechanism(B, part, scaled.diagonal(), motion, least):
+        raise MechanismFound
 
     def relieve(stretch: Array) -> Array:
-        return -_solved(scaled, B.T @ (part[:, None] * stretch), cycle)
+        return -_solve(scaled, B.T @ (part[:, None] * stretch), cycle)
 
     return relieve

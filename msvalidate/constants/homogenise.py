@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.constants.cell_at_rest import at_rest
+from msvalidate.constants.cell_at_rest import relax_cell
 from msvalidate.constants.stiffness import ALIKE, spring_tensor, voigt_directions
 from msvalidate.lattice import (
     WEIGHTS,
@@ -29,14 +29,14 @@ from msvalidate.lattice import (
 from msvalidate.lattice.filled import cells_bordered
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.checks import (
-    chosen,
     finite,
+    format_value,
     indices,
-    instance,
-    metres,
+    length_in_metres,
     refuse_too_many,
-    shown,
-    whole,
+    require_one_of,
+    require_type,
+    whole_number,
 )
 from msvalidate.tangent.inverse import SOLVERS
 
@@ -74,10 +74,12 @@ class Homogenised:
             array.setflags(write=False)
 
 
-def homogenised(
+def homogenise(
     pattern: Pattern, constants: Constants, spacing: float = 1.0, *, solver: str = "auto"
 ) -> Homogenised:
     """The solid that an endless lattice is, its points at rest.
+
+    Source: [Hill1963] (energies of means), [BornHuang1954] (points at rest inside a cell).
 
     Parameters
     ----------
@@ -86,19 +88,19 @@ def homogenised(
     spacing
         Length (m) of the pattern's unit; a plane tensor does not depend on it.
     solver
-        As in `periodic`.
+        As in `homogenise_network`.
 
     Raises
     ------
     ProblemError
         If the constants are not one a kind, or the spacing is no length.
     SolverError
-        As `periodic`.
+        As `homogenise_network`.
     """
-    instance("pattern", pattern, Pattern)
-    a = metres("spacing", spacing)
+    require_type("pattern", pattern, Pattern)
+    a = length_in_metres("spacing", spacing)
     size = a * np.array(pattern.size)
-    return periodic(
+    return homogenise_network(
         len(pattern.points),
         pattern.springs,
         a * pattern.vectors,
@@ -108,28 +110,30 @@ def homogenised(
     )
 
 
-def network_tensor(lattice: Lattice, constants: Constants, weights: str) -> Array:
+def interior_tensor(lattice: Lattice, constants: Constants, weights: str) -> Array:
     """Tensor, (3, 3) in N/m or (6, 6) in Pa, of the *interior* of the lattice, as built by a rule.
 
     Of a piece of a pattern it is the solid of what repeats, its points at rest. A `diagonal_square`
     has lost the springs that its boundary cut, and comes near its interior's tensor only as it
     grows.
 
+    Source: [BornHuang1954], for central forces.
+
     Raises
     ------
     ProblemError
         If the constants are not one a kind, there is no such rule, or the lattice is irregular.
     """
-    instance("lattice", lattice, Lattice)
+    require_type("lattice", lattice, Lattice)
     k = finite(
         "spring constants", constants, lattice.kinds, need=f"give {lattice.kinds}, one a kind"
     )
-    chosen("boundary weights", weights, WEIGHTS)
+    require_one_of("boundary weights", weights, WEIGHTS)
     if isinstance(lattice, PatternLattice):
         pattern = lattice.pattern
         if weights == "per_cell":  # every cell that a spring borders brings one of its own
             pattern = replace(pattern, factor=pattern.factor * cells_bordered(pattern))
-        return homogenised(pattern, constants, lattice.spacing).tensor
+        return homogenise(pattern, constants, lattice.spacing).tensor
     if not lattice.regular:
         raise ProblemError(
             f"{lattice.name} lattice: its interior is not what its springs add up to; ask "
@@ -141,8 +145,8 @@ def network_tensor(lattice: Lattice, constants: Constants, weights: str) -> Arra
     return spring_tensor(lattice.vectors, per_spring, lattice.domain.volume)
 
 
-def follows_strain(pattern: Pattern) -> bool:
-    """Whether the points stay where a uniform strain takes them, whatever the constants.
+def deforms_affinely(pattern: Pattern) -> bool:
+    """Whether all points deform affinely under a uniform strain, for any spring constants.
 
     They do where each kind of spring by itself leaves no force on them: where every point is a
     centre of symmetry. The affine tensor is then exact, and linear in the constants.
@@ -152,7 +156,7 @@ def follows_strain(pattern: Pattern) -> bool:
     ProblemError
         If it is no pattern.
     """
-    instance("pattern", pattern, Pattern)
+    require_type("pattern", pattern, Pattern)
     for kind in range(pattern.kinds):
         k = np.where(pattern.kind == kind, pattern.factor, 0.0)
         force = strain_forces(len(pattern.points), pattern.springs, pattern.vectors, k)
@@ -175,7 +179,7 @@ def strain_forces(count: int, springs: Index, vectors: Array, stiffness: Array) 
     return force
 
 
-def periodic(
+def homogenise_network(
     count: int,
     springs: ArrayLike,
     vectors: ArrayLike,
@@ -185,6 +189,8 @@ def periodic(
     solver: str = "auto",
 ) -> Homogenised:
     """The solid that a periodic network is, from its springs alone.
+
+    Source: [Hill1963] (energies of means), [BornHuang1954] (points at rest inside a cell).
 
     Parameters
     ----------
@@ -207,19 +213,19 @@ def periodic(
     SolverError
         If a large network has a motion without stiffness, or the tensor can't be told.
     """
-    n = whole("points of the cell", count, 1)
+    n = whole_number("points of the cell", count, 1)
     refuse_too_many("periodic network", n)
-    chosen("solver", solver, SOLVERS)
+    require_one_of("solver", solver, SOLVERS)
     vector, k = finite("vectors", vectors), finite("stiffness", stiffness)
     if not k.size or k.min() < 0:
         raise ProblemError(
-            f"stiffness: {shown(stiffness)}; give numbers of 0 or more, one a spring"
+            f"stiffness: {format_value(stiffness)}; give numbers of 0 or more, one a spring"
         )
     affine = spring_tensor(vector, k, volume)
     k = np.where(k >= NO_SPRING * k.max(), k, 0.0)
     pairs = indices("springs", springs, n, len(k), 2)
     length = np.linalg.norm(vector, axis=1)[:, None]
     normal = vector / length
-    found = at_rest(n, pairs, normal, k, length * voigt_directions(normal), solver)
+    found = relax_cell(n, pairs, normal, k, length * voigt_directions(normal), solver)
     tensor = np.einsum("mv,mw->vw", found.elongation, k[:, None] * found.elongation) / volume
     return Homogenised(affine, (tensor + tensor.T) / 2, found.floppy, found.error, found.solver)

@@ -9,12 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.routes import ROUTES, by_first, refuse_soft_cells
+from msvalidate.constants.routes import ROUTES, calibrate_by_first_route, refuse_soft_cells
 from msvalidate.constants.spring_constants import edge_constants, target_of
-from msvalidate.constants.stiffness import ALIKE, is_alike, isotropic_tensor
+from msvalidate.constants.stiffness import ALIKE, is_same_tensor, isotropic_tensor
 from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, patterns
 from msvalidate.problem import Array, Isotropic, Material, Mesh, ProblemError
-from msvalidate.problem.checks import chosen, finite, instance, metres, number, shown
+from msvalidate.problem.checks import (
+    finite,
+    finite_number,
+    format_value,
+    length_in_metres,
+    require_one_of,
+    require_type,
+)
 
 PATTERN_OF: Mapping[str, Callable[[], Pattern]] = {
     "square": patterns.square,
@@ -27,7 +34,7 @@ ORDINARY = 1e100
 """Moduli times thickness beyond which, or below one over which, squares have no digits left."""
 
 
-def by_route(
+def calibrate_by_route(
     material: Isotropic, lattice: Pattern | Lattice, spacing: float | None, route: str | None
 ) -> Calibration:
     """What `bodies.calibrate.calibrated` returns, but for what it says of the body.
@@ -38,16 +45,16 @@ def by_route(
         As there.
     """
     if not isinstance(material, Isotropic):
-        raise ProblemError(f"calibrate: {shown(material)}; the material must be isotropic")
-    pattern, unit = _repeats(lattice, spacing)
+        raise ProblemError(f"calibrate: {format_value(material)}; the material must be isotropic")
+    pattern, unit = _repeating_cell(lattice, spacing)
     if not 1 / ORDINARY < material.E * material.thickness < ORDINARY:
         raise ProblemError(
             f"calibrate: a modulus of {material.E:g} Pa and a thickness of {material.thickness:g} "
             "m; choose units that give ordinary numbers"
         )
     if route is not None:
-        chosen("route", route, ROUTES)
-    lead = by_first if route is None else ROUTES[route]
+        require_one_of("route", route, ROUTES)
+    lead = calibrate_by_first_route if route is None else ROUTES[route]
     found = lead(target_of(material, pattern), pattern, unit)
     if found.volume < 0 and isinstance(lattice, Pattern | PatternLattice):
         refuse_soft_cells(pattern, unit, found)
@@ -62,15 +69,15 @@ def default_constants(material: Material, lattice: Lattice) -> Constants:
     ProblemError
         If it cannot be, or the material is given as a tensor.
     """
-    instance("lattice", lattice, Lattice)
+    require_type("lattice", lattice, Lattice)
     if not isinstance(material, Isotropic):
         raise ProblemError("spring constants: the material is a tensor; give the constants")
     if isinstance(lattice.domain, Mesh) and not isinstance(lattice, PatternLattice):
         return edge_constants(material)
-    return by_route(material, lattice, None, "springs").constants
+    return calibrate_by_route(material, lattice, None, "springs").constants
 
 
-def stiffnesses(
+def spring_stiffnesses(
     material: Material,
     lattice: Lattice,
     given: Constants | Calibration | None = None,
@@ -91,13 +98,14 @@ def stiffnesses(
         If the constants are not one a kind, κ is given twice, or a calibration is for another
         lattice, spacing, thickness or isotropic material.
     """
-    volume = number("volume stiffness", volume)
+    volume = finite_number("volume stiffness", volume)
     if isinstance(given, Calibration):
         if volume:
             raise ProblemError(
-                f"volume stiffness: {shown(volume)}; a calibration brings its own, leave it out"
+                f"volume stiffness: {format_value(volume)}; a calibration brings its own, leave it "
+                f"out"
             )
-        _refuse_stranger(given, lattice, material)
+        _refuse_other_material(given, lattice, material)
         constants, volume, shear = given.constants, given.volume, given.shear
     else:
         constants = default_constants(material, lattice) if given is None else given
@@ -105,14 +113,14 @@ def stiffnesses(
     k, k_t = finite("spring constants", constants), finite("shear springs", shear)
     if k.shape != (lattice.kinds,) or k_t.shape != k.shape:
         raise ProblemError(
-            f"spring constants: {shown(constants)}; give {lattice.kinds}, one a kind"
+            f"spring constants: {format_value(constants)}; give {lattice.kinds}, one a kind"
         )
     return k, volume, k_t
 
 
-def _refuse_stranger(given: Calibration, lattice: Lattice, material: Material) -> None:
+def _refuse_other_material(given: Calibration, lattice: Lattice, material: Material) -> None:
     """A calibration of something else, whose constants would make another material of this."""
-    pattern, unit = _repeats(lattice, None)
+    pattern, unit = _repeating_cell(lattice, None)
     scales = pattern.dim == 3  # in the plane constants are the same at any spacing
     if (given.lattice, len(given.constants)) != (pattern.name, pattern.kinds):
         mismatch = f"a {given.lattice} lattice, not {pattern.name}"
@@ -135,16 +143,16 @@ def _is_material(given: Calibration, material: Isotropic, pattern: Pattern) -> b
     target = target_of(material, pattern)
     if (pattern.dim - 1) * target.nu >= 1:
         return False
-    return is_alike(given.tensor, isotropic_tensor(pattern.dim, target.E, target.nu))
+    return is_same_tensor(given.tensor, isotropic_tensor(pattern.dim, target.E, target.nu))
 
 
-def _repeats(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern, float]:
+def _repeating_cell(lattice: Pattern | Lattice, spacing: float | None) -> tuple[Pattern, float]:
     """What repeats, and the length (m) of its unit."""
-    instance("lattice", lattice, Pattern | Lattice)
+    require_type("lattice", lattice, Pattern | Lattice)
     if isinstance(lattice, Pattern):
-        return lattice, metres("spacing", 1.0 if spacing is None else spacing)
+        return lattice, length_in_metres("spacing", 1.0 if spacing is None else spacing)
     if spacing is not None:
-        raise ProblemError(f"spacing: {shown(spacing)}; a body has its own, leave it out")
+        raise ProblemError(f"spacing: {format_value(spacing)}; a body has its own, leave it out")
     if isinstance(lattice, PatternLattice):
         return lattice.pattern, lattice.spacing
     if lattice.name in PATTERN_OF:

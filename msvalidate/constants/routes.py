@@ -24,16 +24,16 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.homogenise import follows_strain, homogenised
+from msvalidate.constants.homogenise import deforms_affinely, homogenise
 from msvalidate.constants.spring_constants import Target, isotropic_constants, target_at_cauchy
-from msvalidate.constants.stable_range import least_ratio, least_volume
+from msvalidate.constants.stable_range import least_stable_ratio, least_stable_volume
 from msvalidate.constants.stiffness import ALIKE, UNIT, moduli
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.network.laws.local_shear import shear_tensor
 from msvalidate.problem import Array, ProblemError
 
 
-def by_first(target: Target, pattern: Pattern, spacing: float) -> Calibration:
+def calibrate_by_first_route(target: Target, pattern: Pattern, spacing: float) -> Calibration:
     """By springs alone where they will do, or else with a volume energy.
 
     Parameters
@@ -49,21 +49,21 @@ def by_first(target: Target, pattern: Pattern, spacing: float) -> Calibration:
         If neither leads there.
     """
     try:
-        return _by_springs(target, pattern, spacing)
+        return _springs_alone(target, pattern, spacing)
     except ProblemError:
-        if not follows_strain(pattern):
+        if not deforms_affinely(pattern):
             raise
-        return _by_volume(target, pattern, spacing)
+        return _with_volume_energy(target, pattern, spacing)
 
 
-def _by_springs(target: Target, pattern: Pattern, spacing: float) -> Calibration:
+def _springs_alone(target: Target, pattern: Pattern, spacing: float) -> Calibration:
     constants = isotropic_constants(target, pattern, spacing)
-    tensor = homogenised(pattern, constants, spacing).tensor
+    tensor = homogenise(pattern, constants, spacing).tensor
     none = (0.0,) * pattern.kinds
     return _calibration(target, pattern, spacing, constants, 0.0, none, "springs", tensor)
 
 
-def _by_volume(target: Target, pattern: Pattern, spacing: float) -> Calibration:
+def _with_volume_energy(target: Target, pattern: Pattern, spacing: float) -> Calibration:
     """Springs of the material's μ at Cauchy's ratio; κ = λ - μ."""
     E, nu, d = target.E, target.nu, pattern.dim
     _refuse_loose_points(pattern)
@@ -74,7 +74,7 @@ def _by_volume(target: Target, pattern: Pattern, spacing: float) -> Calibration:
             "nothing is compressible, and κ would be infinite: take nu below 1/2, such as 0.499"
         )
     kappa = E * ((d + 1) * nu - 1) / (2 * (1 + nu) * room)
-    springs = _at_cauchy(E / (2 * (1 + nu)), pattern, spacing)
+    springs = _cauchy_springs(E / (2 * (1 + nu)), pattern, spacing)
     normal = np.arange(len(springs.tensor)) < d
     tensor = springs.tensor + kappa * np.outer(normal, normal)
     return _calibration(
@@ -82,13 +82,13 @@ def _by_volume(target: Target, pattern: Pattern, spacing: float) -> Calibration:
     )
 
 
-def _by_shear(target: Target, pattern: Pattern, spacing: float) -> Calibration:
+def _with_shear_springs(target: Target, pattern: Pattern, spacing: float) -> Calibration:
     """Springs whose shear springs bring their μ to the material's."""
     E, nu, d = target.E, target.nu, pattern.dim
     _refuse_loose_points(pattern)
     alpha = (1 - (d + 1) * nu) / (1 + nu)
     part = 1 + d / 2 * alpha
-    least = least_ratio(pattern, _at_cauchy(1.0, pattern, spacing).constants)
+    least = least_stable_ratio(pattern, _cauchy_springs(1.0, pattern, spacing).constants)
     if part <= 0 or alpha <= least:
         least = max(least, -2 / d)
         nearest = (1 - least) / (d + 1 + least)
@@ -97,7 +97,7 @@ def _by_shear(target: Target, pattern: Pattern, spacing: float) -> Calibration:
             f"{alpha:.6g} times the others, unstable from {least:.6g} down: take nu below "
             f"{nearest:.6g}"
         )
-    springs = _at_cauchy(E / (2 * (1 + nu)) / part, pattern, spacing)
+    springs = _cauchy_springs(E / (2 * (1 + nu)) / part, pattern, spacing)
     shear = tuple(alpha * k for k in springs.constants)
     vectors, kind = spacing * pattern.vectors, pattern.kind
     volume = spacing**d * float(np.prod(pattern.size))
@@ -109,11 +109,11 @@ def _by_shear(target: Target, pattern: Pattern, spacing: float) -> Calibration:
 
 
 ROUTES: Mapping[str, Callable[[Target, Pattern, float], Calibration]] = {
-    "springs": _by_springs,
-    "volume energy": _by_volume,
-    "shear springs": _by_shear,
+    "springs": _springs_alone,
+    "volume energy": _with_volume_energy,
+    "shear springs": _with_shear_springs,
 }
-"""How a lattice may come to be a material."""
+"""The ways to give a lattice the moduli of a material."""
 
 
 def _calibration(
@@ -147,15 +147,15 @@ def _calibration(
     )
 
 
-def _at_cauchy(mu: float, pattern: Pattern, spacing: float) -> Calibration:
+def _cauchy_springs(mu: float, pattern: Pattern, spacing: float) -> Calibration:
     """Springs of a shear modulus (N/m or Pa) and the ratio that central springs have."""
-    return _by_springs(target_at_cauchy(mu, pattern), pattern, spacing)
+    return _springs_alone(target_at_cauchy(mu, pattern), pattern, spacing)
 
 
 def refuse_soft_cells(pattern: Pattern, spacing: float, found: Calibration) -> None:
     """Raise `ProblemError` where κ is too far below zero for points between the cells' corners."""
     d, mu = pattern.dim, found.tensor[-1, -1]
-    least = least_volume(pattern, found.constants) / spacing ** (d - 2)
+    least = least_stable_volume(pattern, found.constants) / spacing ** (d - 2)
     if found.volume > least * (1 - ALIKE):
         return
     ratio = least / mu + 1  # λ/μ
@@ -167,7 +167,7 @@ def refuse_soft_cells(pattern: Pattern, spacing: float, found: Calibration) -> N
 
 
 def _refuse_loose_points(pattern: Pattern) -> None:
-    if not follows_strain(pattern):
+    if not deforms_affinely(pattern):
         raise ProblemError(
             f"{pattern.name} lattice: its points move on in a uniform strain, and more so with "
             "what is added to its springs; take one whose points are centres of symmetry, or route "

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares, nnls
 
-from msvalidate.constants.homogenise import follows_strain, homogenised
+from msvalidate.constants.homogenise import deforms_affinely, homogenise
 from msvalidate.constants.stiffness import (
     ALIKE,
     CAUCHY,
     Moduli,
-    in_plane,
-    is_alike,
+    in_plane_moduli,
+    is_same_tensor,
     isotropic_moduli,
     isotropic_tensor,
     moduli,
@@ -66,7 +66,7 @@ def target_of(material: Isotropic, pattern: Pattern) -> Target:
         If the material is of another dimension.
     """
     if pattern.dim == 2:
-        return Target(*in_plane(material), material)
+        return Target(*in_plane_moduli(material), material)
     if material.state != "solid":
         raise ProblemError(f"{pattern.name} lattice: material in {material.state}; give a solid")
     return Target(material.E, material.nu, material)
@@ -88,7 +88,7 @@ def edge_constants(material: Isotropic) -> tuple[float]:
         If the ratio is not the one of central springs, 1/3 in the plane or 1/4 in space.
     """
     d = material.dim
-    E, nu = in_plane(material) if d == 2 else (material.E, material.nu)
+    E, nu = in_plane_moduli(material) if d == 2 else (material.E, material.nu)
     if abs(nu - CAUCHY[d]) > ALIKE:
         raise ProblemError(
             f"springs along a mesh's edges: ratio {nu:.6g} ({material.state}, nu = "
@@ -121,18 +121,18 @@ def isotropic_constants(target: Target, pattern: Pattern, spacing: float) -> Con
     if pattern.name in CLOSED:
         return CLOSED[pattern.name](target.material)
     for rule in pattern.rules.values():
-        solid = _isotropic(pattern, rule, spacing)
+        solid = _isotropic_moduli(pattern, rule, spacing)
         if solid is not None and abs(nu - solid.nu) <= ALIKE:
             return tuple(k * E / solid.E for k in rule)
-    if follows_strain(pattern):
+    if deforms_affinely(pattern):
         return _affine_constants(pattern, spacing, E, nu)
     return _relaxed_constants(pattern, spacing, E, nu)
 
 
-def _isotropic(pattern: Pattern, constants: Constants, spacing: float) -> Moduli | None:
+def _isotropic_moduli(pattern: Pattern, constants: Constants, spacing: float) -> Moduli | None:
     """Moduli of an isotropic solid; None of any other."""
     try:
-        found = moduli(homogenised(pattern, constants, spacing).tensor)
+        found = moduli(homogenise(pattern, constants, spacing).tensor)
     except ProblemError:
         return None
     return found if abs(found.zener - 1) <= ALIKE else None
@@ -146,10 +146,10 @@ def _affine_constants(pattern: Pattern, spacing: float, E: float, nu: float) -> 
     columns = [pattern_tensor(pattern, tuple(k), spacing).ravel() for k in kinds]
     constants, _ = nnls(np.column_stack(columns), target.ravel())
     tensor = (np.column_stack(columns) @ constants).reshape(target.shape)
-    if not is_alike(target, tensor):
+    if not is_same_tensor(target, tensor):
         raise ProblemError(
             f"{pattern.name} lattice: no spring constants make it isotropic, the nearest leave "
-            f"{_said(tensor)}; take another lattice, or give the constants"
+            f"{_describe_tensor(tensor)}; take another lattice, or give the constants"
         )
     if abs(nu - cauchy) > ALIKE:
         raise ProblemError(
@@ -171,7 +171,7 @@ def _relaxed_constants(pattern: Pattern, spacing: float, E: float, nu: float) ->
     largest = float(np.abs(target).max())
 
     def misfit(constants: Array) -> Array:
-        tensor = homogenised(pattern, tuple(constants), spacing).tensor
+        tensor = homogenise(pattern, tuple(constants), spacing).tensor
         return np.asarray((tensor - target).ravel() / largest)
 
     unit = largest * spacing ** (pattern.dim - 2)
@@ -183,12 +183,13 @@ def _relaxed_constants(pattern: Pattern, spacing: float, E: float, nu: float) ->
     # Of constants that are exact but for rounding, those of the first rule.
     exact = [found for found in tries if np.abs(found.fun).max() <= ALIKE]
     best = exact[0] if exact else min(tries, key=lambda found: float(found.cost))
-    solid = homogenised(pattern, tuple(best.x), spacing)
+    solid = homogenise(pattern, tuple(best.x), spacing)
     if np.abs(best.fun).max() > ALIKE:
         raise ProblemError(
             f"{pattern.name} lattice: no spring constants make it isotropic at nu = {nu:.6g}; the "
             f"nearest found, {', '.join(f'{k:.3g}' for k in best.x)} N/m, leave "
-            f"{_said(solid.tensor)}: take a ratio nearer to those of its rules, or give the "
+            f"{_describe_tensor(solid.tensor)}: take a ratio nearer to those of its rules, or give "
+            f"the "
             "constants"
         )
     if solid.floppy:
@@ -199,7 +200,7 @@ def _relaxed_constants(pattern: Pattern, spacing: float, E: float, nu: float) ->
     return tuple(best.x.tolist())
 
 
-def _said(tensor: Array) -> str:
+def _describe_tensor(tensor: Array) -> str:
     """What a tensor is, in words."""
     try:
         mean = isotropic_moduli(tensor)

@@ -29,7 +29,7 @@ from scipy.linalg import LinAlgError, eigvalsh
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.lattice.pattern import SAME_DISTANCE
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import instance, refuse_too_many
+from msvalidate.problem.checks import refuse_too_many, require_type
 
 PHASES = 8
 """Of waves along each axis, even, so that pi is one."""
@@ -39,10 +39,12 @@ LARGEST_CELL = 100
 """Points of a cell up to which all waves are solved for: dense matrices."""
 
 
-def least_ratio(pattern: Pattern, constants: Constants) -> float:
+def least_stable_ratio(pattern: Pattern, constants: Constants) -> float:
     """Ratio α = k_t/k_n above which every wave of an endless lattice costs energy.
 
     Over a grid of phases from cell to cell, and long waves along the same directions.
+
+    Source: stability by the energies of all waves, [BornHuang1954].
 
     Parameters
     ----------
@@ -55,14 +57,16 @@ def least_ratio(pattern: Pattern, constants: Constants) -> float:
         If the constants are not one a kind, the cell has too many points, or some wave already
         costs nothing without shear springs.
     """
-    return -1 / _largest(_shear_ratio, pattern, constants)
+    return -1 / _largest_ratio(_shear_ratio, pattern, constants)
 
 
-def least_volume(pattern: Pattern, constants: Constants) -> float:
+def least_stable_volume(pattern: Pattern, constants: Constants) -> float:
     """κ above which every wave of an endless lattice costs energy, at a spacing of 1 m.
 
     Of cells as `msvalidate.lattice.fill` makes them: the pattern's own, from corner to corner. In
     the plane in N/m, at any spacing; in space in Pa, over the spacing.
+
+    Source: stability by the energies of all waves, [BornHuang1954].
 
     Parameters
     ----------
@@ -72,22 +76,22 @@ def least_volume(pattern: Pattern, constants: Constants) -> float:
     Raises
     ------
     ProblemError
-        As for `least_ratio`, or if no point is in the corner.
+        As for `least_stable_ratio`, or if no point is in the corner.
     """
-    instance("pattern", pattern, Pattern)
+    require_type("pattern", pattern, Pattern)
     if not (np.abs(pattern.points) <= SAME_DISTANCE).all(axis=1).any():
         raise ProblemError(
             f"{pattern.name} lattice: no point in the corner of its cell, so it has no cells of a "
             "volume; shift the pattern"
         )
-    return -1 / _largest(_volume_ratio, pattern, constants)
+    return -1 / _largest_ratio(_volume_ratio, pattern, constants)
 
 
-def _largest(
+def _largest_ratio(
     ratio: Callable[[Pattern, Array, Array], float], pattern: Pattern, constants: Constants
 ) -> float:
     """Largest ratio of a wave's energies beside springs and in springs (N/m)."""
-    instance("pattern", pattern, Pattern)
+    require_type("pattern", pattern, Pattern)
     refuse_too_many("waves of a periodic cell", len(pattern.points), LARGEST_CELL)
     k = pattern.stiffness(constants)
     steps = 2 * math.pi / PHASES * (np.arange(PHASES) - PHASES // 2 + 1)
@@ -112,7 +116,7 @@ def _volume_ratio(pattern: Pattern, k: Array, phase: Array) -> float:
     for place in product((0, 1), repeat=d):
         way = (2 * np.array(place) - 1) * np.prod(size) / size / 2 ** (d - 1)
         slope[corner] += np.exp(1j * (place @ phase)) * way
-    stretch = _stretch(pattern, np.exp(1j * (pattern.image @ phase)))
+    stretch = _elongations(pattern, np.exp(1j * (pattern.image @ phase)))
     central = (stretch.conj().T * k) @ stretch
     volume = np.outer(slope.ravel().conj(), slope.ravel()) / np.prod(size)
     return float(eigvalsh(volume, central)[-1])
@@ -126,7 +130,7 @@ def _shear_ratio(pattern: Pattern, k: Array, phase: Array) -> float:
     i, j = pattern.springs.T
     length = np.linalg.norm(pattern.vectors, axis=1)
     unit = pattern.vectors / length[:, None]
-    stretch = _stretch(pattern, turn)
+    stretch = _elongations(pattern, turn)
     gradient = _gradients(pattern, turn)
     mean = (gradient[i] + turn[:, None, None] * gradient[j]) / 2
     # s = L P (H + Hᵀ) n/2, with H_ab the gradient along b of the component a.
@@ -139,7 +143,7 @@ def _shear_ratio(pattern: Pattern, k: Array, phase: Array) -> float:
     return float(eigvalsh(shear, central)[-1])
 
 
-def _difference(pattern: Pattern, turn: Array) -> Array:
+def _end_differences(pattern: Pattern, turn: Array) -> Array:
     """What springs see (m, n) of motions: their second end, at its image, less their first."""
     difference = np.zeros((len(turn), len(pattern.points)), dtype=complex)
     each = np.arange(len(turn))
@@ -148,17 +152,17 @@ def _difference(pattern: Pattern, turn: Array) -> Array:
     return difference
 
 
-def _stretch(pattern: Pattern, turn: Array) -> Array:
+def _elongations(pattern: Pattern, turn: Array) -> Array:
     """Elongation of springs by motions (m, n·d)."""
     unit = pattern.vectors / np.linalg.norm(pattern.vectors, axis=1)[:, None]
-    stretch = _difference(pattern, turn)[:, :, None] * unit[:, None, :]
+    stretch = _end_differences(pattern, turn)[:, :, None] * unit[:, None, :]
     return np.asarray(stretch.reshape(len(turn), -1))
 
 
 def _gradients(pattern: Pattern, turn: Array) -> Array:
     """Gradients (point, axis, point moved) by least squares over a point's springs, weights 1."""
     n, d = pattern.points.shape
-    vector, difference = pattern.vectors, _difference(pattern, turn)
+    vector, difference = pattern.vectors, _end_differences(pattern, turn)
     A, right = np.zeros((n, d, d)), np.zeros((n, d, n), dtype=complex)
     # The second end sees all from its own cell.
     for end, seen in zip(pattern.springs.T, (np.ones(len(turn)), turn.conj()), strict=True):

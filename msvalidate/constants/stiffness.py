@@ -17,15 +17,15 @@ from msvalidate.lattice import Constants, Pattern
 from msvalidate.lattice.patterns import cubic_tensor
 from msvalidate.problem import VOIGT, Array, Isotropic, ProblemError
 from msvalidate.problem.checks import (
-    coordinates,
-    direction,
     finite,
-    instance,
-    metres,
-    number,
-    positive,
-    rotation,
-    shown,
+    finite_angle,
+    finite_coordinates,
+    finite_number,
+    format_value,
+    length_in_metres,
+    positive_number,
+    require_type,
+    rotation_matrix,
 )
 
 CAUCHY = {2: 1 / 3, 3: 1 / 4}
@@ -57,6 +57,8 @@ def voigt_directions(normals: Array) -> Array:
     """Voigt vectors (m, 3) or (m, 6) of n⊗n for unit vectors n (m, 2) or (m, 3).
 
     Contracted with engineering strains they give the elongation along n: nᵀεn.
+
+    Source: Voigt's notation as in [Nye1957], chapter VIII.
     """
     first, second = np.array(VOIGT[normals.shape[1]]).T
     return np.asarray(normals[:, first] * normals[:, second])
@@ -81,19 +83,21 @@ def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
     ProblemError
         If an array does not fit, a value is not finite, or a spring has no length.
     """
-    d = coordinates("vectors", vectors, "m", (2, 3))
+    d = finite_coordinates("vectors", vectors, "m", (2, 3))
     k = finite("stiffness", stiffness, len(d))
     length = np.linalg.norm(d, axis=1)
     if not length.all():
         raise ProblemError(f"vectors: spring {int(length.argmin())} has no length; leave it out")
     v = voigt_directions(d / length[:, None]).T
     with np.errstate(over="ignore", invalid="ignore"):  # refused as infinite
-        tensor = (v * (k * length**2)) @ v.T / positive("volume", volume, "m²")
+        tensor = (v * (k * length**2)) @ v.T / positive_number("volume", volume, "m²")
     return np.array(finite("spring tensor", tensor))
 
 
 def pattern_tensor(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Array:
     """Tensor, (3, 3) in N/m or (6, 6) in Pa, of an endless lattice under affine motion.
+
+    Source: [BornHuang1954], for central forces.
 
     Parameters
     ----------
@@ -109,8 +113,8 @@ def pattern_tensor(pattern: Pattern, constants: Constants, spacing: float = 1.0)
     ProblemError
         If the constants are not one a kind, or the spacing is no length.
     """
-    instance("pattern", pattern, Pattern)
-    a = metres("spacing", spacing)
+    require_type("pattern", pattern, Pattern)
+    a = length_in_metres("spacing", spacing)
     volume = math.prod(pattern.size) * a**pattern.dim
     return spring_tensor(a * pattern.vectors, pattern.stiffness(constants), volume)
 
@@ -118,17 +122,21 @@ def pattern_tensor(pattern: Pattern, constants: Constants, spacing: float = 1.0)
 def square_tensor(k1: float, k2: float) -> Array:
     """Tensor (3, 3) in N/m of the square lattice: C11 = k1 + k2, C12 = C66 = k2, any spacing.
 
+    Source: `spring_tensor` of its springs in closed form; [BornHuang1954], central forces.
+
     Raises
     ------
     ProblemError
         If a constant is not one finite number.
     """
-    k1, k2 = number("spring constant k1", k1), number("spring constant k2", k2)
+    k1, k2 = finite_number("spring constant k1", k1), finite_number("spring constant k2", k2)
     return np.array([[k1 + k2, k2, 0.0], [k2, k1 + k2, 0.0], [0.0, 0.0, k2]])
 
 
 def square_constants(material: Isotropic, *, isotropic: bool = True) -> tuple[float, float]:
     """Spring constants (k1, k2) in N/m of the square lattice that stands for a plane material.
+
+    Source: `square_tensor`, solved for the constants of an isotropic material.
 
     Parameters
     ----------
@@ -143,8 +151,8 @@ def square_constants(material: Isotropic, *, isotropic: bool = True) -> tuple[fl
     ProblemError
         With the reason, if the lattice cannot be that material.
     """
-    E, nu = in_plane(material)
-    instance("isotropic", isotropic, bool)
+    E, nu = in_plane_moduli(material)
+    require_type("isotropic", isotropic, bool)
     if isotropic and abs(nu - CAUCHY[2]) > 1e-9:
         raise ProblemError(
             f"square lattice: in-plane ratio {nu:.6g} ({material.state}, nu = {material.nu:g}); "
@@ -157,19 +165,21 @@ def square_constants(material: Isotropic, *, isotropic: bool = True) -> tuple[fl
             "diagonals vanish, at 1 the axial springs, and the lattice is a mechanism)"
         )
     C11 = E / (1 - nu**2)
-    number("spring constants: C11", C11)
+    finite_number("spring constants: C11", C11)
     return C11 * (1 - nu), C11 * nu
 
 
 def triangular_constants(material: Isotropic) -> tuple[float]:
     """Spring constant (k,) in N/m of the triangular lattice: E2 = 2k/√3, always isotropic.
 
+    Source: [OstojaStarzewski2002], triangular lattice of central springs.
+
     Raises
     ------
     ProblemError
         If the in-plane ratio is not 1/3.
     """
-    E, nu = in_plane(material)
+    E, nu = in_plane_moduli(material)
     if abs(nu - CAUCHY[2]) > 1e-9:
         raise ProblemError(
             f"triangular lattice: in-plane ratio {nu:.6g} ({material.state}, nu = "
@@ -179,8 +189,10 @@ def triangular_constants(material: Isotropic) -> tuple[float]:
     return (math.sqrt(3) / 2 * E,)
 
 
-def in_plane(material: Isotropic) -> tuple[float, float]:
+def in_plane_moduli(material: Isotropic) -> tuple[float, float]:
     """In-plane modulus (N/m, thickness included) and ratio of an isotropic material.
+
+    Source: [TimoshenkoGoodier1970], plane stress and plane strain.
 
     Raises
     ------
@@ -188,7 +200,9 @@ def in_plane(material: Isotropic) -> tuple[float, float]:
         If the material is a solid, or modulus times thickness is beyond all numbers.
     """
     if not isinstance(material, Isotropic):
-        raise ProblemError(f"in-plane constants: {shown(material)}; the material must be isotropic")
+        raise ProblemError(
+            f"in-plane constants: {format_value(material)}; the material must be isotropic"
+        )
     E, nu, t = material.E, material.nu, material.thickness
     if not 0 < E * t < math.inf:
         raise ProblemError(
@@ -205,17 +219,20 @@ def in_plane(material: Isotropic) -> tuple[float, float]:
 def moduli(tensor: Array) -> Moduli:
     """E, nu along x and Zener ratio of a tensor of cubic (in the plane square) symmetry.
 
+    Source: [Nye1957], chapter VIII; the ratio of anisotropy is that of [Zener1948].
+
     Raises
     ------
     ProblemError
         If it is no such tensor, or a uniaxial stress has no one strain (C11 = 0 or C11 = C12).
     """
-    C = _voigt(tensor)
+    C = _check_voigt(tensor)
     d = AXES_OF[len(C)]
     C11, C12, C44 = C[0, 0], C[0, 1], C[-1, -1]
-    if not is_alike(C, cubic_tensor(d, C11, C12, C44)):
+    if not is_same_tensor(C, cubic_tensor(d, C11, C12, C44)):
         raise ProblemError(
-            f"moduli: tensor with diagonal {shown(np.diag(C).tolist())} is not of cubic symmetry "
+            f"moduli: tensor with diagonal {format_value(np.diag(C).tolist())} is not of cubic "
+            f"symmetry "
             "along the axes; give one, or ask for isotropic_moduli"
         )
     if C11 in (0.0, C12):
@@ -247,7 +264,7 @@ def isotropic_moduli(tensor: Array) -> Moduli:
     ProblemError
         If it is no Voigt tensor, or a uniform strain costs no energy.
     """
-    C = _voigt(tensor)
+    C = _check_voigt(tensor)
     d = AXES_OF[len(C)]
     normal, shear = C[:d, :d], np.diag(C)[d:]
     largest = np.abs(C).max()
@@ -276,13 +293,15 @@ def isotropic_part(tensor: Array) -> Array:
         As for `isotropic_moduli`.
     """
     mean = isotropic_moduli(tensor)
-    return isotropic_tensor(AXES_OF[len(_voigt(tensor))], mean.E, mean.nu)
+    return isotropic_tensor(AXES_OF[len(_check_voigt(tensor))], mean.E, mean.nu)
 
 
 def isotropic_tensor(dim: int, E: float, nu: float) -> Array:
     """Voigt tensor of E and nu of its own axes (in the plane the in-plane ones), nu below 1/(d-1).
 
     C12 = E nu/((1 + nu)(1 - (d - 1) nu)), C44 = E/(2(1 + nu)), C11 = C12 + 2·C44.
+
+    Source: Hooke's law, [TimoshenkoGoodier1970], article 6.
     """
     mu = E / (2 * (1 + nu))
     lame = 2 * mu * nu / (1 - (dim - 1) * nu)
@@ -297,28 +316,30 @@ def cubic_part(tensor: Array) -> Array:
     ProblemError
         If it is no Voigt tensor.
     """
-    C = _voigt(tensor)
+    C = _check_voigt(tensor)
     d = AXES_OF[len(C)]
     normal, along = C[:d, :d], np.trace(C[:d, :d])
     across = (normal.sum() - along) / (d * (d - 1))
     return cubic_tensor(d, along / d, across, np.trace(C[d:, d:]) / (len(C) - d))
 
 
-def is_alike(tensor: Array, other: Array) -> bool:
+def is_same_tensor(tensor: Array, other: Array) -> bool:
     """Whether two tensors are one to within `ALIKE` of the largest entry."""
     return bool(np.abs(tensor - other).max() <= ALIKE * np.abs(tensor).max())
 
 
-def rotated(tensor: Array, turn: float | Array) -> Array:
+def rotate_tensor(tensor: Array, turn: float | Array) -> Array:
     """Tensor of the material turned counter-clockwise by an angle (rad), or by a rotation (d, d).
+
+    Source: the law of transformation of tensors, [Nye1957], chapter VIII.
 
     Raises
     ------
     ProblemError
         If it is no Voigt tensor, an angle is given in space, or a matrix is no rotation.
     """
-    C = _voigt(tensor)
-    Q = rotation(turn, AXES_OF[len(C)])
+    C = _check_voigt(tensor)
+    Q = rotation_matrix(turn, AXES_OF[len(C)])
     # Stress of the turned body from its own stress: the Bond matrix for Voigt stress vectors.
     first, second = np.array(VOIGT[len(Q)]).T
     B = Q[np.ix_(first, first)] * Q[np.ix_(second, second)]
@@ -334,18 +355,20 @@ def directional_modulus(tensor: Array, directions: Array) -> Array:
     1/E = v S v, v the Voigt vector of n⊗n and S the compliance (Nye, *Physical Properties of
     Crystals*, 1957).
 
+    Source: [Nye1957], chapter VIII: E = 1/S of the rotated compliance.
+
     Raises
     ------
     ProblemError
         If it is no Voigt tensor, is singular, or the directions are not unit vectors.
     """
-    C = _voigt(tensor)
+    C = _check_voigt(tensor)
     n = finite("directions", directions)
     d = AXES_OF[len(C)]
     if n.ndim != 2 or n.shape[1] != d or np.abs((n**2).sum(axis=1) - 1).max(initial=0) > 1e-9:
         raise ProblemError(f"directions: shape {n.shape}; give unit vectors (q, {d})")
     v = voigt_directions(n)
-    return np.asarray(1 / (v * _strained(C, v.T).T).sum(axis=1))
+    return np.asarray(1 / (v * _strain_under(C, v.T).T).sum(axis=1))
 
 
 def directional_ratio(tensor: Array, angle: float) -> float:
@@ -353,20 +376,22 @@ def directional_ratio(tensor: Array, angle: float) -> float:
 
     Stress n⊗n gives strain S:(n⊗n); nu is minus its part across, m⊗m, over its part along, n⊗n.
 
+    Source: [Nye1957], chapter VIII, by the rotated compliance.
+
     Raises
     ------
     ProblemError
         If it is no plane tensor, is singular, or the angle is not one finite number.
     """
-    C, turn = _voigt(tensor, 2), direction("angle", angle)
+    C, turn = _check_voigt(tensor, 2), finite_angle("angle", angle)
     c, s = np.cos(turn), np.sin(turn)
     along, across = np.array([c * c, s * s, c * s]), np.array([s * s, c * c, -c * s])
-    strain = _strained(C, along)
+    strain = _strain_under(C, along)
     with np.errstate(all="ignore"):
-        return number("directional ratio", -(across @ strain) / (along @ strain))
+        return finite_number("directional ratio", -(across @ strain) / (along @ strain))
 
 
-def _strained(C: Array, stress: Array) -> Array:
+def _strain_under(C: Array, stress: Array) -> Array:
     """Voigt strain under a Voigt stress, columns (3 or 6, q)."""
     if np.linalg.matrix_rank(C) < len(C):
         raise ProblemError("directional moduli: the tensor is singular; some strain costs nothing")
@@ -374,7 +399,7 @@ def _strained(C: Array, stress: Array) -> Array:
         return np.asarray(np.linalg.solve(C, stress))
 
 
-def _voigt(tensor: Array, dim: int | None = None) -> Array:
+def _check_voigt(tensor: Array, dim: int | None = None) -> Array:
     """The tensor as an array, of the plane or of space, or as said."""
     C = finite("tensor", tensor)
     if C.shape not in {(3, 3), (6, 6)} or dim not in (None, AXES_OF[len(C)]):

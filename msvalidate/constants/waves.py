@@ -11,12 +11,12 @@ from scipy.optimize import minimize
 
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.problem import Array
-from msvalidate.problem.checks import instance, refuse_too_many
+from msvalidate.problem.checks import refuse_too_many, require_type
 
 PHASES = 8
 """Of waves along each axis, even, so that pi is one."""
 SAME_HEIGHT = 1e-9
-"""Part of a squared frequency by which two waves' are told apart; rounding leaves 1e-14 of it."""
+"""Relative difference at which two squared frequencies count as different; rounding is 1e-14."""
 LARGEST_CELL = 1000
 """Points of a cell up to which all frequencies of all waves are found: dense matrices."""
 
@@ -28,12 +28,14 @@ def highest_frequency(pattern: Pattern, constants: Constants) -> float:
     lattices of near neighbours have theirs, and then uphill from there. Masses are in proportion to
     the points' volumes.
 
+    Source: the dynamical matrix of a lattice, [BornHuang1954].
+
     Raises
     ------
     ProblemError
         If the constants are not one a kind, or the cell has too many points.
     """
-    instance("pattern", pattern, Pattern)
+    require_type("pattern", pattern, Pattern)
     n, d = pattern.points.shape
     refuse_too_many("frequency of a periodic cell", n, LARGEST_CELL)
     normal = pattern.vectors / np.linalg.norm(pattern.vectors, axis=1)[:, None]

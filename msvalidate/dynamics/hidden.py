@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.dynamics.integrators import Moving
-from msvalidate.linear_algebra.norms import largest
+from msvalidate.dynamics.integrators import MotionState
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network
 from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import Array, SolverError
@@ -32,29 +32,29 @@ each rounded by itself."""
 EPS = float(np.finfo(float).eps)
 
 
-class Run(NamedTuple):
+class MotionRecord(NamedTuple):
     """A motion: scheme, displacements, velocities and accelerations at its start, and its end.
 
     `rounded` (m) is the largest length that is rounded whenever forces are computed.
     """
 
     scheme: str
-    start: Moving
-    end: Moving
+    start: MotionState
+    end: MotionState
     rounded: float
 
 
-def rests(network: Network, start: Moving) -> bool:
-    """Whether nothing moves it: no load, velocity or displacement, and springs in balance."""
+def is_at_rest(network: Network, start: MotionState) -> bool:
+    """Whether the network stays at rest: no load, velocity or displacement, springs in balance."""
     free = ~network.held
     if start.x.any() or start.v.any() or network.force[free].any():
         return False
     with np.errstate(over="ignore"):
         left = np.abs(np.where(free, start.a, 0.0)) * network.mass[:, None]
-        return bool((left <= AT_REST * force_roundoff(network, _size(network))).all())
+        return bool((left <= AT_REST * force_roundoff(network, _body_size(network))).all())
 
 
-def by_positions(network: Network, start: Array, velocity: Array) -> bool:
+def has_position_digits(network: Network, start: Array, velocity: Array) -> bool:
     """Whether forces by positions have digits to spare for a motion; else by displacements.
 
     Parameters
@@ -62,24 +62,24 @@ def by_positions(network: Network, start: Array, velocity: Array) -> bool:
     start, velocity
         (n, d) in m and m/s.
     """
-    run = Run("", *2 * (Moving(start, velocity, np.zeros_like(start)),), rounded=0.0)
-    far = max(largest(start), _expected(network, run))
-    lengths = (largest(network.points + start), largest(network.rest_length))
+    run = MotionRecord("", *2 * (MotionState(start, velocity, np.zeros_like(start)),), rounded=0.0)
+    far = max(max_abs(start), _expected_displacement(network, run))
+    lengths = (max_abs(network.points + start), max_abs(network.rest_length))
     return math.isfinite(far) and far * SPARE >= 0.5 * EPS * max(lengths)
 
 
-def refuse_hidden(network: Network, run: Run) -> None:
+def refuse_lost_digits(network: Network, run: MotionRecord) -> None:
     """Raise `SolverError` for a motion with fewer digits than `DIGITS` asks for.
 
     What nothing loads may come to rest, in many calls: positions tell its end as they tell its
     start, and from there a few roundings of a velocity are no motion.
     """
-    moved = max(largest(run.start.x), largest(run.end.x))
+    moved = max(max_abs(run.start.x), max_abs(run.end.x))
     at, lengths = _position_rounding(network, run), EPS * run.rounded
-    slender = lengths * max(_size(network) / float(network.rest_length.min()), 1.0)
+    slender = lengths * max(_body_size(network) / float(network.rest_length.min()), 1.0)
     if moved * DIGITS >= max(at, slender):
         return
-    local = _expected(network, run)
+    local = _expected_displacement(network, run)
     loaded = bool(network.force[~network.held].any())
     if not loaded and (run.start.x.any() or max(moved, local) <= AT_REST * at):
         return
@@ -89,7 +89,9 @@ def refuse_hidden(network: Network, run: Run) -> None:
             f"positions is {at:.1g} m; move the body to the origin, or raise loads and "
             f"velocities {at / DIGITS / max(moved, local):.1g} times"
         )
-    local = max(local, _strained(network, run.start.x), _strained(network, run.end.x))
+    local = max(
+        local, _largest_elongation(network, run.start.x), _largest_elongation(network, run.end.x)
+    )
     if 0 < local * DIGITS < lengths and moved * DIGITS < slender:
         raise SolverError(
             f"{run.scheme}: elongations of about {local:.1g} m where rounding of lengths is "
@@ -98,13 +100,13 @@ def refuse_hidden(network: Network, run: Run) -> None:
         )
 
 
-def _expected(network: Network, run: Run) -> float:
+def _expected_displacement(network: Network, run: MotionRecord) -> float:
     """Displacement (m) that loads and velocities come to against a point's own springs alone.
 
     v/ω and f/k with ω² = k/m, k all that meets at the point: no less than these does a free point
     move, if it has the time.
     """
-    size = _size(network)
+    size = _body_size(network)
     k = force_roundoff(network, size) / (EPS * size)
     mass, free = network.mass[:, None], ~network.held
     force = np.maximum(np.abs(run.start.a) * mass, np.abs(network.force))
@@ -114,19 +116,19 @@ def _expected(network: Network, run: Run) -> float:
     return float(np.nan_to_num(far[free], nan=0.0, posinf=math.inf).max(initial=0.0))
 
 
-def _strained(network: Network, displacement: Array) -> float:
+def _largest_elongation(network: Network, displacement: Array) -> float:
     """Largest elongation (m) by a displacement (n, d) in m, to its first order."""
     i, j = network.springs.T
     v, w = network.vector, displacement[j] - displacement[i]
     along = (v / np.linalg.norm(v, axis=1)[:, None] * w).sum(axis=1)
-    return largest(along)
+    return max_abs(along)
 
 
-def _position_rounding(network: Network, run: Run) -> float:
+def _position_rounding(network: Network, run: MotionRecord) -> float:
     """Rounding (m) of the largest coordinate that is free to move."""
     ends = [np.abs(network.points + one.x) for one in (run.start, run.end)]
-    return 0.5 * EPS * largest(np.where(network.held, 0.0, np.maximum(*ends)))
+    return 0.5 * EPS * max_abs(np.where(network.held, 0.0, np.maximum(*ends)))
 
 
-def _size(network: Network) -> float:
+def _body_size(network: Network) -> float:
     return float(np.ptp(network.points, axis=0).max())

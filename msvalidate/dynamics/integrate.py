@@ -17,21 +17,34 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate import kernels
-from msvalidate.dynamics.hidden import Run, by_positions, refuse_hidden, rests
+from msvalidate.dynamics.hidden import (
+    MotionRecord,
+    has_position_digits,
+    is_at_rest,
+    refuse_lost_digits,
+)
 from msvalidate.dynamics.integrators import (
     EULER_CROMER,
     Integrator,
-    Moving,
-    factors_of,
+    MotionState,
     stability_limit,
+    step_factors,
 )
 from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
 from msvalidate.network import Network, internal_force
 from msvalidate.network.displaced import Displaced
 from msvalidate.network.folds import count_folded
 from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
-from msvalidate.problem.checks import coordinates, finite, instance, number, positive, shown, whole
-from msvalidate.statics.polish import centred
+from msvalidate.problem.checks import (
+    finite,
+    finite_coordinates,
+    finite_number,
+    format_value,
+    positive_number,
+    require_type,
+    whole_number,
+)
+from msvalidate.statics.polish import centre_points
 
 SPECTRUM_ERROR = 1e-4
 """Of the squared frequencies from which limits are told: their last digits cost the most."""
@@ -48,7 +61,7 @@ class StabilityWarning(UserWarning):
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Where a motion is.
+    """Positions and velocities of a motion.
 
     Parameters
     ----------
@@ -84,7 +97,7 @@ def motion(
     ----------
     network, state, dt, steps, damping
         As in `euler_cromer`. A staggered scheme's velocity is that half a step before: see
-        `staggered`.
+        `stagger_velocity`.
     integrator
         One of `integrators.INTEGRATORS`.
     watch
@@ -100,38 +113,42 @@ def motion(
     SolverError
         If the motion grows beyond all numbers, or rounding of positions hides it (`hidden`).
     """
-    instance("integrator", integrator, Integrator)
+    require_type("integrator", integrator, Integrator)
     if not (watch is None or callable(watch)):
-        raise ProblemError(f"watch: {shown(watch)}; give a function of step and state, or None")
-    rate = _checked(network, state, dt, steps, damping)[:, None]
+        raise ProblemError(
+            f"watch: {format_value(watch)}; give a function of step and state, or None"
+        )
+    rate = _check_arguments(network, state, dt, steps, damping)[:, None]
     if warn:
         _warn_beyond_limit(network, integrator, dt, rate.ravel())
-    free, way = ~network.held, _way(network, state)
+    free, way = ~network.held, _choose_coordinates(network, state)
 
     def acceleration(x: Array) -> Array:
         if not (np.abs(x) <= LONGEST).all():  # nor where it is NaN
-            raise SolverError(_ran_away(dt, integrator.name))
+            raise SolverError(_divergence_error(dt, integrator.name))
         return np.where(free, (way.force(x) + network.force) / network.mass[:, None], 0)
 
     x = np.array(state.position, dtype=float) - way.origin
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
-        now = start = Moving(x, np.where(free, state.velocity, 0.0), acceleration(x))
+        now = start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
         reach, still = (
-            _reach(network, now, dt * steps),
-            way.displaced is not None and rests(network, now),
+            _largest_reach(network, now, dt * steps),
+            way.displaced is not None and is_at_rest(network, now),
         )
         for step in range(1, steps + 1):
             now = now if still else integrator.step(acceleration, now, dt, rate)
-            _finite_motion(now, x, reach, (dt, integrator.name))
+            _refuse_diverged(now, x, reach, (dt, integrator.name))
             if watch is not None:
                 watch(step, State(way.origin + now.x, now.v))
     if steps and way.displaced is not None and not still:
-        refuse_hidden(network, Run(integrator.name, start, now, way.displaced.rounded))
+        refuse_lost_digits(
+            network, MotionRecord(integrator.name, start, now, way.displaced.rounded)
+        )
     end = way.origin + now.x
     return State(end, now.v, count_folded(network.simplices, end))
 
 
-class _Way(NamedTuple):
+class _Coordinates(NamedTuple):
     """What is advanced: positions less an origin (n, d) in m, and forces by these.
 
     `displaced` has the forces where the origin is the reference points.
@@ -142,23 +159,26 @@ class _Way(NamedTuple):
     displaced: Displaced | None = None
 
 
-def _way(network: Network, state: State) -> _Way:
+def _choose_coordinates(network: Network, state: State) -> _Coordinates:
     """Positions, where they have digits to spare, or displacements."""
     u = np.asarray(state.position, dtype=float) - network.points
-    if by_positions(network, u, np.where(network.held, 0.0, state.velocity)):
-        return _Way(np.zeros_like(u), partial(internal_force, network))
+    if has_position_digits(network, u, np.where(network.held, 0.0, state.velocity)):
+        return _Coordinates(np.zeros_like(u), partial(internal_force, network))
     alone = network.volumes is None and network.shear is None
-    displaced = Displaced(network, network if alone else centred(network))
-    return _Way(network.points, displaced.internal_force, displaced)
+    displaced = Displaced(network, network if alone else centre_points(network))
+    return _Coordinates(network.points, displaced.internal_force, displaced)
 
 
-def staggered(network: Network, state: State, dt: float, damping: ArrayLike = 0.0) -> State:
+def stagger_velocity(network: Network, state: State, dt: float, damping: ArrayLike = 0.0) -> State:
     """The state with its velocity half a step earlier: how leapfrog starts.
 
     v(-dt/2) = v - (dt/2)·(a - c·v), of the order of the scheme itself.
+
+    Source: the Stoermer-Verlet scheme in its leapfrog form, [HairerLubichWanner2006], section
+    I.1.4.
     """
-    rate = _checked(network, state, dt, 0, damping)[:, None]
-    way = _way(network, state)
+    rate = _check_arguments(network, state, dt, 0, damping)[:, None]
+    way = _choose_coordinates(network, state)
     pull = way.force(np.asarray(state.position, dtype=float) - way.origin)
     a = (pull + network.force) / network.mass[:, None]
     v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
@@ -174,6 +194,8 @@ def recommended_time_step(
 ) -> float:
     """Time step (s): `safety` times the stability limit of a network at its reference positions.
 
+    Source: `stability_limit` at the highest frequency.
+
     Raises
     ------
     ProblemError
@@ -181,9 +203,9 @@ def recommended_time_step(
     SolverError
         If the network is a mechanism.
     """
-    if not 0 < number("safety", safety) <= 1:
+    if not 0 < finite_number("safety", safety) <= 1:
         raise ProblemError(f"safety: {safety:g}; give a part of the limit, above 0 and at most 1")
-    instance("integrator", integrator, Integrator)
+    require_type("integrator", integrator, Integrator)
     rate = damping_rate(network, damping)
     if np.ptp(rate) > 0 and integrator.limit(0.0) == 0:
         raise ProblemError(
@@ -214,6 +236,8 @@ def euler_cromer(
 ) -> State:
     """State after `steps` Euler-Cromer steps of `dt` (s); held components do not move.
 
+    Source: [Cromer1981]; it is the loop of Algorithm 1 of [Report].
+
     Parameters
     ----------
     network, state
@@ -242,7 +266,7 @@ def euler_cromer(
     """
     if not compiled:
         return motion(network, state, EULER_CROMER, dt, steps, damping, warn=warn)
-    rate = _checked(network, state, dt, steps, damping)
+    rate = _check_arguments(network, state, dt, steps, damping)
     if warn:
         _warn_beyond_limit(network, EULER_CROMER, dt, rate)
     u = np.array(state.position, dtype=float) - network.points
@@ -252,26 +276,28 @@ def euler_cromer(
         moving = kernels.Motion(network, path=path, threads=threads)
         moving.force_and_energy(u, force)
         pushed = np.where(network.held, 0.0, (force + network.force) / network.mass[:, None])
-        start = Moving(u.copy(), v.copy(), pushed)
-        if steps and not rests(network, start):
-            reach = _reach(network, start, dt * steps)
-            moving.advance(u, v, *factors_of(EULER_CROMER)(dt, rate), dt, steps)
-            now = Moving(u, v, pushed)
-            _finite_motion(now, start.x, reach, (dt, EULER_CROMER.name))
+        start = MotionState(u.copy(), v.copy(), pushed)
+        if steps and not is_at_rest(network, start):
+            reach = _largest_reach(network, start, dt * steps)
+            moving.advance(u, v, *step_factors(EULER_CROMER)(dt, rate), dt, steps)
+            now = MotionState(u, v, pushed)
+            _refuse_diverged(now, start.x, reach, (dt, EULER_CROMER.name))
             longest = float(network.rest_length.max())
-            refuse_hidden(network, Run(EULER_CROMER.name, start, now, longest))
+            refuse_lost_digits(network, MotionRecord(EULER_CROMER.name, start, now, longest))
     end = network.points + u
     return State(end, v, count_folded(network.simplices, end))
 
 
-def _checked(network: Network, state: State, dt: float, steps: int, damping: ArrayLike) -> Array:
+def _check_arguments(
+    network: Network, state: State, dt: float, steps: int, damping: ArrayLike
+) -> Array:
     """The damping (n,) in 1/s of a motion whose arguments are in range."""
-    instance("network", network, Network)
-    instance("state", state, State)
-    positive("time step dt", dt, "s")
-    whole("steps", steps, 0)
+    require_type("network", network, Network)
+    require_type("state", state, State)
+    positive_number("time step dt", dt, "s")
+    whole_number("steps", steps, 0)
     for name, value, checked in (
-        ("position", state.position, coordinates),
+        ("position", state.position, finite_coordinates),
         ("velocity", state.velocity, finite),
     ):
         if (shape := checked(name, value).shape) != network.points.shape:
@@ -307,7 +333,7 @@ def _warn_beyond_limit(network: Network, scheme: Integrator, dt: float, rate: Ar
         )
 
 
-def _reach(network: Network, start: Moving, time: float) -> float:
+def _largest_reach(network: Network, start: MotionState, time: float) -> float:
     """Distance (m) from the start beyond which a motion has blown up."""
     size = float(np.ptp(network.points, axis=0).max())
     flight = time * (float(np.abs(start.v).max()) + time * float(np.abs(start.a).max()))
@@ -315,14 +341,14 @@ def _reach(network: Network, start: Moving, time: float) -> float:
     return reach if reach < LONGEST else LONGEST  # nor is it NaN
 
 
-def _finite_motion(now: Moving, start: Array, reach: float, run: tuple[float, str]) -> None:
+def _refuse_diverged(now: MotionState, start: Array, reach: float, run: tuple[float, str]) -> None:
     """Refuse what has run away from its start (n, d) in m, before its numbers are NaN."""
     near = (np.abs(now.x - start) <= reach).all()  # not so where it is NaN
     if not (near and np.isfinite(now.v).all()):
-        raise SolverError(_ran_away(*run))
+        raise SolverError(_divergence_error(*run))
 
 
-def _ran_away(dt: float, scheme: str) -> str:
+def _divergence_error(dt: float, scheme: str) -> str:
     return (
         f"{scheme}: the motion grew beyond all bounds with steps of {dt:.4g} s; take steps below "
         "stability_limit"
@@ -337,7 +363,7 @@ def damping_rate(network: Network, damping: ArrayLike) -> Array:
     ProblemError
         If a value is negative or not finite, or their number is not that of the points.
     """
-    instance("network", network, Network)
+    require_type("network", network, Network)
     rate = finite("damping", damping)
     if rate.ndim and rate.shape != (len(network.points),):
         raise ProblemError(

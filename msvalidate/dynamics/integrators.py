@@ -18,7 +18,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import finite, instance, number, positive, shown
+from msvalidate.problem.checks import (
+    finite,
+    finite_number,
+    format_value,
+    positive_number,
+    require_type,
+)
 
 RATIOS = 400
 """Damping ratios at which the limit is asked for between two: its minimum is flat."""
@@ -26,7 +32,7 @@ Acceleration = Callable[[Array], Array]
 """Acceleration (n, d) in m/s² of springs and loads at positions (n, d) in m."""
 
 
-class Moving(NamedTuple):
+class MotionState(NamedTuple):
     """Position (m), velocity (m/s), and the undamped acceleration (m/s²) at that position."""
 
     x: Array
@@ -34,7 +40,7 @@ class Moving(NamedTuple):
     a: Array
 
 
-Step = Callable[[Acceleration, Moving, float, Array | float], Moving]
+Step = Callable[[Acceleration, MotionState, float, Array | float], MotionState]
 """One step of `h` (s) with damping `c` (1/s), a number or one a component."""
 Factors = Callable[[float, Array], tuple[Array, Array]]
 """(keep, push) of a step of `h` (s) with damping `c` (1/s): v = keep·v + push·a, x += h·v."""
@@ -77,19 +83,21 @@ class Integrator:
     factors: Factors | None = None
 
 
-def _explicit_euler(acceleration: Acceleration, now: Moving, h: float, c: Array | float) -> Moving:
+def _explicit_euler(
+    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
     x = now.x + h * now.v
-    return Moving(x, now.v + h * (now.a - c * now.v), acceleration(x))
+    return MotionState(x, now.v + h * (now.a - c * now.v), acceleration(x))
 
 
 def _with_one_velocity(
-    factors: Factors, acceleration: Acceleration, now: Moving, h: float, c: Array | float
-) -> Moving:
+    factors: Factors, acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
     """A step whose position moves with the new velocity."""
     keep, push = factors(h, np.asarray(c))
     v = keep * now.v + push * now.a
     x = now.x + h * v
-    return Moving(x, v, acceleration(x))
+    return MotionState(x, v, acceleration(x))
 
 
 def _euler_cromer(h: float, c: Array) -> tuple[Array, Array]:
@@ -102,34 +110,38 @@ def _leapfrog(h: float, c: Array) -> tuple[Array, Array]:
 
 
 def _euler_cromer_as_printed(
-    acceleration: Acceleration, now: Moving, h: float, c: Array | float
-) -> Moving:
+    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
     # The report's section 5.4 (2): velocity first, but the position moves with the old one.
     v = now.v + h * (now.a - c * now.v)
     x = now.x + h * now.v
-    return Moving(x, v, acceleration(x))
+    return MotionState(x, v, acceleration(x))
 
 
-def _velocity_verlet(acceleration: Acceleration, now: Moving, h: float, c: Array | float) -> Moving:
+def _velocity_verlet(
+    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
     half = now.v + 0.5 * h * (now.a - c * now.v)
     x = now.x + h * half
     a = acceleration(x)
-    return Moving(x, half + 0.5 * h * (a - c * half), a)
+    return MotionState(x, half + 0.5 * h * (a - c * half), a)
 
 
 def _verlet_as_printed(
-    acceleration: Acceleration, now: Moving, h: float, c: Array | float
-) -> Moving:
+    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
     # The report's section 5.4 (4): the second half kick starts again from v_t, with F_t.
     half = now.v + 0.5 * h * (now.a - c * now.v)
     x = now.x + h * half
-    return Moving(x, half, acceleration(x))
+    return MotionState(x, half, acceleration(x))
 
 
-def _verlet_lagged(acceleration: Acceleration, now: Moving, h: float, c: Array | float) -> Moving:
+def _verlet_lagged(
+    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
     half = now.v + 0.5 * h * (now.a - c * now.v)
     x = now.x + h * half
-    return Moving(x, half + 0.5 * h * (now.a - c * now.v), acceleration(x))
+    return MotionState(x, half + 0.5 * h * (now.a - c * now.v), acceleration(x))
 
 
 def _explicit_euler_limit(zeta: float) -> float:
@@ -151,6 +163,8 @@ def _velocity_verlet_limit(zeta: float) -> float:
 
     1 + tr M + det M ≥ 0 is a cubic in y, written for z = 1/y, whose roots stay ordinary numbers
     as ζ vanishes; |det M| ≤ 1 asks for p ≥ -1.
+
+    Source: the criterion of [Jury1964]; the roots of the cubic are derived here.
     """
     if zeta >= 1:
         return 2 / zeta
@@ -227,7 +241,7 @@ EULER_CROMER = INTEGRATORS["euler_cromer"]
 LEAPFROG = INTEGRATORS["leapfrog"]
 
 
-def factors_of(scheme: Integrator) -> Factors:
+def step_factors(scheme: Integrator) -> Factors:
     """What `kernels.advance` needs of a scheme.
 
     Raises
@@ -235,7 +249,7 @@ def factors_of(scheme: Integrator) -> Factors:
     ProblemError
         If it does not move with one new velocity.
     """
-    instance("scheme", scheme, Integrator)
+    require_type("scheme", scheme, Integrator)
     if scheme.factors is None:
         able = ", ".join(name for name, one in INTEGRATORS.items() if one.factors)
         raise ProblemError(f"{scheme.name}: more than one velocity a step; choose from: {able}")
@@ -252,6 +266,8 @@ def stability_limit(
     Of rates that differ from point to point, a mode feels some mean: the limit is the least over
     all rates between the smallest and the largest. (Velocity Verlet's is lowest between.)
 
+    Source: roots of `one_step_matrix` within the unit circle, [Jury1964].
+
     Raises
     ------
     ProblemError
@@ -259,14 +275,16 @@ def stability_limit(
     SolverError
         If the limit is beyond the largest number or below the smallest.
     """
-    instance("integrator", integrator, Integrator)
-    low = positive("lowest frequency", omega_min, "rad/s")
-    high = positive("highest frequency", omega_max, "rad/s")
+    require_type("integrator", integrator, Integrator)
+    low = positive_number("lowest frequency", omega_min, "rad/s")
+    high = positive_number("highest frequency", omega_max, "rad/s")
     if low > high:
         raise ProblemError(f"frequencies: from {low:g} to {high:g} rad/s; give the lowest first")
     rates = finite("damping", damping).ravel()
     if not rates.size or rates.min() < 0:
-        raise ProblemError(f"damping: {shown(damping)} 1/s; a negative rate feeds the motion")
+        raise ProblemError(
+            f"damping: {format_value(damping)} 1/s; a negative rate feeds the motion"
+        )
     limit = min(_limit(integrator, omega, rates) for omega in (low, high))
     if not limit < math.inf:
         raise SolverError(
@@ -301,7 +319,8 @@ def one_step_matrix(integrator: Integrator, omega: float, h: float, damping: flo
         If an argument is not a finite number.
     """
     omega, h, damping = (
-        number(name, value) for name, value in (("omega", omega), ("h", h), ("damping", damping))
+        finite_number(name, value)
+        for name, value in (("omega", omega), ("h", h), ("damping", damping))
     )
 
     def acceleration(x: Array) -> Array:
@@ -311,13 +330,16 @@ def one_step_matrix(integrator: Integrator, omega: float, h: float, damping: flo
     for x, v in ((1.0, 0.0), (0.0, 1.0)):
         start = np.array([x])
         end = integrator.step(
-            acceleration, Moving(start, np.array([v]), acceleration(start)), h, damping
+            acceleration, MotionState(start, np.array([v]), acceleration(start)), h, damping
         )
         columns.append([end.x[0], end.v[0]])
     return np.array(columns).T
 
 
-def growth(integrator: Integrator, omega: float, h: float, damping: float = 0.0) -> float:
-    """Largest factor by which a mode can grow in a step: its one-step matrix's spectral radius."""
+def growth_factor(integrator: Integrator, omega: float, h: float, damping: float = 0.0) -> float:
+    """Largest factor by which a mode can grow in a step: its one-step matrix's spectral radius.
+
+    Source: the spectral radius, [GolubVanLoan2013].
+    """
     matrix = finite("one-step matrix", one_step_matrix(integrator, omega, h, damping))
     return float(np.abs(np.linalg.eigvals(matrix)).max())

@@ -13,15 +13,21 @@ from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, lobpcg
 
-from msvalidate.linear_algebra.double_double import pair
-from msvalidate.linear_algebra.factor import NO_NUMBER, factorised
+from msvalidate.linear_algebra.double_double import as_pair
+from msvalidate.linear_algebra.factor import NO_NUMBER, factorise
 from msvalidate.network import Network, tangent
 from msvalidate.network.accurate import State
 from msvalidate.problem import Array, ProblemError, SolverError, rigid_motions
-from msvalidate.problem.checks import chosen, coordinates, instance, number, shown
-from msvalidate.tangent.cycles import UnsettledError
-from msvalidate.tangent.inverse import SOLVERS, Solver, joined, order_of
-from msvalidate.tangent.multigrid import Cycle, cycle_of, push, restrained
+from msvalidate.problem.checks import (
+    finite_coordinates,
+    finite_number,
+    format_value,
+    require_one_of,
+    require_type,
+)
+from msvalidate.tangent.cycles import NotConvergedError
+from msvalidate.tangent.inverse import SOLVERS, Solver, connected_pairs, elimination_order
+from msvalidate.tangent.multigrid import Cycle, force_against, make_cycle, restrained_tangent
 
 DENSE = 600
 """Degrees of freedom up to which a dense solver is the faster one."""
@@ -57,6 +63,8 @@ def natural_frequencies(
     is rounded by some 1e-16 of the highest; where that is more than 1e-5 of it, its mode's energy,
     spring by spring, gives it.
 
+    Source: [Rayleigh1877]; the symmetric generalised problem, [GolubVanLoan2013], section 8.7.
+
     Parameters
     ----------
     network
@@ -85,37 +93,37 @@ def natural_frequencies(
         If a mode has negative stiffness (the position is unstable) or none, the iteration fails, or
         rigid motions of a part change its energy: it is not at rest.
     """
-    instance("network", network, Network)
-    instance("rigid", rigid, bool)
-    place = network.points if position is None else coordinates("position", position)
+    require_type("network", network, Network)
+    require_type("rigid", rigid, bool)
+    place = network.points if position is None else finite_coordinates("position", position)
     matrix = _dynamical_matrix(network, place)
     size = matrix.shape[0]
-    if not 0 <= number("tolerance of the frequencies", tolerance) < 1:
+    if not 0 <= finite_number("tolerance of the frequencies", tolerance) < 1:
         raise ProblemError(
             f"tolerance of the frequencies: {tolerance}; give a relative error, 0 <= tolerance < 1"
         )
     counted = isinstance(count, int | np.integer) and not isinstance(count, bool)
     if not (counted and 1 <= count <= size):
         raise ProblemError(
-            f"count: {shown(count)} frequencies; this network has {size} free components"
+            f"count: {format_value(count)} frequencies; this network has {size} free components"
         )
-    chosen("solver", solver, SOLVERS)
+    require_one_of("solver", solver, SOLVERS)
     zero = _rigid_motions(network, place, allowed=rigid)
     if size <= max(DENSE, 4 * count):
-        squares = _all(matrix, count)
+        squares = _dense_squares(matrix, count)
         lowest, highest = squares[:count], squares[-1]
     else:
-        highest = _largest(matrix, tolerance)
-        by_factor = partial(_smallest, network, matrix, count, highest, tolerance)
+        highest = _largest_square(matrix, tolerance)
+        by_factor = partial(_smallest_squares, network, matrix, count, highest, tolerance)
         by_cycles = partial(
-            _smallest_by_cycles, network, place, cycle, matrix, count, highest, tolerance
+            _smallest_by_multigrid, network, place, cycle, matrix, count, highest, tolerance
         )
         lowest = _lowest_of_large(Solver(network, solver), (count, zero), by_factor, by_cycles)
     if lowest[0] < -1e-10 * highest:
         raise SolverError(
             f"natural frequencies: omega² = {lowest[0]:g} 1/s²; the network is unstable there"
         )
-    lowest = _told_from_rounding(network, place, lowest, highest, zero)
+    lowest = _separate_rounding(network, place, lowest, highest, zero)
     return np.sqrt(np.maximum(lowest, 0.0)), float(np.sqrt(highest))
 
 
@@ -134,7 +142,7 @@ def _lowest_of_large(
         return by_factor()
     try:
         return by_cycles()
-    except UnsettledError as error:
+    except NotConvergedError as error:
         way.give_way(error)
         return by_factor()
 
@@ -142,7 +150,7 @@ def _lowest_of_large(
 def _rigid_motions(network: Network, position: Array, *, allowed: bool) -> int:
     """Number of rigid motions that supports leave to parts that hang together on their own."""
     n = len(network.points)
-    i, j = joined(network).T
+    i, j = connected_pairs(network).T
     graph = csr_array((np.ones(len(i)), (i, j)), shape=(n, n))
     parts, part = connected_components(graph, directed=False)
     count = 0
@@ -151,7 +159,7 @@ def _rigid_motions(network: Network, position: Array, *, allowed: bool) -> int:
         held = network.held[own]
         if parts > 1 and held.all():
             continue
-        motions = rigid_motions(_in_sizes(position[own]))
+        motions = rigid_motions(_scale_by_size(position[own]))
         left = _rank(motions.reshape(-1, motions.shape[2])) - _rank(motions[held])
         if left and not allowed:
             whole = "the network" if len(own) == n else f"the part of point {own[0]}"
@@ -163,7 +171,7 @@ def _rigid_motions(network: Network, position: Array, *, allowed: bool) -> int:
     return count
 
 
-def _in_sizes(position: Array) -> Array:
+def _scale_by_size(position: Array) -> Array:
     """Places from their middle, over their size."""
     apart = position - position.mean(axis=0)
     return np.asarray(apart / (np.abs(apart).max(initial=0.0) or 1.0))
@@ -174,7 +182,7 @@ def _rank(motions: Array) -> int:
     return int((sizes > SAME * max(float(sizes[0]), 1.0)).sum())
 
 
-def _told_from_rounding(
+def _separate_rounding(
     network: Network, position: Array, squares: Array, highest: float, zero: int
 ) -> Array:
     """Lowest squares, exact zeros for `zero` rigid motions, and none that is rounding.
@@ -198,11 +206,11 @@ def _told_from_rounding(
             "rounding: a slender body, stiffnesses or masses far apart, or a mechanism; hold the "
             "body, and energies of its modes will tell"
         )
-    squares[:soft] = _by_energy(network, position, soft)
+    squares[:soft] = _squares_by_energy(network, position, soft)
     return squares
 
 
-def _by_energy(network: Network, position: Array, count: int) -> Array:
+def _squares_by_energy(network: Network, position: Array, count: int) -> Array:
     """The lowest squares from the energies of their modes, by inverse iteration on a few more."""
     inside = np.flatnonzero(~network.held.ravel())
     factor = Solver(network).regular(network, position).inverse
@@ -212,12 +220,12 @@ def _by_energy(network: Network, position: Array, count: int) -> Array:
     for _ in range(SWEEPS):
         modes = np.column_stack([factor.solve(mass * mode) for mode in modes.T])
         modes = np.linalg.qr(np.sqrt(mass)[:, None] * modes)[0] / np.sqrt(mass)[:, None]
-    state = State(network, pair(position - network.points))
+    state = State(network, as_pair(position - network.points))
     pushes = []
     for mode in modes.T:
         motion = np.zeros(network.held.size)
         motion[inside] = mode
-        pushes.append(push(state, motion, ~network.held)[inside])
+        pushes.append(force_against(state, motion, ~network.held)[inside])
     energies = modes.T @ np.column_stack(pushes)
     return np.asarray(eigvalsh((energies + energies.T) / 2)[:count])
 
@@ -242,7 +250,7 @@ def highest_frequency(network: Network, *, tolerance: float = 0.0) -> float:
     matrix = _dynamical_matrix(network, network.points)
     if matrix.shape[0] <= DENSE:
         return float(np.sqrt(max(eigvalsh(matrix.toarray())[-1], 0.0)))
-    return float(np.sqrt(_largest(matrix, tolerance)))
+    return float(np.sqrt(_largest_square(matrix, tolerance)))
 
 
 def _dynamical_matrix(network: Network, position: Array) -> csr_array:
@@ -264,7 +272,7 @@ def _dynamical_matrix(network: Network, position: Array) -> csr_array:
     return matrix
 
 
-def _all(matrix: csr_array, count: int) -> Array:
+def _dense_squares(matrix: csr_array, count: int) -> Array:
     """Every square, by a dense solver, unless the matrix is too large to be dense."""
     size = matrix.shape[0]
     if size > LARGEST_DENSE:
@@ -275,7 +283,7 @@ def _all(matrix: csr_array, count: int) -> Array:
     return np.asarray(eigvalsh(matrix.toarray()))
 
 
-def _largest(matrix: csr_array, tolerance: float) -> float:
+def _largest_square(matrix: csr_array, tolerance: float) -> float:
     # A fixed start makes the last digits the same from run to run.
     start = np.random.default_rng(0).normal(size=matrix.shape[0])
     try:
@@ -285,7 +293,7 @@ def _largest(matrix: csr_array, tolerance: float) -> float:
         raise SolverError(f"highest natural frequency: the iteration failed ({error})") from error
 
 
-def _smallest(
+def _smallest_squares(
     network: Network, matrix: csr_array, count: int, highest: float, tolerance: float
 ) -> Array:
     # The shift keeps the factor regular when a mode has no stiffness, and costs no accuracy there.
@@ -293,7 +301,7 @@ def _smallest(
     shift = -1e-9 * highest
     try:
         shifted = csr_array(matrix - shift * eye_array(matrix.shape[0]))
-        factor = factorised(shifted, order_of(network))
+        factor = factorise(shifted, elimination_order(network))
         if factor.negative:
             # Modes near zero are not the lowest then; the smallest one tells how unstable it is.
             softest = eigsh(matrix, k=1, which="SA", v0=start, return_eigenvectors=False)
@@ -313,7 +321,7 @@ def _smallest(
     return np.sort(values)
 
 
-def _smallest_by_cycles(
+def _smallest_by_multigrid(
     network: Network,
     place: Array,
     cycle: Cycle | None,
@@ -323,13 +331,13 @@ def _smallest_by_cycles(
     tolerance: float,
 ) -> Array:
     """By multigrid; where its making finds the network unstable, how much so."""
-    A = restrained(network, place)
-    cycle = cycle or cycle_of(A, network, place)
-    if cycle.falling is None:
-        inverse = _on_free(cycle, network)
+    A = restrained_tangent(network, place)
+    cycle = cycle or make_cycle(A, network, place)
+    if cycle.indefinite_motion is None:
+        inverse = _cycle_on_free(cycle, network)
         return _smallest_of_many(matrix, inverse, count, highest, tolerance)
-    weight = np.repeat(network.mass, network.dim) @ cycle.falling**2
-    return np.array([cycle.falling @ (A @ cycle.falling) / weight])
+    weight = np.repeat(network.mass, network.dim) @ cycle.indefinite_motion**2
+    return np.array([cycle.indefinite_motion @ (A @ cycle.indefinite_motion) / weight])
 
 
 def _smallest_of_many(
@@ -339,6 +347,8 @@ def _smallest_of_many(
 
     The error of a square is that of its residual squared over the gap to the next (Kato), so a
     tenth of the tolerance's root is asked of the residual; rounding is of the highest square.
+
+    Source: [Knyazev2001].
     """
     modes = np.random.default_rng(0).normal(size=(matrix.shape[0], count))
     with warnings.catch_warnings():
@@ -351,14 +361,14 @@ def _smallest_of_many(
         )
     left = float(np.linalg.norm(matrix @ modes - modes * squares, axis=0).max())
     if not left <= 2 * allowed:  # its last digits are rounding
-        raise UnsettledError(
+        raise NotConvergedError(
             f"lowest natural frequencies: residual {left:.3g} 1/s² of squares, where {allowed:.3g} "
             "is asked: the lowest are close to rounding of the highest; ask for fewer of them"
         )
     return np.sort(squares)
 
 
-def _on_free(cycle: Cycle, network: Network) -> LinearOperator:
+def _cycle_on_free(cycle: Cycle, network: Network) -> LinearOperator:
     """A cycle of the stiffness as one of M^(-1/2) K M^(-1/2) on the free components."""
     inside = np.flatnonzero(~network.held.ravel())
     root = np.sqrt(np.repeat(network.mass, network.dim)[inside])

@@ -1,7 +1,8 @@
 """What a study judges: a way to predict displacements; by default the spring network.
 
 A candidate may be anybody's, so every study passes its own through here, once, where it begins
-(`answering`, `actuated`, `moving`, `of_kind`, `named`): what it then answers is an array of the
+(`check_displacements`, `check_actuator`, `check_motion`, `check_functions`, `check_table`): what it
+then answers is an array of the
 right shape, finite and in the right unit, or one line that says what it is instead.
 """
 
@@ -16,7 +17,7 @@ import numpy as np
 from msvalidate.dynamics.integrate import State
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Problem, ProblemError, SolverError
-from msvalidate.problem.checks import chosen, instance, numbers, shown
+from msvalidate.problem.checks import format_value, numbers, require_one_of, require_type
 from msvalidate.relaxation.viscous import algorithm1
 from msvalidate.statics.equilibrium import equilibrium
 
@@ -40,7 +41,7 @@ FAR = 10.0
 """Factor beyond which it is not."""
 
 
-def springs(problem: Problem, network: Network, answer: Answer = "linear") -> Array:  # noqa: ARG001
+def solve_springs(problem: Problem, network: Network, answer: Answer = "linear") -> Array:  # noqa: ARG001
     """The spring network's own answer.
 
     Raises
@@ -50,36 +51,36 @@ def springs(problem: Problem, network: Network, answer: Answer = "linear") -> Ar
     SolverError
         If there is no trustworthy answer.
     """
-    chosen("answer", answer, get_args(Answer))
+    require_one_of("answer", answer, get_args(Answer))
     if answer == "relaxed":
         return algorithm1(network, tolerance=AT_REST).equilibrium.displacement
     return equilibrium(network, answer).displacement
 
 
 @dataclass(frozen=True)
-class Answering:
-    """A candidate whose every answer is looked at; see `displacement`."""
+class CheckedDisplacements:
+    """A candidate whose every answer is looked at; see `check_displacement`."""
 
     predict: DisplacementSolver
 
     def __call__(self, problem: Problem, network: Network, answer: Answer = "linear") -> Array:
         """The candidate's displacement (n, d) in m."""
-        return displacement(self.predict(problem, network, answer), network)
+        return check_displacement(self.predict(problem, network, answer), network)
 
 
 @dataclass(frozen=True)
-class Actuated:
+class CheckedActuator:
     """A way to move an actuator, (actuator, voltage), whose every answer is looked at."""
 
     predict: Callable[[Any, float], Array]
 
     def __call__(self, actuator: Any, voltage: float) -> Array:
         """Displacement (n, d) in m of the actuator's points at a voltage (V)."""
-        return displacement(self.predict(actuator, voltage), actuator.network)
+        return check_displacement(self.predict(actuator, voltage), actuator.network)
 
 
 @dataclass(frozen=True)
-class Moving:
+class CheckedMotion:
     """A motion, (network, state, dt, steps, damping), whose every state is looked at."""
 
     move: Callable[..., State]
@@ -91,13 +92,13 @@ class Moving:
         found = self.move(network, state, dt, steps, damping)
         if not isinstance(found, State):
             raise ProblemError(
-                f"candidate: {shown(found)}; give a State, of position and velocity at the "
+                f"candidate: {format_value(found)}; give a State, of position and velocity at the "
                 "network's points"
             )
-        position = _array("positions", found.position, network, "m")
-        velocity = _array("velocities", found.velocity, network, "m/s")
+        position = _check_array("positions", found.position, network, "m")
+        velocity = _check_array("velocities", found.velocity, network, "m/s")
         start, held = np.asarray(state.position)[network.held], network.held
-        if _reads(position[held] - start, position[held] + network.points[held] - start):
+        if _is_met_by(position[held] - start, position[held] + network.points[held] - start):
             raise ProblemError(
                 f"candidate: positions {position.shape} whose held components are those of "
                 "displacements; add network.points"
@@ -105,58 +106,65 @@ class Moving:
         return State(position, velocity)
 
 
-def answering(candidate: DisplacementSolver) -> DisplacementSolver:
+def check_displacements(candidate: DisplacementSolver) -> DisplacementSolver:
     """A candidate for displacements, with its answers looked at.
 
     Raises
     ------
     ProblemError
-        If it is no function. Its answers raise it too: see `displacement`.
+        If it is no function. Its answers raise it too: see `check_displacement`.
     """
-    return Answering(_function(candidate, "(problem, network, answer) that predicts displacements"))
+    return CheckedDisplacements(
+        _check_callable(candidate, "(problem, network, answer) that predicts displacements")
+    )
 
 
-def actuated(candidate: Callable[[Any, float], Array]) -> Callable[[Any, float], Array]:
-    """A candidate for an actuator's displacements, as `answering`."""
-    return Actuated(_function(candidate, "(actuator, voltage) that predicts displacements"))
+def check_actuator(candidate: Callable[[Any, float], Array]) -> Callable[[Any, float], Array]:
+    """A candidate for an actuator's displacements, as `check_displacements`."""
+    return CheckedActuator(
+        _check_callable(candidate, "(actuator, voltage) that predicts displacements")
+    )
 
 
-def moving(candidate: Callable[..., State]) -> Callable[..., State]:
-    """A candidate for a motion, as `answering`."""
-    return Moving(_function(candidate, "(network, state, dt, steps, damping) that gives a State"))
+def check_motion(candidate: Callable[..., State]) -> Callable[..., State]:
+    """A candidate for a motion, as `check_displacements`."""
+    return CheckedMotion(
+        _check_callable(candidate, "(network, state, dt, steps, damping) that gives a State")
+    )
 
 
-def of_kind(candidate: object, kind: type[Kind]) -> Kind:
+def check_functions(candidate: object, kind: type[Kind]) -> Kind:
     """A candidate of several functions, all of them there; raise `ProblemError` if it is none."""
     if not isinstance(candidate, kind):
         raise ProblemError(
-            f"candidate: {shown(candidate)}; give a {kind.__name__}, the study's own with what is "
-            "yours in its place"
+            f"candidate: {format_value(candidate)}; give a {kind.__name__}, the study's "
+            "own with what is yours in its place"
         )
     fields = getattr(kind, "_fields", None) or kind.__dataclass_fields__  # type: ignore[attr-defined]
     for name in fields:
         value = getattr(candidate, name)
         if not (callable(value) or isinstance(value, tuple | Mapping)):
-            raise ProblemError(f"candidate: {name} is {shown(value)}; give a function")
+            raise ProblemError(f"candidate: {name} is {format_value(value)}; give a function")
     return candidate
 
 
-def named(candidate: object, kind: type[Kind], own: Mapping[str, Kind]) -> Mapping[str, Kind]:
+def check_table(candidate: object, kind: type[Kind], own: Mapping[str, Kind]) -> Mapping[str, Kind]:
     """A candidate that is a table of records, with all names of the study's own; else as above."""
     if not isinstance(candidate, Mapping):
         raise ProblemError(
-            f"candidate: {shown(candidate)}; give a table, name -> {kind.__name__}, the study's "
+            f"candidate: {format_value(candidate)}; give a table, name -> {kind.__name__}, the "
+            f"study's "
             "own with what is yours in its place"
         )
     missing = [name for name in own if name not in candidate]
     if missing:
         raise ProblemError(f"candidate: no {', '.join(missing)}; the study asks about it")
     for name, value in candidate.items():
-        instance(f"candidate: {name}", value, kind)
+        require_type(f"candidate: {name}", value, kind)
     return candidate
 
 
-def displacement(found: object, network: Network) -> Array:
+def check_displacement(found: object, network: Network) -> Array:
     """An answer as displacements (n, d) in m of a network's points; lists of numbers will do.
 
     Raises
@@ -167,20 +175,20 @@ def displacement(found: object, network: Network) -> Array:
     SolverError
         If a number is not finite.
     """
-    move = _array("displacements", found, network, "m")
-    slip = _slip(move, network)
+    move = _check_array("displacements", found, network, "m")
+    slip = _guess_mistake(move, network)
     if slip:
         raise ProblemError(f"candidate: displacements {move.shape} that {slip}")
     return move
 
 
-def _function(candidate: Kind, what: str) -> Kind:
+def _check_callable(candidate: Kind, what: str) -> Kind:
     if not callable(candidate):
-        raise ProblemError(f"candidate: {shown(candidate)}; give a function of {what}")
+        raise ProblemError(f"candidate: {format_value(candidate)}; give a function of {what}")
     return candidate
 
 
-def _array(what: str, found: object, network: Network, unit: str) -> Array:
+def _check_array(what: str, found: object, network: Network, unit: str) -> Array:
     """An array of a network's shape, of finite numbers."""
     shape = network.points.shape
     need = f"{what} {shape} in {unit} at network.points"
@@ -189,7 +197,7 @@ def _array(what: str, found: object, network: Network, unit: str) -> Array:
     array = numbers(f"candidate, {need}", found)
     if array.shape != shape:
         raise ProblemError(
-            f"candidate: shape {array.shape}; give {need}{_other_shape(array, network)}"
+            f"candidate: shape {array.shape}; give {need}{_guess_shape(array, network)}"
         )
     bad = np.argwhere(~np.isfinite(array))
     if len(bad):
@@ -200,7 +208,7 @@ def _array(what: str, found: object, network: Network, unit: str) -> Array:
     return array
 
 
-def _other_shape(array: Array, network: Network) -> str:
+def _guess_shape(array: Array, network: Network) -> str:
     """What an array of the wrong shape may be."""
     n, d = network.points.shape
     if array.shape == (d, n):
@@ -214,8 +222,8 @@ def _other_shape(array: Array, network: Network) -> str:
     return ""
 
 
-def _slip(move: Array, network: Network) -> str:
-    """What displacements are if they are plainly something else; "" if nothing says so.
+def _guess_mistake(move: Array, network: Network) -> str:
+    """What given displacements probably are if they are not displacements; "" if there is no sign.
 
     Held components tell it where they are not at 0. The energy of a linear answer is the work of
     its loads, motionᵀ K motion = force · motion, so their ratio tells it where nothing is moved by
@@ -225,18 +233,18 @@ def _slip(move: Array, network: Network) -> str:
     asked = network.displacement[held]
     missed = move[held] - asked
     positions = "are positions; take network.points off"
-    if _reads(missed, missed - points[held]):
+    if _is_met_by(missed, missed - points[held]):
         return f"at the supports {positions}"
     for times, unit in ((THOUSAND, "mm"), (1 / THOUSAND, "km")):
-        if asked.any() and _reads(missed, move[held] - times * asked):
+        if asked.any() and _is_met_by(missed, move[held] - times * asked):
             return f"at the supports are {times:g} times those asked for; give m (are they {unit}?)"
     if asked.any() or not network.force.any():
         return ""
     ratio = _energy_over_work(move, network)
-    if _within(_energy_over_work(move - points, network), NEARLY) and not _within(ratio, FAR):
+    if _is_within(_energy_over_work(move - points, network), NEARLY) and not _is_within(ratio, FAR):
         return f"store {ratio:.3g} times the work of the loads: they look like {positions}"
     for times, unit in ((THOUSAND, "mm"), (1 / THOUSAND, "km")):
-        if _within(ratio / times, NEARLY):
+        if _is_within(ratio / times, NEARLY):
             return (
                 f"store {ratio:.3g} times the work of the loads, so are about as many times too "
                 f"large; give m (are they {unit}?)"
@@ -244,7 +252,7 @@ def _slip(move: Array, network: Network) -> str:
     return ""
 
 
-def _reads(missed: Array, otherwise: Array) -> bool:
+def _is_met_by(missed: Array, otherwise: Array) -> bool:
     """Whether held components that are missed are all met by another reading."""
     off = float(np.abs(missed).max(initial=0.0))
     return off > 0 and float(np.abs(otherwise).max()) <= SUPPORTED * off
@@ -256,5 +264,5 @@ def _energy_over_work(move: Array, network: Network) -> float:
         return mode_energy(network, network.points, move) / work if work else 0.0
 
 
-def _within(ratio: float, factor: float) -> bool:
+def _is_within(ratio: float, factor: float) -> bool:
     return 1 / factor <= ratio <= factor

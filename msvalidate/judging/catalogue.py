@@ -33,7 +33,7 @@ def question(name: str) -> str:
 
 
 def docstring(name: str) -> str:
-    """A study's docstring as its source has it: Python may have been told to drop it."""
+    """A study's docstring from its source: Python drops it under -OO."""
     return ast.get_docstring(ast.parse(_text(_first(_source(name))))) or ""
 
 
@@ -47,7 +47,7 @@ def words(name: str) -> set[str]:
 
 
 def alone(name: str) -> bool:
-    """Whether a study asks to be run with none beside it: it has a constant `ALONE` that is true.
+    """Whether a study must run alone: its constant `ALONE` is true.
 
     One that compares times does, as what runs beside it would take some of them.
     """

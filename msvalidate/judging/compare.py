@@ -24,7 +24,7 @@ class Power(NamedTuple):
     high: float
 
 
-def worst(values: ArrayLike, references: ArrayLike) -> Observed:
+def farthest_value(values: ArrayLike, references: ArrayLike) -> Observed:
     """The value that is farthest from its reference; NaN counts as farthest.
 
     Raises
@@ -32,7 +32,7 @@ def worst(values: ArrayLike, references: ArrayLike) -> Observed:
     ProblemError
         If there is nothing to compare, or values and references do not fit together.
     """
-    value, reference = _fitting(numbers("values", values), numbers("references", references))
+    value, reference = _check_fit(numbers("values", values), numbers("references", references))
     if not value.size:
         raise ProblemError("comparison of no values; give at least one")
     value, reference = value.ravel(), reference.ravel()
@@ -66,6 +66,8 @@ def fitted_power(sizes: ArrayLike, values: ArrayLike) -> Power:
 
     The interval is Student's, of `CONFIDENCE`: what the scatter about the line says of its slope.
 
+    Source: the interval of [Student1908].
+
     Raises
     ------
     ProblemError
@@ -85,7 +87,7 @@ def fitted_power(sizes: ArrayLike, values: ArrayLike) -> Power:
     return Power(slope, slope - reach, slope + reach)
 
 
-def _fitting(value: Array, reference: Array) -> tuple[Array, Array]:
+def _check_fit(value: Array, reference: Array) -> tuple[Array, Array]:
     try:
         both = np.broadcast_arrays(value, reference)
     except ValueError as error:

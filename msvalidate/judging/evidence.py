@@ -25,7 +25,7 @@ the baseline."""
 
 @dataclass(frozen=True)
 class Observed:
-    """A number that a study found, and the one that it should be."""
+    """An observed number and its reference."""
 
     value: float
     reference: float = 0.0
@@ -38,7 +38,7 @@ class Observed:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How far an observed quantity may be from its reference, in which unit, and why so far."""
+    """Largest allowed error of an observed quantity, with unit, layer and reason."""
 
     quantity: str
     limit: float
@@ -104,7 +104,7 @@ class Evidence:
             if table.empty:
                 raise SolverError(f"table {name}: no rows; nothing was compared")
             for column in table:
-                bad = np.flatnonzero([_missing(value) for value in table[column]])
+                bad = np.flatnonzero([_is_missing(value) for value in table[column]])
                 if len(bad):
                     raise SolverError(
                         f"table {name}: {column} is {table[column].iloc[bad[0]]} in row {bad[0]}"
@@ -127,7 +127,7 @@ class Evidence:
             )
 
 
-def merged(*parts: Evidence) -> Evidence:
+def merge(*parts: Evidence) -> Evidence:
     """One study's evidence from that of its questions.
 
     Raises
@@ -159,10 +159,10 @@ def merged(*parts: Evidence) -> Evidence:
     )
 
 
-def answers(
+def gather_evidence(
     study: Mapping[str, Callable[[], Evidence]], questions: Iterable[str] | None = None
 ) -> Evidence:
-    """One study's evidence from those of its questions that are asked: by default all.
+    """Evidence of a study from its selected questions, by default all.
 
     Raises
     ------
@@ -172,20 +172,20 @@ def answers(
     asked = set(study) if questions is None else set(questions)
     if not asked or not asked <= set(study):
         raise ProblemError(f"questions: {questions!r}; choose from {', '.join(study)}")
-    return merged(*(answer() for name, answer in study.items() if name in asked))
+    return merge(*(answer() for name, answer in study.items() if name in asked))
 
 
 def judge(evidence: Evidence) -> pd.DataFrame:
-    """Verdict: one row per tolerance; see `judged`."""
+    """Verdict: one row per tolerance; see `judge_one`."""
     return pd.DataFrame(
         [
-            judged(tolerance, evidence.observed[tolerance.quantity])
+            judge_one(tolerance, evidence.observed[tolerance.quantity])
             for tolerance in evidence.tolerances
         ]
     )
 
 
-def judged(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
+def judge_one(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
     """Row of a verdict: layer, quantity, unit, observed, reference, error, limit, verdict, because.
 
     A value that is not finite fails.
@@ -204,12 +204,12 @@ def judged(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
     }
 
 
-def held(verdict: pd.DataFrame) -> bool:
+def all_passed(verdict: pd.DataFrame) -> bool:
     """Whether a judgement has rows, and every one of them passed."""
     return bool(len(verdict)) and bool((verdict["verdict"] == "pass").all())
 
 
-def _missing(value: object) -> bool:
+def _is_missing(value: object) -> bool:
     """Not a finite number where one is expected. A declared word is a value."""
     return value is None or (isinstance(value, float | np.floating) and not np.isfinite(value))
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigvals, logm
 
 from msvalidate.problem import Anisotropic, Array, ProblemError, SolverError
-from msvalidate.problem.checks import direction, finite, positive
+from msvalidate.problem.checks import finite, finite_angle, positive_number
 
 DISPLACEMENT, STRESS = slice(0, 2), slice(2, 4)
 """The halves of a state (u, φ)."""
@@ -43,6 +43,8 @@ def clamped_free_exponent(tensor: Array, angle: float, *, clamped_direction: flo
     """Exponent of the displacement where a clamped side meets a free one.
 
     Clamping the other side of the same wedge instead gives the same exponent (reciprocity).
+
+    Source: [Williams1952] for isotropic wedges, [Ting1996] for any tensor.
 
     Parameters
     ----------
@@ -75,6 +77,8 @@ def clamped_free_exponent(tensor: Array, angle: float, *, clamped_direction: flo
 def free_free_exponent(tensor: Array, angle: float, *, side_direction: float = 0.0) -> float:
     """Exponent of the displacement at a notch (angle > π) or corner whose sides are both free.
 
+    Source: [Williams1952] for isotropic wedges, [Ting1996] for any tensor.
+
     Parameters
     ----------
     tensor, angle
@@ -100,18 +104,18 @@ def free_free_exponent(tensor: Array, angle: float, *, side_direction: float = 0
 
 def _generator(tensor: Array, angle: float, start: float) -> Array:
     """M = ∫ N dθ, (4, 4), over the wedge that opens by `angle` from the direction `start`."""
-    C = _plane(tensor)
-    opening = positive("wedge angle", angle, "rad")
+    C = _scaled_tensor(tensor)
+    opening = positive_number("wedge angle", angle, "rad")
     if opening > 2 * np.pi:
         raise ProblemError(f"wedge angle: {angle} rad; give at most 2 pi, the angle of a crack")
     if opening < NARROWEST:
         raise SolverError(
             f"wedge angle: {opening:g} rad; below {NARROWEST:g} exponents are lost in rounding"
         )
-    direction("side direction", start)
+    finite_angle("side direction", start)
     # cos h + sin h N(θ) has the logarithm ∫ N from θ to θ + h, the principal one if h < π.
     h = opening / 3
-    parts = [np.cos(h) * np.eye(4) + np.sin(h) * _stroh(C, start + i * h) for i in range(3)]
+    parts = [np.cos(h) * np.eye(4) + np.sin(h) * _stroh_matrix(C, start + i * h) for i in range(3)]
     return np.asarray(sum(_logarithm(part) for part in parts))
 
 
@@ -129,7 +133,7 @@ def _logarithm(matrix: Array) -> Array:
         np.random.set_state(before)  # noqa: NPY002
 
 
-def _plane(tensor: Array) -> Array:
+def _scaled_tensor(tensor: Array) -> Array:
     """The tensor (3, 3), checked, in a unit that gives displacements and stresses like sizes."""
     C = finite("stiffness tensor C", tensor)
     if C.shape != (3, 3):
@@ -147,8 +151,11 @@ def _plane(tensor: Array) -> Array:
     return np.asarray(C / np.sqrt(lowest * highest))
 
 
-def _stroh(C: Array, theta: float) -> Array:
-    """N(θ), (4, 4)."""
+def _stroh_matrix(C: Array, theta: float) -> Array:
+    """N(θ), (4, 4).
+
+    Source: the fundamental elasticity matrix, [Ting1996]; [Stroh1962].
+    """
     c, s = np.cos(theta), np.sin(theta)
     along, across = np.array([[c, 0, s], [0, s, c]]), np.array([[-s, 0, c], [0, c, -s]])
     R, T = along @ C @ across.T, across @ C @ across.T
@@ -189,6 +196,8 @@ def clamped_edge_exponent(tensor: Array) -> float:
 
     In planes across the edge the strain is plane; shear along the edge has 1 there, as in any right
     angle between a clamped side and a free one.
+
+    Source: `clamped_free_exponent` in the planes across the edge.
 
     Parameters
     ----------

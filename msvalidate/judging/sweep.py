@@ -10,7 +10,7 @@ from typing import TypeVar
 from tqdm import tqdm
 
 from msvalidate.problem import ProblemError
-from msvalidate.problem.checks import instance, shown, whole
+from msvalidate.problem.checks import format_value, require_type, whole_number
 
 Case = TypeVar("Case")
 Result = TypeVar("Result")
@@ -42,11 +42,12 @@ class Setting:
 
     def __post_init__(self) -> None:
         for name, value in (("quick", self.quick), ("progress", self.progress)):
-            instance(name, value, bool)
-        whole("seed", self.seed, 0, MOST_SEED)
+            require_type(name, value, bool)
+        whole_number("seed", self.seed, 0, MOST_SEED)
         if not (self.executor is None or callable(getattr(self.executor, "map", None))):
             raise ProblemError(
-                f"executor: {shown(self.executor)}; give a concurrent.futures executor or None"
+                f"executor: {format_value(self.executor)}; give a concurrent.futures executor or "
+                f"None"
             )
 
     def sweep(
@@ -61,7 +62,8 @@ class Setting:
         """
         if not callable(function) or not isinstance(cases, Iterable):
             raise ProblemError(
-                f"sweep: {shown(function)} over {shown(cases)}; give a function and its cases"
+                f"sweep: {format_value(function)} over {format_value(cases)}; give a function and "
+                f"its cases"
             )
         todo = list(cases)
         run = map if self.executor is None else self.executor.map

@@ -22,7 +22,7 @@ from msvalidate.kernels.general import MOST_WAVES, Sweep, Threads
 from msvalidate.kernels.grid import recognised
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import chosen, instance, whole
+from msvalidate.problem.checks import require_one_of, require_type, whole_number
 
 Path = Literal["auto", "general", "lattice"]
 PATHS: tuple[Path, ...] = ("auto", "general", "lattice")
@@ -60,11 +60,11 @@ class Motion:
         threads: int = 1,
         waves: int = MOST_WAVES,
     ) -> None:
-        instance("network", network, Network)
+        require_type("network", network, Network)
         _refuse_shear(network)
-        chosen("path", path, PATHS)
-        whole("threads", threads, 1)
-        whole("waves", waves, 1)
+        require_one_of("path", path, PATHS)
+        whole_number("threads", threads, 1)
+        whole_number("waves", waves, 1)
         grid = recognised(network) if path == "lattice" or (path, threads) == ("auto", 1) else None
         if path == "lattice" and (grid is None or threads > 1):
             why = "more than one thread" if grid else "a network that is no uniform lattice"
@@ -137,7 +137,7 @@ class Motion:
         v.ravel()[self._held] = 0.0
         moving, dt, kinetic = (u, v, _flat(keep), _flat(push)), float(dt), float(kinetic)
         ended = 0, kinetic, False
-        if whole("steps", steps, 0):
+        if whole_number("steps", steps, 0):
             ended = self._advance(moving, dt, steps, kinetic, to_peak)
         _put_back((displacement, u), (velocity, v))
         return ended

@@ -2,7 +2,8 @@
 
 A lattice is a function that returns a `Pattern`, what repeats; `patterns` has one a lattice, and
 `voronoi` makes random ones. As a `Lattice`, a body: `fill` puts whole cells of any pattern in a
-box, `turned` cuts one at any angle, `cut_lattice` cuts one to an outline, `voronoi_box` fills one
+box, `fill_rotated` cuts one at any angle, `cut_lattice` cuts one to an outline, `voronoi_box` fills
+one
 at random, `mesh_lattice` takes a mesh's edges.
 """
 
@@ -10,7 +11,7 @@ from msvalidate.lattice import patterns
 from msvalidate.lattice.cut import CutLattice, cut_lattice
 from msvalidate.lattice.edges import EDGE_RULES, mesh_lattice
 from msvalidate.lattice.filled import WEIGHTS, Lattice, PatternLattice, boundary_weights, fill
-from msvalidate.lattice.pattern import Constants, Pattern, repeated
+from msvalidate.lattice.pattern import Constants, Pattern, repeat_cell
 from msvalidate.lattice.plane import (
     SIN60,
     diagonal_square,
@@ -19,7 +20,7 @@ from msvalidate.lattice.plane import (
     triangular,
     zigzag_block,
 )
-from msvalidate.lattice.turned import turned
+from msvalidate.lattice.turned import fill_rotated
 from msvalidate.lattice.voronoi import STIFFNESS_RULES, VoronoiLattice, voronoi, voronoi_box
 
 __all__ = [
@@ -37,13 +38,13 @@ __all__ = [
     "cut_lattice",
     "diagonal_square",
     "fill",
+    "fill_rotated",
     "mesh_lattice",
     "patterns",
-    "repeated",
+    "repeat_cell",
     "square",
     "trapezium",
     "triangular",
-    "turned",
     "voronoi",
     "voronoi_box",
     "zigzag_block",

@@ -31,7 +31,7 @@ def corner_volumes(points: Array, cells: Index) -> Array:
         size = np.abs(np.linalg.det(corner[:, 1:] - corner[:, :1])) / math.factorial(d)
         return np.asarray(np.repeat(size[:, None], d + 1, axis=1) / (d + 1))
     total = np.zeros(cells.shape)
-    for weight, one, slope in _gauss(d):
+    for weight, one, slope in _gauss_rule(d):
         volume = np.abs(np.linalg.det(np.einsum("ak,ckd->cad", slope, corner)))
         total += weight * volume[:, None] * one
     return total
@@ -44,14 +44,14 @@ def quadrilateral_shares(corners: Array) -> Array:
     """
     order = VTK_ORDER[2]
     total = np.zeros((len(corners), 4, 4))
-    for weight, one, slope in _gauss(2):
+    for weight, one, slope in _gauss_rule(2):
         along = np.einsum("ak,fkd->fad", slope[:, order], corners)
         area = np.linalg.norm(np.cross(along[:, 0], along[:, 1]), axis=1)
         total += weight * area[:, None, None] * np.outer(one, one)[np.ix_(order, order)]
     return total
 
 
-def _gauss(dim: int) -> list[tuple[float, Array, Array]]:
+def _gauss_rule(dim: int) -> list[tuple[float, Array, Array]]:
     """Weights, values (2^d,) and slopes (d, 2^d) of the corners' functions at Gauss's places."""
     up = corners_of_cell(dim)
     places, weights = np.polynomial.legendre.leggauss(GAUSS)

@@ -26,18 +26,18 @@ from scipy.spatial import cKDTree
 
 from msvalidate.lattice.corners import corners_of_cell
 from msvalidate.lattice.filled import PatternLattice
-from msvalidate.lattice.outline import inside, moments, outline
+from msvalidate.lattice.outline import area_moments, is_inside, outline
 from msvalidate.lattice.pattern import Pattern
-from msvalidate.lattice.ties import levels
+from msvalidate.lattice.ties import level_numbers
 from msvalidate.problem import Array, Domain, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
-    chosen,
-    coordinates,
-    instance,
-    metres,
-    number,
+    finite_coordinates,
+    finite_number,
+    format_value,
+    length_in_metres,
     refuse_too_many,
-    shown,
+    require_one_of,
+    require_type,
 )
 
 RULES = ("moment", "fraction", "whole")
@@ -52,7 +52,7 @@ conditioned as an uncut lattice's, and errors are as without. From 0.1 on what i
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CutLattice(PatternLattice):
-    """A lattice whose outer cells are cut; its points may lie up to a cell outside the body.
+    """A lattice whose boundary cells are cut; points may lie up to one cell outside the body.
 
     Parameters
     ----------
@@ -62,14 +62,14 @@ class CutLattice(PatternLattice):
         (c, corners) area (m²) or volume (m³) of each cell that belongs to each of its corners.
     inside
         (n,) whether each point lies inside the body, by more than rounding.
-    lost
+    lost_fraction
         Part of the body's area or volume in cells that were left out, as slivers or by the rule.
     """
 
     fraction: Array
     corner_volume: Array
     inside: Mask
-    lost: float
+    lost_fraction: float
 
     def weights_at(self, places: Array) -> tuple[Index, Array]:
         """Points (q, corners) and weights (q, corners) that interpolate at places (q, d) in m.
@@ -82,10 +82,10 @@ class CutLattice(PatternLattice):
         ProblemError
             If the places do not fit the lattice's dimension, or are not finite.
         """
-        places = coordinates("places", places, "q", self.points.shape[1])
+        places = finite_coordinates("places", places, "q", self.points.shape[1])
         low = self.points[self.cells[:, 0]]
         h, d = self.spacing, places.shape[1]
-        cell = _nearest(low, h, places)
+        cell = _nearest_cell(low, h, places)
         s = (places - low[cell]) / h
         weights = [
             np.prod([s[:, a] if up[a] else 1 - s[:, a] for a in range(d)], axis=0)
@@ -94,7 +94,7 @@ class CutLattice(PatternLattice):
         return self.cells[cell], np.stack(weights, axis=1)
 
 
-def _nearest(low: Array, side: float, places: Array) -> Index:
+def _nearest_cell(low: Array, side: float, places: Array) -> Index:
     """The cell (q,), of low corners (c, d) in m, nearest to each place (q, d).
 
     By the distance from the whole cell: from its middle, a place beside one cell may be as far from
@@ -105,7 +105,7 @@ def _nearest(low: Array, side: float, places: Array) -> Index:
     cells = cKDTree(low + side / 2).query(places, k=np.arange(near) + 1, p=np.inf)[1]
     from_low = (places[:, None] - low[cells]) / side
     past = np.maximum(np.maximum(-from_low, from_low - 1), 0.0)
-    apart = levels(np.linalg.norm(past, axis=2), ROUNDING, axis=1)
+    apart = level_numbers(np.linalg.norm(past, axis=2), ROUNDING, axis=1)
     step = np.rint((low - low.min(axis=0)) / side)[cells]
     order = np.lexsort((*np.moveaxis(step, 2, 0)[::-1], apart), axis=1)
     return np.asarray(np.take_along_axis(cells, order[:, :1], axis=1)[:, 0])
@@ -145,10 +145,10 @@ def cut_lattice(
         If the pattern is not such a one, no cell is left, the points are too many, or a value is
         out of range.
     """
-    steps, h = _steps(pattern), metres("cut lattice: spacing", spacing)
+    steps, h = _steps(pattern), length_in_metres("cut lattice: spacing", spacing)
     _refuse_misfit(pattern, domain, rule, sliver)
     d = domain.dim
-    points, cells, part, lost = _laid(domain, h, origin, rule, sliver)
+    points, cells, part, lost = _lay_cells(domain, h, origin, rule, sliver)
     springs, kind, factor = _springs(pattern, steps, cells, part)
     corner_volume = part * h**d
     return CutLattice(
@@ -168,35 +168,37 @@ def cut_lattice(
         regular=False,
         fraction=part.sum(axis=1),
         corner_volume=corner_volume,
-        inside=inside(outline(domain), points[:, :2], domain.tolerance),
-        lost=lost,
+        inside=is_inside(outline(domain), points[:, :2], domain.tolerance),
+        lost_fraction=lost,
     )
 
 
 def _refuse_misfit(pattern: Pattern, domain: Domain, rule: str, sliver: float) -> None:
-    instance("body", domain, Domain)
+    require_type("body", domain, Domain)
     if pattern.dim != domain.dim:
-        raise ProblemError(f"{pattern.name} lattice: a {shown(domain)}; give one of {pattern.dim}D")
-    chosen("cut lattice: rule", rule, RULES)
-    number("cut lattice: sliver", sliver, least=0, below=1)
+        raise ProblemError(
+            f"{pattern.name} lattice: a {format_value(domain)}; give one of {pattern.dim}D"
+        )
+    require_one_of("cut lattice: rule", rule, RULES)
+    finite_number("cut lattice: sliver", sliver, least=0, below=1)
 
 
-def _laid(
+def _lay_cells(
     domain: Domain, h: float, origin: tuple[float, ...] | None, rule: str, sliver: float
 ) -> tuple[Array, Index, Array, float]:
-    """Points (n, d) in m and cells (c, 2^d) laid over the body; then as `_kept`."""
+    """Points (n, d) in m and cells (c, 2^d) laid over the body; then as `_keep_cells`."""
     base = _origin(origin, domain, h)
-    index, part, lost = _kept(domain, h, base, rule, sliver)
-    number_of, cells = _numbered(index)
+    index, part, lost = _keep_cells(domain, h, base, rule, sliver)
+    number_of, cells = _number_points(index)
     return base + h * number_of, cells, part, lost
 
 
-def _kept(
+def _keep_cells(
     domain: Domain, h: float, base: Array, rule: str, sliver: float
 ) -> tuple[Index, Array, float]:
     """Cells (c, d) that are kept, the parts that count of each, and the part of the body lost."""
     index, part, body = _grid(domain, h, base, sliver)
-    counted = _by_rule(part, rule)
+    counted = _weigh_corners(part, rule)
     some = counted.sum(axis=1) > 0
     if not some.any():
         raise ProblemError(
@@ -209,7 +211,7 @@ def _kept(
 
 def _steps(pattern: Pattern) -> Index:
     """Steps (m, d) of the pattern's springs, in cells; refuses what does not stay in one cell."""
-    instance("pattern", pattern, Pattern)
+    require_type("pattern", pattern, Pattern)
     if len(pattern.points) != 1 or np.abs(pattern.image).max() > 1 or np.ptp(pattern.size):
         raise ProblemError(
             f"{pattern.name} lattice: not of one point in cubes or squares, with springs between "
@@ -221,9 +223,9 @@ def _steps(pattern: Pattern) -> Index:
 def _origin(origin: tuple[float, ...] | None, domain: Domain, h: float) -> Array:
     """A place of the lattice: one like that given, nearest to 0; at the low end of z in space."""
     base = np.zeros(domain.dim)
-    given = base[:2] if origin is None else coordinates("cut lattice: origin", origin)
+    given = base[:2] if origin is None else finite_coordinates("cut lattice: origin", origin)
     if given.shape != (2,):
-        raise ProblemError(f"cut lattice: origin {shown(origin)}; give two coordinates")
+        raise ProblemError(f"cut lattice: origin {format_value(origin)}; give two coordinates")
     base[:2] = np.fmod(given, h)  # exact, where steps of h from far away would be rounded
     base[2:] = [low for low, _ in domain.span[2:]]
     return base
@@ -242,7 +244,7 @@ def _grid(domain: Domain, h: float, base: Array, sliver: float) -> tuple[Index, 
     layers = _layers(domain, h)
     refuse_too_many(f"cut lattice of spacing {h:g} m", float(np.prod(count + 1.0)) * (layers + 1))
     index = first + np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), -1).reshape(-1, 2)
-    part = moments(area, base[:2] + h * index, h).reshape(-1, 4)[:, [0, 2, 3, 1]]
+    part = area_moments(area, base[:2] + h * index, h).reshape(-1, 4)[:, [0, 2, 3, 1]]
     kept = part.sum(axis=1) > sliver + ROUNDING
     if not kept.any():
         raise ProblemError(
@@ -271,7 +273,7 @@ def _layers(domain: Domain, h: float) -> int:
     return layers
 
 
-def _by_rule(part: Array, rule: str) -> Array:
+def _weigh_corners(part: Array, rule: str) -> Array:
     """Corners' parts (c, 2^d) as a rule counts them."""
     if rule == "moment":
         return part
@@ -281,7 +283,7 @@ def _by_rule(part: Array, rule: str) -> Array:
     return np.asarray(np.broadcast_to(fraction / part.shape[1], part.shape))
 
 
-def _numbered(index: Index) -> tuple[Index, Index]:
+def _number_points(index: Index) -> tuple[Index, Index]:
     """Indices (n, d) of the grid's points at cells, and the cells' points (c, 2^d)."""
     at = index[:, None] + corners_of_cell(index.shape[1])
     low = at.min(axis=(0, 1))
@@ -304,7 +306,7 @@ def _springs(
             if end not in corners:
                 continue
             # All corners that agree with the spring across it: N of those axes alone is left.
-            near = [c for c, other in enumerate(corners) if _beside(other, corner, step)]
+            near = [c for c, other in enumerate(corners) if _are_beside(other, corner, step)]
             pairs.append(np.sort(cells[:, [start, corners.index(end)]], axis=1))
             kinds.append(np.full(len(cells), kind))
             gifts.append(factor * part[:, near].sum(axis=1))
@@ -315,6 +317,6 @@ def _springs(
     return springs, kind_of, np.bincount(which, np.concatenate(gifts)).astype(float)
 
 
-def _beside(other: list[int], corner: list[int], step: Array) -> bool:
+def _are_beside(other: list[int], corner: list[int], step: Array) -> bool:
     """Whether two corners are alike in all axes along which a spring makes no step."""
     return all(a == b or s for a, b, s in zip(other, corner, step, strict=True))

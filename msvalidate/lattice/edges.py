@@ -1,4 +1,4 @@
-"""A spring per edge of a mesh: networks in any outline, and what they are worth.
+"""A spring along each edge of a mesh: networks of any outline, and how accurate they are.
 
 **The rule** ``area`` takes a cell's edges, and the diagonals of quadrilaterals and of hexahedra's
 faces, with stiffness w E V/L²: V the cell's area (times the thickness) or volume, L the edge's
@@ -39,7 +39,7 @@ import numpy as np
 from msvalidate.lattice.corners import corner_volumes, corners_of_cell
 from msvalidate.lattice.filled import VTK_ORDER, Lattice
 from msvalidate.problem import Array, Index, Mesh, ProblemError
-from msvalidate.problem.checks import chosen, instance
+from msvalidate.problem.checks import require_one_of, require_type
 
 EDGE_RULES = ("area", "equilateral", "cotangent")
 """Rules for the stiffness of a mesh's edges: see the module's text."""
@@ -52,6 +52,8 @@ def mesh_lattice(mesh: Mesh, rule: str = "area") -> Lattice:
 
     Quadrilaterals get both diagonals too, and hexahedra those of their faces: they would shear
     freely without. Facets are the mesh's own, so loads and supports may be on named boundaries.
+
+    Source: on triangles [vanGelder1998]; its counterparts are derived above.
 
     Parameters
     ----------
@@ -66,8 +68,8 @@ def mesh_lattice(mesh: Mesh, rule: str = "area") -> Lattice:
         If the cells have mid-sides, the rule is not for them, or it makes a spring of no stiffness
         or less, as "cotangent" does where two angles opposite an edge add up to 180 degrees.
     """
-    instance("mesh", mesh, Mesh)
-    chosen("stiffness of a mesh's edges", rule, EDGE_RULES)
+    require_type("mesh", mesh, Mesh)
+    require_one_of("stiffness of a mesh's edges", rule, EDGE_RULES)
     if mesh.kind.degree != 1:
         raise ProblemError(
             f"mesh lattice: {mesh.shape} cells have mid-sides; give a mesh of straight cells"
@@ -80,7 +82,7 @@ def mesh_lattice(mesh: Mesh, rule: str = "area") -> Lattice:
     volume = corner_volumes(mesh.points, cells)
     ends, weights = _edges(mesh.shape, cells.shape[1])
     pairs = np.sort(cells[:, ends], axis=2)  # (c, edges, 2)
-    gifts = _gifts(mesh.points[pairs], weights, volume.sum(axis=1), rule)
+    gifts = _edge_contributions(mesh.points[pairs], weights, volume.sum(axis=1), rule)
     springs, which = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
     factor = np.bincount(which.ravel(), gifts.ravel()).astype(float)
     _refuse_slack(springs, factor)
@@ -114,7 +116,7 @@ def _edges(shape: str, corners: int) -> tuple[Index, Array]:
     return pairs[inside], np.array(WEIGHTS[shape])[changes[inside] - 1]
 
 
-def _gifts(ends: Array, weights: Array, volume: Array, rule: str) -> Array:
+def _edge_contributions(ends: Array, weights: Array, volume: Array, rule: str) -> Array:
     """Stiffness (c, e) that each cell gives its springs (c, e, 2, d), in units of E·t or E."""
     square = ((ends[:, :, 1] - ends[:, :, 0]) ** 2).sum(axis=2)
     if rule == "equilateral":

@@ -12,9 +12,15 @@ from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
 from msvalidate.lattice.pattern import Pattern
-from msvalidate.lattice.ties import slanted
+from msvalidate.lattice.ties import break_ties
 from msvalidate.problem import Array, Box, Domain, Index, Mask, ProblemError
-from msvalidate.problem.checks import chosen, counts, instance, refuse_too_many, shown
+from msvalidate.problem.checks import (
+    cell_counts,
+    format_value,
+    refuse_too_many,
+    require_one_of,
+    require_type,
+)
 
 Kind = TypeVar("Kind", bound=np.generic)
 VTK_ORDER = {2: (0, 1, 3, 2), 3: (0, 1, 3, 2, 4, 5, 7, 6)}
@@ -112,7 +118,7 @@ class PatternLattice(Lattice):
 
 
 def boundary_weights(lattice: Lattice, rule: str) -> Array:
-    """Weight (m,) that each spring's constant takes from the cells that it borders.
+    """Weight (m,) of each spring, by the number of cells that it borders.
 
     ``shared``: a cell gives each of its edges its part, in the plane half, so a spring on the
     boundary counts 1/2. Every cell then carries the energy of the interior cell, and uniform strain
@@ -125,8 +131,8 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
     ProblemError
         If the rule is none of `WEIGHTS`.
     """
-    instance("lattice", lattice, Lattice)
-    chosen("boundary weights", rule, WEIGHTS)
+    require_type("lattice", lattice, Lattice)
+    require_one_of("boundary weights", rule, WEIGHTS)
     if rule == "shared":
         return lattice.share
     if rule == "equal":
@@ -159,20 +165,20 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> PatternLat
         If the box does not fit the pattern, a count is not a positive integer, the cells do not
         come out in the pattern's proportions, or the points are too many.
     """
-    instance("pattern", pattern, Pattern)
+    require_type("pattern", pattern, Pattern)
     d = pattern.dim
     if not isinstance(box, Box) or box.dim != d:
         need = "a plane box" if d == 2 else "a box of three lengths"
-        raise ProblemError(f"{pattern.name} lattice: a {shown(box)}; give {need}")
-    n = counts("cells", cells, d)
+        raise ProblemError(f"{pattern.name} lattice: a {format_value(box)}; give {need}")
+    n = cell_counts("cells", cells, d)
     counted = " x ".join(map(str, n))
     refuse_too_many(
         f"{pattern.name} lattice of {counted} cells",
         len(pattern.points) * float(np.prod(np.add(n, 1, dtype=float))),
     )
     _refuse_other_proportions(pattern, box, n)
-    number, points = _numbered(pattern, box, n)
-    springs, which = joined(pattern, number)
+    number, points = _number_places(pattern, box, n)
+    springs, which = number_springs(pattern, number)
     inside = np.nonzero(number >= 0)[-1]
     volume = box.volume / math.prod(n) * pattern.volume / math.prod(pattern.size)
     return PatternLattice(
@@ -181,7 +187,7 @@ def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> PatternLat
         points=points,
         springs=springs,
         kind=pattern.kind[which],
-        cells=_corners(number[..., _at_corner(pattern)], d)[:, VTK_ORDER[d]],
+        cells=_box_corners(number[..., _at_corner(pattern)], d)[:, VTK_ORDER[d]],
         facets=_facets(pattern, number),
         share=side_share(points, springs, box),
         sharing=cells_bordered(pattern)[which],
@@ -212,7 +218,7 @@ def _refuse_other_proportions(pattern: Pattern, box: Box, n: tuple[int, ...]) ->
     )
 
 
-def _numbered(pattern: Pattern, box: Box, n: tuple[int, ...]) -> tuple[Index, Array]:
+def _number_places(pattern: Pattern, box: Box, n: tuple[int, ...]) -> tuple[Index, Array]:
     """Numbers (.., n_y + 1, n_x + 1, points a cell) of all places, -1 outside, and positions."""
     d = pattern.dim
     grids = [np.linspace(0, length, count + 1) for length, count in zip(box.size, n, strict=True)]
@@ -222,14 +228,14 @@ def _numbered(pattern: Pattern, box: Box, n: tuple[int, ...]) -> tuple[Index, Ar
     inside = np.ones(place.shape[:-1], dtype=bool)
     for axis in range(d):
         # Of the last corners, beyond which there is no cell, only what lies in the side itself.
-        last = _layer(inside, d, axis, n[axis])
+        last = _layer_view(inside, d, axis, n[axis])
         last &= _on_low_side(pattern, axis)
     number = np.full(inside.shape, -1)
     number[inside] = np.arange(inside.sum())
     return number, place[inside]
 
 
-def joined(pattern: Pattern, number: Index) -> tuple[Index, Index]:
+def number_springs(pattern: Pattern, number: Index) -> tuple[Index, Index]:
     """Springs (m, 2) between numbered places, the lower first, and their numbers in the pattern.
 
     Parameters
@@ -263,8 +269,8 @@ def side_share(points: Array, together: Index, box: Box) -> Array:
     return np.asarray(0.5 ** (low.all(axis=1) | high.all(axis=1)).sum(axis=1))
 
 
-def weakly_held(points: Array, springs: Index, least: float) -> Mask:
-    """Points (n,) whose springs leave a direction with less than `least` of Σ n nᵀ along it."""
+def weakly_supported(points: Array, springs: Index, least: float) -> Mask:
+    """Mask (n,) of points where the smallest eigenvalue of Σ n nᵀ over springs is below `least`."""
     vector = points[springs[:, 1]] - points[springs[:, 0]]
     normal = vector / np.linalg.norm(vector, axis=1)[:, None]
     held = np.zeros((len(points), points.shape[1], points.shape[1]))
@@ -273,7 +279,7 @@ def weakly_held(points: Array, springs: Index, least: float) -> Mask:
     return np.asarray(np.linalg.eigvalsh(held)[:, 0] < least)
 
 
-def missing(springs: Index, cells: Index, at: Mask) -> Index:
+def missing_springs(springs: Index, cells: Index, at: Mask) -> Index:
     """Edges (b, 2) of simplices, with an end at given points (mask, n), that are no springs yet."""
     edges = np.concatenate([cells[:, pair] for pair in combinations(range(cells.shape[1]), 2)])
     edges = np.sort(edges[at[edges].any(axis=1)], axis=1)
@@ -299,14 +305,16 @@ def _facets(pattern: Pattern, number: Index) -> Index:
     for axis in reversed(range(d)):
         on_side = _on_low_side(pattern, axis)
         for layer in (0, -1):
-            there = _layer(number, d, axis, layer)[..., on_side]
+            there = _layer_view(number, d, axis, layer)[..., on_side]
             facets.append(
-                _corners(there, d - 1) if on_side.sum() == 1 else _covered(pattern, axis, there)
+                _box_corners(there, d - 1)
+                if on_side.sum() == 1
+                else _cover_side(pattern, axis, there)
             )
     return np.concatenate(facets)
 
 
-def _covered(pattern: Pattern, axis: int, there: Index) -> Index:
+def _cover_side(pattern: Pattern, axis: int, there: Index) -> Index:
     """Segments or triangles (f, d) between the places numbered in a side across an axis.
 
     One cell's face is covered and then repeated, so that facets end where cells do: those of a
@@ -325,7 +333,7 @@ def _covered(pattern: Pattern, axis: int, there: Index) -> Index:
         order = np.argsort(places[:, 0], kind="stable")
         facets = np.column_stack([order[:-1], order[1:]])
     else:
-        facets = Delaunay(slanted(places)).simplices
+        facets = Delaunay(break_ties(places)).simplices
     ends = (slice(None, -1), slice(1, None))
     numbers = [
         there[(*(ends[step] for step in reversed(images[i])), j)].ravel()
@@ -334,14 +342,14 @@ def _covered(pattern: Pattern, axis: int, there: Index) -> Index:
     return np.concatenate([np.column_stack([numbers[k] for k in facet]) for facet in facets])
 
 
-def _corners(number: Index, axes: int) -> Index:
+def _box_corners(number: Index, axes: int) -> Index:
     """Corners, x fastest, of all boxes between the places numbered in a grid (.., y, x, 1)."""
     grid = number[..., 0]
     low, high = slice(None, -1), slice(1, None)
     return np.column_stack([grid[corner].ravel() for corner in product((low, high), repeat=axes)])
 
 
-def _layer(grid: NDArray[Kind], dim: int, axis: int, layer: int) -> NDArray[Kind]:
+def _layer_view(grid: NDArray[Kind], dim: int, axis: int, layer: int) -> NDArray[Kind]:
     """View of the places of a grid (.., n_y + 1, n_x + 1, points) in one layer across an axis."""
     place: list[slice | int] = [slice(None)] * dim
     place[dim - 1 - axis] = layer

@@ -29,7 +29,7 @@ a body not long or flat needs a fifth. Far more lie in a few rows, and take minu
 """
 
 
-def complete(
+def triangulate_with_images(
     x: Array, edges: Array, unit: float, *, mirrored: bool
 ) -> tuple[Array, Index, Index, Index, Index, Array]:
     """Points with as many images as cells need, their source and image number, and simplices.

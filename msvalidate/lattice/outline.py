@@ -18,7 +18,7 @@ from msvalidate.problem import (
     ProblemError,
     corners_of,
 )
-from msvalidate.problem.checks import shown
+from msvalidate.problem.checks import format_value
 
 ARC = 32
 """Straight pieces that a bent side is drawn by: their area is off by some 1e-4 of what lies between
@@ -43,16 +43,16 @@ def outline(domain: Domain) -> shapely.Geometry:
     if isinstance(domain, Polygon):
         return shapely.Polygon(domain.corners)
     if not isinstance(domain, Mesh):
-        raise ProblemError(f"outline: a {shown(domain)}; give a Box, a Polygon or a Mesh")
+        raise ProblemError(f"outline: a {format_value(domain)}; give a Box, a Polygon or a Mesh")
     sides = domain.surface if domain.dim == 2 else _rim(domain)
-    lines = _drawn(domain.points[sides][..., :2]).reshape(-1, 2, 2)
+    lines = _straight_lines(domain.points[sides][..., :2]).reshape(-1, 2, 2)
     area = shapely.build_area(shapely.multilinestrings(lines))
     if domain.dim == 3:
         _refuse_no_prism(domain, area)
     return area
 
 
-def _drawn(sides: Array) -> Array:
+def _straight_lines(sides: Array) -> Array:
     """Ends (f, pieces, 2, 2) in m of straight pieces of sides (f, 2, 2), or bent ones (f, 3, 2)."""
     if sides.shape[1] == 2:
         return sides[:, None]
@@ -92,7 +92,7 @@ def _refuse_no_prism(mesh: Mesh, base: shapely.Geometry) -> None:
         )
 
 
-def moments(body: shapely.Geometry, low: Array, side: float) -> Array:
+def area_moments(body: shapely.Geometry, low: Array, side: float) -> Array:
     """Integrals (c, 2, 2) over the body's part of each square, relative to the square's area.
 
     Entry [i, j] is that of N_i(ξ) N_j(η), with N_0(s) = 1 - s and N_1(s) = s, and ξ and η from 0 to
@@ -116,7 +116,7 @@ def moments(body: shapely.Geometry, low: Array, side: float) -> Array:
     return np.asarray(found)
 
 
-def inside(body: shapely.Geometry, points: Array, tolerance: float) -> Mask:
+def is_inside(body: shapely.Geometry, points: Array, tolerance: float) -> Mask:
     """Mask (n,) of the points (n, 2) inside a body by more than `tolerance` (m)."""
     shapely.prepare(body)
     places = shapely.points(points)
@@ -127,7 +127,7 @@ def inside(body: shapely.Geometry, points: Array, tolerance: float) -> Mask:
     return np.asarray(found)
 
 
-def outside(body: shapely.Geometry, points: Array, tolerance: float) -> Mask:
+def is_outside(body: shapely.Geometry, points: Array, tolerance: float) -> Mask:
     """Mask (n,) of the points (n, 2) outside a body by more than `tolerance` (m)."""
     return np.asarray(shapely.distance(body, shapely.points(points)) > tolerance)
 
@@ -149,7 +149,7 @@ def straight_pieces(part: Part, domain: Domain) -> Array:
                 raise ProblemError(f"{part}: some of its facets lie across z; give walls alone")
             ends = _ends(places.shape[1])
             places = places[:, ends].reshape(-1, ends.shape[1], 3)
-        lines = _drawn(places[..., :2]).reshape(-1, 2, 2)
+        lines = _straight_lines(places[..., :2]).reshape(-1, 2, 2)
         long = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > domain.tolerance
         return np.asarray(lines[long])
     corners = corners_of(part, domain)
@@ -158,7 +158,7 @@ def straight_pieces(part: Part, domain: Domain) -> Array:
     return corners[None]
 
 
-def crossed(pieces: Array, low: Array, side: float) -> Index:
+def crossed_cells(pieces: Array, low: Array, side: float) -> Index:
     """Indices of the squares, of low corners (c, 2) in m, that lines (q, 2, 2) run through.
 
     Or touch: rounding would decide whether a line through a corner meets the squares beside it.
@@ -169,7 +169,7 @@ def crossed(pieces: Array, low: Array, side: float) -> Index:
 
 
 def _moments(pieces: Array, low: Array, side: float) -> Array:
-    """Integrals, as of `moments`, over areas with straight edges: one for each square."""
+    """Integrals, as of `area_moments`, over areas with straight edges: one for each square."""
     polygons, owner = _polygons(pieces)
     rings, of_polygon = shapely.get_rings(polygons, return_index=True)
     hole = np.concatenate([[False], of_polygon[1:] == of_polygon[:-1]])[: len(rings)]

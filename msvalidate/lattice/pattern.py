@@ -10,18 +10,18 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.lattice.ties import levels
+from msvalidate.lattice.ties import level_numbers
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.checks import (
-    coordinates,
     finite,
+    finite_coordinates,
+    format_value,
     indices,
-    instance,
     integers,
-    metres,
+    length_in_metres,
     refuse_too_many,
-    shown,
-    whole,
+    require_type,
+    whole_number,
 )
 
 Constants = tuple[float, ...]
@@ -78,11 +78,11 @@ class Pattern:
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.isprintable() or not self.name:
-            raise ProblemError(f"pattern: name {shown(self.name)}; give a word")
+            raise ProblemError(f"pattern: name {format_value(self.name)}; give a word")
         said = f"pattern {self.name}"
-        size = _edges(said, self.size)
+        size = _cell_edges(said, self.size)
         d = len(size)
-        points = coordinates(f"{said}: points", self.points, "n>0", d)
+        points = finite_coordinates(f"{said}: points", self.points, "n>0", d)
         if (points < 0).any() or (points >= size).any():
             raise ProblemError(f"{said}: points reach outside the cell; give 0 <= x < size")
         n = len(points)
@@ -104,11 +104,15 @@ class Pattern:
         self._refuse_misfits(said)
         self._refuse_twins(said)
         if not isinstance(self.rules, Mapping) or not self.rules:
-            raise ProblemError(f"{said}: rules {shown(self.rules)}; give constants by their names")
+            raise ProblemError(
+                f"{said}: rules {format_value(self.rules)}; give constants by their names"
+            )
         for rule, constants in self.rules.items():
             self.stiffness(constants, rule)
         if not (self.tensor is None or callable(self.tensor)):
-            raise ProblemError(f"{said}: tensor {shown(self.tensor)}; give a function or None")
+            raise ProblemError(
+                f"{said}: tensor {format_value(self.tensor)}; give a function or None"
+            )
 
     def _refuse_misfits(self, said: str) -> None:
         kinds = sorted(set(self.kind.tolist()))
@@ -160,7 +164,7 @@ class Pattern:
     def centred(self) -> bool:
         """Whether every point is a centre of symmetry: none moves from a uniform strain."""
         room = SAME_DISTANCE * float(np.linalg.norm(self.vectors, axis=1).max())
-        level = levels(np.concatenate([self.vectors, -self.vectors]), room)
+        level = level_numbers(np.concatenate([self.vectors, -self.vectors]), room)
         ends = self.springs.T.ravel(), np.tile(self.kind, 2), np.tile(self.factor, 2)
         # Mirrored at its own points, it has the same springs in another order.
         there, mirrored = (
@@ -180,23 +184,24 @@ class Pattern:
         k = finite(f"{self.name}: spring constants", constants)
         if k.shape != (self.kinds,):
             raise ProblemError(
-                f"{self.name}: spring {rule} {shown(constants)}; give {self.kinds}, one a kind"
+                f"{self.name}: spring {rule} {format_value(constants)}; give {self.kinds}, one a "
+                f"kind"
             )
         if (k < 0).any():
             raise ProblemError(
-                f"{self.name}: spring {rule} {shown(constants)}; none may be negative"
+                f"{self.name}: spring {rule} {format_value(constants)}; none may be negative"
             )
         return np.asarray(k[self.kind] * self.factor)
 
 
-def _edges(said: str, size: tuple[float, ...]) -> Array:
+def _cell_edges(said: str, size: tuple[float, ...]) -> Array:
     """Edge lengths (d,) of a cell."""
     if not isinstance(size, tuple) or len(size) not in {2, 3}:
-        raise ProblemError(f"{said}: size {shown(size)}; give a tuple of 2 or 3 lengths")
-    return np.array([metres(f"{said}: cell edge", edge) for edge in size])
+        raise ProblemError(f"{said}: size {format_value(size)}; give a tuple of 2 or 3 lengths")
+    return np.array([length_in_metres(f"{said}: cell edge", edge) for edge in size])
 
 
-def by_shells(
+def pattern_by_shells(
     name: str,
     size: tuple[float, ...],
     points: ArrayLike,
@@ -218,12 +223,13 @@ def by_shells(
     ProblemError
         If no two points are at a distance, or as for `Pattern`.
     """
-    edges = _edges(f"pattern {name}", size)
-    d, x = len(edges), coordinates(f"pattern {name}: points", points)
-    far = coordinates(f"pattern {name}: distances", distances)
+    edges = _cell_edges(f"pattern {name}", size)
+    d, x = len(edges), finite_coordinates(f"pattern {name}: points", points)
+    far = finite_coordinates(f"pattern {name}: distances", distances)
     if x.shape != (len(x), d) or far.ndim != 1 or not len(far) or (far <= 0).any():
         raise ProblemError(
-            f"pattern {name}: points {x.shape}, distances {shown(distances)}; give (n, {d}) and "
+            f"pattern {name}: points {x.shape}, distances {format_value(distances)}; give (n, {d}) "
+            f"and "
             "lengths above 0"
         )
     reach = np.ceil(far.max() / edges).astype(int).tolist()
@@ -243,7 +249,7 @@ def by_shells(
         if not len(at):
             raise ProblemError(f"pattern {name}: no two points are {distance:g} spacings apart")
         # By direction, along the first axis first: (1, 0), (0, 1) and (1, 1), (-1, 1).
-        along = levels(vectors[at], SAME_DISTANCE * distance)
+        along = level_numbers(vectors[at], SAME_DISTANCE * distance)
         keys = [i[at], -along[:, 0], *along[:, 1:].T]
         chosen.append(at[np.lexsort(keys)])
         kind.append(np.full(len(at), number))
@@ -260,7 +266,7 @@ def by_shells(
     )
 
 
-def repeated(pattern: Pattern, times: int) -> Pattern:
+def repeat_cell(pattern: Pattern, times: int) -> Pattern:
     """The same lattice with a cell of `times` the edges: its points may move apart from each other.
 
     Raises
@@ -268,9 +274,9 @@ def repeated(pattern: Pattern, times: int) -> Pattern:
     ProblemError
         If `times` is not a positive integer.
     """
-    instance("pattern", pattern, Pattern)
+    require_type("pattern", pattern, Pattern)
     d, n = pattern.dim, len(pattern.points)
-    whole("times", times, 1)
+    whole_number("times", times, 1)
     refuse_too_many("repeated cell", n * float(times) ** d)
     cells = np.indices((times,) * d).reshape(d, -1).T
     place = times ** np.arange(d)[::-1]

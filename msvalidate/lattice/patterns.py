@@ -16,20 +16,20 @@ from math import sqrt
 
 import numpy as np
 
-from msvalidate.lattice.pattern import Constants, Pattern, by_shells
+from msvalidate.lattice.pattern import Constants, Pattern, pattern_by_shells
 from msvalidate.problem import Array
 
 
-def known() -> dict[str, Callable[[], Pattern]]:
-    """Every lattice of this module: its functions that ask for nothing and return a `Pattern`."""
+def all_patterns() -> dict[str, Callable[[], Pattern]]:
+    """All lattices of this module: its functions without arguments that return a `Pattern`."""
     return {
         name: item
         for name, item in vars(sys.modules[__name__]).items()
-        if isfunction(item) and not name.startswith("_") and _makes_a_pattern(item)
+        if isfunction(item) and not name.startswith("_") and _returns_pattern(item)
     }
 
 
-def _makes_a_pattern(function: Callable[..., object]) -> bool:
+def _returns_pattern(function: Callable[..., object]) -> bool:
     asked = signature(function)
     needs = [item for item in asked.parameters.values() if item.default is item.empty]
     return not needs and asked.return_annotation in {"Pattern", Pattern}
@@ -42,7 +42,7 @@ def square() -> Pattern:
     def tensor(k: Constants) -> Array:
         return cubic_tensor(2, k[0] + k[1], k[1])
 
-    return by_shells("square", (1.0, 1.0), [(0, 0)], (1.0, sqrt(2)), rules, tensor)
+    return pattern_by_shells("square", (1.0, 1.0), [(0, 0)], (1.0, sqrt(2)), rules, tensor)
 
 
 def square4() -> Pattern:
@@ -51,7 +51,7 @@ def square4() -> Pattern:
     def tensor(k: Constants) -> Array:
         return cubic_tensor(2, k[0], 0.0)
 
-    return by_shells("square 4", (1.0, 1.0), [(0, 0)], (1.0,), {"equal": (1.0,)}, tensor)
+    return pattern_by_shells("square 4", (1.0, 1.0), [(0, 0)], (1.0,), {"equal": (1.0,)}, tensor)
 
 
 def triangular() -> Pattern:
@@ -61,7 +61,9 @@ def triangular() -> Pattern:
         return cubic_tensor(2, 3 * sqrt(3) / 4 * k[0], sqrt(3) / 4 * k[0])
 
     points = [(0, 0), (0.5, sqrt(3) / 2)]
-    return by_shells("triangular", (1.0, sqrt(3)), points, (1.0,), {"equal": (1.0,)}, tensor)
+    return pattern_by_shells(
+        "triangular", (1.0, sqrt(3)), points, (1.0,), {"equal": (1.0,)}, tensor
+    )
 
 
 def honeycomb() -> Pattern:
@@ -79,7 +81,7 @@ def honeycomb() -> Pattern:
 
     points = [(0, 0), (0, 1), (sqrt(3) / 2, 3 / 2), (sqrt(3) / 2, 5 / 2)]
     rules = {"ratio 1/2": (3.0, 1.0), "equal": (1.0, 1.0)}
-    return by_shells("honeycomb", (sqrt(3), 3.0), points, (1.0, sqrt(3)), rules, tensor)
+    return pattern_by_shells("honeycomb", (sqrt(3), 3.0), points, (1.0, sqrt(3)), rules, tensor)
 
 
 def cubic6() -> Pattern:
@@ -88,7 +90,7 @@ def cubic6() -> Pattern:
     def tensor(k: Constants) -> Array:
         return cubic_tensor(3, k[0], 0.0)
 
-    return by_shells("cubic 6", (1.0,) * 3, [(0, 0, 0)], (1.0,), {"equal": (1.0,)}, tensor)
+    return pattern_by_shells("cubic 6", (1.0,) * 3, [(0, 0, 0)], (1.0,), {"equal": (1.0,)}, tensor)
 
 
 def cubic18() -> Pattern:
@@ -98,7 +100,7 @@ def cubic18() -> Pattern:
         return cubic_tensor(3, k[0] + 2 * k[1], k[1])
 
     rules = {"isotropic": (1.0, 1.0), "report's 2 k1": (1.0, 2.0)}
-    return by_shells("cubic 18", (1.0,) * 3, [(0, 0, 0)], (1.0, sqrt(2)), rules, tensor)
+    return pattern_by_shells("cubic 18", (1.0,) * 3, [(0, 0, 0)], (1.0, sqrt(2)), rules, tensor)
 
 
 def cubic26() -> Pattern:
@@ -109,7 +111,7 @@ def cubic26() -> Pattern:
 
     rules = {"isotropic": (11 / 3, 1.0, 1.0), "equal": (1.0, 1.0, 1.0)}
     shells = (1.0, sqrt(2), sqrt(3))
-    return by_shells("cubic 26", (1.0,) * 3, [(0, 0, 0)], shells, rules, tensor)
+    return pattern_by_shells("cubic 26", (1.0,) * 3, [(0, 0, 0)], shells, rules, tensor)
 
 
 def bcc() -> Pattern:
@@ -120,7 +122,7 @@ def bcc() -> Pattern:
 
     rules = {"isotropic": (1.0, 2 / 3), "equal": (1.0, 1.0)}
     points = [(0, 0, 0), (0.5, 0.5, 0.5)]
-    return by_shells("BCC", (1.0,) * 3, points, (sqrt(3) / 2, 1.0), rules, tensor)
+    return pattern_by_shells("BCC", (1.0,) * 3, points, (sqrt(3) / 2, 1.0), rules, tensor)
 
 
 def fcc() -> Pattern:
@@ -131,13 +133,15 @@ def fcc() -> Pattern:
 
     rules = {"isotropic": (1.0, 0.25), "nearest only": (1.0, 0.0)}
     points = [point for point in product((0, 0.5), repeat=3) if sum(point) in {0, 1}]
-    return by_shells("FCC", (1.0,) * 3, points, (sqrt(0.5), 1.0), rules, tensor)
+    return pattern_by_shells("FCC", (1.0,) * 3, points, (sqrt(0.5), 1.0), rules, tensor)
 
 
 def cubic_tensor(dim: int, C11: float, C12: float, C44: float | None = None) -> Array:
     """Voigt tensor, (3, 3) or (6, 6), of cubic (in the plane square) symmetry along the axes.
 
     `C44` defaults to C12, Cauchy's relation for central forces; in the plane it is C66.
+
+    Source: [Nye1957], chapter VIII, cubic symmetry.
     """
     shears = dim * (dim - 1) // 2
     C = np.zeros((dim + shears, dim + shears))

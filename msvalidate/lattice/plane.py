@@ -8,8 +8,8 @@ import numpy as np
 
 from msvalidate.lattice import patterns
 from msvalidate.lattice.filled import Lattice, fill
-from msvalidate.problem import MOST_VERTICES, Array, Box, Index, Polygon, ProblemError, place_name
-from msvalidate.problem.checks import counts, metres, refuse_too_many, shown
+from msvalidate.problem import MOST_VERTICES, Array, Box, Index, Polygon, ProblemError, format_point
+from msvalidate.problem.checks import cell_counts, format_value, length_in_metres, refuse_too_many
 
 SIN60 = math.sin(math.pi / 3)
 
@@ -51,7 +51,7 @@ def diagonal_square(box: Box, cells: int | tuple[int, int]) -> Lattice:
     ProblemError
         As for `square`.
     """
-    nx, ny = counts("cells", cells)
+    nx, ny = cell_counts("cells", cells)
     refuse_too_many(f"square lattice at 45° of {nx} x {ny} squares", (2 * nx + 1) * (ny + 1))
     grid = square(box, (nx, ny))
     corners = len(grid.points)
@@ -101,9 +101,9 @@ def triangular(outline: Polygon, spacing: float) -> Lattice:
     """
     if not isinstance(outline, Polygon):
         raise ProblemError(
-            f"triangular lattice: a {shown(outline)}; give a Polygon, such as zigzag_block"
+            f"triangular lattice: a {format_value(outline)}; give a Polygon, such as zigzag_block"
         )
-    h = metres("triangular lattice: spacing", spacing)
+    h = length_in_metres("triangular lattice: spacing", spacing)
     origin = outline.corners[0]
     along = outline.corners[1] - origin
     along *= h / np.linalg.norm(along)
@@ -160,7 +160,7 @@ def zigzag_block(height: float, cells: tuple[int, int]) -> Polygon:
     if strips % 2 or sides < 2:
         raise ProblemError(f"zigzag block: cells {cells}; give an even number of strips, 2 sides")
     refuse_too_many("zigzag block", 2 * strips + 2, MOST_VERTICES, "vertices")
-    h = metres("zigzag block: height", height) / sides
+    h = length_in_metres("zigzag block: height", height) / sides
     x = [column * SIN60 * h for column in range(strips + 1)]
     inset = [0.5 * h * (column % 2) for column in range(strips + 1)]
     top = [(a, height - b) for a, b in zip(x, inset, strict=True)]
@@ -184,7 +184,7 @@ def trapezium(spacing: float, cells: tuple[int, int]) -> Polygon:
     ProblemError
         If a value is out of range.
     """
-    h = metres("trapezium: spacing", spacing)
+    h = length_in_metres("trapezium: spacing", spacing)
     sides, rows = _pair("trapezium", cells, "(sides, rows)")
     refuse_too_many("trapezium", (rows + 1) * (sides + 1 + rows / 2))
     height, slant = rows * SIN60 * h, 0.5 * rows * h
@@ -207,7 +207,7 @@ def _refuse_other_outline(outline: Polygon, side: float, steps: Array) -> None:
     i, j = np.roll(nearest, -1, axis=1) - nearest
     bad = np.flatnonzero(np.roll(off, -1) | ((i != 0) & (j != 0) & (i + j != 0)))
     if len(bad):
-        edge = f"{bad[0]} of the outline, from {place_name(outline.corners[bad[0]])}"
+        edge = f"{bad[0]} of the outline, from {format_point(outline.corners[bad[0]])}"
         raise ProblemError(
             f"triangular lattice: no row of triangles of side {side:g} m runs along edge {edge}; "
             "choose a spacing that divides every edge, and edges at multiples of 60 degrees"
@@ -217,8 +217,8 @@ def _refuse_other_outline(outline: Polygon, side: float, steps: Array) -> None:
 def _pair(name: str, cells: tuple[int, int], both: str) -> tuple[int, int]:
     """Two counts of different things, for which one number cannot serve."""
     if not isinstance(cells, tuple | list):
-        raise ProblemError(f"{name}: cells {shown(cells)}; give two whole numbers, {both}")
-    first, second = counts("cells", cells)
+        raise ProblemError(f"{name}: cells {format_value(cells)}; give two whole numbers, {both}")
+    first, second = cell_counts("cells", cells)
     return first, second
 
 

@@ -25,7 +25,13 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from msvalidate.problem import Array, Box, Index
-from msvalidate.problem.checks import chosen, instance, metres, refuse_too_many, whole
+from msvalidate.problem.checks import (
+    length_in_metres,
+    refuse_too_many,
+    require_one_of,
+    require_type,
+    whole_number,
+)
 
 POINT_SETS = ("uniform", "jittered", "blue_noise")
 LARGEST_SEED = 2**64 - 1
@@ -48,6 +54,8 @@ pairs, and two points that crowd nobody but each other are equally crowded, not 
 def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -> Array:
     """Points of a rectangular periodic cell.
 
+    Source: jittered points [Cook1986], blue noise [Yuksel2015].
+
     Parameters
     ----------
     kind
@@ -69,14 +77,14 @@ def periodic_points(kind: str, count: int, size: tuple[float, ...], seed: int) -
     ProblemError
         If a value is out of its range or the points are too many.
     """
-    chosen("point set", kind, POINT_SETS)
+    require_one_of("point set", kind, POINT_SETS)
     edges = np.array(Box(size).size, dtype=float)
-    n = whole("number of points", count, 1)
+    n = whole_number("number of points", count, 1)
     refuse_too_many(f"{kind} point set", n * (CANDIDATES if kind == "blue_noise" else 1))
-    rng = np.random.default_rng(whole("seed", seed, 0, LARGEST_SEED))
+    rng = np.random.default_rng(whole_number("seed", seed, 0, LARGEST_SEED))
     if kind == "blue_noise":
-        return _kept(rng.random((CANDIDATES * n, len(edges))) * edges, n, edges, period=edges)
-    return _strewn(kind, n, edges, rng)
+        return _thin_out(rng.random((CANDIDATES * n, len(edges))) * edges, n, edges, period=edges)
+    return _draw_points(kind, n, edges, rng)
 
 
 def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
@@ -87,6 +95,8 @@ def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
     and the inside the product of that: one point per spacing^d if a point on a side counts half,
     on an edge a quarter and in a corner an eighth (in the plane, half and a quarter). Where the
     box is less than one and a half spacings thick, no points lie between those sides.
+
+    Source: jittered points [Cook1986], blue noise [Yuksel2015].
 
     Parameters
     ----------
@@ -109,13 +119,13 @@ def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
     ProblemError
         If a value is out of its range or the points are too many.
     """
-    chosen("point set", kind, POINT_SETS)
-    instance("box", box, Box)
-    h = metres("point set: spacing", spacing)
+    require_one_of("point set", kind, POINT_SETS)
+    require_type("box", box, Box)
+    h = length_in_metres("point set: spacing", spacing)
     size = np.array(box.size, dtype=float)
     each = CANDIDATES if kind == "blue_noise" else 1
     refuse_too_many(f"{kind} point set", each * math.prod((size / h + 1).tolist()))
-    rng = np.random.default_rng(whole("seed", seed, 0, LARGEST_SEED))
+    rng = np.random.default_rng(whole_number("seed", seed, 0, LARGEST_SEED))
     points = np.array(list(product((0.0, 1.0), repeat=box.dim))) * size
     for free in range(1, box.dim + 1):
         placed = [points]
@@ -130,22 +140,22 @@ def box_points(kind: str, box: Box, spacing: float, seed: int) -> Array:
                 several = each * count
                 new = np.empty((several, box.dim))
                 new[:, across] = np.array(ends) * size[across]
-                new[:, along] = h / 2 + _strewn(kind, several, room, rng)
-                placed.append(_kept(new, count, room, points) if each > 1 else new)
+                new[:, along] = h / 2 + _draw_points(kind, several, room, rng)
+                placed.append(_thin_out(new, count, room, points) if each > 1 else new)
         points = np.concatenate(placed)
     return np.asarray(points)
 
 
-def _strewn(kind: str, count: int, size: Array, rng: np.random.Generator) -> Array:
+def _draw_points(kind: str, count: int, size: Array, rng: np.random.Generator) -> Array:
     """Points (count, d) in [0, size): jittered, or uniform for both other kinds."""
     if kind != "jittered":
         return np.asarray(rng.random((count, len(size))) * size)
-    low, edge = _strata(count, size)
+    low, edge = _equal_parts(count, size)
     points = low + edge * (0.5 + JITTER * (2 * rng.random(low.shape) - 1))
     return np.asarray(np.minimum(points, np.nextafter(size, 0)))
 
 
-def _strata(count: int, size: Array) -> tuple[Array, Array]:
+def _equal_parts(count: int, size: Array) -> tuple[Array, Array]:
     """Lowest corners and edges, both (count, d), of equal and nearly cubic parts of a box."""
     dim = len(size)
     if dim == 1:
@@ -154,7 +164,7 @@ def _strata(count: int, size: Array) -> tuple[Array, Array]:
     wanted = size[0] * (count / math.prod(size.tolist())) ** (1 / dim)
     layers = int(np.clip(np.rint(wanted), 1, count))
     starts = np.arange(layers + 1) * count // layers
-    parts = [_strata(int(number), size[1:]) for number in np.diff(starts)]
+    parts = [_equal_parts(int(number), size[1:]) for number in np.diff(starts)]
     low = np.repeat(starts[:-1] / count * size[0], np.diff(starts))
     edge = np.repeat(np.diff(starts) / count * size[0], np.diff(starts))
     return (
@@ -163,7 +173,7 @@ def _strata(count: int, size: Array) -> tuple[Array, Array]:
     )
 
 
-def _kept(
+def _thin_out(
     candidates: Array,
     count: int,
     size: Array,
@@ -173,6 +183,8 @@ def _kept(
     """Those `count` candidates that are left when the most crowded is removed again and again.
 
     `size` are the edges of the room they fill. Points in `fixed` crowd them and are not removed.
+
+    Source: weighted sample elimination, [Yuksel2015].
     """
     total = len(candidates)
     everywhere = candidates if fixed is None else np.concatenate([candidates, fixed])
@@ -185,10 +197,10 @@ def _kept(
     distance = np.sqrt((apart**2).sum(axis=1)) / reach
     nearer = np.maximum(LIMIT * (1 - (count / total) ** BLEND) - distance, 0)
     crowding = np.maximum(1 - distance - (1 - RISE) * nearer, 0) ** CROWDING
-    return candidates[_survivors(pairs, crowding, total, count)]
+    return candidates[_remaining_points(pairs, crowding, total, count)]
 
 
-def _survivors(pairs: Index, crowding: Array, total: int, count: int) -> Index:
+def _remaining_points(pairs: Index, crowding: Array, total: int, count: int) -> Index:
     """Numbers (count,) of the candidates, the first `total`, that are left."""
     crowding = np.rint(crowding / UNIT) * UNIT
     ends, others = pairs.ravel("F"), pairs[:, ::-1].ravel("F")

@@ -21,19 +21,19 @@ from itertools import product
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.lattice.images import complete
-from msvalidate.lattice.ties import slanted
+from msvalidate.lattice.images import triangulate_with_images
+from msvalidate.lattice.ties import break_ties
 from msvalidate.lattice.triangulation import (
     FACES,
-    determinants,
     dual_areas,
-    flatness,
-    merged,
-    steadied,
+    merge_centres,
+    relative_volume,
+    signed_volumes,
+    stabilise_centres,
     triangulation,
 )
-from msvalidate.problem import Array, Box, Index, Mask, ProblemError, SolverError, place_name
-from msvalidate.problem.checks import coordinates, instance, shown
+from msvalidate.problem import Array, Box, Index, Mask, ProblemError, SolverError, format_point
+from msvalidate.problem.checks import finite_coordinates, format_value, require_type
 
 NEGLIGIBLE = 1e-14
 """Facets smaller than this part of spacing^(d-1) join no points: a square grid has no diagonals.
@@ -128,13 +128,13 @@ def periodic_tessellation(points: Array, size: tuple[float, ...]) -> Tessellatio
         If points lie so close that their cells can't be told apart.
     """
     box = Box(size)
-    x = _places(points, box.dim)
+    x = _check_points(points, box.dim)
     edges = np.array(box.size, dtype=float)
     x = x - np.floor(x / edges) * edges
     x[(x >= edges) | (x < 0)] = 0.0
     _refuse_coincident(x, box, edges)
     low, high, shift, area, length = _facets(x, edges, mirrored=False)
-    volume = _pyramids(low, high, area * length, len(x)) / box.dim
+    volume = _pyramid_volumes(low, high, area * length, len(x)) / box.dim
     return Tessellation(box.size, x, np.column_stack([low, high]), shift, area, volume)
 
 
@@ -157,14 +157,14 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
     ProblemError, SolverError
         As `periodic_tessellation`; `ProblemError` if a point is outside the box.
     """
-    x, edges = _boxed(points, box)
+    x, edges = _snap_to_box(points, box)
     low, high, shift, area, length = _facets(x, edges, mirrored=True)
     on_low, on_high = x == 0, x == edges
     between = high >= 0
     i, j, across = low[between], high[between], area[between]
     across *= 0.5 ** ((on_low[i] & on_low[j]) | (on_high[i] & on_high[j])).sum(axis=1)
     sides = np.zeros((len(x), 2 * box.dim))
-    owner, (axis, way) = low[~between], _axis_and_way(shift[~between])
+    owner, (axis, way) = low[~between], _axis_and_direction(shift[~between])
     on = on_low | on_high
     halved = 0.5 ** (on[owner].sum(axis=1) - on[owner, axis])
     np.add.at(sides, (owner, 2 * axis + (way > 0)), area[~between] * halved)
@@ -175,7 +175,7 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
         at_low, at_high = on_low[:, k], on_high[:, k]
         sides[at_low, 2 * k] = (out + sides[:, 2 * k + 1])[at_low]
         sides[at_high, 2 * k + 1] = (sides[:, 2 * k] - out)[at_high]
-    volume = _pyramids(i, j, across * length[between], len(x))
+    volume = _pyramid_volumes(i, j, across * length[between], len(x))
     volume += (sides * np.stack([x, edges - x], axis=2).reshape(len(x), -1)).sum(axis=1)
     volume /= box.dim
     _refuse_wrong_volume(volume, box)
@@ -184,8 +184,10 @@ def bounded_tessellation(points: Array, box: Box) -> BoundedTessellation:
     return BoundedTessellation(box.size, x, springs, none, across, volume, sides)
 
 
-def simplices(points: Array, box: Box) -> tuple[Index, Index]:
+def delaunay_simplices(points: Array, box: Box) -> tuple[Index, Index]:
     """Delaunay simplices that fill a box, and its boundary facets.
+
+    Source: [Delaunay1934].
 
     Parameters
     ----------
@@ -209,18 +211,18 @@ def simplices(points: Array, box: Box) -> tuple[Index, Index]:
     SolverError
         If points lie so close that their simplices can't be told apart.
     """
-    x, edges = _boxed(points, box)
+    x, edges = _snap_to_box(points, box)
     for ends in product((0.0, 1.0), repeat=box.dim):
         corner = np.array(ends) * edges
         if not (x == corner).all(axis=1).any():
             raise ProblemError(
-                f"points: none in the corner {place_name(corner)} of the {box}; add it"
+                f"points: none in the corner {format_point(corner)} of the {box}; add it"
             )
     x = x * _unit(x, box)
-    cells, beyond = triangulation(slanted(x), len(x), np.arange(len(x)))
+    cells, beyond = triangulation(break_ties(x), len(x), np.arange(len(x)))
     facets = cells[:, FACES[box.dim]][beyond < 0]
     on_side = (x[facets] == 0) | (x[facets] == x.max(axis=0))
-    volume = determinants(x[cells]).sum() / math.factorial(box.dim)
+    volume = signed_volumes(x[cells]).sum() / math.factorial(box.dim)
     whole_volume = math.prod(x.max(axis=0).tolist())
     used = np.unique(cells)
     if (
@@ -244,28 +246,33 @@ def _facets(
     n, dim = points.shape
     unit = _unit(points, Box(tuple(size.tolist())))
     x, edges = points * unit, size * unit
-    everywhere, source, image, cells, beyond, centres = complete(x, edges, unit, mirrored=mirrored)
-    flat, whole_volume = flatness(everywhere, cells), math.prod(edges.tolist())
+    everywhere, source, image, cells, beyond, centres = triangulate_with_images(
+        x, edges, unit, mirrored=mirrored
+    )
+    flat, whole_volume = relative_volume(everywhere, cells), math.prod(edges.tolist())
     for reach in ALIKE:
-        alike = steadied(centres, flat, beyond, reach)
-        alike = merged(alike, edges, reach, mirrored=mirrored)
+        alike = stabilise_centres(centres, flat, beyond, reach)
+        alike = merge_centres(alike, edges, reach, mirrored=mirrored)
         low, second, area = dual_areas(everywhere, cells, beyond, alike, n)
-        kept = (area > NEGLIGIBLE) & _named_once(low, second, source, image, mirrored=mirrored)
+        kept = (area > NEGLIGIBLE) & _pick_one_image(low, second, source, image, mirrored=mirrored)
         low, second, area = low[kept], second[kept], area[kept]
         length = np.linalg.norm(everywhere[second] - everywhere[low], axis=1)
         content = area * length
         if mirrored:
-            content *= _part_inside(everywhere[low], everywhere[second], edges, second < n)
+            content *= _fraction_inside(everywhere[low], everywhere[second], edges, second < n)
         if abs(content.sum() - dim * whole_volume) <= LOST * dim * whole_volume:
             high = np.where(mirrored & (second >= n), -1, source[second])
             return low, high, image[second], area / unit ** (dim - 1), length / unit
     raise SolverError(
-        f"cells of {n} points: facets make up {shown(float(content.sum() / dim / whole_volume))} "
+        f"cells of {n} points: facets make up "
+        f"{format_value(float(content.sum() / dim / whole_volume))} "
         "of the body; some points are too close or too nearly even: move them apart or make them so"
     )
 
 
-def _named_once(low: Index, second: Index, source: Index, image: Index, *, mirrored: bool) -> Mask:
+def _pick_one_image(
+    low: Index, second: Index, source: Index, image: Index, *, mirrored: bool
+) -> Mask:
     """Those facets (mask) that stand for all their images; the lower end is a point of the body."""
     high, shift, inside = source[second], image[second], second <= source.max()
     if mirrored:
@@ -275,7 +282,7 @@ def _named_once(low: Index, second: Index, source: Index, image: Index, *, mirro
     return np.asarray(inside | (low < high) | ((low == high) & ahead))
 
 
-def _part_inside(start: Array, end: Array, edges: Array, inside: Mask) -> Array:
+def _fraction_inside(start: Array, end: Array, edges: Array, inside: Mask) -> Array:
     """Part (f,) of facet times length that is in a box, of springs inside it or to mirror images.
 
     A side halves the facet between points on it, and the way of a point to its mirror image. That
@@ -287,13 +294,13 @@ def _part_inside(start: Array, end: Array, edges: Array, inside: Mask) -> Array:
     return np.where(outwards.any(axis=1), 0.0, part)
 
 
-def _pyramids(i: Index, j: Index, content: Array, count: int) -> Array:
+def _pyramid_volumes(i: Index, j: Index, content: Array, count: int) -> Array:
     """Half of each facet's area times length, summed at both of its points."""
     halves = np.bincount(i, content, count) + np.bincount(j, content, count)
     return np.asarray(0.5 * halves, dtype=float)
 
 
-def _axis_and_way(shift: Index) -> tuple[Index, Index]:
+def _axis_and_direction(shift: Index) -> tuple[Index, Index]:
     axis = np.abs(shift).argmax(axis=1)
     return axis, shift[np.arange(len(shift)), axis]
 
@@ -307,19 +314,19 @@ def _unit(points: Array, box: Box) -> float:
     return float(2.0 ** -round(math.log2(_spacing(points, box))))
 
 
-def _places(points: Array, dim: int) -> Array:
+def _check_points(points: Array, dim: int) -> Array:
     need = f"give (n, {dim}), n at least 1"
-    return np.array(coordinates("points", points, "n>0", dim, need=need))
+    return np.array(finite_coordinates("points", points, "n>0", dim, need=need))
 
 
-def _boxed(points: Array, box: Box) -> tuple[Array, Array]:
+def _snap_to_box(points: Array, box: Box) -> tuple[Array, Array]:
     """The points, those near a side on it, and the box's edges."""
-    instance("box", box, Box)
-    x, edges = _places(points, box.dim), np.array(box.size, dtype=float)
+    require_type("box", box, Box)
+    x, edges = _check_points(points, box.dim), np.array(box.size, dtype=float)
     outside = np.flatnonzero(((x < -box.tolerance) | (x > edges + box.tolerance)).any(axis=1))
     if len(outside):
         which = int(outside[0])
-        raise ProblemError(f"points: {which}, at {place_name(x[which])}, is outside the {box}")
+        raise ProblemError(f"points: {which}, at {format_point(x[which])}, is outside the {box}")
     x[np.abs(x) <= box.tolerance] = 0.0
     x = np.where(np.abs(x - edges) <= box.tolerance, edges, x)
     _refuse_coincident(x, box, None)
@@ -331,13 +338,13 @@ def _refuse_coincident(points: Array, box: Box, period: Array | None) -> None:
     if twins:
         i, j = min(twins)
         raise ProblemError(
-            f"points: {i} and {j} are one place, {place_name(points[i])}; leave one out"
+            f"points: {i} and {j} are one place, {format_point(points[i])}; leave one out"
         )
 
 
 def _refuse_wrong_volume(volume: Array, box: Box) -> None:
     if not abs(volume.sum() - box.volume) <= 1e-9 * box.volume:
         raise SolverError(
-            f"cells of {len(volume)} points make up {shown(float(volume.sum()))} of {box}: "
+            f"cells of {len(volume)} points make up {format_value(float(volume.sum()))} of {box}: "
             "some points are too close"
         )

@@ -18,7 +18,7 @@ SLANT = np.array([[0.0, 0.8, 0.3], [0.0, 0.5, 0.7], [0.0, 0.0, 1.0]])
 """A strain of no symmetry: no rectangle or box at an angle that anybody chooses stays one."""
 
 
-def slanted(points: Array) -> Array:
+def break_ties(points: Array) -> Array:
     """Points (n, d) strained by `TIE`, so that no more of them lie on one circle or sphere.
 
     How the squares and cubes between points of a lattice are cut into triangles and tetrahedra is
@@ -28,7 +28,7 @@ def slanted(points: Array) -> Array:
     return np.asarray(points + TIE * points @ SLANT[:d, :d])
 
 
-def levels(values: Array, room: float, axis: int = 0) -> Index:
+def level_numbers(values: Array, room: float, axis: int = 0) -> Index:
     """Number of the level of each value, from 0 up along an axis.
 
     A value stands on the level of the next lower one that is within `room` (in their unit) of it:

@@ -42,6 +42,8 @@ def triangulation(
     Those at the first `count` points are not flat. Where choices are made, they are alike for all
     images of a point, of which `source` has the number, unless only images meet. Points known to
     be `regular`, as two and their reflections are, are not tried without roughness.
+
+    Source: [Delaunay1934].
     """
     dim = x.shape[1]
     centred = x - 0.5 * (x.min(axis=0) + x.max(axis=0))
@@ -59,8 +61,8 @@ def triangulation(
         lower = hull.equations[:, dim] < -VERTICAL
         number = np.where(lower, np.cumsum(lower) - 1, -1)
         cells, beyond = hull.simplices[lower].astype(np.intp), number[hull.neighbors[lower]]
-        content, here = determinants(centred[cells]), (cells < count).any(axis=1)
-        if not (flatness(centred, cells[here]) <= FLAT).any():
+        content, here = signed_volumes(centred[cells]), (cells < count).any(axis=1)
+        if not (relative_volume(centred, cells[here]) <= FLAT).any():
             break
     else:
         if not content[here].all():
@@ -97,14 +99,14 @@ def dual_areas(
     return key // len(x), key % len(x), np.asarray(np.bincount(which, part, len(key)), dtype=float)
 
 
-def flatness(x: Array, cells: Index) -> Array:
+def relative_volume(x: Array, cells: Index) -> Array:
     """Volume (c,) of simplices in parts of the product of the edges at a corner: zero if flat."""
     corners = x[cells]
     edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
-    return np.asarray(np.abs(determinants(corners)) / edges.prod(axis=1))
+    return np.asarray(np.abs(signed_volumes(corners)) / edges.prod(axis=1))
 
 
-def steadied(centres: Array, flat: Array, beyond: Index, least: float) -> Array:
+def stabilise_centres(centres: Array, flat: Array, beyond: Index, least: float) -> Array:
     """Centres (c, d), those of simplices flatter than `least` being of the least flat one beside.
 
     Rounding puts the centre of a flat simplex anywhere; those of its neighbours are near it.
@@ -118,7 +120,7 @@ def steadied(centres: Array, flat: Array, beyond: Index, least: float) -> Array:
     return steady
 
 
-def merged(centres: Array, size: Array, reach: float, *, mirrored: bool) -> Array:
+def merge_centres(centres: Array, size: Array, reach: float, *, mirrored: bool) -> Array:
     """Centres (c, d) moved by little, so that those within reach of each other are one.
 
     So are the images of one: a body of edges `size` is repeated, or mirrored in its sides.
@@ -148,7 +150,7 @@ def merged(centres: Array, size: Array, reach: float, *, mirrored: bool) -> Arra
     return np.asarray(centres + way * (mean[group] - away))
 
 
-def determinants(corners: Array) -> Array:
+def signed_volumes(corners: Array) -> Array:
     """Signed volumes times d! of simplices (c, d+1, d).
 
     Written out, for elimination takes longer; flat ones by elimination, whose rounding leaves most

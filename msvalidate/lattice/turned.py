@@ -8,12 +8,24 @@ from itertools import product
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.lattice.filled import Lattice, joined, missing, side_share, weakly_held
+from msvalidate.lattice.filled import (
+    Lattice,
+    missing_springs,
+    number_springs,
+    side_share,
+    weakly_supported,
+)
 from msvalidate.lattice.pattern import Pattern
-from msvalidate.lattice.tessellation import simplices
-from msvalidate.lattice.ties import TIE, levels
+from msvalidate.lattice.tessellation import delaunay_simplices
+from msvalidate.lattice.ties import TIE, level_numbers
 from msvalidate.problem import Array, Box, Index, ProblemError
-from msvalidate.problem.checks import instance, metres, refuse_too_many, rotation, shown
+from msvalidate.problem.checks import (
+    format_value,
+    length_in_metres,
+    refuse_too_many,
+    require_type,
+    rotation_matrix,
+)
 
 WEAK = 0.4
 """Least Σ n nᵀ along any direction, over the directions n of a point's springs of the first kind
@@ -24,7 +36,7 @@ REACH = 0.4
 below 1/2, so that neighbours on either side of it do not meet."""
 
 
-def turned(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> Lattice:
+def fill_rotated(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> Lattice:
     """A lattice turned in a box: inside as it is, at the boundary made to fit.
 
     Points within `REACH` of a side, inside or beyond, are moved onto it, and the nearest one into
@@ -48,20 +60,22 @@ def turned(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> L
     ProblemError
         If a value is out of its range, the points are too many, or the box has room for too few.
     """
-    instance("pattern", pattern, Pattern)
+    require_type("pattern", pattern, Pattern)
     if not isinstance(box, Box) or box.dim != pattern.dim:
         raise ProblemError(
-            f"{pattern.name} lattice: a {shown(box)}; give a box of {pattern.dim} lengths"
+            f"{pattern.name} lattice: a {format_value(box)}; give a box of {pattern.dim} lengths"
         )
-    a, Q = metres("spacing", spacing), rotation(turn, box.dim)
-    number, points = _sites(pattern, box, a, Q)
-    pairs, which = joined(pattern, number)
+    a, Q = length_in_metres("spacing", spacing), rotation_matrix(turn, box.dim)
+    number, points = _rotated_sites(pattern, box, a, Q)
+    pairs, which = number_springs(pattern, number)
     # Where places were merged, two springs may have become one, or none.
     springs, first = np.unique(pairs, axis=0, return_index=True)
     proper = springs[:, 0] < springs[:, 1]
     springs, which = springs[proper], which[first[proper]]
-    cells, facets = simplices(points, box)
-    braces = missing(springs, cells, weakly_held(points, springs[pattern.kind[which] == 0], WEAK))
+    cells, facets = delaunay_simplices(points, box)
+    braces = missing_springs(
+        springs, cells, weakly_supported(points, springs[pattern.kind[which] == 0], WEAK)
+    )
     springs = np.concatenate([springs, braces])
     kind = np.concatenate([pattern.kind[which], np.zeros(len(braces), dtype=np.intp)])
     corners = points[cells]
@@ -83,7 +97,7 @@ def turned(pattern: Pattern, box: Box, spacing: float, turn: float | Array) -> L
     )
 
 
-def _sites(pattern: Pattern, box: Box, a: float, Q: Array) -> tuple[Index, Array]:
+def _rotated_sites(pattern: Pattern, box: Box, a: float, Q: Array) -> tuple[Index, Array]:
     """Numbers (.., cells y, cells x, points a cell) of the places, -1 left out, and positions."""
     edges = np.array(box.size)
     reach = REACH * (1 + TIE) * a * float(np.linalg.norm(pattern.vectors, axis=1).min())
@@ -102,11 +116,11 @@ def _sites(pattern: Pattern, box: Box, a: float, Q: Array) -> tuple[Index, Array
     beyond = points >= edges - reach
     points[beyond] = np.broadcast_to(edges, points.shape)[beyond]
     number = np.full(kept.shape, -1)
-    number[kept], points = _merged(points, ends, reach)
+    number[kept], points = _merge_points(points, ends, reach)
     return number, points
 
 
-def _merged(points: Array, ends: Array, reach: float) -> tuple[Index, Array]:
+def _merge_points(points: Array, ends: Array, reach: float) -> tuple[Index, Array]:
     """Numbers of points of which those that met are one, and the points, one in every corner."""
     nearest = _first_of_nearest(points, ends, TIE * reach)
     if len(set(nearest.tolist())) < len(ends):
@@ -135,6 +149,6 @@ def _first_of_nearest(points: Array, places: Array, room: float) -> Index:
     apart, _ = tree.query(places)
     found = []
     for near in tree.query_ball_point(places, apart + room, return_sorted=True):
-        order = np.lexsort(levels(points[near], room).T[::-1])
+        order = np.lexsort(level_numbers(points[near], room).T[::-1])
         found.append(near[order[0]])
     return np.array(found)

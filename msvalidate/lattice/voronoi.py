@@ -11,17 +11,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.lattice.filled import Lattice, missing, side_share, weakly_held
+from msvalidate.lattice.filled import Lattice, missing_springs, side_share, weakly_supported
 from msvalidate.lattice.pattern import Constants, Pattern
 from msvalidate.lattice.point_sets import box_points, periodic_points
 from msvalidate.lattice.tessellation import (
     Tessellation,
     bounded_tessellation,
+    delaunay_simplices,
     periodic_tessellation,
-    simplices,
 )
 from msvalidate.problem import Array, Box
-from msvalidate.problem.checks import chosen, instance, metres, whole
+from msvalidate.problem.checks import length_in_metres, require_one_of, require_type, whole_number
 
 STIFFNESS_RULES = ("1", "1/L", "A/L")
 """What the stiffness of a spring is proportional to: nothing, or its length L and facet area A."""
@@ -72,14 +72,14 @@ def voronoi(
     ProblemError
         If a value is out of its range.
     """
-    whole("dim", dim, 2, 3)
-    size = (float(whole("number of points", count, 1)) ** (1 / dim),) * dim
-    return tessellated(
+    whole_number("dim", dim, 2, 3)
+    size = (float(whole_number("number of points", count, 1)) ** (1 / dim),) * dim
+    return pattern_of_tessellation(
         periodic_tessellation(periodic_points(points, count, size, seed), size), stiffness
     )
 
 
-def tessellated(tessellation: Tessellation, stiffness: str) -> Pattern:
+def pattern_of_tessellation(tessellation: Tessellation, stiffness: str) -> Pattern:
     """The periodic lattice of a tessellation whose mean spacing is the unit of length.
 
     Raises
@@ -87,7 +87,7 @@ def tessellated(tessellation: Tessellation, stiffness: str) -> Pattern:
     ProblemError
         If there is no such stiffness.
     """
-    instance("tessellation", tessellation, Tessellation)
+    require_type("tessellation", tessellation, Tessellation)
     m = len(tessellation.springs)
     return Pattern(
         name="Voronoi",
@@ -110,7 +110,7 @@ def relative_stiffness(vectors: Array, area: Array, rule: str) -> Array:
     ProblemError
         If there is no such rule.
     """
-    chosen("stiffness", rule, STIFFNESS_RULES)
+    require_one_of("stiffness", rule, STIFFNESS_RULES)
     length = np.linalg.norm(vectors, axis=1)
     top = {"1": length, "1/L": np.ones(len(length)), "A/L": area}[rule]
     return np.asarray(top / length)
@@ -144,12 +144,12 @@ def voronoi_box(
     SolverError
         If points lie so close that their cells can't be told apart.
     """
-    instance("box", box, Box)
-    h = metres("spacing", spacing)
+    require_type("box", box, Box)
+    h = length_in_metres("spacing", spacing)
     cells = bounded_tessellation(box_points(points, box, h, seed), box)
     x = cells.points
-    corners, facets = simplices(x, box)
-    braces = missing(cells.springs, corners, weakly_held(x, cells.springs, LOOSE))
+    corners, facets = delaunay_simplices(x, box)
+    braces = missing_springs(cells.springs, corners, weakly_supported(x, cells.springs, LOOSE))
     springs = np.concatenate([cells.springs, braces])
     share = side_share(x, springs, box)
     # A brace has no facet in the box; it gets a mean one.

@@ -1,4 +1,4 @@
-"""Where each spring's blocks stand in a sparse matrix of d × d blocks, and their sums.
+"""The sparsity pattern of d × d blocks of springs, and their assembly.
 
 A spring adds its block to the diagonal ones of its two points and takes it from the two that couple
 them. Where they stand depends on the springs alone: found once a network, it serves every tangent.

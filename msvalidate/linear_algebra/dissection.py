@@ -46,8 +46,10 @@ class Dissection:
     products: float
 
 
-def dissected(points: Array, pairs: Index, most: float = np.inf) -> Dissection:
+def nested_dissection(points: Array, pairs: Index, most: float = np.inf) -> Dissection:
     """Order of points (n, d) that are joined in pairs (p, 2) of their numbers.
+
+    Source: [George1973].
 
     Parameters
     ----------
@@ -58,7 +60,7 @@ def dissected(points: Array, pairs: Index, most: float = np.inf) -> Dissection:
     most
         Products beyond which the factor is of no use: then the rest is not cut.
     """
-    place = _in_spacings(points, pairs)
+    place = _scale_by_spacing(points, pairs)
     n = len(place)
     path, depth = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
     inner, outer = pairs, np.zeros((0, 2), dtype=pairs.dtype)
@@ -69,13 +71,13 @@ def dissected(points: Array, pairs: Index, most: float = np.inf) -> Dissection:
         piece = np.empty(n, dtype=np.int64)
         piece[order] = np.repeat(np.arange(len(start)), size)
         final = size <= SMALL if level < LEVELS - 1 else np.ones(len(size), dtype=bool)
-        order, side = _halved(place, order, start, size)
+        order, side = _bisect(place, order, start, size)
         taken = np.zeros(n, dtype=np.int64)
         taken[order] = side
-        _cut(taken, piece, inner, len(start))
+        _make_separator(taken, piece, inner, len(start))
         taken[order[np.repeat(final, size)]] = CUT  # the whole of it
         width = np.bincount(piece[order], taken[order] == CUT, len(start))
-        beyond = _neighbours(piece, outer, len(start))
+        beyond = _adjacent_separators(piece, outer, len(start))
         entries += float((width * (width + 1) / 2 + width * beyond).sum())
         products += float((width**3 / 3 + width**2 * beyond + width * beyond**2).sum())
         if products > most:
@@ -85,18 +87,18 @@ def dissected(points: Array, pairs: Index, most: float = np.inf) -> Dissection:
         order = order[taken[order] != CUT]
         if not len(order):
             break
-        inner, outer = _parted(taken, inner, outer)
+        inner, outer = _remaining_pairs(taken, inner, outer)
     path <<= 2 * (LEVELS - depth)
     return Dissection(np.argsort(path, kind="stable"), entries, products)
 
 
-def _in_spacings(points: Array, pairs: Index) -> Array:
+def _scale_by_spacing(points: Array, pairs: Index) -> Array:
     """Places over the mean reach of what joins them along each axis."""
     reach = np.abs(points[pairs[:, 0]] - points[pairs[:, 1]]).mean(axis=0)
     return np.asarray((points - points.min(axis=0)) / np.where(reach > 0, reach, 1.0))
 
 
-def _halved(place: Array, order: Index, start: Index, size: Index) -> tuple[Index, Index]:
+def _bisect(place: Array, order: Index, start: Index, size: Index) -> tuple[Index, Index]:
     """Points by their places along the longest axis of each piece, and the half of each."""
     low = np.minimum.reduceat(place[order], start)
     extent = np.maximum.reduceat(place[order], start) - low
@@ -107,11 +109,11 @@ def _halved(place: Array, order: Index, start: Index, size: Index) -> tuple[Inde
     along = (place[order, axis[which]] - low[each, axis][which]) * scale[which]
     turn = np.argsort(which + along, kind="stable")
     order, along = order[turn], along[turn]
-    first = _first_of_second(np.diff(along, prepend=0.0), start, size, which)
+    first = _second_half_start(np.diff(along, prepend=0.0), start, size, which)
     return order, np.where(np.arange(len(order)) < first[which], LEFT, RIGHT)
 
 
-def _first_of_second(gap: Array, start: Index, size: Index, which: Index) -> Index:
+def _second_half_start(gap: Array, start: Index, size: Index, which: Index) -> Index:
     """Where (p,) the second half of each piece begins: at a wide gap, the nearest to the middle."""
     from_middle = np.abs(np.arange(len(gap)) - (start + size / 2)[which])
     near = from_middle <= MIDDLE * size[which]
@@ -125,7 +127,7 @@ def _first_of_second(gap: Array, start: Index, size: Index, which: Index) -> Ind
     return first
 
 
-def _cut(side: Index, piece: Index, inner: Index, pieces: int) -> None:
+def _make_separator(side: Index, piece: Index, inner: Index, pieces: int) -> None:
     """Make the ends of what joins two halves a cut, on the side where they are fewer."""
     i, j = inner.T
     across = side[i] != side[j]
@@ -140,14 +142,14 @@ def _cut(side: Index, piece: Index, inner: Index, pieces: int) -> None:
     side[at[side[at] == fewer[piece[at]]]] = CUT
 
 
-def _neighbours(piece: Index, outer: Index, pieces: int) -> Array:
+def _adjacent_separators(piece: Index, outer: Index, pieces: int) -> Array:
     """Points of earlier cuts (p,) that each piece is joined to."""
     n = len(piece)
     key = piece[outer[:, 0]] * n + outer[:, 1]
     return np.bincount(np.unique(key) // n, minlength=pieces).astype(float)
 
 
-def _parted(taken: Index, inner: Index, outer: Index) -> tuple[Index, Index]:
+def _remaining_pairs(taken: Index, inner: Index, outer: Index) -> tuple[Index, Index]:
     """What joins points that are left to each other, and to cuts, now that a cut is taken out."""
     cut = taken == CUT
     i, j = inner.T

@@ -54,86 +54,107 @@ def ends_of(first: Index, second: Index | None = None) -> Ends:
     return Ends(first, second, int(met.max()))
 
 
-def pair(hi: Array) -> Pair:
+def as_pair(hi: Array) -> Pair:
     """Doubles as pairs."""
     return Pair(hi, np.zeros_like(hi))
 
 
-def at(x: Pair, index: Any) -> Pair:
+def entries_at(x: Pair, index: Any) -> Pair:
     """The entries at an index, as of an array."""
     return Pair(x.hi[index], x.lo[index])
 
 
-def negative(x: Pair) -> Pair:
+def negate(x: Pair) -> Pair:
     """-x."""
     return Pair(-x.hi, -x.lo)
 
 
-def scaled(x: Pair, power: float) -> Pair:
+def scale(x: Pair, power: float) -> Pair:
     """X times a power of two, exactly."""
     return Pair(x.hi * power, x.lo * power)
 
 
 def two_sum(a: Array, b: Array) -> Pair:
-    """A + b, exactly (Knuth)."""
+    """A + b, exactly (Knuth).
+
+    Source: [Knuth1997], section 4.2.2.
+    """
     s = a + b
     c = s - a
     return Pair(s, (a - (s - c)) + (b - c))
 
 
 def two_product(a: Array, b: Array) -> Pair:
-    """a·b, exactly (Dekker)."""
+    """a·b, exactly (Dekker).
+
+    Source: [Dekker1971].
+    """
     p = a * b
-    a1, a2 = _halves(a)
-    b1, b2 = _halves(b)
+    a1, a2 = _split(a)
+    b1, b2 = _split(b)
     return Pair(p, ((a1 * b1 - p) + a1 * b2 + a2 * b1) + a2 * b2)
 
 
-def added(x: Pair, y: Pair) -> Pair:
-    """X + y; rounded beside the larger of the two."""
+def add(x: Pair, y: Pair) -> Pair:
+    """The sum x + y, rounded relative to the larger of the two.
+
+    Source: [Dekker1971].
+    """
     s, e = two_sum(x.hi, y.hi)
-    return _normal(s, e + (x.lo + y.lo))
+    return _renormalise(s, e + (x.lo + y.lo))
 
 
-def taken(x: Pair, y: Pair) -> Pair:
-    """X - y; rounded beside the larger of the two."""
-    return added(x, negative(y))
+def subtract(x: Pair, y: Pair) -> Pair:
+    """The difference x - y, rounded relative to the larger of the two.
+
+    Source: [Dekker1971].
+    """
+    return add(x, negate(y))
 
 
-def times(x: Pair, y: Pair) -> Pair:
-    """x·y."""
+def multiply(x: Pair, y: Pair) -> Pair:
+    """x·y.
+
+    Source: [Dekker1971].
+    """
     p, e = two_product(x.hi, y.hi)
-    return _normal(p, e + (x.hi * y.lo + x.lo * y.hi))
+    return _renormalise(p, e + (x.hi * y.lo + x.lo * y.hi))
 
 
-def over(x: Pair, y: Pair) -> Pair:
-    """X / y."""
+def divide(x: Pair, y: Pair) -> Pair:
+    """X / y.
+
+    Source: [Dekker1971].
+    """
     q = x.hi / y.hi
-    rest = taken(x, times(y, pair(q)))
+    rest = subtract(x, multiply(y, as_pair(q)))
     r = rest.hi / y.hi
-    rest = taken(rest, times(y, pair(r)))
-    return added(_normal(q, r), pair(rest.hi / y.hi))
+    rest = subtract(rest, multiply(y, as_pair(r)))
+    return add(_renormalise(q, r), as_pair(rest.hi / y.hi))
 
 
-def root(x: Pair) -> Pair:
-    """√x of numbers above zero, and 0 of 0."""
+def square_root(x: Pair) -> Pair:
+    """√x of numbers above zero, and 0 of 0.
+
+    Source: [Dekker1971].
+    """
     s = np.sqrt(x.hi)
     divisor = np.where(s > 0, 2 * s, 1.0)
-    rest = taken(x, two_product(s, s))
-    first = _normal(s, rest.hi / divisor)
-    rest = taken(x, times(first, first))
-    return added(first, pair(rest.hi / divisor))
+    rest = subtract(x, two_product(s, s))
+    first = _renormalise(s, rest.hi / divisor)
+    rest = subtract(x, multiply(first, first))
+    return add(first, as_pair(rest.hi / divisor))
 
 
-def total(parts: list[Pair]) -> Pair:
+def sum_pairs(parts: list[Pair]) -> Pair:
     """Sum of pairs."""
     out = parts[0]
     for part in parts[1:]:
-        out = added(out, part)
+        out = add(out, part)
     return out
 
 
-def gathered(x: Pair, ends: Ends, count: int) -> list[Array]:
+def scatter_sum(x: Pair, ends: Ends, count: int) -> list[Array]:
     """Sums of entries (m,) by where they belong, for `count` places: parts that add up to it.
 
     The leading parts are multiples of one unit and sum without rounding (Rump, Ogita and Oishi
@@ -143,90 +164,100 @@ def gathered(x: Pair, ends: Ends, count: int) -> list[Array]:
     rest = x.hi
     largest = float(max(rest.max(initial=0.0), -rest.min(initial=0.0)))
     if not 0 < largest < np.inf:
-        return [at_ends(rest, ends, count)]
+        return [scatter_sum_doubles(rest, ends, count)]
     bits = math.ceil(math.log2(max(ends.most, 1))) + 1
     unit = 2.0 ** (math.ceil(math.log2(largest)) + bits)
     parts = []
     for _ in range(2):
         leading = (unit + rest) - unit
         rest = rest - leading
-        parts.append(at_ends(leading, ends, count))
+        parts.append(scatter_sum_doubles(leading, ends, count))
         unit *= 2.0 ** (bits + 1 - _DIGITS)
-    return [*parts, at_ends(rest + x.lo, ends, count)]
+    return [*parts, scatter_sum_doubles(rest + x.lo, ends, count)]
 
 
-def at_ends(values: Array, ends: Ends, count: int) -> Array:
+def scatter_sum_doubles(values: Array, ends: Ends, count: int) -> Array:
     """Sums of entries (m,) by where they belong, for `count` places, in doubles."""
     out = np.asarray(np.bincount(ends.first, values, count), dtype=float)
     return out if ends.second is None else out - np.bincount(ends.second, values, count)
 
 
-def summed(parts: list[Array]) -> Pair:
+def sum_doubles(parts: list[Array]) -> Pair:
     """Sum of doubles as a pair, the largest first."""
-    out = pair(parts[0])
+    out = as_pair(parts[0])
     for part in parts[1:]:
-        out = added(out, pair(part))
+        out = add(out, as_pair(part))
     return out
 
 
-def _halves(a: Array) -> tuple[Array, Array]:
+def _split(a: Array) -> tuple[Array, Array]:
     """Two numbers of 26 digits that add up to a."""
     c = _SPLIT * a
     high = c - (c - a)
     return high, a - high
 
 
-def _normal(s: Array, e: Array) -> Pair:
+def _renormalise(s: Array, e: Array) -> Pair:
     """S + e where e is the smaller."""
     hi = s + e
     return Pair(hi, e - (hi - s))
 
 
-def dot(a: Pair, b: Pair) -> Pair:
+def dot_product(a: Pair, b: Pair) -> Pair:
     """Scalar products (m,) of vectors (d, m)."""
-    product = times(a, b)
-    return total([at(product, axis) for axis in range(product.hi.shape[0])])
+    product = multiply(a, b)
+    return sum_pairs([entries_at(product, axis) for axis in range(product.hi.shape[0])])
 
 
-def cross(a: Pair, b: Pair) -> Pair:
+def cross_product(a: Pair, b: Pair) -> Pair:
     """Cross products (3, c)."""
     rows = []
     for p, q in ((1, 2), (2, 0), (0, 1)):
-        rows.append(taken(times(at(a, p), at(b, q)), times(at(a, q), at(b, p))))
-    return stacked(rows)
+        rows.append(
+            subtract(
+                multiply(entries_at(a, p), entries_at(b, q)),
+                multiply(entries_at(a, q), entries_at(b, p)),
+            )
+        )
+    return stack_rows(rows)
 
 
-def product(a: Pair, b: Pair) -> Pair:
+def matrix_product(a: Pair, b: Pair) -> Pair:
     """Products of matrices (d, d, n)."""
     d = a.hi.shape[0]
     rows = []
     for i in range(d):
-        entries = [total([times(at(a, (i, c)), at(b, (c, j))) for c in range(d)]) for j in range(d)]
-        rows.append(stacked(entries))
-    return stacked(rows)
+        entries = [
+            sum_pairs([multiply(entries_at(a, (i, c)), entries_at(b, (c, j))) for c in range(d)])
+            for j in range(d)
+        ]
+        rows.append(stack_rows(entries))
+    return stack_rows(rows)
 
 
-def transposed(a: Pair) -> Pair:
+def transpose(a: Pair) -> Pair:
     """Transposes of matrices (d, d, n)."""
     return Pair(a.hi.swapaxes(0, 1), a.lo.swapaxes(0, 1))
 
 
-def symmetric(a: Pair) -> Pair:
+def symmetric_part(a: Pair) -> Pair:
     """Symmetric parts of matrices (d, d, n)."""
-    return half(added(a, transposed(a)))
+    return halve(add(a, transpose(a)))
 
 
-def half(a: Pair) -> Pair:
+def halve(a: Pair) -> Pair:
     """Half of it, exactly."""
-    return scaled(a, 0.5)
+    return scale(a, 0.5)
 
 
-def stacked(rows: list[Pair]) -> Pair:
+def stack_rows(rows: list[Pair]) -> Pair:
     """Rows under each other."""
     return Pair(np.stack([one.hi for one in rows]), np.stack([one.lo for one in rows]))
 
 
-def inverse(A: dict[tuple[int, int], Pair], d: int, joined: Mask) -> dict[tuple[int, int], Pair]:
+def invert_symmetric(
+    A: dict[tuple[int, int], Pair], d: int, joined: Mask
+) -> dict[tuple[int, int], Pair]:
     """Inverses of symmetric matrices, entry by entry; those of points that are not joined are 1."""
     one = {
         (a, b): Pair(np.where(joined, A[a, b].hi, float(a == b)), np.where(joined, A[a, b].lo, 0.0))
@@ -234,7 +265,7 @@ def inverse(A: dict[tuple[int, int], Pair], d: int, joined: Mask) -> dict[tuple[
         for b in range(d)
     }
     if d == 2:
-        minor = {(0, 0): one[1, 1], (1, 1): one[0, 0], (0, 1): negative(one[0, 1])}
+        minor = {(0, 0): one[1, 1], (1, 1): one[0, 0], (0, 1): negate(one[0, 1])}
     else:
         minor = {}
         for a in range(3):
@@ -243,8 +274,10 @@ def inverse(A: dict[tuple[int, int], Pair], d: int, joined: Mask) -> dict[tuple[
                     ((x + 1) % 3 for x in (a, a + 1)),
                     ((x + 1) % 3 for x in (b, b + 1)),
                 )
-                minor[a, b] = taken(times(one[p, r], one[q, s]), times(one[p, s], one[q, r]))
+                minor[a, b] = subtract(
+                    multiply(one[p, r], one[q, s]), multiply(one[p, s], one[q, r])
+                )
     for a, b in list(minor):
         minor[b, a] = minor[a, b]
-    det = total([times(one[0, b], minor[0, b]) for b in range(d)])
-    return {at_: over(entry, det) for at_, entry in minor.items()}
+    det = sum_pairs([multiply(one[0, b], minor[0, b]) for b in range(d)])
+    return {at_: divide(entry, det) for at_, entry in minor.items()}

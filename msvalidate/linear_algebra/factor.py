@@ -67,7 +67,7 @@ class Factor:
 
     @property
     def is_signed(self) -> bool:
-        """Whether its pivots are to be had."""
+        """Whether the signs of the pivots are known."""
         return bool(self.lu.nnz <= MOST_SIGNED)
 
     def solve(self, right: Array) -> Array:
@@ -85,7 +85,7 @@ NOT_SIGNED = (
 )
 
 
-def factorised(matrix: csr_array, order: Index | None = None) -> Factor:
+def factorise(matrix: csr_array, order: Index | None = None) -> Factor:
     """Factor with pivots on the diagonal, in a symmetric ordering: faster than the general default.
 
     Parameters
@@ -104,7 +104,7 @@ def factorised(matrix: csr_array, order: Index | None = None) -> Factor:
         If the factor does not fit in memory.
     """
     try:
-        with _silent():
+        with _silence_library():
             lu = splu(
                 (matrix if order is None else matrix[order][:, order]).tocsc(),
                 permc_spec="MMD_AT_PLUS_A" if order is None else "NATURAL",
@@ -122,7 +122,7 @@ def factorised(matrix: csr_array, order: Index | None = None) -> Factor:
 
 
 @contextmanager
-def _silent() -> Iterator[None]:
+def _silence_library() -> Iterator[None]:
     """Keep the library's own lines, of memory that it does not get, from the terminal.
 
     Those of the whole process: what other threads write in the meantime is lost.
@@ -155,6 +155,8 @@ def softest_mode(
 
     Without a factor (the matrix is exactly singular) that of a slightly stiffened matrix serves.
     `weight` is as in `inverse_iteration`.
+
+    Source: inverse iteration, [GolubVanLoan2013], section 8.2.
     """
     size = matrix.shape[0]
     if factor is None:
@@ -162,7 +164,7 @@ def softest_mode(
         if norm < NO_NUMBER:  # nothing resists any motion: one is as good as another
             mode = np.random.default_rng(0).normal(size=size)
             return np.asarray(mode / np.linalg.norm(mode))
-        factor = factorised(csr_array(matrix + 1e-12 * norm * eye_array(size)))
+        factor = factorise(csr_array(matrix + 1e-12 * norm * eye_array(size)))
     return inverse_iteration(factor.solve, size, weight)
 
 
@@ -172,6 +174,8 @@ def inverse_iteration(
     """Unit vector (size,) that a matrix resists least, by its inverse, from a fixed start.
 
     `weight` (size,) measures motions, as the diagonal does where parts differ in stiffness.
+
+    Source: [GolubVanLoan2013], section 8.2.
     """
     mode = np.random.default_rng(0).normal(size=size)
     unit = 1.0 if weight is None else weight / np.abs(weight).max()

@@ -5,6 +5,6 @@ from __future__ import annotations
 from msvalidate.problem import Array
 
 
-def largest(values: Array) -> float:
+def max_abs(values: Array) -> float:
     """Largest magnitude: 0 of no values, NaN if there is one, without an array of magnitudes."""
     return abs(float(max(values.max(), -values.min()))) if values.size else 0.0

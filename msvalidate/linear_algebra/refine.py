@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.linear_algebra.double_double import ROUNDING, Pair, added, pair
-from msvalidate.linear_algebra.norms import largest
+from msvalidate.linear_algebra.double_double import ROUNDING, Pair, add, as_pair
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array, SolverError
 
 LARGEST_ERROR = 1e-6
@@ -25,7 +25,7 @@ EPS = float(np.finfo(float).eps)
 HALF_A_UNIT = 0.5 * EPS
 """Rounding of an answer to doubles, over its largest displacement."""
 ENOUGH = EPS / 16
-"""Error, over the largest displacement, at which refinement stops: doubles have nothing of it."""
+"""Error, over the largest displacement, at which refinement stops: below double precision."""
 FACTOR_ROUNDING = 8 * EPS
 """Of what a point meets, that a factor may be wrong by: assembly and elimination, a few units."""
 DOUBTFUL = 1e-3
@@ -36,7 +36,7 @@ MOST_STEPS = 60
 LATEST = 3
 """Ratios of corrections, the largest of which is taken for what the next one leaves."""
 PATIENCE = 8
-"""Steps without a smaller correction after which no more is to be had."""
+"""Steps without a smaller correction after which refinement stops."""
 
 Residual = Callable[[Pair], Array]
 """Force left (n, d) at a displacement (n, d), 0 where it is held."""
@@ -45,7 +45,7 @@ Solve = Callable[[Array], Array]
 
 
 class InaccurateError(SolverError):
-    """An answer was found, with fewer digits than are asked for."""
+    """An answer was found, but its error is above the limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,17 +60,17 @@ class Refined:
         Largest error of a component over the largest component, by the last corrections.
     steps
         Corrections made.
-    settled
+    converged
         Whether nothing is left to correct; else corrections had ceased to fall.
     """
 
     solution: Pair
     error: float
     steps: int
-    settled: bool = False
+    converged: bool = False
 
 
-def contraction(softness: float) -> float:
+def contraction_bound(softness: float) -> float:
     """Part of an error that a correction leaves at the most, along the softest motion.
 
     `softness` is that motion's energy over what its components would cost one by one: a factor is
@@ -79,7 +79,7 @@ def contraction(softness: float) -> float:
     return FACTOR_ROUNDING / max(abs(softness), np.finfo(float).tiny)
 
 
-def refined(
+def refine_solution(
     residual: Residual,
     solve: Solve,
     start: Pair,
@@ -88,7 +88,10 @@ def refined(
     solved: bool = True,
     patience: int = PATIENCE,
 ) -> Refined:
-    """Correct a solution until its digits stand still.
+    """Correct a solution by iterative refinement until it no longer changes.
+
+    Source: iterative refinement, [Wilkinson1963], [Demmel2006]; steps combined as in
+    [Anderson1965].
 
     Parameters
     ----------
@@ -97,7 +100,8 @@ def refined(
     start
         (n, d).
     rate
-        Part of an error that a correction leaves at the most, as far as is known: `contraction`.
+        Part of an error that a correction leaves at the most, as far as is known:
+        `contraction_bound`.
     solved
         Whether `start` is the factor's own answer: then what the first correction changes tells how
         much of it the factor had wrong. Otherwise it takes a second to tell.
@@ -106,23 +110,23 @@ def refined(
     """
     u, ahead = start, _Combined()
     best, waited, steps, scale = np.inf, 0, 0, 1.0
-    before = size = largest(start.hi)
+    before = size = max_abs(start.hi)
     rates: list[float] = []
     while steps < MOST_STEPS and waited < patience:
         step = ahead.step(solve(residual(u)))
-        size = largest(step)
+        size = max_abs(step)
         if not np.isfinite(size):
             return Refined(u, np.inf, steps)
-        u, steps = added(u, pair(step)), steps + 1
-        scale = largest(u.hi)
+        u, steps = add(u, as_pair(step)), steps + 1
+        scale = max_abs(u.hi)
         if size <= ENOUGH * scale:
-            return Refined(u, 2 * size / scale if scale else 0.0, steps, settled=True)
+            return Refined(u, 2 * size / scale if scale else 0.0, steps, converged=True)
         if solved or steps > 1:
             rates.append(size / before if before else 1.0)
         # One small ratio may be luck, or the end of an error of another kind.
         left = max([rate, *rates[-LATEST:]])
         if len(rates) >= (1 if solved else 2) and left * size <= ENOUGH * scale:
-            return Refined(u, left * size / scale, steps, settled=True)
+            return Refined(u, left * size / scale, steps, converged=True)
         waited = 0 if size < 0.7 * best else waited + 1
         best, before = min(best, size), size
     return Refined(u, 2 * size / scale if scale else 0.0, steps)
@@ -156,23 +160,25 @@ class _Combined:
         return step
 
 
-def tried(residual: Residual, solve: Solve, rate: float, known: Array) -> float:
-    """Times that the error of a known motion (n, d) exceeds what refinement says of it.
+def error_amplification(residual: Residual, solve: Solve, rate: float, known: Array) -> float:
+    """Ratio of the true error of a known motion (n, d) to the error that refinement states for it.
 
     `residual` is that of no load, linear. The factor of a matrix that rounding has spoilt may be
     far too stiff along a motion: then corrections are small and errors are not, and this tells.
     """
-    load = residual(pair(-known))
+    load = residual(as_pair(-known))
 
     def left(u: Pair) -> Array:
-        return residual(added(u, pair(-known)))
+        return residual(add(u, as_pair(-known)))
 
-    found = refined(left, solve, pair(solve(load)), rate)
-    error = largest(added(found.solution, pair(-known)).hi) / largest(known)
+    found = refine_solution(left, solve, as_pair(solve(load)), rate)
+    error = max_abs(add(found.solution, as_pair(-known)).hi) / max_abs(known)
     return max(1.0, error / max(found.error, ENOUGH))
 
 
-def stated(found: Refined, softness: float, times: float = 1.0, pulled: float = 0.0) -> float:
+def error_estimate(
+    found: Refined, softness: float, times: float = 1.0, pulled: float = 0.0
+) -> float:
     """The error to state: corrections, rounding of residuals, and rounding to doubles.
 
     Residuals are summed from numbers that are right to some 1e-31, and a motion of little stiffness
@@ -193,7 +199,7 @@ def refuse_inaccurate(error: float, title: str, why: str) -> None:
         )
 
 
-def refuse_vanishing(moved: float, title: str) -> None:
+def refuse_underflow(moved: float, title: str) -> None:
     """Raise `SolverError` where a largest displacement (m) is at the lower end of all doubles."""
     if 0 < moved < np.finfo(float).tiny:
         raise SolverError(

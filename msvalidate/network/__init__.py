@@ -5,9 +5,9 @@ from msvalidate.network.network import (
     energy,
     internal_force,
     mode_energy,
-    refuse_none,
+    refuse_zero_length,
     spring_network,
-    stretched,
+    spring_vectors,
     tangent,
     tangent_blocks,
 )
@@ -17,9 +17,9 @@ __all__ = [
     "energy",
     "internal_force",
     "mode_energy",
-    "refuse_none",
+    "refuse_zero_length",
     "spring_network",
-    "stretched",
+    "spring_vectors",
     "tangent",
     "tangent_blocks",
 ]

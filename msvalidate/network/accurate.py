@@ -19,21 +19,27 @@ import numpy as np
 
 from msvalidate.linear_algebra.double_double import (
     Pair,
-    added,
-    at,
-    dot,
+    add,
+    as_pair,
+    divide,
+    dot_product,
     ends_of,
-    gathered,
-    over,
-    pair,
-    root,
-    scaled,
-    summed,
-    taken,
-    times,
+    entries_at,
+    multiply,
+    scale,
+    scatter_sum,
+    square_root,
+    subtract,
+    sum_doubles,
 )
 from msvalidate.network import Network
-from msvalidate.network.laws.accurate_cells import Cells, Pulls, ShearSprings, apart, between
+from msvalidate.network.laws.accurate_cells import (
+    Cells,
+    Pulls,
+    ShearSprings,
+    difference_of_motion,
+    exact_vectors,
+)
 from msvalidate.problem import Array
 
 AT_REST = 2.0**-50
@@ -67,8 +73,8 @@ class State:
 
     def __init__(self, network: Network, displacement: Pair | None = None) -> None:
         self.network = network
-        self.length = _power(float(np.abs(network.vector).max()))
-        self.stiffness = _power(_stiffest(network, self.length))
+        self.length = _next_power_of_two(float(np.abs(network.vector).max()))
+        self.stiffness = _next_power_of_two(_largest_stiffness(network, self.length))
         u = None if displacement is None else self.scaled_motion(displacement)
         self.springs = _Springs(network, u, self.length, self.stiffness)
         self.parts: list[_Part] = [self.springs]
@@ -105,10 +111,14 @@ class State:
         n, d = self.network.points.shape
         axes = []
         for axis in range(d):
-            parts = [part for one in pulls for part in gathered(at(one.force, axis), one.ends, n)]
+            parts = [
+                part
+                for one in pulls
+                for part in scatter_sum(entries_at(one.force, axis), one.ends, n)
+            ]
             if load is not None:
                 parts = [load.hi[:, axis], *parts, load.lo[:, axis]]
-            axes.append(summed(parts))
+            axes.append(sum_doubles(parts))
         return Pair(
             np.stack([one.hi for one in axes], axis=1), np.stack([one.lo for one in axes], axis=1)
         )
@@ -126,24 +136,24 @@ class _Springs:
         x = np.ascontiguousarray(network.points.T) / length
         for part in self.chunks:
             springs = self.springs[part]
-            v = between(x, springs)
-            square = dot(v, v)
-            L = root(square)
-            longer = _beyond_rest(L, rest[part])
+            v = exact_vectors(x, springs)
+            square = dot_product(v, v)
+            L = square_root(square)
+            longer = _elongations(L, rest[part])
             if u is not None:
                 # L² - D² = (2 v + w)·w has the digits that L shares with the distance D
-                w, D = apart(u, springs), L
-                grown = dot(added(scaled(v, 2.0), w), w)
-                v = added(v, w)
-                square = dot(v, v)
-                L = root(square)
-                longer = added(longer, over(grown, added(L, D)))
-            own = pair(k[part])
-            slack = over(times(own, longer), L)
+                w, D = difference_of_motion(u, springs), L
+                grown = dot_product(add(scale(v, 2.0), w), w)
+                v = add(v, w)
+                square = dot_product(v, v)
+                L = square_root(square)
+                longer = add(longer, divide(grown, add(L, D)))
+            own = as_pair(k[part])
+            slack = divide(multiply(own, longer), L)
             # k L0/L³ is (k - slack)/L²
-            along = times(over(taken(own, slack), square), v)
+            along = multiply(divide(subtract(own, slack), square), v)
             for whole, piece in ((self.v, v), (self.along, along), (self.slack, slack)):
-                _set(whole, part, piece)
+                _insert(whole, part, piece)
         self.stressed = bool(self.slack.hi.any())
 
     @property
@@ -158,24 +168,26 @@ class _Springs:
             return Pulls(pull, self.ends)
         for part in self.chunks:
             here = (..., part)
-            _set(pull, part, times(at(self.slack, here), at(self.v, here)))
+            _insert(pull, part, multiply(entries_at(self.slack, here), entries_at(self.v, here)))
         return Pulls(pull, self.ends)
 
     def change(self, motion: Pair) -> Pulls:
         pull = _empty(self.v.hi.shape)
         for part in self.chunks:
             here = (..., part)
-            w = apart(motion, self.springs[part])
-            change = times(dot(at(self.v, here), w), at(self.along, here))
+            w = difference_of_motion(motion, self.springs[part])
+            change = multiply(
+                dot_product(entries_at(self.v, here), w), entries_at(self.along, here)
+            )
             if self.stressed:
-                change = added(change, times(at(self.slack, here), w))
-            _set(pull, part, change)
+                change = add(change, multiply(entries_at(self.slack, here), w))
+            _insert(pull, part, change)
         return Pulls(pull, self.ends)
 
 
-def _beyond_rest(distance: Pair, rest: Array) -> Pair:
+def _elongations(distance: Pair, rest: Array) -> Pair:
     """Distances less rest lengths (m,): 0 where one is the other's rounding."""
-    apart = taken(distance, pair(rest))
+    apart = subtract(distance, as_pair(rest))
     strained = np.abs(apart.hi) > AT_REST * distance.hi
     return Pair(np.where(strained, apart.hi, 0.0), np.where(strained, apart.lo, 0.0))
 
@@ -184,17 +196,17 @@ def _empty(shape: tuple[int, ...]) -> Pair:
     return Pair(np.empty(shape), np.empty(shape))
 
 
-def _set(whole: Pair, part: slice, piece: Pair) -> None:
+def _insert(whole: Pair, part: slice, piece: Pair) -> None:
     """Put a piece where it belongs."""
     whole.hi[..., part], whole.lo[..., part] = piece
 
 
-def _power(size: float) -> float:
+def _next_power_of_two(size: float) -> float:
     """The power of two next above a size; 1 for none."""
     return 2.0 ** math.frexp(size)[1] if size > 0 else 1.0
 
 
-def _stiffest(network: Network, length: float) -> float:
+def _largest_stiffness(network: Network, length: float) -> float:
     """The largest stiffness (N/m) of springs, cells and shear springs."""
     sizes = [network.stiffness.max(initial=0.0)]
     if network.volumes is not None:

@@ -10,7 +10,7 @@ from msvalidate.problem import Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import finite, integers
 
 
-def pairs_of(springs: ArrayLike, n: int, name: str = "springs") -> Index:
+def check_springs(springs: ArrayLike, n: int, name: str = "springs") -> Index:
     """Springs (m, 2) as pairs of different ones of n points."""
     pairs = integers(name, springs, "m>0", 2, need="give whole numbers (m, 2)")
     _refuse_beyond(name, pairs, n)
@@ -20,7 +20,7 @@ def pairs_of(springs: ArrayLike, n: int, name: str = "springs") -> Index:
     return pairs
 
 
-def corners_of(given: ArrayLike, n: int, d: int) -> Index:
+def check_cells(given: ArrayLike, n: int, d: int) -> Index:
     """Cells (c, corners) as numbers of n points in d axes."""
     cells = integers("cells", given)
     if cells.ndim != 2 or not is_shape_of_cells(d, cells.shape[1]):
@@ -40,7 +40,7 @@ def _refuse_beyond(name: str, rows: Index, n: int) -> None:
         raise ProblemError(f"{name}: {rows[bad[0]]} at index {bad[0]}; there are {n} points")
 
 
-def filled(name: str, value: ArrayLike, count: int) -> Array:
+def broadcast_values(name: str, value: ArrayLike, count: int) -> Array:
     """Values (count,), of which one number may stand for all."""
     array = finite(name, value)
     return array if array.ndim else np.full(count, float(array))
@@ -56,7 +56,7 @@ def refuse_tiny(name: str, values: Array, unit: str) -> None:
         )
 
 
-def refuse(name: str, values: Array, bad: Mask, remedy: str) -> None:
+def refuse_first_bad(name: str, values: Array, bad: Mask, remedy: str) -> None:
     """Raise `ProblemError` with the first value that is bad (same shape), and the remedy."""
     at = np.flatnonzero(bad)
     if len(at):

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.network import Network, refuse_none
+from msvalidate.network import Network, refuse_zero_length
 from msvalidate.network.accurate import AT_REST
 from msvalidate.network.laws import local_shear
 from msvalidate.network.laws import volumes as cells
@@ -37,13 +37,13 @@ class Displaced:
         beyond = self.distance - network.rest_length
         self.beyond_rest = np.where(np.abs(beyond) > AT_REST * self.distance, beyond, 0.0)
 
-    def stretched(self, displacement: Array) -> tuple[Array, Array, Array]:
+    def spring_vectors(self, displacement: Array) -> tuple[Array, Array, Array]:
         """Vectors (m, d), lengths (m,), and lengths less those at the reference points, in m."""
         i, j = self.network.springs.T
         w = displacement[j] - displacement[i]
         vector = self.network.vector + w
         length = np.linalg.norm(vector, axis=1)
-        refuse_none(self.network, length)
+        refuse_zero_length(self.network, length)
         grown = ((self.network.vector + vector) * w).sum(axis=1)
         return vector, length, grown / (length + self.distance)
 
@@ -58,9 +58,9 @@ class Displaced:
             If a spring has no length.
         """
         network, near = self.network, self.near
-        vector, length, longer = self.stretched(displacement)
+        vector, length, longer = self.spring_vectors(displacement)
         tension = network.stiffness * (longer + self.beyond_rest)
-        force = network.gathered((tension / length)[:, None] * vector)
+        force = network.assemble_forces((tension / length)[:, None] * vector)
         if near.volumes:
             force = force + cells.force(near.volumes, near.points + displacement)
         if near.shear:

@@ -8,38 +8,38 @@ import numpy as np
 
 from msvalidate.network import Network
 from msvalidate.problem import Problem, ProblemError, Traction, measure_of
-from msvalidate.problem.checks import instance, number
+from msvalidate.problem.checks import finite_number, require_type
 
 
-def every_spring(network: Network, size: float) -> Network:
+def stiffen_all(network: Network, size: float) -> Network:
     """All springs stiffer by the fraction `size`."""
-    _checked(network, size)
+    _check_network(network, size)
     return network.scaled(1 + size)
 
 
-def diagonals(network: Network, size: float) -> Network:
+def stiffen_diagonals(network: Network, size: float) -> Network:
     """Springs that run along no axis stiffer by the fraction `size`."""
-    _checked(network, size)
+    _check_network(network, size)
     along = np.diff(network.points[network.springs], axis=1)[:, 0]
     slanted = (np.abs(along) > 1e-9 * network.rest_length[:, None]).sum(axis=1) > 1
     return network.scaled(np.where(slanted, 1 + size, 1.0))
 
 
-def one_spring(network: Network, size: float) -> Network:
+def weaken_one_spring(network: Network, size: float) -> Network:
     """The spring in the middle of the list without the part `size` of its stiffness."""
-    _checked(network, size)
+    _check_network(network, size)
     factor = np.ones(len(network.springs))
     factor[len(factor) // 2] -= size
     return network.scaled(factor)
 
 
-def boundary_springs(network: Network, size: float) -> Network:
+def stiffen_boundary(network: Network, size: float) -> Network:
     """Springs with cells missing beside them stiffer, from shared (0) to equal (1).
 
     They are known by their stiffness: half that of the stiffest spring of their length, on the
     edges of a solid a quarter. So it says nothing of lattices whose lengths are all different.
     """
-    _checked(network, size)
+    _check_network(network, size)
     _, alike = np.unique(
         np.round(network.rest_length / network.rest_length.max(), 9), return_inverse=True
     )
@@ -51,13 +51,13 @@ def boundary_springs(network: Network, size: float) -> Network:
     return network.scaled(missing)
 
 
-def lumped_tractions(problem: Problem, network: Network, size: float) -> Network:
+def lump_tractions(problem: Problem, network: Network, size: float) -> Network:
     """Forces of uniform tractions from consistent (0) to the same at each loaded point (1).
 
     A problem with other loads is left as it is: those have no one force to share out.
     """
-    instance("problem", problem, Problem)
-    _checked(network, size)
+    require_type("problem", problem, Problem)
+    _check_network(network, size)
     force = np.zeros_like(network.force)
     for load in problem.loads:
         if not isinstance(load, Traction) or callable(load.traction):
@@ -73,7 +73,7 @@ def lumped_tractions(problem: Problem, network: Network, size: float) -> Network
     return replace(network, force=network.force + size * (force - network.force))
 
 
-def _checked(network: Network, size: float) -> None:
+def _check_network(network: Network, size: float) -> None:
     """What a fault of this size makes of the network is checked with the network."""
-    instance("network", network, Network)
-    number("size of the fault", size)
+    require_type("network", network, Network)
+    finite_number("size of the fault", size)

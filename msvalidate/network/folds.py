@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.problem import Array, Index, Mask, place_name
+from msvalidate.problem import Array, Index, Mask, format_point
 
 FLATTEST = 0.25
 """Sine of a corner (of three edges: their determinant over their lengths), the largest of a
@@ -72,7 +72,7 @@ class Simplices:
 
 
 def is_shape_of_cells(dim: int, corners: int) -> bool:
-    """Whether cells of so many corners can be looked at, in a body of `dim` axes."""
+    """Whether cells with this number of corners can be checked for folds in `dim` dimensions."""
     return (dim, corners) in _CORNERS
 
 
@@ -88,9 +88,9 @@ def simplices_of(points: Array, springs: Index, cells: Index | None) -> Simplice
         taken instead where cells leave out points that these reach.
     """
     dim = points.shape[1]
-    own = None if cells is None or not len(cells) else _of_cells(points, cells)
+    own = None if cells is None or not len(cells) else _simplices_of_cells(points, cells)
     if dim == 2 and (own is None or len(np.unique(own.corners)) < len(points)):
-        found = _of_springs(points, springs)
+        found = _simplices_of_springs(points, springs)
         least = ENOUGH * len(points) if own is None else len(np.unique(own.corners))
         if found is not None and len(np.unique(found.corners)) >= least:
             return found
@@ -108,27 +108,27 @@ def count_folded(simplices: Simplices | None, position: Array) -> int | None:
     return None if simplices is None else len(folded_cells(simplices, position))
 
 
-def description(simplices: Simplices, folded: Index, points: Array) -> str:
-    """How many cells are folded, of how many, and where the first were at rest."""
+def describe_folded(simplices: Simplices, folded: Index, points: Array) -> str:
+    """A sentence with the number of folded cells, of all, and the places of the first."""
     places = []
     for cell in folded[:SHOWN]:
         corners = np.unique(simplices.corners[simplices.cell == cell])
-        places.append(place_name(points[corners].mean(axis=0)))
+        places.append(format_point(points[corners].mean(axis=0)))
     more = ", ..." if len(folded) > SHOWN else ""
     many = len(np.unique(simplices.cell))
     what = "cell is" if len(folded) == 1 else "cells are"
     return f"{len(folded)} {what} inside out, of {many}: at {', '.join(places)}{more}"
 
 
-def _of_cells(points: Array, cells: Index) -> Simplices | None:
+def _simplices_of_cells(points: Array, cells: Index) -> Simplices | None:
     """The simplices at all corners of cells."""
     parts = _CORNERS[points.shape[1], cells.shape[1]]
     corners = np.concatenate([cells[:, part] for part in parts])
     cell = np.tile(np.arange(len(cells)), len(parts))
-    return _judged(points, corners, cell, whole=len(parts) == 1)
+    return _drop_flat(points, corners, cell, whole=len(parts) == 1)
 
 
-def _judged(points: Array, corners: Index, cell: Index, *, whole: bool) -> Simplices | None:
+def _drop_flat(points: Array, corners: Index, cell: Index, *, whole: bool) -> Simplices | None:
     """Those of simplices (s, d + 1) that are not flat at the reference points.
 
     A part of a larger cell is judged by its own corner, a whole cell by its widest one.
@@ -163,7 +163,7 @@ def _determinant(x: Array, corners: Index) -> Array:
     return np.asarray(a * (q * w - r * v) + b * (r * u - p * w) + c * (p * v - q * u))
 
 
-def _of_springs(points: Array, springs: Index) -> Simplices | None:
+def _simplices_of_springs(points: Array, springs: Index) -> Simplices | None:
     """Triangles of springs in the plane that no other spring enters at a corner."""
     n = len(points)
     low, high = springs.min(axis=1), springs.max(axis=1)
@@ -189,4 +189,6 @@ def _of_springs(points: Array, springs: Index) -> Simplices | None:
     longest = (across**2).sum(axis=2).max(axis=1)
     # The outside of a lone triangle goes round it clockwise.
     corners = corners[_determinant(points, corners) >= NARROWEST * longest]
-    return _judged(points, corners, np.arange(len(corners)), whole=True) if len(corners) else None
+    return (
+        _drop_flat(points, corners, np.arange(len(corners)), whole=True) if len(corners) else None
+    )

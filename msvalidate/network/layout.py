@@ -88,10 +88,10 @@ class Layout:
     @cached_property
     def place(self) -> Index:
         """(n,) the place of each point."""
-        return _places(self.order, self.points)
+        return _place_numbers(self.order, self.points)
 
 
-def _places(order: Index, points: int) -> Index:
+def _place_numbers(order: Index, points: int) -> Index:
     """(n,) the place of each point, of an order that is empty where each keeps its number."""
     place = np.arange(points)
     if len(order):
@@ -99,15 +99,15 @@ def _places(order: Index, points: int) -> Index:
     return place
 
 
-def laid_out(
+def make_layout(
     points: int, dim: int, springs: Index, stiffness: Array, rest_length: Array, cells: Index
 ) -> Layout:
     """Layout of springs (m, 2) and cells (c, k) among so many points.
 
     Raises nothing: the arrays are a `Network`'s.
     """
-    order = _order(points, dim, springs)
-    place = _places(order, points)
+    order = _choose_order(points, dim, springs)
+    place = _place_numbers(order, points)
     ends = place[springs]
     low, high = ends.min(axis=1), ends.max(axis=1)
     corners = place[cells]
@@ -117,7 +117,7 @@ def laid_out(
     blocks = np.minimum(np.arange(-(-points // BLOCK) + 1) * BLOCK, points)
     return Layout(
         order,
-        *_grouped(points, low, high, stiffness, stiffness * rest_length),
+        *_group_springs(points, low, high, stiffness, stiffness * rest_length),
         cells=corners[cell_order],
         cell_order=cell_order,
         first_cell=np.searchsorted(lowest[cell_order], blocks),
@@ -125,7 +125,7 @@ def laid_out(
     )
 
 
-def _order(points: int, dim: int, springs: Index) -> Index:
+def _choose_order(points: int, dim: int, springs: Index) -> Index:
     """The ordering of Cuthill and McKee (1969), reversed; empty where the network's own serves."""
     apart = np.abs(springs[:, 1] - springs[:, 0]).mean()
     if apart <= NARROW * points ** (1 - 1 / dim):
@@ -135,7 +135,7 @@ def _order(points: int, dim: int, springs: Index) -> Index:
         shape=(points, points),
     )
     order = cuthill_mckee(graph.tocsr())
-    place = _places(order, points)
+    place = _place_numbers(order, points)
     if np.abs(np.subtract(*place[springs].T)).mean() >= apart:
         return np.zeros(0, dtype=np.intp)
     return order
@@ -163,7 +163,7 @@ def cuthill_mckee(graph: csr_array) -> Index:
     return np.asarray(rank[found[::-1]], dtype=np.intp)
 
 
-def _grouped(
+def _group_springs(
     points: int, low: Index, high: Index, k: Array, kl: Array
 ) -> tuple[Index, Index, Index, Array, Array]:
     """Springs by owner, each owner's filled up to pairs, each block's to fours."""

@@ -19,15 +19,28 @@ from numpy.typing import ArrayLike
 from scipy.sparse import bsr_array, csr_array
 
 from msvalidate.linear_algebra.blocks import Blocks, blocks_of
-from msvalidate.network.checks import corners_of, filled, pairs_of, refuse, refuse_tiny
+from msvalidate.network.checks import (
+    broadcast_values,
+    check_cells,
+    check_springs,
+    refuse_first_bad,
+    refuse_tiny,
+)
 from msvalidate.network.folds import Simplices, simplices_of
 from msvalidate.network.laws import local_shear
 from msvalidate.network.laws import volumes as cells
 from msvalidate.network.laws.local_shear import LocalShear
 from msvalidate.network.laws.volumes import Volumes
-from msvalidate.network.layout import Layout, laid_out
+from msvalidate.network.layout import Layout, make_layout
 from msvalidate.problem import LONGEST, Array, Index, Mask, ProblemError, SolverError
-from msvalidate.problem.checks import booleans, coordinates, finite, instance, integers, shown
+from msvalidate.problem.checks import (
+    boolean_mask,
+    finite,
+    finite_coordinates,
+    format_value,
+    integers,
+    require_type,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,27 +94,31 @@ class Network:
     cells: Index | None = None
 
     def __post_init__(self) -> None:
-        points = coordinates("points", self.points, "n>0", (2, 3))
+        points = finite_coordinates("points", self.points, "n>0", (2, 3))
         n, d = points.shape
-        springs = pairs_of(self.springs, n)
+        springs = check_springs(self.springs, n)
         m = len(springs)
         for name, shape, checked in (
-            ("points", (n, d), coordinates),
+            ("points", (n, d), finite_coordinates),
             ("stiffness", (m,), finite),
-            ("rest_length", (m,), coordinates),
+            ("rest_length", (m,), finite_coordinates),
             ("mass", (n,), finite),
-            ("displacement", (n, d), coordinates),
+            ("displacement", (n, d), finite_coordinates),
             ("force", (n, d), finite),
         ):
             need = f"this network needs {shape}"
             object.__setattr__(self, name, checked(name, getattr(self, name), *shape, need=need))
-        held, moved = booleans("held", self.held, (n, d)), self.displacement
-        refuse("stiffness", self.stiffness, self.stiffness < 0, "N/m; it must be 0 or more")
-        refuse(
+        held, moved = boolean_mask("held", self.held, (n, d)), self.displacement
+        refuse_first_bad(
+            "stiffness", self.stiffness, self.stiffness < 0, "N/m; it must be 0 or more"
+        )
+        refuse_first_bad(
             "displacement", moved[~held], moved[~held] != 0, "m of what is not held; hold it too"
         )
-        refuse("rest_length", self.rest_length, self.rest_length <= 0, "m; it must be above 0")
-        refuse("mass", self.mass, self.mass <= 0, "kg; it must be above 0")
+        refuse_first_bad(
+            "rest_length", self.rest_length, self.rest_length <= 0, "m; it must be above 0"
+        )
+        refuse_first_bad("mass", self.mass, self.mass <= 0, "kg; it must be above 0")
         refuse_tiny("stiffness", self.stiffness, "N/m")
         refuse_tiny("force", self.force, "N")
         refuse_tiny("displacement", moved, "m")
@@ -109,16 +126,16 @@ class Network:
         distance = np.linalg.norm(self.vector, axis=1)
         # Below 1/LONGEST a distance is rounded away when it is squared.
         together = distance <= max(1e-14 * float(np.abs(points).max()), 1 / LONGEST)
-        refuse("spring length", distance, together, "m; its two points coincide")
+        refuse_first_bad("spring length", distance, together, "m; its two points coincide")
         object.__setattr__(self, "held", held)
         for name, kind in (("volumes", Volumes), ("shear", LocalShear)):
             part = getattr(self, name)
             if part is not None:
-                instance(name, part, kind)
+                require_type(name, part, kind)
                 if not np.array_equal(part.points, self.points):
                     raise ProblemError(f"{name}: of other points than the network's; give its own")
         if self.cells is not None:
-            object.__setattr__(self, "cells", corners_of(self.cells, n, d))
+            object.__setattr__(self, "cells", check_cells(self.cells, n, d))
         for array in (self.springs, self.held):
             array.setflags(write=False)
 
@@ -144,11 +161,11 @@ class Network:
         """How its points and springs lie in memory for the compiled sweep."""
         cells = np.zeros((0, 1), dtype=np.intp) if self.volumes is None else self.volumes.cells
         n, d = self.points.shape
-        return laid_out(n, d, self.springs, self.stiffness, self.rest_length, cells)
+        return make_layout(n, d, self.springs, self.stiffness, self.rest_length, cells)
 
     @cached_property
     def blocks(self) -> Blocks:
-        """Where each spring's blocks stand in a tangent."""
+        """The positions of each spring's blocks in the tangent."""
         return blocks_of(self.springs, len(self.points))
 
     @cached_property
@@ -171,7 +188,7 @@ class Network:
         with np.errstate(over="ignore"):  # infinite is a bound too
             return float(np.sqrt((rows[free] / mass).max(initial=0.0)))
 
-    def gathered(self, pull: Array) -> Array:
+    def assemble_forces(self, pull: Array) -> Array:
         """Force (n, d) in N on the points by pulls (m, d) of springs on their first ends."""
         force = np.zeros(self.points.shape)
         for axis in range(self.dim):
@@ -225,20 +242,20 @@ def spring_network(
         If an array does not fit, a spring joins a point to itself, names a point that is not
         there or has no length, or a value is out of range.
     """
-    x = coordinates("points", points, "n", (2, 3))
-    pairs = pairs_of(springs, len(x))
+    x = finite_coordinates("points", points, "n", (2, 3))
+    pairs = check_springs(springs, len(x))
     distance = np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)
     zero = np.zeros(x.shape)
     return Network(
         points=x,
         springs=pairs,
-        stiffness=filled("stiffness", stiffness, len(pairs)),
+        stiffness=broadcast_values("stiffness", stiffness, len(pairs)),
         # What has no length is refused for that, not for the rest length it would be given.
         rest_length=np.where(distance > 0, distance, 1.0)
         if rest_length is None
-        else filled("rest_length", rest_length, len(pairs)),
-        mass=filled("mass", mass, len(x)),
-        held=booleans("held", zero if held is None else held, x.shape),
+        else broadcast_values("rest_length", rest_length, len(pairs)),
+        mass=broadcast_values("mass", mass, len(x)),
+        held=boolean_mask("held", zero if held is None else held, x.shape),
         displacement=finite("displacement", zero if displacement is None else displacement),
         force=finite("force", zero if force is None else force),
         volumes=volumes,
@@ -249,7 +266,7 @@ def spring_network(
 
 def energy(network: Network, position: Array) -> float:
     """Energy (J) stored in springs, cells and shear springs at `position` (n, d) in m."""
-    _, length = stretched(network, position)
+    _, length = spring_vectors(network, position)
     stored = float(0.5 * network.stiffness @ (length - network.rest_length) ** 2)
     stored += cells.energy(network.volumes, position) if network.volumes else 0.0
     return stored + (local_shear.energy(network.shear, position) if network.shear else 0.0)
@@ -257,9 +274,9 @@ def energy(network: Network, position: Array) -> float:
 
 def internal_force(network: Network, position: Array) -> Array:
     """Force (n, d) in N of all springs and cells on the points at `position` (n, d) in m."""
-    vector, length = stretched(network, position)
+    vector, length = spring_vectors(network, position)
     tension = network.stiffness * (length - network.rest_length)
-    force = network.gathered((tension / length)[:, None] * vector)
+    force = network.assemble_forces((tension / length)[:, None] * vector)
     if network.volumes:
         force = force + cells.force(network.volumes, position)
     return force + local_shear.force(network.shear, position) if network.shear else force
@@ -270,13 +287,16 @@ def tangent(network: Network, position: Array) -> csr_array:
 
     A spring's block is k n nᵀ + k(1 - L0/|d|)(I - n nᵀ): elastic and geometric stiffness. Cells and
     shear springs add theirs.
+
+    Source: [Crisfield1991], chapter 3 (truss elements); derived by differentiation of
+    `internal_force`.
     """
     return csr_array(tangent_blocks(network, position))
 
 
 def tangent_blocks(network: Network, position: Array) -> bsr_array:
     """The tangent of `tangent`, kept as one d × d block for every two points that are joined."""
-    vector, length = stretched(network, position)
+    vector, length = spring_vectors(network, position)
     n = vector / length[:, None]
     across = network.stiffness * (1 - network.rest_length / length)
     along = network.stiffness - across
@@ -304,7 +324,7 @@ def mode_energy(network: Network, position: Array, motion: Array) -> float:
     Summed spring by spring, each term positive, it is exact where K's own rounding would hide it;
     cells are one term each. Springs within 1e-12 of their rest length count as unstressed.
     """
-    vector, length = stretched(network, position)
+    vector, length = spring_vectors(network, position)
     i, j = network.springs.T
     change = motion[j] - motion[i]
     along = (change * vector).sum(axis=1) / length
@@ -319,7 +339,7 @@ def mode_energy(network: Network, position: Array, motion: Array) -> float:
     return stored
 
 
-def stretched(network: Network, position: Array) -> tuple[Array, Array]:
+def spring_vectors(network: Network, position: Array) -> tuple[Array, Array]:
     """Vectors (m, d) in m of the springs at `position` (n, d) in m, and their lengths (m,) in m.
 
     Raises
@@ -329,20 +349,22 @@ def stretched(network: Network, position: Array) -> tuple[Array, Array]:
     SolverError
         If a spring has no length: it pulls in no direction.
     """
-    instance("network", network, Network)
+    require_type("network", network, Network)
     if getattr(position, "shape", None) != network.points.shape:
-        raise ProblemError(f"position: {shown(position)}; give an array {network.points.shape}")
+        raise ProblemError(
+            f"position: {format_value(position)}; give an array {network.points.shape}"
+        )
     if type(position) is not np.ndarray or position.dtype != np.float64:
-        position = coordinates("position", position)
+        position = finite_coordinates("position", position)
     vector = position[network.springs[:, 1]] - position[network.springs[:, 0]]
     length = np.linalg.norm(vector, axis=1)
     if not math.isfinite(length.sum()):  # one look for any number of springs
-        coordinates("position", position)
-    refuse_none(network, length)
+        finite_coordinates("position", position)
+    refuse_zero_length(network, length)
     return vector, length
 
 
-def refuse_none(network: Network, length: Array) -> None:
+def refuse_zero_length(network: Network, length: Array) -> None:
     """Raise `SolverError` where a spring has no length (m,) in m."""
     if not length.all():
         spring = int(np.flatnonzero(length == 0)[0])

@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 
-from msvalidate.network import Network, stretched
+from msvalidate.network import Network, spring_vectors
 from msvalidate.network.laws import local_shear
 from msvalidate.network.laws import volumes as cells
 from msvalidate.problem import Array, SolverError
-from msvalidate.problem.checks import instance
+from msvalidate.problem.checks import require_type
 
 
 def force_scale(network: Network, position: Array) -> float:
-    """Largest sum of force magnitudes (N) that meet at a free point: the measure of a residual.
+    """Largest sum of force magnitudes (N) at a free point: the scale of a residual.
 
     Springs between points that are held take no part in any balance and do not count.
 
@@ -23,16 +23,16 @@ def force_scale(network: Network, position: Array) -> float:
     SolverError
         If the forces are beyond all numbers: any residual would be small beside them.
     """
-    _, length = stretched(network, position)
+    _, length = spring_vectors(network, position)
     with np.errstate(over="ignore", invalid="ignore"):  # refused below
         tension = np.abs(network.stiffness * (length - network.rest_length))
         met = np.linalg.norm(network.force, axis=1)
         for end in (0, 1):
             met = met + np.bincount(network.springs[:, end], tension, len(position))
         if network.volumes:
-            met = met + cells.force_met(network.volumes, position)
+            met = met + cells.force_magnitudes(network.volumes, position)
         if network.shear:
-            met = met + local_shear.force_met(network.shear, position)
+            met = met + local_shear.force_magnitudes(network.shear, position)
     scale = float(met[~network.held.all(axis=1)].max(initial=0.0))
     if not math.isfinite(scale):
         raise SolverError(
@@ -48,13 +48,15 @@ def force_roundoff(network: Network, reach: float | None = None) -> Array:
     An eps of lengths and of what is added to them, times the springs that meet there. `reach` (m)
     is the largest number added: by default a coordinate; where displacements are kept apart from
     reference positions, a displacement.
+
+    Source: rounding of sums, [Higham2002], chapter 4.
     """
-    instance("network", network, Network)
+    require_type("network", network, Network)
     reach = float(np.abs(network.points).max()) if reach is None else reach
     pull = network.stiffness * (reach + network.rest_length)
     met = 1.0 * np.bincount(network.springs.ravel(), np.repeat(pull, 2), len(network.points))
     if network.volumes:
-        met = met + cells.roundoff_met(network.volumes, reach)
+        met = met + cells.roundoff_magnitudes(network.volumes, reach)
     if network.shear:
-        met = met + local_shear.roundoff_met(network.shear, reach)
+        met = met + local_shear.roundoff_magnitudes(network.shear, reach)
     return np.asarray(np.finfo(float).eps * met)[:, None]

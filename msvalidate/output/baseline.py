@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.evidence import UNGATED, Evidence, Observed, Tolerance, judged
-from msvalidate.output.stored import csv, read_csv
+from msvalidate.judging.evidence import UNGATED, Evidence, Observed, Tolerance, judge_one
+from msvalidate.output.stored import csv_bytes, read_csv
 from msvalidate.problem import ProblemError
 
 HOME = Path(__file__).resolve().parents[1]
@@ -41,19 +41,19 @@ REASON = (
 )
 
 
-def home(form: str) -> Path:
+def baseline_folder(form: str) -> Path:
     """Folder of the baseline of a form, "quick" or "full"."""
     return (CHECKOUT if (HOME.parent / "pyproject.toml").is_file() else HOME / "baseline") / form
 
 
-def strangers(form: str, studies: list[str]) -> list[str]:
-    """Folders of a baseline that are of none of the studies: nothing is compared with them."""
-    folder = home(form)
+def unknown_folders(form: str, studies: list[str]) -> list[str]:
+    """Folders of a baseline that belong to no study, so that nothing is compared with them."""
+    folder = baseline_folder(form)
     found = [path.name for path in folder.iterdir()] if folder.is_dir() else []
     return sorted(set(found) - set(studies))
 
 
-def changelog(form: str, reason: str, studies: Sequence[str] = ()) -> bytes:
+def changelog_entry(form: str, reason: str, studies: Sequence[str] = ()) -> bytes:
     """The changelog with one more line that says why the baseline of a form was renewed.
 
     Parameters
@@ -94,14 +94,21 @@ def changelog(form: str, reason: str, studies: Sequence[str] = ()) -> bytes:
     return (text[:place] + added + text[place:]).encode()
 
 
-def files(evidence: Evidence) -> dict[str, bytes]:
+def baseline_files(evidence: Evidence) -> dict[str, bytes]:
     """A study's tables as a baseline keeps them."""
-    return {f"{name}.csv": csv(_gated(table)) for name, table in evidence.tables.items()}
+    return {
+        f"{name}.csv": csv_bytes(_compared_columns(table))
+        for name, table in evidence.tables.items()
+    }
 
 
 def tables(study: str) -> set[str]:
     """Names of the tables that a baseline of either form has of a study."""
-    return {path.stem for form in ("quick", "full") for path in (home(form) / study).glob("*.csv")}
+    return {
+        path.stem
+        for form in ("quick", "full")
+        for path in (baseline_folder(form) / study).glob("*.csv")
+    }
 
 
 def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:
@@ -117,7 +124,7 @@ def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:
     if not any(folder.glob("*.csv")):
         return []
     known = {path.stem for path in folder.glob("*.csv")}
-    rows = [_same("tables", known, set(evidence.tables))]
+    rows = [_compare_names("tables", known, set(evidence.tables))]
     for name in sorted(known & set(evidence.tables)):
         try:
             reference = read_csv(folder / f"{name}.csv")
@@ -125,7 +132,7 @@ def compare(evidence: Evidence, folder: Path) -> list[dict[str, object]]:
             reference = pd.DataFrame()
         except ValueError as error:
             because = f"the baseline cannot be read: {' '.join(str(error).split())}"
-            rows.append(judged(_tolerance(f"{name}.csv", 0.0, because), Observed(math.nan)))
+            rows.append(judge_one(_tolerance(f"{name}.csv", 0.0, because), Observed(math.nan)))
             continue
         rows += compare_tables(name, evidence.tables[name], reference, evidence.rounding)
     return rows
@@ -147,11 +154,11 @@ def compare_tables(
     rounding
         Column -> size below which its values are rounding.
     """
-    seen = read_csv(io.BytesIO(csv(_gated(table))))
+    seen = read_csv(io.BytesIO(csv_bytes(_compared_columns(table))))
     names, known = [str(column) for column in seen], [str(column) for column in reference]
     rows = [
-        _same(f"{name}.csv: columns", set(known), set(names)),
-        judged(
+        _compare_names(f"{name}.csv: columns", set(known), set(names)),
+        judge_one(
             _tolerance(f"{name}.csv: rows", 0.0, "no row may be missing or extra, and none at all"),
             Observed(len(table), len(reference) or math.nan),
         ),
@@ -160,11 +167,11 @@ def compare_tables(
         return rows
     for column in [column for column in names if column in known]:
         values = list(seen[column]), list(reference[column])
-        rows.append(_column(f"{name}.csv: {column}", *values, rounding.get(column, 0.0)))
+        rows.append(_compare_column(f"{name}.csv: {column}", *values, rounding.get(column, 0.0)))
     return rows
 
 
-def _column(
+def _compare_column(
     quantity: str, seen: list[str], reference: list[str], rounding: float
 ) -> dict[str, object]:
     """The judgement of one column: its words, or its value that is farthest off for its limit."""
@@ -176,18 +183,18 @@ def _column(
     if len(wrong):
         i = wrong[0]
         because = f"row {i}: {seen[i]!r} where the baseline has {reference[i]!r}; words are exact"
-        return judged(_tolerance(quantity, 0.0, because), Observed(len(wrong), 0.0))
+        return judge_one(_tolerance(quantity, 0.0, because), Observed(len(wrong), 0.0))
     if not numbers.any():
-        return judged(_tolerance(quantity, 0.0, "words are exact"), Observed(0.0))
+        return judge_one(_tolerance(quantity, 0.0, "words are exact"), Observed(0.0))
     atol = rounding + OF_RANGE * float(np.ptp(b[numbers]))
     limit = atol + RELATIVE * np.abs(b)
     share = np.abs(a - b) / np.where(limit > 0, limit, np.finfo(float).tiny)
     i = int(np.where(numbers, share, -1.0).argmax())
     tolerance = _tolerance(quantity, float(limit[i]), f"row {i}: {REASON}")
-    return judged(tolerance, Observed(float(a[i]), float(b[i])))
+    return judge_one(tolerance, Observed(float(a[i]), float(b[i])))
 
 
-def _same(quantity: str, known: set[str], found: set[str]) -> dict[str, object]:
+def _compare_names(quantity: str, known: set[str], found: set[str]) -> dict[str, object]:
     """The judgement of two sets of names."""
     missing, extra = sorted(known - found), sorted(found - known)
     because = "none may be missing or extra"
@@ -195,14 +202,14 @@ def _same(quantity: str, known: set[str], found: set[str]) -> dict[str, object]:
     because += f"; extra: {', '.join(extra)}" if extra else ""
     off = len(missing) + len(extra)
     observed = Observed(off if known else math.nan, 0.0)
-    return judged(_tolerance(f"{quantity}: missing or extra", 0.0, because), observed)
+    return judge_one(_tolerance(f"{quantity}: missing or extra", 0.0, because), observed)
 
 
 def _tolerance(quantity: str, limit: float, because: str) -> Tolerance:
     return Tolerance(quantity, limit, "as in the table", because, layer="baseline")
 
 
-def _gated(table: pd.DataFrame) -> pd.DataFrame:
+def _compared_columns(table: pd.DataFrame) -> pd.DataFrame:
     return table[[column for column in table if not str(column).endswith(UNGATED)]]
 
 

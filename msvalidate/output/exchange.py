@@ -91,7 +91,7 @@ def replace(new: Path, old: Path) -> None:
 
 
 def exchanged(one: Path, other: Path) -> bool:
-    """Let two folders change places in one step, where the system knows how."""
+    """Exchange two folders atomically, where the operating system can."""
     library = ctypes.CDLL(None, use_errno=True) if os.name == "posix" else None
     a, b = os.fsencode(one), os.fsencode(other)
     if library is not None and sys.platform == "darwin" and hasattr(library, "renamex_np"):

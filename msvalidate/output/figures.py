@@ -44,7 +44,7 @@ STYLE: dict[Any, Any] = {
 
 
 @contextlib.contextmanager
-def styled() -> Iterator[None]:
+def figure_style() -> Iterator[None]:
     """Draw and save as `STYLE` says, whatever the user's own settings of the library are."""
     with mpl.rc_context():
         mpl.rcdefaults()
@@ -52,7 +52,7 @@ def styled() -> Iterator[None]:
         yield
 
 
-def new(
+def new_figure(
     columns: int = 1, rows: int = 1, size: tuple[float, float] = (3.4, 3.0), **kwargs: Any
 ) -> tuple[Figure, list[Axes]]:
     """Figure and flat list of its axes, each of `size` inches; `kwargs` go to ``subplots``."""
@@ -99,7 +99,7 @@ def plain_logarithms(figure: Figure) -> None:
             axis.set_minor_locator(NullLocator())
 
 
-def shared_legend(figure: Figure, axes: list[Axes], columns: int = 4) -> None:
+def add_shared_legend(figure: Figure, axes: list[Axes], columns: int = 4) -> None:
     """One legend below all axes, each label once."""
     entries: dict[str, Any] = {}
     for axis in axes:

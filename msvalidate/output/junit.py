@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 from msvalidate.output.stored import Stored
 
 
-def junit(studies: Sequence[Stored]) -> bytes:
+def junit_xml(studies: Sequence[Stored]) -> bytes:
     """A test suite a study; a study that did not finish is an error, a missed limit a failure."""
     root = ET.Element("testsuites", name="msvalidate")
     for study in studies:
@@ -29,7 +29,9 @@ def junit(studies: Sequence[Stored]) -> bytes:
                 suite, "testcase", classname=f"{study.name}.{row['layer']}", name=row["quantity"]
             )
             if row["verdict"] != "pass":
-                ET.SubElement(case, "failure", message=line(row)).text = printable(row["because"])
+                ET.SubElement(case, "failure", message=failure_line(row)).text = printable(
+                    row["because"]
+                )
         if study.error:
             case = ET.SubElement(suite, "testcase", classname=study.name, name="study finished")
             ET.SubElement(case, "error", message=printable(study.error))
@@ -42,7 +44,7 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
-def line(row: Mapping[Hashable, Any]) -> str:
+def failure_line(row: Mapping[Hashable, Any]) -> str:
     """What failed, in one line: value, reference, error and limit."""
     return (
         f"{row['quantity']}: observed {row['observed']:.9g}, reference {row['reference']:.9g}, "

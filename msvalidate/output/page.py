@@ -141,7 +141,7 @@ class Section:
         return sum(layer.missed for layer in self.layers)
 
 
-def page(studies: Sequence[Stored]) -> str:
+def render_page(studies: Sequence[Stored]) -> str:
     """The page of all studies, in their order: HTML, complete in itself."""
     environment = Environment(
         loader=PackageLoader("msvalidate.output"),
@@ -151,10 +151,10 @@ def page(studies: Sequence[Stored]) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["pieces"] = pieces
-    sections = [section(study) for study in studies]
-    status, sentence = overall(sections)
-    common, own = origins(sections)
+    environment.filters["pieces"] = split_at_backticks
+    sections = [study_section(study) for study in studies]
+    status, sentence = overall_verdict(sections)
+    common, own = common_provenance(sections)
     return environment.get_template("report.html").render(
         status=status,
         sentence=sentence,
@@ -169,7 +169,7 @@ def page(studies: Sequence[Stored]) -> str:
     )
 
 
-def section(study: Stored) -> Section:
+def study_section(study: Stored) -> Section:
     """A study as the page shows it."""
     question, _, rest = inspect.cleandoc(study.question).partition("\n")
     rows = judgements(study)
@@ -178,19 +178,19 @@ def section(study: Stored) -> Section:
         anchor="study-" + re.sub(r"[^\w-]+", "-", study.name),
         status=NOT_FINISHED if study.error else PASS if study.held else FAIL,
         question=question or study.name,
-        about=blocks(rest),
+        about=paragraphs_and_lists(rest),
         error=study.error,
         findings=study.findings,
-        pictures=tuple(picture(*found) for found in study.pictures.values()),
+        pictures=tuple(embed_picture(*found) for found in study.pictures.values()),
         tables=tables(study),
-        layers=tuple(layer(name, rows) for name in layer_names(rows)),
+        layers=tuple(layer_judgements(name, rows) for name in layer_names(rows)),
         failed=tuple(row for row in rows if row.status != PASS),
         origin=study.origin,
         seconds=study.seconds,
     )
 
 
-def overall(sections: Sequence[Section]) -> tuple[str, str]:
+def overall_verdict(sections: Sequence[Section]) -> tuple[str, str]:
     """Verdict on all studies, and the sentence that says why."""
     finished = [s for s in sections if not s.error]
     judged, missed = sum(s.judged for s in finished), sum(s.missed for s in finished)
@@ -217,7 +217,9 @@ def plural(count: int, noun: str) -> str:
     return f"{count} {noun[:-1]}ies" if noun.endswith("y") else f"{count} {noun}s"
 
 
-def origins(sections: Sequence[Section]) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
+def common_provenance(
+    sections: Sequence[Section],
+) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
     """What the studies' provenance has in common, and study -> what only it says."""
     every = [s.origin for s in sections]
     common = {
@@ -235,7 +237,7 @@ def judgements(study: Stored) -> list[Judgement]:
     for row in study.verdict.to_dict("records"):
         said = {str(key): value for key, value in row.items()}
         words = {k: str(said.get(k, "")) for k in ("layer", "quantity", "unit", "because")}
-        numbers = {k: number(float(said[k])) for k in NUMBERS}
+        numbers = {k: format_number(float(said[k])) for k in NUMBERS}
         status = PASS if said["verdict"] == "pass" else FAIL
         found.append(Judgement(study=study.name, status=status, **words, **numbers))
     return found
@@ -246,7 +248,7 @@ def layer_names(rows: Sequence[Judgement]) -> list[str]:
     return list(dict.fromkeys([*LAYERS, *(row.layer for row in rows)]))
 
 
-def layer(name: str, rows: Sequence[Judgement]) -> Layer:
+def layer_judgements(name: str, rows: Sequence[Judgement]) -> Layer:
     """The rows of one layer."""
     inside = tuple(row for row in rows if row.layer == name)
     missed = tuple(row for row in inside if row.status != PASS)
@@ -257,17 +259,17 @@ def layer(name: str, rows: Sequence[Judgement]) -> Layer:
 def tables(study: Stored) -> tuple[Table, ...]:
     """A study's tables, those first that a reader wants first."""
     names = sorted(study.tables, key=lambda name: name not in TABLES_FIRST)
-    return tuple(table(name, study.tables[name], study.columns) for name in names)
+    return tuple(table_excerpt(name, study.tables[name], study.columns) for name in names)
 
 
-def table(name: str, content: pd.DataFrame, meanings: Mapping[str, str]) -> Table:
+def table_excerpt(name: str, content: pd.DataFrame, meanings: Mapping[str, str]) -> Table:
     """The first rows of a table, its numbers with six digits."""
     texts = {column: [str(value) for value in content[column]] for column in content}
-    kept = [shown(values)[:ROWS_SHOWN] for values in texts.values()]
+    kept = [format_column(values)[:ROWS_SHOWN] for values in texts.values()]
     return Table(
         name=name,
         columns=tuple(
-            Column(str(column), meanings.get(str(column), ""), kind(values))
+            Column(str(column), meanings.get(str(column), ""), column_kind(values))
             for column, values in texts.items()
         ),
         rows=tuple(zip(*kept, strict=True)),
@@ -276,36 +278,36 @@ def table(name: str, content: pd.DataFrame, meanings: Mapping[str, str]) -> Tabl
     )
 
 
-def kind(values: Sequence[str]) -> str:
+def column_kind(values: Sequence[str]) -> str:
     """How a column is set: "number", "word" or "prose"; a number among words makes it numbers."""
     if any(_NUMBER.fullmatch(value) for value in values):
         return "number"
     return "prose" if any(len(value) > LONG for value in values) else "word"
 
 
-def shown(values: Sequence[str]) -> list[str]:
+def format_column(values: Sequence[str]) -> list[str]:
     """A column's values with six digits.
 
     If no value has more, they are left as they are: digits such as those of 0.2000 are meant.
     """
-    if not any(_too_long(value) for value in values):
+    if not any(_has_many_digits(value) for value in values):
         return list(values)
-    return [number(float(value)) if _is_decimal(value) else value for value in values]
+    return [format_number(float(value)) if _is_decimal(value) else value for value in values]
 
 
-def number(value: float) -> str:
+def format_number(value: float) -> str:
     """A number with six digits; zero has no sign."""
     return f"{value + 0.0:.6g}"
 
 
-def picture(caption: str, svg: bytes) -> Picture:
+def embed_picture(caption: str, svg: bytes) -> Picture:
     """A picture as a data address, and whether it is too wide for a phone."""
     width = _WIDTH.search(svg)
     source = "data:image/svg+xml;base64," + base64.b64encode(svg).decode("ascii")
     return Picture(caption, source, bool(width and float(width[1]) > WIDE))
 
 
-def blocks(text: str) -> tuple[Block, ...]:
+def paragraphs_and_lists(text: str) -> tuple[Block, ...]:
     """Paragraphs and lists of a docstring. An item starts with "- " and runs to a blank line."""
     found: list[Block] = []
     for part in re.split(r"\n\s*\n", text.strip()):
@@ -317,7 +319,7 @@ def blocks(text: str) -> tuple[Block, ...]:
     return tuple(found)
 
 
-def pieces(text: str) -> list[tuple[bool, str]]:
+def split_at_backticks(text: str) -> list[tuple[bool, str]]:
     """A text cut at its backticks: (whether it is code, words)."""
     found = []
     end = 0
@@ -344,7 +346,7 @@ def _is_decimal(value: str) -> bool:
     return bool(found) and not value.lstrip("+-").isdigit()
 
 
-def _too_long(value: str) -> bool:
+def _has_many_digits(value: str) -> bool:
     """Whether a decimal number has more than six digits."""
     found = _NUMBER.fullmatch(value)
     if found is None or not _is_decimal(value):

@@ -18,7 +18,7 @@ from msvalidate import __version__
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "numba", "pandas", "matplotlib")
 
 
-def provenance(
+def collect_provenance(
     command: Sequence[str], seed: int, started: datetime, seconds: float
 ) -> dict[str, str]:
     """Label -> value, in the order in which a report shows them.
@@ -34,10 +34,10 @@ def provenance(
     """
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return {
-        "msvalidate": f"{__version__}, commit {commit()}",
+        "msvalidate": f"{__version__}, commit {current_commit()}",
         "Python": f"{platform.python_implementation()} {platform.python_version()}",
         "libraries": libraries,
-        "processor": f"{processor()}, {cores()} cores available",
+        "processor": f"{processor_name()}, {available_cores()} cores available",
         "system": f"{platform.system()} {platform.machine()}",
         "seed": str(seed),
         "command": " ".join(command),
@@ -45,7 +45,7 @@ def provenance(
     }
 
 
-def commit() -> str:
+def current_commit() -> str:
     """Commit of the checkout that this package runs from; "unknown" for an installed wheel."""
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
@@ -66,7 +66,7 @@ def commit() -> str:
     return done.stdout.strip() + (" with uncommitted changes" if changed.stdout.strip() else "")
 
 
-def processor() -> str:
+def processor_name() -> str:
     """Model name of the processor."""
     try:
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
@@ -77,7 +77,7 @@ def processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def cores() -> int:
+def available_cores() -> int:
     """Cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))

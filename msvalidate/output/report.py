@@ -17,15 +17,15 @@ from pathlib import Path
 
 from msvalidate.judging import catalogue
 from msvalidate.output import exchange
-from msvalidate.output.page import page
+from msvalidate.output.page import render_page
 from msvalidate.output.stored import (
     ABOUT,
     SUFFIXES,
     Stored,
     known_files,
-    read,
-    unreadable,
-    verdicts,
+    read_result,
+    unreadable_result,
+    verdict_json,
 )
 from msvalidate.problem import ProblemError
 
@@ -138,7 +138,7 @@ def publish(
         whole = _only_results(out) and not _holds(out, _here()) and _writable(out.parent)
         if not (whole and _exchanged_whole(new_files, out)):
             _exchanged_one_by_one(new_files, out)
-        return [read(out / name) for name in new_files]
+        return [read_result(out / name) for name in new_files]
 
 
 def _exchanged_whole(studies: Mapping[str, exchange.Files], out: Path) -> bool:
@@ -190,15 +190,15 @@ def stored(out: Path) -> list[Stored]:
 
 def _pages(folder: Path) -> dict[str, bytes]:
     studies = stored(folder)
-    return {"report.html": page(studies).encode(), "verdict.json": verdicts(studies)}
+    return {"report.html": render_page(studies).encode(), "verdict.json": verdict_json(studies)}
 
 
 def _read_or_said(folder: Path) -> Stored:
     """What a study left; damage done to it since must not cost the results of the others."""
     try:
-        return read(folder)
+        return read_result(folder)
     except ProblemError as error:
-        return unreadable(folder.name, str(error))
+        return unreadable_result(folder.name, str(error))
 
 
 def _studies(folder: Path) -> list[str]:

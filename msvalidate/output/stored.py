@@ -22,8 +22,8 @@ import msgspec
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.evidence import Evidence, Layer, held
-from msvalidate.output.figures import plain_logarithms, styled
+from msvalidate.judging.evidence import Evidence, Layer, all_passed
+from msvalidate.output.figures import figure_style, plain_logarithms
 from msvalidate.problem import ProblemError
 
 FORMATS = ("png", "svg")
@@ -136,23 +136,23 @@ class Stored:
     @property
     def held(self) -> bool:
         """Whether it finished, judged something, and all that it judged passed."""
-        return not self.error and held(self.verdict)
+        return not self.error and all_passed(self.verdict)
 
 
-def files(
+def result_files(
     result: Result, origin: Mapping[str, str], *, seconds: float = 0.0, plots: bool = True
 ) -> dict[str, bytes]:
     """The files of a study that ran, for so many `seconds`: name -> content."""
     evidence = result.evidence
     tables = {**evidence.tables, "verdict": result.verdict}
-    found = {f"{name}.csv": csv(table) for name, table in tables.items()}
+    found = {f"{name}.csv": csv_bytes(table) for name, table in tables.items()}
     captions = {}
     for name, draw in evidence.figures.items() if plots else ():
         captions[name] = (draw.__doc__ or name).partition("\n")[0]
-        with styled():
+        with figure_style():
             figure = draw(evidence.tables)
             _lay_out(figure)
-            found |= {f"{name}.{kind}": _rendered(figure, kind) for kind in FORMATS}
+            found |= {f"{name}.{kind}": _render_figure(figure, kind) for kind in FORMATS}
     used = {column for table in evidence.tables.values() for column in table}
     about = About(
         question=result.question,
@@ -188,7 +188,7 @@ def unfinished(
     return found | {ABOUT: _json(msgspec.to_builtins(msgspec.structs.replace(about, error=error)))}
 
 
-def read(folder: Path) -> Stored:
+def read_result(folder: Path) -> Stored:
     """What a study left in `folder`.
 
     Raises
@@ -226,7 +226,7 @@ def read(folder: Path) -> Stored:
 
 
 def _content(path: Path) -> bytes:
-    """What is in a file; of a pipe nobody knows how long that takes."""
+    """Content of a regular file; reading a pipe could block."""
     if path.exists() and not path.is_file():
         raise ValueError(f"{path.name} is no file")
     return path.read_bytes()
@@ -255,25 +255,25 @@ def _verdict(path: Path) -> pd.DataFrame:
         found = msgspec.convert(rows, list[Row], strict=False)
     except ValueError as error:
         raise ValueError(f"{path.name}: {error}") from error
-    return _judged(found)
+    return _read_rows(found)
 
 
-def _judged(rows: list[Row]) -> pd.DataFrame:
+def _read_rows(rows: list[Row]) -> pd.DataFrame:
     columns = [field.name for field in msgspec.structs.fields(Row)]
     return pd.DataFrame([msgspec.structs.asdict(row) for row in rows], columns=columns)
 
 
 def nothing_judged() -> pd.DataFrame:
     """A verdict without rows."""
-    return _judged([])
+    return _read_rows([])
 
 
-def unreadable(name: str, error: str) -> Stored:
+def unreadable_result(name: str, error: str) -> Stored:
     """A study of whose results no more can be said than why they cannot be read."""
     return Stored(name, "", (), {}, {}, nothing_judged(), {}, {}, error)
 
 
-def csv(table: pd.DataFrame) -> bytes:
+def csv_bytes(table: pd.DataFrame) -> bytes:
     """A table as CSV: numbers with all the digits that they need to be read back."""
     return table.to_csv(index=False, lineterminator="\n").encode()
 
@@ -304,7 +304,7 @@ def read_csv(path: Path | io.BytesIO) -> pd.DataFrame:
     return pd.DataFrame(dict(zip(heading, map(list, columns), strict=True)), dtype=str)
 
 
-def verdicts(studies: list[Stored]) -> bytes:
+def verdict_json(studies: list[Stored]) -> bytes:
     """`verdict.json`: a list, one object a judged quantity; what is not finite is null.
 
     Each has the seconds that its study took; those of results that do not say are null. A study
@@ -342,7 +342,7 @@ def _lay_out(figure: Figure) -> None:
         figure.set_layout_engine(None)  # "none" would still draw every figure twice a format
 
 
-def _rendered(figure: Figure, kind: str) -> bytes:
+def _render_figure(figure: Figure, kind: str) -> bytes:
     page = io.BytesIO()
     # A date inside the file would make two equal pictures differ.
     figure.savefig(page, format=kind, metadata={"Date": None} if kind == "svg" else None)

@@ -1,4 +1,4 @@
-"""What is asked, as data: domain, material, supports and loads, for d = 2 and 3 alike.
+"""The boundary value problem as data: domain, material, supports and loads, for d = 2 and 3.
 
 Both solvers receive the same `Problem`. Nothing here predicts a deformation; the one computation,
 `free_motions`, decides whether the question has an answer at all.
@@ -30,9 +30,14 @@ from msvalidate.problem.domain import (
 from msvalidate.problem.errors import ProblemError, SolverError
 from msvalidate.problem.material import Anisotropic, Isotropic, Material
 from msvalidate.problem.mesh import Mesh
-from msvalidate.problem.motions import free_motions, place_name, refuse_free_motions, rigid_motions
+from msvalidate.problem.motions import (
+    format_point,
+    free_motions,
+    refuse_free_motions,
+    rigid_motions,
+)
 from msvalidate.problem.region import Boundary, Part, Region, Segment
-from msvalidate.problem.shapes import SHAPES, Shape, enclosed, facet_areas, facet_middles
+from msvalidate.problem.shapes import SHAPES, Shape, enclosed_volume, facet_areas, facet_middles
 from msvalidate.problem.statement import (
     BodyForce,
     Load,
@@ -40,8 +45,8 @@ from msvalidate.problem.statement import (
     Problem,
     Support,
     Traction,
-    prescribed,
-    prescribed_where,
+    prescribed_displacements,
+    prescribed_displacements_at,
     vectors_at,
 )
 
@@ -79,14 +84,14 @@ __all__ = [
     "Support",
     "Traction",
     "corners_of",
-    "enclosed",
+    "enclosed_volume",
     "facet_areas",
     "facet_middles",
+    "format_point",
     "free_motions",
     "measure_of",
-    "place_name",
-    "prescribed",
-    "prescribed_where",
+    "prescribed_displacements",
+    "prescribed_displacements_at",
     "refuse_free_motions",
     "rigid_motions",
     "vectors_at",

@@ -7,8 +7,8 @@ from scipy.spatial import KDTree
 
 from msvalidate.problem.arrays import Array, Index, Mask
 from msvalidate.problem.errors import ProblemError
-from msvalidate.problem.motions import place_name
-from msvalidate.problem.shapes import Shape, meetings
+from msvalidate.problem.motions import format_point
+from msvalidate.problem.shapes import Shape, incident_pairs
 
 FLAT = 1e-12
 """A cell whose Jacobian is this part of the product of its sides, or less, has no volume."""
@@ -18,7 +18,7 @@ HALVINGS = 4
 """How often a cell is halved along each axis before it is called folded."""
 
 
-def refuse_strays(points: Array, cells: Index, tolerance: float) -> None:
+def refuse_unused_points(points: Array, cells: Index, tolerance: float) -> None:
     """Raise `ProblemError` for points of no cell, and points within `tolerance` (m) of another."""
     used = np.zeros(len(points), dtype=bool)
     used[cells] = True
@@ -26,20 +26,20 @@ def refuse_strays(points: Array, cells: Index, tolerance: float) -> None:
         stray = int(np.flatnonzero(~used)[0])
         raise ProblemError(
             f"mesh points: {(~used).sum()} belong to no cell, the first is point {stray} at "
-            f"{place_name(points[stray])}; remove them"
+            f"{format_point(points[stray])}; remove them"
         )
     distance, nearest = KDTree(points).query(points, k=2)
     twins = np.flatnonzero(distance[:, 1] <= tolerance)
     if len(twins):
         a, (b, c) = int(twins[0]), nearest[twins[0]]
         raise ProblemError(
-            f"mesh points: point {a} at {place_name(points[a])} coincides with point "
+            f"mesh points: point {a} at {format_point(points[a])} coincides with point "
             f"{c if b == a else b}; merge them"
         )
 
 
 def refuse_folded(points: Array, cells: Index, kind: Shape) -> None:
-    """Raise `ProblemError` unless the map onto each cell turns nowhere inside out.
+    """Raise `ProblemError` unless the Jacobian of each cell is positive everywhere.
 
     Its Jacobian is a polynomial, which lies above its least Bernstein coefficient. Where that is
     below zero, each half of the cell is looked into, and so on (Johnen, Remacle and Geuzaine 2013,
@@ -48,17 +48,17 @@ def refuse_folded(points: Array, cells: Index, kind: Shape) -> None:
     whole = np.vstack([np.zeros(kind.dim), np.eye(kind.dim)])
     for start in range(0, len(cells), AT_ONCE):
         places = points[cells[start : start + AT_ONCE]]
-        bad = np.flatnonzero(_folded(kind, places, whole, HALVINGS * kind.dim))
+        bad = np.flatnonzero(_find_folded(kind, places, whole, HALVINGS * kind.dim))
         if len(bad):
             order = "counter-clockwise" if kind.dim == 2 else "in VTK order"
-            middle = place_name(places[bad[0]].mean(axis=0))
+            middle = format_point(places[bad[0]].mean(axis=0))
             raise ProblemError(
                 f"mesh cells: cell {start + bad[0]} at {middle} is inverted, flat or folded; list "
                 f"its corners {order}, and bend its sides less"
             )
 
 
-def _folded(kind: Shape, places: Array, frame: Array, halvings: int) -> Mask:
+def _find_folded(kind: Shape, places: Array, frame: Array, halvings: int) -> Mask:
     """Cells (c,) of some nodes (c, k, d) that fold within a part of the unit cell.
 
     The part has its origin and the ends of its axes in the rows of the frame (d + 1, d).
@@ -72,13 +72,14 @@ def _folded(kind: Shape, places: Array, frame: Array, halvings: int) -> Mask:
     doubtful = np.flatnonzero(bad & (jacobian.min(axis=1) > FLAT * size))
     if halvings and len(doubtful):
         halves = [
-            _folded(kind, places[doubtful], half, halvings - 1) for half in _halves(kind, frame)
+            _find_folded(kind, places[doubtful], half, halvings - 1)
+            for half in _split_part(kind, frame)
         ]
         bad[doubtful] = halves[0] | halves[1]
     return bad
 
 
-def _halves(kind: Shape, frame: Array) -> tuple[Array, Array]:
+def _split_part(kind: Shape, frame: Array) -> tuple[Array, Array]:
     """Both halves of a part of the unit cell, the axis that was cut last in each."""
     middle = frame[:2].mean(axis=0)
     if kind.simplex:
@@ -99,7 +100,7 @@ def surface_facets(cells: Index, kind: Shape) -> Index:
     """
     local = kind.facets
     nodes = cells[:, local].reshape(-1, local.shape[1])
-    which, ahead = _rings(nodes[:, : len(kind.rings[0])])
+    which, ahead = _canonical_rings(nodes[:, : len(kind.rings[0])])
     count = np.bincount(which)
     cell = np.arange(len(nodes)) // len(local)
     wrong = np.flatnonzero((np.bincount(which, ahead) > 1) | (np.bincount(which, ~ahead) > 1))
@@ -130,12 +131,12 @@ def refuse_hanging(
     ends = np.unique(surface)
     for shape, number in _straight_and_bent(points, cells, kind, tolerance):
         nodes = cells[number][:, : len(shape.nodes)]
-        cell, point = meetings(shape, points[nodes], points[ends], tolerance)
+        cell, point = incident_pairs(shape, points[nodes], points[ends], tolerance)
         strange = np.flatnonzero((cells[number[cell]] != ends[point][:, None]).all(axis=1))
         if len(strange):
             at = int(ends[point[strange[0]]])
             raise ProblemError(
-                f"mesh points: point {at} at {place_name(points[at])} lies in cell "
+                f"mesh points: point {at} at {format_point(points[at])} lies in cell "
                 f"{number[cell[strange[0]]]} or on a side of it, and is none of its points; cells "
                 "must meet in whole sides, and not overlap"
             )
@@ -155,7 +156,7 @@ def _straight_and_bent(
     return [(shape, number) for shape, number in each if len(number)]
 
 
-def sections(places: Array, axis: int, at: float) -> tuple[Array, Array]:
+def plane_sections(places: Array, axis: int, at: float) -> tuple[Array, Array]:
     """Low and high ends (c, d) in m of the sections of straight cells (c, k, d) with a plane.
 
     The plane lies at a coordinate (m) along an axis, and each cell on both sides of it. A section
@@ -171,7 +172,7 @@ def sections(places: Array, axis: int, at: float) -> tuple[Array, Array]:
     return low.min(axis=1), high.max(axis=1)
 
 
-def _rings(corners: Index) -> tuple[Index, Mask]:
+def _canonical_rings(corners: Index) -> tuple[Index, Mask]:
     """For rings of corners (r, c) the number of each ring, however listed, and its direction.
 
     A ring is turned so that its lowest corner is first, and then goes on to the lower neighbour.

@@ -10,10 +10,12 @@ its type, where these can be taken exactly, and is refused where something would
 - Refused: masked entries and missing ones, text, dates, booleans as numbers, complex numbers (even
   without imaginary part), quantities with a unit of their own, which nobody would look at.
 
-Single counts (`whole`) are written by hand, and a float there is a slip: a length for a number of
+Single counts (`whole_number`) are written by hand, and a float there is a slip: a length for a
+number of
 cells. They are whole by type.
 
-A shape is told by its sizes (`shaped`), a range by its ends (`number`), so that messages are made
+A shape is told by its sizes (`shaped`), a range by its ends (`finite_number`), so that messages are
+made
 in one place.
 """
 
@@ -48,8 +50,8 @@ _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = LONGEST_SHOWN
 
 
-def shown(value: object) -> str:
-    """A given value as a message shows it: short, on one line, with nothing that hides.
+def format_value(value: object) -> str:
+    """A value formatted for a message: short, on one line, without invisible characters.
 
     Letters beyond ASCII are spelt out: a Cyrillic "а" in a name looks like a Latin one.
     """
@@ -103,12 +105,12 @@ def _as_shape(sizes: tuple[Size, ...]) -> str:
     )
 
 
-def instance(name: str, value: object, kind: type | UnionType) -> None:
+def require_type(name: str, value: object, kind: type | UnionType) -> None:
     """Raise `ProblemError` unless `value` is of a kind, or of one of a union of kinds."""
     if not isinstance(value, kind):
         names = [k.__name__ for k in get_args(kind) or (kind,)]
         kinds = " or ".join(f"{'an' if k[0] in 'AEIOU' else 'a'} {k}" for k in names)
-        raise ProblemError(f"{name}: {shown(value)}; give {kinds}")
+        raise ProblemError(f"{name}: {format_value(value)}; give {kinds}")
 
 
 def numbers(name: str, values: Any) -> Array:
@@ -119,7 +121,7 @@ def numbers(name: str, values: Any) -> Array:
     ProblemError
         If a value is masked, is missing or is not a real number.
     """
-    given = _real(name, values)
+    given = _real_array(name, values)
     with np.errstate(over="ignore"):  # of a wider type: infinite, as any such number is
         return np.array(given, dtype=float, order="C")
 
@@ -148,22 +150,22 @@ def integers(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Inde
     ProblemError
         If a value is not a whole number, or the shape is another.
     """
-    given = _real(name, values)
+    given = _real_array(name, values)
     if sizes:
         shaped(name, given, *sizes, need=need)
     if given.dtype.kind == "f":
         _refuse(name, given, ~np.isfinite(given), "every value must be finite")
         if (given != np.round(given)).any():
-            raise ProblemError(f"{name}: {shown(values)}; give whole numbers")
+            raise ProblemError(f"{name}: {format_value(values)}; give whole numbers")
     with np.errstate(over="ignore"):
         far = np.abs(given.astype(float)) > FARTHEST
     _refuse(name, given, far, f"the most is {FARTHEST:g}")
     return np.array(given, dtype=np.intp, order="C")
 
 
-def booleans(name: str, values: Any, shape: tuple[int, ...]) -> Mask:
+def boolean_mask(name: str, values: Any, shape: tuple[int, ...]) -> Mask:
     """Return `values` as a mask of a shape; raise `ProblemError` unless all are True or False."""
-    given = _array(name, values)
+    given = _plain_array(name, values)
     if given.dtype.kind == "O" and all(isinstance(each, bool | np.bool_) for each in given.flat):
         given = given.astype(bool)
     told = given.dtype.kind in "iuf" and np.isin(given, (0, 1)).all()
@@ -188,7 +190,7 @@ def indices(name: str, values: ArrayLike, count: int, *sizes: Size, need: str = 
     return array
 
 
-def coordinates(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Array:
+def finite_coordinates(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> Array:
     """Return places or displacements (m) as `finite` does, none beyond `LONGEST`."""
     array = finite(name, values, *sizes, need=need)
     remedy = f"take a unit in which nothing is beyond {LONGEST:g} m"
@@ -196,7 +198,7 @@ def coordinates(name: str, values: ArrayLike, *sizes: Size, need: str = "") -> A
     return array
 
 
-def number(
+def finite_number(
     name: str,
     value: ArrayLike,
     *,
@@ -209,26 +211,28 @@ def number(
     """Return `value` as a float; raise `ProblemError` unless it is one finite number in a range."""
     given = finite(name, value)
     if given.ndim:
-        raise ProblemError(f"{name}: {shown(value)}; give one number")
+        raise ProblemError(f"{name}: {format_value(value)}; give one number")
     if not (above < given < below and least <= given <= most):
         said = {f"above {above:g}": above, f"of {least:g} or more": least}
         said |= {f"at most {most:g}": most, f"below {below:g}": below}
         ends = " and ".join(words for words, end in said.items() if math.isfinite(end))
-        raise ProblemError(f"{name}: {shown(value)}{unit and ' ' + unit}; give a number {ends}")
+        raise ProblemError(
+            f"{name}: {format_value(value)}{unit and ' ' + unit}; give a number {ends}"
+        )
     return float(given)
 
 
-def direction(name: str, value: ArrayLike) -> float:
+def finite_angle(name: str, value: ArrayLike) -> float:
     """Return an angle (rad) as a float; raise `ProblemError` unless it is one with a meaning."""
     turn = finite(name, value)
     if turn.ndim or abs(turn) > LARGEST_ANGLE:
         raise ProblemError(
-            f"{name}: {shown(value)}; give one angle in rad, within {LARGEST_ANGLE:g}"
+            f"{name}: {format_value(value)}; give one angle in rad, within {LARGEST_ANGLE:g}"
         )
     return float(turn)
 
 
-def rotation(turn: ArrayLike, dim: int) -> Array:
+def rotation_matrix(turn: ArrayLike, dim: int) -> Array:
     """Return the rotation matrix (dim, dim) of an angle (rad) in the plane, or one given as such.
 
     Raises
@@ -237,43 +241,45 @@ def rotation(turn: ArrayLike, dim: int) -> Array:
         If it is neither.
     """
     if dim == 2 and np.shape(turn) == ():
-        angle = direction("angle", turn)
+        angle = finite_angle("angle", turn)
         c, s = np.cos(angle), np.sin(angle)
         return np.array([[c, -s], [s, c]])
     given = finite("rotation", turn)
     proper = given.shape == (dim, dim) and np.abs(given @ given.T - np.eye(dim)).max() <= 1e-12
     if not proper or np.linalg.det(given) < 0:
         need = "an angle (rad) or a rotation matrix (2, 2)" if dim == 2 else "a matrix (3, 3)"
-        raise ProblemError(f"rotation: {shown(turn)}; give {need}, orthonormal and not mirrored")
+        raise ProblemError(
+            f"rotation: {format_value(turn)}; give {need}, orthonormal and not mirrored"
+        )
     return given
 
 
-def chosen(name: str, value: object, names: Iterable[str]) -> None:
+def require_one_of(name: str, value: object, names: Iterable[str]) -> None:
     """Raise `ProblemError` unless `value` is one of some names."""
     known = tuple(names)
     if not isinstance(value, str) or value not in known:
         listed = " or ".join(known) if len(known) == 2 else ", ".join(known)
-        raise ProblemError(f"{name}: {shown(value)}; choose {listed}")
+        raise ProblemError(f"{name}: {format_value(value)}; choose {listed}")
 
 
-def whole(name: str, value: object, least: int, most: int = MOST_COUNTED) -> int:
+def whole_number(name: str, value: object, least: int, most: int = MOST_COUNTED) -> int:
     """Return `value` as an int; raise `ProblemError` unless it is whole and in this range."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-        raise ProblemError(f"{name}: {shown(value)}; give a whole number, {least} or more")
+        raise ProblemError(f"{name}: {format_value(value)}; give a whole number, {least} or more")
     if value > most:
-        raise ProblemError(f"{name}: {shown(value)}; the most is {most}")
+        raise ProblemError(f"{name}: {format_value(value)}; the most is {most}")
     return int(value)
 
 
-def counts(name: str, cells: object, axes: int = 2) -> tuple[int, ...]:
+def cell_counts(name: str, cells: object, axes: int = 2) -> tuple[int, ...]:
     """Return the number of cells along each axis, of which one whole number may serve all."""
     each = cells if isinstance(cells, tuple | list) else (cells,) * axes
     if len(each) != axes:
         several = {2: "two", 3: "three"}[axes]
         raise ProblemError(
-            f"{name}: {shown(cells)}; give one or {several} whole numbers, 1 or more"
+            f"{name}: {format_value(cells)}; give one or {several} whole numbers, 1 or more"
         )
-    return tuple(whole(name, count, 1) for count in each)
+    return tuple(whole_number(name, count, 1) for count in each)
 
 
 def refuse_too_many(name: str, count: float, most: int = MOST_POINTS, what: str = "points") -> None:
@@ -285,17 +291,19 @@ def refuse_too_many(name: str, count: float, most: int = MOST_POINTS, what: str 
         )
 
 
-def positive(name: str, value: float, unit: str = "") -> float:
+def positive_number(name: str, value: float, unit: str = "") -> float:
     """Return `value` as a float; raise `ProblemError` unless it is finite and above zero."""
     given = finite(name, value)
     if given.ndim or given <= 0:
-        raise ProblemError(f"{name}: {shown(value)}{unit and ' ' + unit}; it must be above zero")
+        raise ProblemError(
+            f"{name}: {format_value(value)}{unit and ' ' + unit}; it must be above zero"
+        )
     return float(given)
 
 
-def metres(name: str, value: float) -> float:
+def length_in_metres(name: str, value: float) -> float:
     """Return a length (m) as a float; raise `ProblemError` unless `LONGEST` allows it."""
-    length = positive(name, value, "m")
+    length = positive_number(name, value, "m")
     if not 1 / LONGEST <= length <= LONGEST:
         raise ProblemError(
             f"{name}: {length:g} m; take a unit in which lengths are from {1 / LONGEST:g} to "
@@ -304,24 +312,26 @@ def metres(name: str, value: float) -> float:
     return length
 
 
-def _array(name: str, values: Any) -> np.ndarray:
+def _plain_array(name: str, values: Any) -> np.ndarray:
     """What was given as a plain array, of whatever type, if nothing is lost on the way there."""
-    if _masks(values):
+    if _has_masked_values(values):
         raise ProblemError(
-            f"{name}: {shown(values)}; entries are masked, and numbers behind a mask mean nothing: "
+            f"{name}: {format_value(values)}; entries are masked, and numbers behind a mask mean "
+            f"nothing: "
             "leave these out or fill them in"
         )
     unit = getattr(values, "units", getattr(values, "unit", None))
     if unit is not None:
         raise ProblemError(
-            f"{name}: {shown(values)}; its unit {shown(unit)} would be dropped: give plain numbers "
+            f"{name}: {format_value(values)}; its unit {format_value(unit)} would be dropped: give "
+            f"plain numbers "
             "in SI units"
         )
     try:
         return np.asarray(values)
     except ValueError as error:
         raise ProblemError(
-            f"{name}: rows of different length, {shown(values)}; give rows of one length"
+            f"{name}: rows of different length, {format_value(values)}; give rows of one length"
         ) from error
     except (RuntimeError, TypeError) as error:  # of another library's tensors, on a GPU say
         raise ProblemError(
@@ -330,25 +340,25 @@ def _array(name: str, values: Any) -> np.ndarray:
         ) from error
 
 
-def _real(name: str, values: Any) -> np.ndarray:
+def _real_array(name: str, values: Any) -> np.ndarray:
     """What was given as a plain array of real numbers, of whatever type."""
-    given = _array(name, values)
-    if given.dtype.kind == "O" and given.size and all(map(_is_real, given.flat)):
+    given = _plain_array(name, values)
+    if given.dtype.kind == "O" and given.size and all(map(_is_real_number, given.flat)):
         with suppress(OverflowError):  # an integer beyond all floats stays what it is: refused
             given = given.astype(float)
     if given.dtype.kind not in "iuf":  # text would be converted, and then kept as text
-        raise ProblemError(f"{name}: expected numbers, got {shown(values)}")
+        raise ProblemError(f"{name}: expected numbers, got {format_value(values)}")
     return given
 
 
-def _is_real(value: object) -> bool:
+def _is_real_number(value: object) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
-def _masks(values: Any) -> bool:
+def _has_masked_values(values: Any) -> bool:
     """Whether something is masked in an array or in lists of arrays."""
     if isinstance(values, list | tuple):
-        return any(map(_masks, values))
+        return any(map(_has_masked_values, values))
     return isinstance(values, np.ma.MaskedArray) and bool(np.ma.getmaskarray(values).any())
 
 

@@ -9,7 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from msvalidate.problem.arrays import AXES, PLACEMENT, Array, Mask, Span
-from msvalidate.problem.checks import coordinates, instance, metres, refuse_too_many, shown
+from msvalidate.problem.checks import (
+    finite_coordinates,
+    format_value,
+    length_in_metres,
+    refuse_too_many,
+    require_type,
+)
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.region import Boundary, Part, Region, Segment
@@ -41,9 +47,11 @@ class Box:
 
     def __post_init__(self) -> None:
         if not isinstance(self.size, tuple) or len(self.size) not in {2, 3}:
-            raise ProblemError(f"box size: {shown(self.size)}; give a tuple of 2 or 3 lengths")
+            raise ProblemError(
+                f"box size: {format_value(self.size)}; give a tuple of 2 or 3 lengths"
+            )
         for axis, edge in zip(AXES, self.size, strict=False):
-            metres(f"box size along {axis}", edge)
+            length_in_metres(f"box size along {axis}", edge)
         if min(self.size) <= self.tolerance:
             raise ProblemError(
                 f"{self}: thinner than {self.tolerance:g} m, where two places are one in a body of "
@@ -78,7 +86,7 @@ class Box:
         axis, end = SIDES.get(name, (self.dim, 0)) if isinstance(name, str) else (self.dim, 0)
         if axis >= self.dim:
             names = ", ".join(side for side, (a, _) in SIDES.items() if a < self.dim)
-            raise ProblemError(f"side {shown(name)}: a {self.dim}D box has {names}")
+            raise ProblemError(f"side {format_value(name)}: a {self.dim}D box has {names}")
         return Region(tuple(self.size[a] * end if a == axis else None for a in range(self.dim)))
 
     def on_boundary(self, places: Array) -> bool:
@@ -111,13 +119,15 @@ class Polygon:
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertices, tuple) or len(self.vertices) < 3:
-            given = shown(self.vertices)
+            given = format_value(self.vertices)
             raise ProblemError(f"polygon: {given}; give a tuple of 3 or more vertices")
         refuse_too_many("polygon", len(self.vertices), MOST_VERTICES, "vertices")
         for i, vertex in enumerate(self.vertices):
             name = f"polygon vertex {i}"
-            if not isinstance(vertex, tuple) or coordinates(name, vertex).shape != (2,):
-                raise ProblemError(f"polygon: vertex {i} is {shown(vertex)}; give 2 coordinates")
+            if not isinstance(vertex, tuple) or finite_coordinates(name, vertex).shape != (2,):
+                raise ProblemError(
+                    f"polygon: vertex {i} is {format_value(vertex)}; give 2 coordinates"
+                )
         sides = np.linalg.norm(np.roll(self.corners, -1, axis=0) - self.corners, axis=1)
         twins = np.flatnonzero(sides <= self.tolerance)
         if len(twins):
@@ -197,7 +207,7 @@ class Polygon:
     def _refuse_no_size(self) -> None:
         size = max(high - low for low, high in self.span)
         away = float(np.abs(self.corners).max())
-        metres("polygon: its longer side", size)
+        length_in_metres("polygon: its longer side", size)
         if 4 * np.finfo(float).eps * away > self.tolerance:
             raise ProblemError(
                 f"polygon: {size:g} m long and {away:g} m from the origin, where coordinates no "
@@ -283,7 +293,7 @@ def measure_of(region: Part, domain: Domain) -> float:
 
 
 def _refuse_misfit(region: Part, domain: Domain) -> None:
-    instance("region", region, Part)
-    instance("domain", domain, Domain)
+    require_type("region", region, Part)
+    require_type("domain", domain, Domain)
     if region.dim != domain.dim:
         raise ProblemError(f"region {region} has {region.dim} axes, the body {domain.dim}")

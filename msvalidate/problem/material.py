@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from msvalidate.problem.arrays import Array
-from msvalidate.problem.checks import chosen, finite, positive, shown
+from msvalidate.problem.checks import finite, format_value, positive_number, require_one_of
 from msvalidate.problem.errors import ProblemError
 
 State = Literal["plane_stress", "plane_strain", "solid"]
@@ -37,15 +37,15 @@ class Isotropic:
     thickness: float = 1.0
 
     def __post_init__(self) -> None:
-        positive("Young's modulus E", self.E, "Pa")
-        positive("density", self.density, "kg/m³")
-        positive("thickness", self.thickness, "m")
+        positive_number("Young's modulus E", self.E, "Pa")
+        positive_number("density", self.density, "kg/m³")
+        positive_number("thickness", self.thickness, "m")
         nu = finite("Poisson's ratio nu", self.nu)
         if nu.ndim or not -1 < nu <= 0.5:
             raise ProblemError(
-                f"Poisson's ratio nu: {shown(self.nu)}; a stable material has -1 < nu <= 1/2"
+                f"Poisson's ratio nu: {format_value(self.nu)}; a stable material has -1 < nu <= 1/2"
             )
-        chosen("material state", self.state, get_args(State))
+        require_one_of("material state", self.state, get_args(State))
         if self.state == "solid" and self.thickness != 1:
             raise ProblemError(f"thickness: {self.thickness} m; a solid has none, leave it at 1")
 
@@ -90,8 +90,8 @@ class Anisotropic:
                 "some strain costs no energy"
             )
         object.__setattr__(self, "C", C)
-        positive("density", self.density, "kg/m³")
-        positive("thickness", self.thickness, "m")
+        positive_number("density", self.density, "kg/m³")
+        positive_number("thickness", self.thickness, "m")
         if C.shape == (6, 6) and self.thickness != 1:
             raise ProblemError(f"thickness: {self.thickness} m; a solid has none, leave it at 1")
 

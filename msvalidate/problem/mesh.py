@@ -11,16 +11,23 @@ import numpy as np
 
 from msvalidate.problem.arrays import AXES, PLACEMENT, Array, Index, Mask, Span
 from msvalidate.problem.cells import (
+    plane_sections,
     refuse_folded,
     refuse_hanging,
-    refuse_strays,
-    sections,
+    refuse_unused_points,
     surface_facets,
 )
-from msvalidate.problem.checks import chosen, coordinates, integers, metres, refuse_too_many, shown
+from msvalidate.problem.checks import (
+    finite_coordinates,
+    format_value,
+    integers,
+    length_in_metres,
+    refuse_too_many,
+    require_one_of,
+)
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.region import Boundary, Region, Segment
-from msvalidate.problem.shapes import CELLS, SHAPES, Shape, enclosed, on_any
+from msvalidate.problem.shapes import CELLS, SHAPES, Shape, enclosed_volume, is_on_any
 
 LONGEST_NAME = 100
 """Letters in a boundary's name."""
@@ -59,12 +66,12 @@ class Mesh:
     boundaries: Mapping[str, Index] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        chosen("mesh shape", self.shape, CELLS)
-        self._take("points", coordinates("mesh points", self.points))
+        require_one_of("mesh shape", self.shape, CELLS)
+        self._take("points", finite_coordinates("mesh points", self.points))
         self._take("cells", integers("mesh cells", self.cells))
         self._refuse_misfits()
         self._refuse_no_size()
-        refuse_strays(self.points, self.cells, self.tolerance)
+        refuse_unused_points(self.points, self.cells, self.tolerance)
         refuse_folded(self.points, self.cells, self.kind)
         self._take("_surface", surface_facets(self.cells, self.kind))
         refuse_hanging(self.points, self.cells, self.kind, self.surface, self.tolerance)
@@ -116,7 +123,7 @@ class Mesh:
     @cached_property
     def volume(self) -> float:
         """Area (m²) or volume (m³), bent sides included."""
-        return enclosed(self.points[self.surface])
+        return enclosed_volume(self.points[self.surface])
 
     def named(self, boundaries: Mapping[str, Index]) -> Mesh:
         """Return the same mesh with these boundaries instead; raises `ProblemError` as `Mesh`."""
@@ -127,8 +134,10 @@ class Mesh:
     def side(self, name: str) -> Boundary:
         """Return the boundary of a name. Raises `ProblemError` that lists the names for another."""
         if not isinstance(name, str) or name not in self.boundaries:
-            known = ", ".join(map(shown, self.boundaries)) or "none with a name"
-            raise ProblemError(f"boundary {shown(name)}: the mesh has {known}; choose one of them")
+            known = ", ".join(map(format_value, self.boundaries)) or "none with a name"
+            raise ProblemError(
+                f"boundary {format_value(name)}: the mesh has {known}; choose one of them"
+            )
         return Boundary(name, self.points[self.boundaries[name]])
 
     @cached_property
@@ -142,7 +151,7 @@ class Mesh:
 
     def contains(self, points: Array) -> Mask:
         """Mask (n,) of the points (n, d) in the body, its surface included."""
-        return on_any(self.kind, self.points[self.cells], np.asarray(points), self.tolerance)
+        return is_on_any(self.kind, self.points[self.cells], np.asarray(points), self.tolerance)
 
     def part(self, region: Region | Segment) -> Boundary:
         """Facets of the surface that lie in a part of a side given by its coordinates.
@@ -169,8 +178,8 @@ class Mesh:
                 )
             return part
         inside[facets] = False
-        cut = inside.any() or self._goes_on_inside(region)
-        if cut or self._ends_amid_facets(region):
+        cut = inside.any() or self._continues_inside(region)
+        if cut or self._ends_within_facets(region):
             how = "goes on inside the body" if cut else "ends between the ends of a facet"
             raise ProblemError(f"region {region}: it {how} of the {self}{self._named()}")
         return part
@@ -202,16 +211,16 @@ class Mesh:
     def _named(self) -> str:
         return f", or a side by name: {', '.join(self.boundaries)}" if self.boundaries else ""
 
-    def _goes_on_inside(self, region: Region) -> bool:
+    def _continues_inside(self, region: Region) -> bool:
         """Whether cells reach through the plane of a region, within it."""
         (axis,), room = region.normal_axes, self.tolerance
         plane = float(region.corners(self.span)[0, axis])
         x = self.points[self.cells][..., axis]
         through = (x.min(axis=1) < plane - room) & (x.max(axis=1) > plane + room)
-        low, high = sections(self.points[self.cells[through]], axis, plane)
+        low, high = plane_sections(self.points[self.cells[through]], axis, plane)
         return bool(region.overlaps(low, high, room).any())
 
-    def _ends_amid_facets(self, region: Region) -> bool:
+    def _ends_within_facets(self, region: Region) -> bool:
         """Whether facets in the plane of a region reach across its rim."""
         places, room = self.points[self.surface], self.tolerance
         flat = Region(tuple(None if isinstance(e, tuple) else e for e in region.extent))
@@ -242,7 +251,7 @@ class Mesh:
     def _refuse_no_size(self) -> None:
         size = max(high - low for low, high in self.span)
         away = float(np.abs(self.points).max())
-        metres("mesh: its longest side", size)
+        length_in_metres("mesh: its longest side", size)
         if 4 * np.finfo(float).eps * away > self.tolerance:
             raise ProblemError(
                 f"mesh: {size:g} m long and {away:g} m from the origin, where coordinates no "
@@ -251,13 +260,15 @@ class Mesh:
 
     def _name(self, boundaries: object) -> None:
         if not isinstance(boundaries, Mapping):
-            raise ProblemError(f"mesh boundaries: {shown(boundaries)}; give facets by their names")
+            raise ProblemError(
+                f"mesh boundaries: {format_value(boundaries)}; give facets by their names"
+            )
         sides = {name: self._checked(name, facets) for name, facets in boundaries.items()}
         object.__setattr__(self, "boundaries", sides)
 
     def _checked(self, name: object, given: Index) -> Index:
         """Facets of a boundary, each once, as the surface lists them."""
-        said = f"mesh boundary {shown(name)}"
+        said = f"mesh boundary {format_value(name)}"
         if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
             raise ProblemError(f"{said}: give 1 to {LONGEST_NAME} printable letters as its name")
         facets = integers(said, given)

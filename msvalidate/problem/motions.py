@@ -42,7 +42,7 @@ def free_motions(points: Array, held: Mask) -> list[str]:
     stiffness = modes[held].T @ modes[held]
     eigenvalues, vectors = np.linalg.eigh(stiffness)
     free = vectors[:, eigenvalues <= 1e-12 * max(float(eigenvalues[-1]), 1.0)]
-    return _named(free, centre, scale or 1.0, middle)
+    return _describe_motions(free, centre, scale or 1.0, middle)
 
 
 def rigid_motions(points: Array) -> Array:
@@ -56,7 +56,7 @@ def rigid_motions(points: Array) -> Array:
     return np.concatenate([translations, rotations], axis=2)
 
 
-def _named(free: Array, centre: Array, scale: float, middle: Array) -> list[str]:
+def _describe_motions(free: Array, centre: Array, scale: float, middle: Array) -> list[str]:
     """Describe a space of rigid motions, columns (t, w) about `centre` in units of `scale`."""
     d = len(centre)
     names = []
@@ -68,12 +68,12 @@ def _named(free: Array, centre: Array, scale: float, middle: Array) -> list[str]
         shift = free[:d] @ np.linalg.lstsq(free[d:], spin, rcond=None)[0]
         if d == 2:
             pivot = centre + scale * np.array([-shift[1], shift[0]]) / spin[0]
-            names.append(f"rotation about {place_name(pivot)}")
+            names.append(f"rotation about {format_point(pivot)}")
         else:
             pivot = centre + scale * np.cross(spin, shift) / (spin @ spin)
             pivot = pivot + spin * (spin @ (middle - pivot)) / (spin @ spin)  # nearest the middle
             names.append(
-                f"rotation about the axis along {_direction(spin)} through {place_name(pivot)}"
+                f"rotation about the axis along {_direction(spin)} through {format_point(pivot)}"
             )
     return names
 
@@ -96,9 +96,9 @@ def _direction(vector: Array) -> str:
     axis = int(np.abs(vector).argmax())
     if abs(abs(vector[axis]) - np.linalg.norm(vector)) < 1e-6:
         return AXES[axis]
-    return place_name(vector / vector[axis])
+    return format_point(vector / vector[axis])
 
 
-def place_name(point: Array) -> str:
+def format_point(point: Array) -> str:
     """Coordinates (m) of a point as a message shows them."""
     return f"({', '.join(f'{value + 0.0:.6g}' for value in np.round(point, 12))})"

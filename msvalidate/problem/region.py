@@ -9,14 +9,14 @@ from itertools import product
 import numpy as np
 
 from msvalidate.problem.arrays import AXES, Array, Mask, Span
-from msvalidate.problem.checks import coordinates, metres, shown
+from msvalidate.problem.checks import finite_coordinates, format_value, length_in_metres
 from msvalidate.problem.errors import ProblemError
-from msvalidate.problem.shapes import FACETS, facet_areas, on_any
+from msvalidate.problem.shapes import FACETS, facet_areas, is_on_any
 
 
 @dataclass(frozen=True)
 class Region:
-    """The points of a body whose coordinates are as said: a point, an edge, a face or a part of it.
+    """The points of a body with given coordinates: a point, an edge, a face or a part of one.
 
     Parameters
     ----------
@@ -29,12 +29,14 @@ class Region:
 
     def __post_init__(self) -> None:
         if not isinstance(self.extent, tuple) or len(self.extent) not in {2, 3}:
-            raise ProblemError(f"region: {shown(self.extent)}; give a tuple of 2 or 3 entries")
+            raise ProblemError(
+                f"region: {format_value(self.extent)}; give a tuple of 2 or 3 entries"
+            )
         for axis, entry in zip(AXES, self.extent, strict=False):
             if entry is None:
                 continue
-            name = f"region {shown(self.extent)}"
-            values = coordinates(f"{name}, {axis}", entry)
+            name = f"region {format_value(self.extent)}"
+            values = finite_coordinates(f"{name}, {axis}", entry)
             interval = isinstance(entry, tuple) and values.shape == (2,) and values[0] < values[1]
             if values.ndim and not interval:
                 raise ProblemError(f"{name}: {axis} must be a number, (low, high) or None")
@@ -116,11 +118,15 @@ class Segment:
 
     def __post_init__(self) -> None:
         for name, place in (("start", self.start), ("end", self.end)):
-            if not isinstance(place, tuple) or coordinates(f"segment {name}", place).shape != (2,):
-                raise ProblemError(f"segment {name}: {shown(place)}; give a tuple of 2 coordinates")
+            if not isinstance(place, tuple) or finite_coordinates(
+                f"segment {name}", place
+            ).shape != (2,):
+                raise ProblemError(
+                    f"segment {name}: {format_value(place)}; give a tuple of 2 coordinates"
+                )
         if self.start == self.end:
             raise ProblemError(f"segment: starts and ends at {self.start}; give two places")
-        metres(f"segment {self}: its length", math.dist(self.start, self.end))
+        length_in_metres(f"segment {self}: its length", math.dist(self.start, self.end))
 
     def __str__(self) -> str:
         (x0, y0), (x1, y1) = self.start, self.end
@@ -175,17 +181,19 @@ class Boundary:
     places: Array
 
     def __post_init__(self) -> None:
-        places = np.array(coordinates(f"boundary {shown(self.name)}: places", self.places))
+        places = np.array(
+            finite_coordinates(f"boundary {format_value(self.name)}: places", self.places)
+        )
         if places.ndim != 3 or places.shape[:0:-1] not in FACETS or not len(places):
             known = ", ".join(f"(f, {k}, {d})" for d, k in FACETS)
             raise ProblemError(
-                f"boundary {shown(self.name)}: places {places.shape}; give one of {known}"
+                f"boundary {format_value(self.name)}: places {places.shape}; give one of {known}"
             )
         places.setflags(write=False)
         object.__setattr__(self, "places", places)
 
     def __str__(self) -> str:
-        return f"boundary {shown(self.name)}"
+        return f"boundary {format_value(self.name)}"
 
     @property
     def dim(self) -> int:
@@ -200,7 +208,7 @@ class Boundary:
     def select(self, points: Array, tolerance: float) -> Mask:
         """Mask (n,) of the points (n, d) on the facets, bent or not, to within `tolerance` (m)."""
         shape = FACETS[self.dim, self.places.shape[1]]
-        return on_any(shape, self.places, np.asarray(points), tolerance)
+        return is_on_any(shape, self.places, np.asarray(points), tolerance)
 
     def corners(self, _span: Span) -> Array:
         """Every node (k, d) in m of the facets, whatever the body."""

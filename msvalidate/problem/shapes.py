@@ -261,7 +261,7 @@ def area_vectors(places: Array) -> tuple[Array, Array]:
     return x, normal * weights[:, None]
 
 
-def enclosed(places: Array) -> float:
+def enclosed_volume(places: Array) -> float:
     """Area (m²) or volume (m³) within facets (f, k, d) that close: ∮ x·n dA / d (Gauss), exact."""
     middle = places.mean(axis=(0, 1))
     x, normal = area_vectors(places - middle)
@@ -280,7 +280,9 @@ def facet_middles(places: Array) -> Array:
     return np.asarray(np.einsum("qk,fkd->fd", shape.values(shape.middle[None]), places))
 
 
-def meetings(shape: Shape, places: Array, points: Array, tolerance: float) -> tuple[Index, Index]:
+def incident_pairs(
+    shape: Shape, places: Array, points: Array, tolerance: float
+) -> tuple[Index, Index]:
     """Pairs (p,), (p,) of a cell or facet (f, k, d) and a point (n, d) within `tolerance` (m).
 
     A tree of the points names those near each cell; Newton's steps then look for the place of the
@@ -296,18 +298,18 @@ def meetings(shape: Shape, places: Array, points: Array, tolerance: float) -> tu
     meets = np.zeros(len(cell), dtype=bool)
     for start in range(0, len(cell), AT_ONCE):
         part = slice(start, start + AT_ONCE)
-        meets[part] = _apart(shape, places[cell[part]], points[point[part]]) <= tolerance
+        meets[part] = _distance_to_cell(shape, places[cell[part]], points[point[part]]) <= tolerance
     return cell[meets], point[meets]
 
 
-def on_any(shape: Shape, places: Array, points: Array, tolerance: float) -> Mask:
+def is_on_any(shape: Shape, places: Array, points: Array, tolerance: float) -> Mask:
     """Mask (n,) of points (n, d) within `tolerance` (m) of some cells or facets (f, k, d)."""
     found = np.zeros(len(points), dtype=bool)
-    found[meetings(shape, places, points, tolerance)[1]] = True
+    found[incident_pairs(shape, places, points, tolerance)[1]] = True
     return found
 
 
-def _apart(shape: Shape, nodes: Array, x: Array) -> Array:
+def _distance_to_cell(shape: Shape, nodes: Array, x: Array) -> Array:
     """Distance (p,) in m of points (p, d) from cells (p, k, d), exact where it is none."""
     at = np.tile(shape.middle, (len(x), 1))
     moving = np.arange(len(x))
@@ -315,7 +317,7 @@ def _apart(shape: Shape, nodes: Array, x: Array) -> Array:
     for _ in range(1 if straight else NEWTON_STEPS):
         if not len(moving):
             break
-        step = _step(shape, nodes[moving], x[moving], at[moving])
+        step = _newton_step(shape, nodes[moving], x[moving], at[moving])
         # Far outside the map may have no inverse.
         after = np.clip(at[moving] + step, -0.5, 1.5)
         still = np.abs(after - at[moving]).max(axis=1) <= AT_REST
@@ -325,7 +327,7 @@ def _apart(shape: Shape, nodes: Array, x: Array) -> Array:
     return np.asarray(np.linalg.norm(miss, axis=1))
 
 
-def _step(shape: Shape, nodes: Array, x: Array, at: Array) -> Array:
+def _newton_step(shape: Shape, nodes: Array, x: Array, at: Array) -> Array:
     """Newton's step (p, dim), of least squares, from places of the unit cell towards points."""
     miss = x - np.einsum("pk,pkd->pd", shape.values(at), nodes)
     along = np.einsum("pke,pkd->ped", shape.slopes(at), nodes)

@@ -8,11 +8,17 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from msvalidate.problem.arrays import AXES, PLACEMENT, Array, Field, Index, Mask
-from msvalidate.problem.checks import coordinates, finite, instance, positive, shown
+from msvalidate.problem.checks import (
+    finite,
+    finite_coordinates,
+    format_value,
+    positive_number,
+    require_type,
+)
 from msvalidate.problem.domain import Box, Domain, corners_of
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.material import Material
-from msvalidate.problem.motions import place_name, refuse_free_motions
+from msvalidate.problem.motions import format_point, refuse_free_motions
 from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import facet_middles
 
@@ -39,7 +45,7 @@ class Support:
     def __post_init__(self) -> None:
         _check_region("support", self.region)
         if not isinstance(self.displacement, tuple):
-            given = shown(self.displacement)
+            given = format_value(self.displacement)
             raise ProblemError(f"support on {self.region}: {given}; give a tuple")
         if len(self.displacement) != self.region.dim:
             raise ProblemError(
@@ -51,9 +57,9 @@ class Support:
         for value in self.displacement:
             if value is not None and not callable(value):
                 name = f"support on {self.region}"
-                if coordinates(name, value).ndim:
+                if finite_coordinates(name, value).ndim:
                     raise ProblemError(
-                        f"{name}: component {shown(value)}; give one number, a field or None"
+                        f"{name}: component {format_value(value)}; give one number, a field or None"
                     )
 
 
@@ -66,12 +72,13 @@ class PointForce:
 
     def __post_init__(self) -> None:
         force = finite("point force", self.force)
-        place = coordinates("place of a point force", self.at)
+        place = finite_coordinates("place of a point force", self.at)
         if place.shape != force.shape or place.shape not in {(2,), (3,)}:
             raise ProblemError(
-                f"point force {shown(self.force)} at {shown(self.at)}: give 2 or 3 numbers each"
+                f"point force {format_value(self.force)} at {format_value(self.at)}: give 2 or 3 "
+                f"numbers each"
             )
-        instance("place of a point force", self.at, tuple)
+        require_type("place of a point force", self.at, tuple)
 
     @property
     def region(self) -> Region:
@@ -126,10 +133,13 @@ class BodyForce:
         ProblemError
             If the density is not above zero, or the acceleration not 2 or 3 finite numbers.
         """
-        rho, g = positive("gravity: density", density, "kg/m³"), finite("gravity", acceleration)
+        rho, g = (
+            positive_number("gravity: density", density, "kg/m³"),
+            finite("gravity", acceleration),
+        )
         if g.shape not in {(2,), (3,)}:
             raise ProblemError(
-                f"gravity: {shown(acceleration)}; give 2 or 3 components in m/s², such as "
+                f"gravity: {format_value(acceleration)}; give 2 or 3 components in m/s², such as "
                 "(0.0, -9.81)"
             )
         return cls(tuple(rho * float(each) for each in g))
@@ -140,7 +150,7 @@ Load = PointForce | Traction | BodyForce
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A body, what it is made of, how it is held and what acts on it.
+    """A body with its material, supports and loads.
 
     Raises
     ------
@@ -162,9 +172,11 @@ class Problem:
             ("loads", self.loads, Load),
         ):
             if not isinstance(parts, tuple) or not all(isinstance(part, kind) for part in parts):
-                raise ProblemError(f"{self.name}: {name} {shown(parts)}; give a tuple of them")
-        instance(f"{self.name}: material", self.material, Material)
-        instance(f"{self.name}: domain", self.domain, Domain)
+                raise ProblemError(
+                    f"{self.name}: {name} {format_value(parts)}; give a tuple of them"
+                )
+        require_type(f"{self.name}: material", self.material, Material)
+        require_type(f"{self.name}: domain", self.domain, Domain)
         d = self.domain.dim
         if self.material.dim != d:
             raise ProblemError(f"{self.name}: a {self.material.dim}D material in a {d}D domain")
@@ -195,7 +207,7 @@ class Problem:
         return np.array(corners).reshape(-1, d), np.array(held, dtype=bool).reshape(-1, d)
 
 
-def prescribed(problem: Problem, points: Array) -> tuple[Mask, Array]:
+def prescribed_displacements(problem: Problem, points: Array) -> tuple[Mask, Array]:
     """Components held (n, d) and the displacement (n, d) in m prescribed there, 0 elsewhere.
 
     Raises
@@ -210,13 +222,13 @@ def prescribed(problem: Problem, points: Array) -> tuple[Mask, Array]:
             _refuse_cut_short(problem, support, points[chosen])
         return chosen
 
-    return prescribed_where(problem, points, on_region)
+    return prescribed_displacements_at(problem, points, on_region)
 
 
-def prescribed_where(
+def prescribed_displacements_at(
     problem: Problem, points: Array, holds: Callable[[Support], Mask]
 ) -> tuple[Mask, Array]:
-    """What supports prescribe, as `prescribed` returns it, at points (n,) that `holds` picks.
+    """As `prescribed_displacements`, at the points (n,) that `holds` selects.
 
     For bodies whose points do not lie on the supports.
 
@@ -225,7 +237,7 @@ def prescribed_where(
     ProblemError
         If a support holds none of the points, or two supports contradict each other.
     """
-    instance("problem", problem, Problem)
+    require_type("problem", problem, Problem)
     shape: tuple[int, ...] = getattr(points, "shape", ())
     if len(shape) != 2 or shape[1] != problem.domain.dim:
         raise ProblemError(f"points: shape {shape}; give an array (n, {problem.domain.dim})")
@@ -239,7 +251,7 @@ def prescribed_where(
             )
         for axis, entry in enumerate(support.displacement):
             if entry is not None:
-                wanted = _values(f"support on {support.region}", entry, points[chosen])
+                wanted = _component_values(f"support on {support.region}", entry, points[chosen])
                 wishes.append((axis, chosen, wanted))
     held = np.zeros(points.shape, dtype=bool)
     value = np.zeros(points.shape)
@@ -252,14 +264,14 @@ def prescribed_where(
             at = clash[0]
             raise ProblemError(
                 f"supports contradict each other: {AXES[axis]} displacement {before[at]:g} and "
-                f"{wanted[at]:g} m at {place_name(points[chosen[at]])}; prescribe it once"
+                f"{wanted[at]:g} m at {format_point(points[chosen[at]])}; prescribe it once"
             )
         held[chosen, axis], value[chosen, axis] = True, wanted
     return held, value
 
 
 def _refuse_cut_short(problem: Problem, support: Support, chosen: Array) -> None:
-    """A part of a side whose end falls between points would be held over less than was asked."""
+    """Refuse part of a side that ends between points: less than the given part would be fixed."""
     for axis, wanted in enumerate(corners_of(support.region, problem.domain).T):
         reached = chosen[:, axis].min(), chosen[:, axis].max()
         missed = max(abs(reached[0] - wanted.min()), abs(reached[1] - wanted.max()))
@@ -272,10 +284,11 @@ def _refuse_cut_short(problem: Problem, support: Support, chosen: Array) -> None
 
 
 def _check_name(name: object) -> None:
-    """A name stands in one-line messages and titles: letters that are seen, and not too many."""
+    """Refuse a name that is too long or not printable: it is shown in messages and titles."""
     if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
         raise ProblemError(
-            f"problem name: {shown(name)}; give 1 to {LONGEST_NAME} printable letters on one line"
+            f"problem name: {format_value(name)}; give 1 to {LONGEST_NAME} printable letters on "
+            f"one line"
         )
 
 
@@ -289,7 +302,8 @@ def _refuse_off_side(what: str, region: Part, domain: Domain, corners: Array) ->
         corners = np.concatenate([corners, facet_middles(region.places)])
     if not domain.on_boundary(corners):
         raise ProblemError(
-            f"{what} on {region}: from {place_name(corners[0])} to {place_name(corners[-1])} m it "
+            f"{what} on {region}: from {format_point(corners[0])} to {format_point(corners[-1])} m "
+            f"it "
             "is not on one side of the body all the way; give a part of a side, such as a Segment"
         )
 
@@ -297,21 +311,22 @@ def _refuse_off_side(what: str, region: Part, domain: Domain, corners: Array) ->
 def _check_region(name: str, region: object) -> None:
     if not isinstance(region, Part):
         raise ProblemError(
-            f"{name}: region {shown(region)}; give a Region, such as box.side('left'), a Segment, "
+            f"{name}: region {format_value(region)}; give a Region, such as box.side('left'), a "
+            f"Segment, "
             "or a mesh.side(name)"
         )
 
 
 def _check_vector(name: str, value: Sequence[float] | Field, dim: int) -> None:
     if not callable(value) and finite(name, value).shape != (dim,):
-        raise ProblemError(f"{name}: {shown(value)}; give {dim} components")
+        raise ProblemError(f"{name}: {format_value(value)}; give {dim} components")
 
 
-def _values(name: str, entry: float | Field, points: Array) -> Array:
+def _component_values(name: str, entry: float | Field, points: Array) -> Array:
     """One displacement component at the points: a field evaluated, a number repeated."""
     if not callable(entry):
         return np.full(len(points), float(entry))
-    values = coordinates(name, entry(points))
+    values = finite_coordinates(name, entry(points))
     if values.shape != (len(points),):
         raise ProblemError(f"{name}: the field returned shape {values.shape}, not {(len(points),)}")
     return values

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from msvalidate.linear_algebra.norms import largest
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network
-from msvalidate.network.laws.volumes import stiffness_met
+from msvalidate.network.laws.volumes import stiffness_magnitudes
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array
 from msvalidate.relaxation.state import State
@@ -42,7 +42,10 @@ class ConvergenceTest:
         if state.motion.path == "lattice":
             self._apart = 4 * (1 + math.sqrt(network.dim)) * force_roundoff(network)
         self._softest = float(network.stiffness[network.stiffness > 0].min(initial=np.inf))
-        self._stiffest, self._loaded = _stiffest(network), float(np.abs(network.force).max())
+        self._stiffest, self._loaded = (
+            _largest_point_stiffness(network),
+            float(np.abs(network.force).max()),
+        )
         self._met = math.inf, state.displacement
 
     def met(self, residual: float, kinetic: float) -> bool:
@@ -56,7 +59,7 @@ class ConvergenceTest:
         still = max(self.tolerance**2 * state.stored, rounding / self._softest * rounding)
         if kinetic > still:  # the usual case, and the cheapest question
             return False
-        rounding += largest(self._apart)
+        rounding += max_abs(self._apart)
         # Forces that meet at a point add up to √(2·energy·Σk) at most, by Cauchy and Schwarz.
         bound = math.sqrt(2 * state.stored * self._stiffest) if self._stiffest else math.inf
         if residual > max(self.tolerance * (bound + 2 * self._loaded), rounding):
@@ -87,7 +90,7 @@ class ConvergenceTest:
     @property
     def _floor(self) -> Array:
         """Force (n, d) in N that is rounding: of positions, and of what they moved."""
-        return np.asarray(self._at_lengths + largest(self.state.displacement) * self._per_metre)
+        return np.asarray(self._at_lengths + max_abs(self.state.displacement) * self._per_metre)
 
     def allowed(self) -> float:
         """Residual force (N) that is small enough at the points where most forces meet, now."""
@@ -113,10 +116,10 @@ class ConvergenceTest:
         met, there = self._met
         if not self._stiffest or not math.isfinite(met):
             return math.inf
-        return met + 2 * self._stiffest * largest(self.state.displacement - there)
+        return met + 2 * self._stiffest * max_abs(self.state.displacement - there)
 
 
-def _stiffest(network: Network) -> float:
+def _largest_point_stiffness(network: Network) -> float:
     """Largest stiffness (N/m) that meets at a point; 0 where cells may give energy back.
 
     Energies of both signs bound no force.
@@ -126,5 +129,5 @@ def _stiffest(network: Network) -> float:
     if network.volumes is not None:
         if network.volumes.stiffness.min() < 0:
             return 0.0
-        met = met + stiffness_met(network.volumes)
+        met = met + stiffness_magnitudes(network.volumes)
     return float(met.max())

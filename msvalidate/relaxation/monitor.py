@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from tqdm import tqdm
 
-from msvalidate.linear_algebra.norms import largest
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import SolverError
 from msvalidate.relaxation.run import Relaxation, Run
-from msvalidate.statics.equilibrium import at_rest
+from msvalidate.statics.equilibrium import equilibrium_at
 
 DIVERGED = 1e3
 """Displacement, in sizes of the body, that no equilibrium of interest has."""
@@ -47,8 +47,8 @@ class Monitor:
     def look(self) -> Look:
         """Look at the run as it is now; raise `SolverError` if it has diverged."""
         run = self.run
-        seen = Look(run.steps, largest(run.balance()), run.kinetic)
-        near = largest(run.displacement) < self._reach
+        seen = Look(run.steps, max_abs(run.balance()), run.kinetic)
+        near = max_abs(run.displacement) < self._reach
         if not (math.isfinite(seen.residual) and math.isfinite(seen.kinetic) and near):
             raise SolverError(self._diverged)
         self.looks.append(seen)
@@ -84,7 +84,9 @@ class Monitor:
         """The run as it is now, and its history."""
         run = self.run
         return Relaxation(
-            equilibrium=at_rest(run.network, run.displacement.copy(), run.steps, error=math.inf),
+            equilibrium=equilibrium_at(
+                run.network, run.displacement.copy(), run.steps, error=math.inf
+            ),
             dt=run.dt,
             damping=float(run.rate.max()),
             stability_limit=run.limit,

@@ -16,9 +16,14 @@ from msvalidate.network import tangent_blocks
 from msvalidate.problem import Array, SolverError
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.run import Run
-from msvalidate.statics.tangents import LARGEST_TURN, largest_turn, refuse_mechanism, tangent_move
+from msvalidate.statics.tangents import (
+    LARGEST_TURN,
+    first_order_move,
+    largest_rotation,
+    refuse_mechanism,
+)
 from msvalidate.tangent.inverse import Solver
-from msvalidate.tangent.multigrid import Cycle, conjugate_gradients, cycle_of, restrain
+from msvalidate.tangent.multigrid import Cycle, conjugate_gradients, make_cycle, restrain_in_place
 
 NEWTON_STEPS = 50
 """Linear solves after which Newton's method is given up."""
@@ -37,7 +42,10 @@ Move = Callable[[Array, Array], Array]
 
 
 def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
-    """Newton's method at full load, shortened where a step would stretch or turn a spring far."""
+    """Newton's method at full load, shortened where a step would stretch or turn a spring far.
+
+    Source: [NocedalWright2006], section 11.1.
+    """
     run.most_steps = lambda: NEWTON_STEPS
     network, move = run.network, mover(run)
     run.displacement[:] = run.begun  # what is held goes along with the first steps
@@ -46,7 +54,7 @@ def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
         yield
         ahead = network.displacement - run.displacement
         step = move(run.balance(), ahead)
-        turn = largest_turn(network, run.position, step)
+        turn = largest_rotation(network, run.position, step)
         part = min(1.0, LARGEST_TURN / max(turn, 1e-300))
         run.displacement += part * step
         if part == 1:
@@ -54,11 +62,11 @@ def _newton(mover: Callable[[Run], Move], run: Run) -> Iterator[None]:
         run.moved(1, 1)
 
 
-def _direct(run: Run) -> Move:
+def _direct_moves(run: Run) -> Move:
     solver = Solver(run.network, "direct")
 
     def move(load: Array, ahead: Array) -> Array:
-        found, stable = tangent_move(run.network, run.position, load, ahead, solver)
+        found, stable = first_order_move(run.network, run.position, load, ahead, solver)
         if not stable:
             raise SolverError(
                 f"{run.title}: the tangent has a negative mode at iteration {run.steps + 1}; "
@@ -83,9 +91,9 @@ class _Multigrid:
         K = tangent_blocks(run.network, x)
         held = np.where(self.free, 0.0, ahead).ravel()
         right = np.where(self.free, load - (K @ held).reshape(load.shape), 0.0).ravel()
-        restrain(K, self.free)
+        restrain_in_place(K, self.free)
         if self.cycle is None:
-            self.cycle = cycle_of(K, run.network, x)
+            self.cycle = make_cycle(K, run.network, x)
         part = self.needed(float(np.abs(right).max()))
         if held.any():  # such a load stands in a few rows, and measures none that is spread
             self.residual = 0.0
@@ -129,7 +137,7 @@ NEWTON = Method(
     "newton",
     "Newton's method",
     "Nocedal and Wright (2006), Numerical Optimization, section 11.1; factor by SuperLU",
-    partial(_newton, _direct),
+    partial(_newton, _direct_moves),
     look_every=1,
 )
 NEWTON_MULTIGRID = Method(

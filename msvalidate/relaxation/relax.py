@@ -15,15 +15,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from tqdm import tqdm
 
-from msvalidate.linear_algebra.norms import largest
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import finite, instance, positive, shown, whole
+from msvalidate.problem.checks import (
+    finite,
+    format_value,
+    positive_number,
+    require_type,
+    whole_number,
+)
 from msvalidate.relaxation.monitor import Monitor
-from msvalidate.relaxation.run import LOOK_EVERY, Relaxation, Run, together
-from msvalidate.statics.equilibrium import Equilibrium, displacement_of, refuse_folded
-from msvalidate.statics.path import Path, Way, way_of
-from msvalidate.statics.polish import error_of
+from msvalidate.relaxation.run import LOOK_EVERY, Relaxation, Run, join_runs
+from msvalidate.statics.equilibrium import Equilibrium, refuse_folded, start_displacement
+from msvalidate.statics.path import LoadPath, Path, load_path
+from msvalidate.statics.polish import error_of_displacement
 from msvalidate.statics.tangents import is_stable
 
 STOPOVER = 1e-4
@@ -42,7 +48,7 @@ Watch = Callable[[Run], bool]
 
 @dataclass(frozen=True)
 class Method:
-    """A way to rest.
+    """A relaxation method.
 
     Parameters
     ----------
@@ -119,23 +125,23 @@ def relax(
         If the run diverges, is not at rest within `max_steps`, rests where it is unstable, with
         cells that are folded, or where it is off by all of its displacement.
     """
-    instance("network", network, Network)
-    instance("method", method, Method)
-    _refuse_ends(tolerance, max_steps, look_every, watch)
-    instance("allow_folded", allow_folded, bool)
+    require_type("network", network, Network)
+    require_type("method", method, Method)
+    _check_stopping(tolerance, max_steps, look_every, watch)
+    require_type("allow_folded", allow_folded, bool)
     refuse_free_motions("network", network.points, network.held)
-    begun = displacement_of(network, start)
-    stages = [network] if path is None else _stages(way_of(network, path, begun))
-    known, done = _known(frequencies), []
+    begun = start_displacement(network, start)
+    stages = [network] if path is None else _load_stages(load_path(network, path, begun))
+    known, done = _check_frequencies(frequencies), []
     for stage in stages:
         loose = tolerance if stage is network else max(tolerance, STOPOVER)
         run = Run(stage, method.title, loose, known, begun)
-        found, at_ease = _walked(run, method, (max_steps, look_every), watch)
+        found, at_ease = _run_to_rest(run, method, (max_steps, look_every), watch)
         done.append(found)
         begun = found.equilibrium.displacement
         if not at_ease:  # ended by its watcher
-            return together(done)
-    return _judged(together(done), run, allow_folded=allow_folded)
+            return join_runs(done)
+    return _judged(join_runs(done), run, allow_folded=allow_folded)
 
 
 def _judged(found: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:
@@ -155,21 +161,21 @@ def _judged(found: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:
         )
     if not allow_folded:
         refuse_folded(network, found.equilibrium, f"{run.title} after {found.steps} steps")
-    error = error_of(network, found.equilibrium.displacement, run.cycle)
-    _refuse_lost(network, found, error, run.title)
+    error = error_of_displacement(network, found.equilibrium.displacement, run.cycle)
+    _refuse_inaccurate(network, found, error, run.title)
     return replace(found, equilibrium=replace(found.equilibrium, error=error))
 
 
-def _refuse_lost(network: Network, found: Relaxation, error: float, title: str) -> None:
+def _refuse_inaccurate(network: Network, found: Relaxation, error: float, title: str) -> None:
     """Raise `SolverError` where an error is as large as what moved, or a load moved nothing.
 
     What its prestress balances where it lies need not move, so that nothing is said by an error
     relative to that.
     """
     rest = found.equilibrium
-    load = largest(network.force[~network.held])
-    moved = largest(rest.displacement)
-    seen = moved > FEW_UNITS * np.finfo(float).eps * largest(network.points)
+    load = max_abs(network.force[~network.held])
+    moved = max_abs(rest.displacement)
+    seen = moved > FEW_UNITS * np.finfo(float).eps * max_abs(network.points)
     if error < 1 or not (seen or rest.residual > BALANCED * load):
         return
     off = f"{error:.2g} times its displacement" if math.isfinite(error) else "nobody knows how far"
@@ -181,43 +187,46 @@ def _refuse_lost(network: Network, found: Relaxation, error: float, title: str) 
     )
 
 
-def _stages(way: Way) -> list[Network]:
+def _load_stages(way: LoadPath) -> list[Network]:
     """The networks with what is applied at each stop of a way."""
     held = way.network.held
     early = [
-        replace(way.network, force=way.force(t), displacement=np.where(held, way.moved(t), 0.0))
+        replace(
+            way.network, force=way.force(t), displacement=np.where(held, way.prescribed(t), 0.0)
+        )
         for t in way.stops[:-1]
     ]
     return [*early, way.network]
 
 
-def _refuse_ends(
+def _check_stopping(
     tolerance: float, max_steps: int | None, look_every: int | None, watch: Watch | None
 ) -> None:
     """What ends a run, or looks at it, out of range."""
-    if positive("tolerance", tolerance) > LOOSEST:
+    if positive_number("tolerance", tolerance) > LOOSEST:
         raise ProblemError(f"tolerance: {tolerance}; above {LOOSEST} any start would count as rest")
     for name, steps in (("max_steps", max_steps), ("look_every", look_every)):
         if steps is not None:
-            whole(name, steps, 1)
+            whole_number(name, steps, 1)
     if not (watch is None or callable(watch)):
-        raise ProblemError(f"watch: {shown(watch)}; give a function of the run, or None")
+        raise ProblemError(f"watch: {format_value(watch)}; give a function of the run, or None")
 
 
-def _known(frequencies: tuple[float, float] | None) -> tuple[float, float] | None:
+def _check_frequencies(frequencies: tuple[float, float] | None) -> tuple[float, float] | None:
     """Frequencies that a caller gives, checked."""
     if frequencies is None:
         return None
     given = finite("natural frequencies", frequencies)
     if given.shape != (2,) or not 0 < given[0] <= given[1]:
         raise ProblemError(
-            f"natural frequencies: {shown(frequencies)}; give the lowest and the highest in rad/s, "
+            f"natural frequencies: {format_value(frequencies)}; give the lowest and the highest in "
+            f"rad/s, "
             "above zero"
         )
     return float(given[0]), float(given[1])
 
 
-def _walked(
+def _run_to_rest(
     run: Run, method: Method, steps: tuple[int | None, int | None], watch: Watch | None
 ) -> tuple[Relaxation, bool]:
     """The run at its end, and whether that is rest; what is held at every point is not asked."""

@@ -14,12 +14,12 @@ import numpy as np
 
 from msvalidate import kernels
 from msvalidate.dynamics.integrators import LEAPFROG
-from msvalidate.linear_algebra.norms import largest
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import tangent
 from msvalidate.problem import Array, SolverError
 from msvalidate.relaxation.newton import NEWTON, NEWTON_MULTIGRID
 from msvalidate.relaxation.relax import Method
-from msvalidate.relaxation.run import SAFETY, Run, patiently
+from msvalidate.relaxation.run import SAFETY, Run, step_limit
 from msvalidate.relaxation.viscous import ALGORITHM1, viscous
 
 # FIRE's numbers are the paper's.
@@ -53,6 +53,8 @@ def _kinetic_damping(run: Run) -> Iterator[None]:
     The restart is midway between the positions before and after the largest velocity, as in
     Barnes. From a position of the steps themselves a mode of h·ω = √2, which two steps
     take from one turning point to the other, would never decay.
+
+    Source: [Cundall1976], [Barnes1999].
     """
     _, highest = run.frequencies
     run.limit = 2 / highest
@@ -85,7 +87,10 @@ def _kinetic_damping(run: Run) -> Iterator[None]:
 
 
 def _fire(run: Run) -> Iterator[None]:
-    """Semi-implicit Euler steps, the velocity turned towards the force; uphill it is zeroed."""
+    """Semi-implicit Euler steps, the velocity turned towards the force; uphill it is zeroed.
+
+    Source: [Bitzek2006].
+    """
     _, highest = run.frequencies
     run.limit = 2 / highest
     run.dt = FIRE_LARGEST / highest
@@ -111,15 +116,17 @@ def _fire(run: Run) -> Iterator[None]:
         run.moved(1, 1)
 
 
-def _adaptive(run: Run) -> Iterator[None]:
+def _adaptive_relaxation(run: Run) -> Iterator[None]:
     """Pseudo-time of step 1, masses by Gershgorin's circles, damping by Rayleigh's quotient.
 
     The local stiffness of a component is the change of its force over its last move; the quotient
     of the displacement with it estimates the frequency of the motion that is left. No frequencies
     are solved for: it is given up after the steps of a slender chain of as many points.
+
+    Source: [Underwood1983], [Papadrakakis1981].
     """
     network = run.network
-    run.most_steps = partial(patiently, STEPS_A_POINT * len(network.points))
+    run.most_steps = partial(step_limit, STEPS_A_POINT * len(network.points))
     rows = abs(tangent(network, network.points)).sum(axis=1).reshape(network.points.shape)
     run.inertia = np.where(rows > 0, rows, 1.0) / (2 * SAFETY) ** 2  # ω² ≤ Σ|K|/m = 4·SAFETY²
     run.dt, run.limit = 1.0, 1 / SAFETY
@@ -128,7 +135,7 @@ def _adaptive(run: Run) -> Iterator[None]:
         yield
         acceleration = run.balance() / run.inertia
         if run.steps:
-            damping = min(_critical(run, last - acceleration), STRONGEST)
+            damping = min(_critical_damping(run, last - acceleration), STRONGEST)
             run.velocity *= (2 - damping) / (2 + damping)
             run.velocity += 2 / (2 + damping) * acceleration
         else:
@@ -138,8 +145,11 @@ def _adaptive(run: Run) -> Iterator[None]:
         run.moved(1, 1)
 
 
-def _critical(run: Run, change: Array) -> float:
-    """Critical damping 2ω of the motion left, ω² from the change of acceleration over the move."""
+def _critical_damping(run: Run, change: Array) -> float:
+    """Critical damping 2ω of the motion left, ω² from the change of acceleration over the move.
+
+    Source: [Underwood1983].
+    """
     moving = run.velocity != 0  # never so of what is held
     local = np.divide(change, run.velocity, out=np.zeros_like(change), where=moving)
     weight = run.inertia * run.displacement
@@ -152,9 +162,11 @@ def _conjugate_gradients(run: Run) -> Iterator[None]:
     """Directions by Polak and Ribière, step lengths by the springs' own curvature along them.
 
     Scaled by the tangent's diagonal at the reference points: rest does not depend on masses.
+
+    Source: [PolakRibiere1969], restarted as in [NocedalWright2006], section 5.2.
     """
     network = run.network
-    run.most_steps = partial(patiently, network.points.size)  # in exact arithmetic, so many
+    run.most_steps = partial(step_limit, network.points.size)  # in exact arithmetic, so many
     stiffness = np.abs(tangent(network, network.points).diagonal()).reshape(network.points.shape)
     stiffness[stiffness == 0] = 1.0
     way, before = np.zeros_like(run.displacement), 0.0
@@ -166,9 +178,9 @@ def _conjugate_gradients(run: Run) -> Iterator[None]:
         turned = float(np.vdot(force - old, steepest))
         way *= max(0.0, turned / before) if before else 0.0
         way += steepest
-        if np.vdot(force, way) <= 0 or not _searched(run, way):
+        if np.vdot(force, way) <= 0 or not _line_search(run, way):
             way[:] = steepest
-            if not _searched(run, way) and largest(force) > ROUNDED * run.test.rounding:
+            if not _line_search(run, way) and max_abs(force) > ROUNDED * run.test.rounding:
                 raise SolverError(
                     f"{run.title}: no step along the force lowers its slope at iteration "
                     f"{run.steps + 1}; the network collapses under this load: reduce it"
@@ -177,7 +189,7 @@ def _conjugate_gradients(run: Run) -> Iterator[None]:
         run.moved(1)
 
 
-def _searched(run: Run, way: Array) -> bool:
+def _line_search(run: Run, way: Array) -> bool:
     """Move along `way` to where no more than half of the slope is left; else stay, and say so.
 
     No point moves by more than half of the shortest spring.
@@ -187,7 +199,7 @@ def _searched(run: Run, way: Array) -> bool:
         return False
     bend = kernels.curvature(run.network, run.displacement, way)
     run.moved(evaluations=1)
-    farthest = 0.5 * float(run.network.rest_length.min()) / largest(way)
+    farthest = 0.5 * float(run.network.rest_length.min()) / max_abs(way)
     length = min(slope / bend, farthest) if bend > 0 else farthest
     start, near, far = run.displacement.copy(), 0.0, math.inf
     for _ in range(TRIALS):
@@ -224,7 +236,7 @@ RELAXATIONS = {
         "adaptive dynamic relaxation",
         "Underwood (1983), Dynamic relaxation, in: Computational Methods for Transient Analysis; "
         "Papadrakakis (1981), Comput. Methods Appl. Mech. Eng. 25, 35",
-        _adaptive,
+        _adaptive_relaxation,
     ),
     "conjugate_gradients": Method(
         "conjugate_gradients",

@@ -20,7 +20,7 @@ from msvalidate.relaxation.state import State
 from msvalidate.statics.equilibrium import Equilibrium
 from msvalidate.statics.tangents import refuse_mechanism
 from msvalidate.tangent.inverse import Solver
-from msvalidate.tangent.multigrid import Cycle, cycle_of, restrained
+from msvalidate.tangent.multigrid import Cycle, make_cycle, restrained_tangent
 
 SAFETY = 0.9
 """Part of the stability limit used: the tangent stiffens a little as the network deforms."""
@@ -111,7 +111,9 @@ class Run(State):
             return self._given
         network = self.network
         if not Solver(network).is_direct:
-            self.cycle = cycle_of(restrained(network, network.points), network, network.points)
+            self.cycle = make_cycle(
+                restrained_tangent(network, network.points), network, network.points
+            )
         try:
             lowest, highest = extreme_frequencies(
                 network, tolerance=SPECTRUM_ERROR, cycle=self.cycle
@@ -142,7 +144,7 @@ class Run(State):
                 f"slowest mode takes more than {MOST_STEPS / PATIENCE:.2g} steps; bring masses or "
                 "stiffnesses closer together, take Newton's method, or set max_steps"
             )
-        return patiently(needed)
+        return step_limit(needed)
 
     def look_seldom(self) -> None:
         """Look every few per cent of the way that the slowest mode has to rest."""
@@ -165,8 +167,8 @@ class Run(State):
         )
 
 
-def together(runs: list[Relaxation]) -> Relaxation:
-    """Runs one after the other as one: where the last rests, and the work of all."""
+def join_runs(runs: list[Relaxation]) -> Relaxation:
+    """Several runs in sequence as one: the final state of the last, the work of all."""
     last = runs[-1]
     if len(runs) == 1:
         return last
@@ -185,6 +187,6 @@ def together(runs: list[Relaxation]) -> Relaxation:
     )
 
 
-def patiently(needed: float) -> int:
-    """Steps after which a run that should need so many has failed."""
+def step_limit(needed: float) -> int:
+    """Number of steps after which a run that should need `needed` steps counts as failed."""
     return PATIENCE * max(LOOK_EVERY, math.ceil(needed))

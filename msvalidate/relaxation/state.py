@@ -9,7 +9,7 @@ import numpy as np
 from msvalidate import kernels
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.statics.imposing import imposed
+from msvalidate.statics.imposing import impose_supports
 
 
 class State:
@@ -36,7 +36,7 @@ class State:
 
     def __init__(self, network: Network, begun: Array) -> None:
         self.network, self.begun = network, begun
-        self.displacement = imposed(network, begun)
+        self.displacement = impose_supports(network, begun)
         self.velocity = np.zeros_like(self.displacement)
         self.inertia = np.repeat(network.mass[:, None], network.dim, axis=1)
         self.steps, self.evaluations = 0, 0

@@ -15,12 +15,12 @@ from functools import partial
 from numpy.typing import ArrayLike
 
 from msvalidate.dynamics.integrate import StabilityWarning, damping_rate
-from msvalidate.dynamics.integrators import EULER_CROMER, Integrator, factors_of, stability_limit
+from msvalidate.dynamics.integrators import EULER_CROMER, Integrator, stability_limit, step_factors
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import instance, positive
+from msvalidate.problem.checks import positive_number, require_type
 from msvalidate.relaxation.relax import Method, relax
-from msvalidate.relaxation.run import MOST_STEPS, PATIENCE, SAFETY, Relaxation, Run, patiently
+from msvalidate.relaxation.run import MOST_STEPS, PATIENCE, SAFETY, Relaxation, Run, step_limit
 
 
 def algorithm1(
@@ -32,6 +32,8 @@ def algorithm1(
     max_steps: int | None = None,
 ) -> Relaxation:
     """Relax a network by the report's Algorithm 1: Euler-Cromer with virtual viscosity.
+
+    Source: [Report], section 4, Algorithm 1.
 
     Parameters
     ----------
@@ -45,7 +47,7 @@ def algorithm1(
     ProblemError, SolverError
         As in `relax`.
     """
-    instance("network", network, Network)
+    require_type("network", network, Network)
     if damping is not None:
         damping_rate(network, damping)
     method = viscous(EULER_CROMER, dt=dt, damping=damping, title=ALGORITHM1.title)
@@ -61,6 +63,8 @@ def viscous(
     title: str | None = None,
 ) -> Method:
     """Relaxation by motion under a virtual viscosity.
+
+    Source: [Papadrakakis1981] for the damping; the loop is that of [Report], section 4.
 
     Parameters
     ----------
@@ -79,9 +83,9 @@ def viscous(
     ProblemError
         If the step is not above zero, or the scheme has more than one velocity.
     """
-    factors_of(scheme)
+    step_factors(scheme)
     if dt is not None:
-        positive("time step dt", dt, "s")
+        positive_number("time step dt", dt, "s")
     return Method(
         name,
         title or f"viscous {scheme.name}",
@@ -108,7 +112,7 @@ def _viscous(
     run.most_steps = partial(_predicted_steps, lowest, run.rate, run.dt, run.tolerance)
     if scheme.staggered:  # the velocity of half a step before the start at rest
         run.velocity[:] = -0.5 * run.dt * run.balance() / run.network.mass[:, None]
-    keep, push = factors_of(scheme)(run.dt, run.rate)
+    keep, push = step_factors(scheme)(run.dt, run.rate)
     while True:
         yield
         done, *_ = run.motion.advance(run.displacement, run.velocity, keep, push, run.dt, run.block)
@@ -136,7 +140,7 @@ def _predicted_steps(lowest: float, rate: Array, dt: float, tolerance: float) ->
             f"{MOST_STEPS / PATIENCE:.2g} steps of {dt:.4g} s to die out; leave damping and dt to "
             "their defaults, or set max_steps"
         )
-    return patiently(needed / (decay * dt))
+    return step_limit(needed / (decay * dt))
 
 
 ALGORITHM1 = viscous(EULER_CROMER, name="algorithm1", title="Algorithm 1")

@@ -8,20 +8,20 @@ from typing import Literal
 
 import numpy as np
 
-from msvalidate.linear_algebra.norms import largest
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.linear_algebra.refine import InaccurateError
 from msvalidate.network import Network
-from msvalidate.network.folds import count_folded, description, folded_cells
+from msvalidate.network.folds import count_folded, describe_folded, folded_cells
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import chosen, coordinates, instance
-from msvalidate.statics.following import Followed, follow, is_stressed
-from msvalidate.statics.linear_solution import solved
-from msvalidate.statics.path import Path, way_of
-from msvalidate.statics.polish import balance, centred, polished
-from msvalidate.statics.tangents import beyond_doubt
-from msvalidate.tangent.cycles import UnsettledError
+from msvalidate.problem.checks import finite_coordinates, require_one_of, require_type
+from msvalidate.statics.following import PathResult, follow_path, is_prestressed
+from msvalidate.statics.linear_solution import solve_linear
+from msvalidate.statics.path import Path, load_path
+from msvalidate.statics.polish import centre_points, out_of_balance_force, refine_equilibrium
+from msvalidate.statics.tangents import is_inertia_certain
+from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import MOST_ENTRIES, MOST_IN_NEED, Choice, Solver
-from msvalidate.tangent.rounding import why
+from msvalidate.tangent.rounding import explain_rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,26 +119,26 @@ def equilibrium(
         If the network is a mechanism or unstable, or no equilibrium is found at full load, or
         cells are folded in a nonlinear one.
     """
-    instance("network", network, Network)
+    require_type("network", network, Network)
     refuse_free_motions("network", network.points, network.held)
-    chosen("geometry", geometry, ("linear", "nonlinear"))
-    instance("allow_folded", allow_folded, bool)
+    require_one_of("geometry", geometry, ("linear", "nonlinear"))
+    require_type("allow_folded", allow_folded, bool)
     if geometry == "linear" and not (path is None and start is None):
         raise ProblemError(
             "path, start: a linear equilibrium has neither; take geometry 'nonlinear'"
         )
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what has no numbers
         found = (
-            _linear(network, solver)
+            _solve_linear(network, solver)
             if geometry == "linear"
-            else _nonlinear(network, path, start, solver)
+            else _solve_nonlinear(network, path, start, solver)
         )
     if geometry == "nonlinear" and not allow_folded:
         refuse_folded(network, found, "nonlinear equilibrium")
     return found
 
 
-def displacement_of(network: Network, start: Equilibrium | Array | None) -> Array | None:
+def start_displacement(network: Network, start: Equilibrium | Array | None) -> Array | None:
     """Displacement (n, d) in m of a start, checked.
 
     Raises
@@ -150,7 +150,7 @@ def displacement_of(network: Network, start: Equilibrium | Array | None) -> Arra
         return None
     given = start.displacement if isinstance(start, Equilibrium) else start
     need = f"give an equilibrium of this network, or its displacement {network.points.shape}"
-    return coordinates("start", given, *network.points.shape, need=need)
+    return finite_coordinates("start", given, *network.points.shape, need=need)
 
 
 def refuse_folded(network: Network, found: Equilibrium, title: str) -> None:
@@ -159,12 +159,12 @@ def refuse_folded(network: Network, found: Equilibrium, title: str) -> None:
     if found.folded and simplices is not None:
         folded = folded_cells(simplices, found.position)
         raise SolverError(
-            f"{title}: {description(simplices, folded, network.points)}; raise what is "
+            f"{title}: {describe_folded(simplices, folded, network.points)}; raise what is "
             "applied along a path, reduce it, or take allow_folded=True"
         )
 
 
-def at_rest(
+def equilibrium_at(
     network: Network,
     displacement: Array,
     iterations: int,
@@ -178,7 +178,7 @@ def at_rest(
 
     Forces come from the displacement: positions have lost digits where coordinates are large.
     """
-    left = balance(network, displacement, remainder)
+    left = out_of_balance_force(network, displacement, remainder)
     for array in (displacement, remainder):
         if array is not None:
             array.setflags(write=False)
@@ -187,7 +187,7 @@ def at_rest(
         displacement=displacement,
         position=position,
         reaction=np.where(network.held, -left, 0.0),
-        residual=largest(left[~network.held]),
+        residual=max_abs(left[~network.held]),
         iterations=iterations,
         error=error,
         folded=count_folded(network.simplices, position),
@@ -197,14 +197,14 @@ def at_rest(
     )
 
 
-def _linear(network: Network, solver: str) -> Equilibrium:
-    found = solved(network, solver)
+def _solve_linear(network: Network, solver: str) -> Equilibrium:
+    found = solve_linear(network, solver)
     position = network.points + found.displacement
     return Equilibrium(
         displacement=found.displacement,
         position=position,
         reaction=found.reaction,
-        residual=largest(found.balance[~network.held]),
+        residual=max_abs(found.balance[~network.held]),
         iterations=1 + found.steps,
         error=found.error,
         folded=count_folded(network.simplices, position),
@@ -213,26 +213,26 @@ def _linear(network: Network, solver: str) -> Equilibrium:
     )
 
 
-def _nonlinear(
+def _solve_nonlinear(
     network: Network, path: Path | None, start: Equilibrium | Array | None, wanted: str
 ) -> Equilibrium:
     """Loads and prescribed displacements raised together; rest lengths too where prestress asks."""
-    given, network = network, centred(network)
-    begun, solver = displacement_of(network, start), Solver(network, wanted)
+    given, network = network, centre_points(network)
+    begun, solver = start_displacement(network, start), Solver(network, wanted)
     while True:
         try:
-            found = _followed(network, solver, path, begun)
-            end = polished(given, found.position - network.points, found.factor, solver)
+            found = _follow_path(network, solver, path, begun)
+            end = refine_equilibrium(given, found.position - network.points, found.factor, solver)
         except SolverError as error:
             # A factor goes on past tangents that are not positive, at which multigrid stops.
-            stopped = solver.met_negative and not isinstance(error, UnsettledError)
+            stopped = solver.met_negative and not isinstance(error, NotConvergedError)
             if solver.is_direct or not (
-                stopped or isinstance(error, UnsettledError | InaccurateError)
+                stopped or isinstance(error, NotConvergedError | InaccurateError)
             ):
                 raise
             solver.give_way(error, MOST_ENTRIES if stopped else MOST_IN_NEED)
             continue
-        return at_rest(
+        return equilibrium_at(
             given,
             end.displacement,
             found.solves + end.steps,
@@ -243,41 +243,45 @@ def _nonlinear(
         )
 
 
-def _followed(network: Network, solver: Solver, path: Path | None, begun: Array | None) -> Followed:
+def _follow_path(
+    network: Network, solver: Solver, path: Path | None, begun: Array | None
+) -> PathResult:
     """The end of the way to the network's own loads."""
-    stressed = path is None and begun is None and is_stressed(network)
+    stressed = path is None and begun is None and is_prestressed(network)
     try:
-        found = follow(way_of(network, path, begun), solver)
+        found = follow_path(load_path(network, path, begun), solver)
     except SolverError:
-        tightened = _tightened(network, solver, 0) if stressed else None
+        tightened = _follow_prestress(network, solver, 0) if stressed else None
         if tightened is None or tightened.reached < 1:
             raise
         found = tightened
     if found.reached < 1 and stressed:
-        tightened = _tightened(network, solver, found.solves)
+        tightened = _follow_prestress(network, solver, found.solves)
         found = tightened if tightened and tightened.reached == 1 else found
     if found.reached < 1:
-        raise SolverError(_stuck(network, solver, found, stressed=is_stressed(network)))
+        raise SolverError(
+            _explain_failure(network, solver, found, stressed=is_prestressed(network))
+        )
     return found
 
 
-def _tightened(network: Network, solver: Solver, solves: int) -> Followed | None:
+def _follow_prestress(network: Network, solver: Solver, solves: int) -> PathResult | None:
     """The end of a way from springs without tension; None where those would be a mechanism."""
     try:
-        found = follow(way_of(network, tightened=True), solver)
+        found = follow_path(load_path(network, tightened=True), solver)
     except SolverError:
         return None
     found.solves += solves
     return found
 
 
-def _stuck(network: Network, solver: Solver, found: Followed, *, stressed: bool) -> str:
+def _explain_failure(network: Network, solver: Solver, found: PathResult, *, stressed: bool) -> str:
     """What to say of a way that leads no further."""
     said = (
         f"nonlinear equilibrium: no stable equilibrium found beyond {found.reached:.4g} of the "
         f"load (after {found.solves} linear solves); "
     )
-    hidden = _hidden(network, solver)
+    hidden = _explain_pivots(network, solver)
     if hidden:
         return f"{said}what lies beyond may be hidden by rounding: {hidden}"
     if not stressed:
@@ -291,7 +295,7 @@ def _stuck(network: Network, solver: Solver, found: Followed, *, stressed: bool)
     return f"{said}reduce load or prestress, or take the start from a relaxation"
 
 
-def _hidden(network: Network, solver: Solver) -> str:
+def _explain_pivots(network: Network, solver: Solver) -> str:
     """Why the signs of pivots may be rounding at the reference points; empty where they are not."""
     if network.held.all():
         return ""
@@ -299,4 +303,4 @@ def _hidden(network: Network, solver: Solver) -> str:
         found = solver.regular(network, network.points)
     except SolverError:  # such as a rope, which stands by its tension alone
         return ""
-    return "" if beyond_doubt(found) else why(network, found.softness)
+    return "" if is_inertia_certain(found) else explain_rounding(network, found.softness)

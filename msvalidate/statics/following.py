@@ -21,20 +21,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from msvalidate.linear_algebra.norms import largest
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network, internal_force
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array, SolverError
-from msvalidate.statics.path import Way
+from msvalidate.statics.path import LoadPath
 from msvalidate.statics.tangents import (
     LARGEST_TURN,
     Tangent,
-    beyond_doubt,
-    is_positive_at,
-    largest_turn,
+    is_inertia_certain,
+    is_positive_definite_at,
+    largest_rotation,
     tangent_at,
 )
-from msvalidate.tangent.cycles import UnsettledError
+from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import Regular, Solver
 
 TOLERANCE = 1e-11
@@ -59,15 +59,15 @@ SAME = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Station:
-    """An equilibrium on the way: its place t, and position (n, d) in m."""
+class PathPoint:
+    """An equilibrium on the load path: its parameter t and position (n, d) in m."""
 
     t: float
     position: Array
 
 
 @dataclass(frozen=True, eq=False)
-class Arrival:
+class NewtonResult:
     """What Newton's method found, from one station to the next.
 
     Parameters
@@ -82,15 +82,15 @@ class Arrival:
         Of the tangent there.
     """
 
-    station: Station | None
+    station: PathPoint | None
     solves: int
     smooth: bool = True
     factor: Regular | None = None
 
 
 @dataclass(eq=False)
-class Followed:
-    """The end of a way, as far as it was found.
+class PathResult:
+    """The end of a load path, as far as it was followed.
 
     Parameters
     ----------
@@ -111,11 +111,11 @@ class Followed:
     solves: int = 0
     passed_limit: float | None = None
     factor: Regular | None = None
-    legs: list[tuple[Station, Station, bool | None]] = field(default_factory=list)
+    legs: list[tuple[PathPoint, PathPoint, bool | None]] = field(default_factory=list)
 
 
-def follow(way: Way, solver: Solver) -> Followed:
-    """Raise what is applied along a way, in halves of what would not converge.
+def follow_path(way: LoadPath, solver: Solver) -> PathResult:
+    """Follow a load path, halving each step that does not converge.
 
     `solver` inverts the tangents.
 
@@ -124,11 +124,11 @@ def follow(way: Way, solver: Solver) -> Followed:
     SolverError
         If the network is a mechanism where it stands.
     """
-    found = Followed(way.start)
-    here, increment = Station(0.0, way.start), 1.0
+    found = PathResult(way.start)
+    here, increment = PathPoint(0.0, way.start), 1.0
     for stop in way.stops:
         while here.t < stop:
-            arrival = newton(way, solver, here, min(stop, here.t + increment))
+            arrival = newton_step_along(way, solver, here, min(stop, here.t + increment))
             found.solves += arrival.solves
             if arrival.station is None:
                 increment = min(increment, stop - here.t) / 2
@@ -139,15 +139,17 @@ def follow(way: Way, solver: Solver) -> Followed:
             here, increment = arrival.station, 2 * increment
             found.position, found.reached = here.position, here.t
             end = arrival.factor
-            found.factor = end if end is not None and beyond_doubt(end) else None
-    found.passed_limit = _limit(way, solver, found)
+            found.factor = end if end is not None and is_inertia_certain(end) else None
+    found.passed_limit = _find_limit_point(way, solver, found)
     return found
 
 
-def newton(way: Way, solver: Solver, start: Station, t: float, steps: int = ITERATIONS) -> Arrival:
+def newton_step_along(
+    way: LoadPath, solver: Solver, start: PathPoint, t: float, steps: int = ITERATIONS
+) -> NewtonResult:
     """The stable equilibrium at `t` that Newton's method finds from a station, if it finds one."""
     network, x = way.network_at(t), start.position
-    force, target = way.force(t), network.points + way.moved(t)
+    force, target = way.force(t), network.points + way.prescribed(t)
     rounding = 4 * force_roundoff(network)
     first, calm = None, True
     for iteration in range(steps):
@@ -159,39 +161,39 @@ def newton(way: Way, solver: Solver, start: Station, t: float, steps: int = ITER
         except SolverError:
             if iteration == 0:  # singular where we stand: smaller steps cannot help
                 raise
-            return Arrival(None, iteration)
+            return NewtonResult(None, iteration)
         # Judged with the tangent of the same place: the one before would miss a bifurcation.
-        arrived = largest(ahead) <= _rounding(x)
+        arrived = max_abs(ahead) <= _position_rounding(x)
         if arrived and (np.abs(balance) <= small)[~network.held].all():
             if not _is_stable(network, x, K):
-                return Arrival(None, iteration + 1)
-            there = Station(t, x)
+                return NewtonResult(None, iteration + 1)
+            there = PathPoint(t, x)
             smooth = first is None or (calm and _is_smooth(way, start, there, first, K))
-            return Arrival(there, iteration + 1, smooth, K.found)
+            return NewtonResult(there, iteration + 1, smooth, K.found)
         try:
             move = K.move(balance, ahead)
         except SolverError:  # multigrid met what is not positive, where a factor would go on
             solver.met_negative = True
-            return Arrival(None, iteration + 1)
-        if largest_turn(network, x, move) > LARGEST_TURN:
-            return Arrival(None, iteration + 1)
-        calm = calm and K.calm
+            return NewtonResult(None, iteration + 1)
+        if largest_rotation(network, x, move) > LARGEST_TURN:
+            return NewtonResult(None, iteration + 1)
+        calm = calm and K.is_positive_definite
         first = move if first is None else first
         x = x + move
-    return Arrival(None, steps)
+    return NewtonResult(None, steps)
 
 
 def _is_stable(network: Network, x: Array, K: Tangent) -> bool:
-    """Whether every free motion meets stiffness, as far as can be told."""
+    """Whether the tangent is positive definite, as far as rounding allows a decision."""
     try:
-        return K.found is None or is_positive_at(network, x - network.points, K.found)
-    except UnsettledError:  # multigrid cannot tell: a factor may
+        return K.found is None or is_positive_definite_at(network, x - network.points, K.found)
+    except NotConvergedError:  # multigrid cannot tell: a factor may
         raise
     except SolverError:
         return False
 
 
-def _is_smooth(way: Way, a: Station, b: Station, first: Array, K: Tangent) -> bool:
+def _is_smooth(way: LoadPath, a: PathPoint, b: PathPoint, first: Array, K: Tangent) -> bool:
     """Whether the way from a to b has no sign of a jump; `first` is m_a, `K` the tangent at b."""
     network = way.network_at(b.t)
     i, j = network.springs.T
@@ -207,7 +209,7 @@ def _is_smooth(way: Way, a: Station, b: Station, first: Array, K: Tangent) -> bo
         load = load - internal_force(way.network_at(a.t), b.position)
     last = K.move(load, np.where(network.held, change, 0.0))
     size = spring(change)
-    size = np.maximum(size, SMALL * size.max(initial=0.0) + _rounding(b.position) / MISSED)
+    size = np.maximum(size, SMALL * size.max(initial=0.0) + _position_rounding(b.position) / MISSED)
     if (spring(change - (first + last) / 2) > BENT * size).any():
         return False
     middle = (a.position + b.position) / 2 + (first - last) / 8
@@ -219,23 +221,26 @@ def _is_smooth(way: Way, a: Station, b: Station, first: Array, K: Tangent) -> bo
     return not (spring(K.move(balance, np.zeros(change.shape))) > MISSED * size).any()
 
 
-def _limit(way: Way, solver: Solver, found: Followed) -> float | None:
-    """T of the first limit point on the legs of a way; counts the solves it takes."""
+def _find_limit_point(way: LoadPath, solver: Solver, found: PathResult) -> float | None:
+    """T of the first limit point on the legs of a way; counts the solves it takes.
+
+    Source: limit points as in [Crisfield1991].
+    """
     legs = found.legs[::-1]
     while legs:
         a, b, smooth = legs.pop()
         if smooth is None:
-            onward = newton(way, solver, a, b.t, SEARCHING)
+            onward = newton_step_along(way, solver, a, b.t, SEARCHING)
             found.solves += onward.solves
-            same = onward.station is not None and _is_near(onward.station, b, a)
+            same = onward.station is not None and _is_same_point(onward.station, b, a)
             smooth = same and onward.smooth
         if smooth:
             continue
         if b.t - a.t <= RESOLVED:
-            if _is_gap(way, solver, a, b, found):
+            if _is_jump(way, solver, a, b, found):
                 return b.t
             continue
-        arrival = _within(way, solver, a, b.t, found)
+        arrival = _point_between(way, solver, a, b.t, found)
         if arrival.station is None:  # b was leapt to
             return a.t
         legs.append((arrival.station, b, None))
@@ -243,38 +248,42 @@ def _limit(way: Way, solver: Solver, found: Followed) -> float | None:
     return None
 
 
-def _within(way: Way, solver: Solver, a: Station, end: float, found: Followed) -> Arrival:
+def _point_between(
+    way: LoadPath, solver: Solver, a: PathPoint, end: float, found: PathResult
+) -> NewtonResult:
     """An equilibrium halfway from a to an end, or nearer to a where none is found there."""
     t = end
     while True:
         t = (a.t + t) / 2
-        arrival = newton(way, solver, a, t, SEARCHING)
+        arrival = newton_step_along(way, solver, a, t, SEARCHING)
         found.solves += arrival.solves
         if arrival.station is not None or t - a.t <= RESOLVED / 2:
             return arrival
 
 
-def _is_gap(way: Way, solver: Solver, a: Station, b: Station, found: Followed) -> bool:
+def _is_jump(way: LoadPath, solver: Solver, a: PathPoint, b: PathPoint, found: PathResult) -> bool:
     """Whether b, led back to the load of a, is not a."""
     try:
-        back = newton(way, solver, b, a.t, SEARCHING)
+        back = newton_step_along(way, solver, b, a.t, SEARCHING)
     except SolverError:
         return True
     found.solves += back.solves
-    return back.station is None or not _is_near(back.station, a, b)
+    return back.station is None or not _is_same_point(back.station, a, b)
 
 
-def _is_near(station: Station, other: Station, far: Station) -> bool:
+def _is_same_point(station: PathPoint, other: PathPoint, far: PathPoint) -> bool:
     """Whether two stations are one, beside how far they are from a third."""
-    apart = largest(station.position - other.position)
-    return apart <= SAME * largest(other.position - far.position) + _rounding(other.position)
+    apart = max_abs(station.position - other.position)
+    return apart <= SAME * max_abs(other.position - far.position) + _position_rounding(
+        other.position
+    )
 
 
-def _rounding(x: Array) -> float:
+def _position_rounding(x: Array) -> float:
     return float(4 * np.finfo(float).eps * np.abs(x).max())
 
 
-def is_stressed(network: Network) -> bool:
+def is_prestressed(network: Network) -> bool:
     """Whether some spring is off its rest length at the reference points, by more than rounding."""
     length = np.linalg.norm(network.vector, axis=1)
     return bool((np.abs(network.rest_length / length - 1) > 1e-12).any())

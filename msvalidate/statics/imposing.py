@@ -24,20 +24,20 @@ CLOSE = 1e-4
 """Residual of the mean of neighbours, relative to the first: a start is no answer."""
 
 
-def imposed(network: Network, displacement: Array) -> Array:
+def impose_supports(network: Network, displacement: Array) -> Array:
     """A displacement (n, d) in m with what is prescribed, from one that may not have it yet."""
     ahead = np.where(network.held, network.displacement - displacement, 0.0)
     i, j = network.springs.T
     change = ((ahead[j] - ahead[i]) ** 2).sum(axis=1)
     x = network.points + displacement
     if (change > ALONE**2 * ((x[j] - x[i]) ** 2).sum(axis=1)).any():
-        ahead = _spread(network, ahead)
+        ahead = _harmonic_extension(network, ahead)
     moved = displacement + ahead
     moved[network.held] = network.displacement[network.held]
     return np.asarray(moved)
 
 
-def _spread(network: Network, ahead: Array) -> Array:
+def _harmonic_extension(network: Network, ahead: Array) -> Array:
     """Moves (n, d) in m of all points that are harmonic between those of the held ones."""
     n, (i, j) = len(network.points), network.springs.T
     k = network.stiffness / network.stiffness.max(initial=0.0)

@@ -8,22 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import bsr_array
 
-from msvalidate.linear_algebra.double_double import Pair, added, negative, pair
+from msvalidate.linear_algebra.double_double import Pair, add, as_pair, negate
 from msvalidate.linear_algebra.refine import (
     DOUBTFUL,
     InaccurateError,
-    refined,
+    error_amplification,
+    error_estimate,
+    refine_solution,
     refuse_inaccurate,
-    refuse_vanishing,
-    stated,
-    tried,
+    refuse_underflow,
 )
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.network.accurate import State
 from msvalidate.problem import Array, Mask, SolverError
-from msvalidate.tangent.cycles import UnsettledError
+from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import Choice, Regular, Solver
-from msvalidate.tangent.rounding import known, nothing_acts, why
+from msvalidate.tangent.rounding import explain_rounding, is_unloaded, trial_motion
 from msvalidate.tangent.stability import negative_modes
 
 TITLE = "linear equilibrium"
@@ -31,7 +31,7 @@ TOO_FAR = "linear equilibrium: forces beyond all numbers; choose units that give
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class LinearSolution:
     """A linear equilibrium.
 
     Parameters
@@ -64,7 +64,7 @@ class Solved:
         return np.where(self.held, -self.balance, 0.0)
 
 
-def solved(network: Network, wanted: str = "auto") -> Solved:
+def solve_linear(network: Network, wanted: str = "auto") -> LinearSolution:
     """The linear equilibrium of a network from its reference points.
 
     `wanted` is one of `inverse.SOLVERS`.
@@ -78,14 +78,14 @@ def solved(network: Network, wanted: str = "auto") -> Solved:
     while True:
         if not network.held.all():
             system.invert(solver)
-        if nothing_acts(network, system.state):
+        if is_unloaded(network, system.state):
             zero = np.zeros(network.points.shape)
             choice = None if network.held.all() else solver.choice
-            return Solved(zero, zero, network.force + zero, 0.0, 0, network.held, choice)
+            return LinearSolution(zero, zero, network.force + zero, 0.0, 0, network.held, choice)
         try:
             return system.solution(solver)
         except SolverError as error:
-            if solver.is_direct or not isinstance(error, UnsettledError | InaccurateError):
+            if solver.is_direct or not isinstance(error, NotConvergedError | InaccurateError):
                 raise
             solver.give_way(error)
 
@@ -105,11 +105,11 @@ class _System:
         largest = float(max(*sizes, np.abs(network.displacement).max()))
         if not math.isfinite(largest):
             raise SolverError(TOO_FAR)
-        refuse_vanishing(largest, TITLE)
+        refuse_underflow(largest, TITLE)
         self.unit = 2.0 ** math.frexp(largest)[1] if largest else 1.0
         inner = Pair(*(x * (length / self.unit) for x in inner))
         self.pulled = 0.0 if self.state.unstressed else self.state.pulled * length / self.unit
-        self.load = added(pair(outer / self.unit), inner)
+        self.load = add(as_pair(outer / self.unit), inner)
         self.prescribed = network.displacement / self.unit
         self.left = np.zeros(network.points.shape)
         self.K: bsr_array | None = None
@@ -121,7 +121,7 @@ class _System:
         if negative_modes(self.state, self.regular, self.free):
             if self.state.unstressed and not (self.network.volumes or self.network.shear):
                 # Springs at rest resist every motion or none: the sign is rounding.
-                refuse_inaccurate(math.inf, TITLE, self._why())
+                refuse_inaccurate(math.inf, TITLE, self._explain_rounding())
             raise SolverError(
                 "linear equilibrium: the network is unstable at its reference points (its tangent "
                 "stiffness has a negative mode); relieve its prestress or hold it better"
@@ -140,41 +140,43 @@ class _System:
         self.left = self.state.residual(self.load, motion).hi if moves else self.load.hi
         return np.where(self.free, self.left, 0.0)
 
-    def solution(self, solver: Solver) -> Solved:
+    def solution(self, solver: Solver) -> LinearSolution:
         """Solve, refine, and judge what is left."""
-        u, error, steps = pair(self.prescribed), 0.0, 0
+        u, error, steps = as_pair(self.prescribed), 0.0, 0
         first = self.residual(u)
         if self.free.any():
             soft, rate = self.regular.softness, self.regular.rate
-            u = added(u, pair(self.solve(first)))
-            found = refined(self.residual, self.solve, u, rate)
+            u = add(u, as_pair(self.solve(first)))
+            found = refine_solution(self.residual, self.solve, u, rate)
             u, steps, times = found.solution, found.steps, 1.0
             if rate > DOUBTFUL:
-                times = tried(self._without_load, self.solve, rate, self._known())
+                times = error_amplification(self._without_load, self.solve, rate, self._known())
             moved = float(np.abs(u.hi).max())
-            refuse_vanishing(moved * self.unit, TITLE)
-            error = stated(found, soft, times, self.pulled / moved) if moved else 0.0
-            refuse_inaccurate(error, TITLE, self._why())
+            refuse_underflow(moved * self.unit, TITLE)
+            error = error_estimate(found, soft, times, self.pulled / moved) if moved else 0.0
+            refuse_inaccurate(error, TITLE, self._explain_rounding())
         choice = solver.choice if self.free.any() else None
         whole, lacks = u.hi * self.unit, u.lo * self.unit
-        return Solved(whole, lacks, self._balance(u), error, steps, self.network.held, choice)
+        return LinearSolution(
+            whole, lacks, self._balance(u), error, steps, self.network.held, choice
+        )
 
     def _balance(self, u: Pair) -> Array:
         """Force (n, d) in N that is left: the last residual, less what the last correction took."""
-        step = added(u, negative(self.place)).hi
+        step = add(u, negate(self.place)).hi
         left = self.left * self.state.stiffness
         if self.K is not None:
             left = left - (self.K @ step.ravel()).reshape(step.shape)
         return np.asarray(left * self.unit)
 
     def _without_load(self, motion: Pair) -> Array:
-        zero = pair(np.zeros(self.free.shape))
+        zero = as_pair(np.zeros(self.free.shape))
         return np.where(self.free, self.state.residual(zero, motion).hi, 0.0)
 
     def _known(self) -> Array:
         """A motion to try a factor on: of all kinds at once, the softest among them."""
-        return known(self.free, self.regular.mode)
+        return trial_motion(self.free, self.regular.mode)
 
-    def _why(self) -> str:
+    def _explain_rounding(self) -> str:
         """How far apart its stiffnesses are, and what to do."""
-        return why(self.network, self.regular.softness)
+        return explain_rounding(self.network, self.regular.softness)

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msvalidate.network import Network, internal_force, stretched
+from msvalidate.network import Network, internal_force, spring_vectors
 from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import coordinates, finite, shown
+from msvalidate.problem.checks import finite, finite_coordinates, format_value
 
 Applied = tuple[Array, Array]
 """Force (n, d) in N on the points, and prescribed displacement (n, d) in m, 0 where nothing is
@@ -26,8 +26,8 @@ large angles keep twelve digits and more."""
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
-    """What is applied at t in [0, 1], from a start in balance to the network's own.
+class LoadPath:
+    """Loads and prescribed displacements at t in [0, 1], from a start to the network's own.
 
     Parameters
     ----------
@@ -74,26 +74,26 @@ class Way:
         if t == 1:
             return self.network.force
         if self.given is not None:
-            return _applied(self.network, self.given, t)[0]
+            return _evaluate_path(self.network, self.given, t)[0]
         return self.network.force if self.loaded else t * self.network.force
 
-    def moved(self, t: float) -> Array:
+    def prescribed(self, t: float) -> Array:
         """Prescribed displacement (n, d) in m at t; of no meaning where nothing is held."""
         if t == 1:
             return self.network.displacement
         if self.given is not None:
-            return _applied(self.network, self.given, t)[1]
+            return _evaluate_path(self.network, self.given, t)[1]
         first = self.start - self.network.points if self.loaded else 0.0
         return np.asarray(first + t * (self.network.displacement - first))
 
 
-def way_of(
+def load_path(
     network: Network,
     path: Path | None = None,
     start: Array | None = None,
     *,
     tightened: bool = False,
-) -> Way:
+) -> LoadPath:
     """The way of a network from a start to its own loads and displacements.
 
     Parameters
@@ -111,19 +111,19 @@ def way_of(
     ProblemError
         If the path does not rise to 1, ends elsewhere, or an array does not fit.
     """
-    stops, given = _stops(path), path if callable(path) else None
+    stops, given = _check_stops(path), path if callable(path) else None
     x = np.array(network.points) if start is None else network.points + start
     if given is not None:
         _refuse_other_end(network, given)
-    present = stretched(network, x)[1] if tightened else None
-    way = Way(network, x, stops, given, start is not None, present)
+    present = spring_vectors(network, x)[1] if tightened else None
+    way = LoadPath(network, x, stops, given, start is not None, present)
     left = internal_force(way.network_at(0.0), x) + way.load(0.0)
     rounding = 4 * force_roundoff(network)
     left = np.where(network.held | (np.abs(left) <= rounding), 0.0, left)
     return replace(way, released=left)
 
 
-def _stops(path: Path | None) -> tuple[float, ...]:
+def _check_stops(path: Path | None) -> tuple[float, ...]:
     """Places of t that are to be stopped at."""
     if path is None:
         return (1.0,)
@@ -132,7 +132,8 @@ def _stops(path: Path | None) -> tuple[float, ...]:
     parts = finite("path", path)
     if parts.ndim != 1 or not len(parts):
         raise ProblemError(
-            f"path: {shown(path)}; give a row of fractions that rise to 1, or a function of t"
+            f"path: {format_value(path)}; give a row of fractions that rise to 1, or a function of "
+            f"t"
         )
     rising = np.diff(parts, prepend=0.0) > 0
     if not rising.all():
@@ -145,7 +146,7 @@ def _stops(path: Path | None) -> tuple[float, ...]:
     return tuple(parts.tolist())
 
 
-def _applied(network: Network, given: Callable[[float], Applied], t: float) -> Applied:
+def _evaluate_path(network: Network, given: Callable[[float], Applied], t: float) -> Applied:
     """What a function applies at t, checked."""
     try:
         force, displacement = given(t)
@@ -157,7 +158,7 @@ def _applied(network: Network, given: Callable[[float], Applied], t: float) -> A
     found = []
     for name, value, checked in (
         ("force", force, finite),
-        ("displacement", displacement, coordinates),
+        ("displacement", displacement, finite_coordinates),
     ):
         need = f"return {network.points.shape}"
         array = checked(f"path: {name} at t = {t:g}", value, *network.points.shape, need=need)
@@ -173,12 +174,13 @@ def _applied(network: Network, given: Callable[[float], Applied], t: float) -> A
 def _refuse_other_end(network: Network, given: Callable[[float], Applied]) -> None:
     """Raise `ProblemError` unless a path ends at the network's own loads and displacements."""
     own = (network.force, network.displacement)
-    ends = zip(("force", "displacement"), _applied(network, given, 1.0), own, strict=True)
+    ends = zip(("force", "displacement"), _evaluate_path(network, given, 1.0), own, strict=True)
     for name, end, wanted in ends:
         apart = np.abs(end - wanted)
         if apart.max() > SAME_END * np.abs(wanted).max():
             point = int(np.unravel_index(apart.argmax(), apart.shape)[0])
             raise ProblemError(
-                f"path: at t = 1 the {name} of point {point} is {shown(end[point].tolist())}, the "
-                f"network's own {shown(wanted[point].tolist())}; end the path there"
+                f"path: at t = 1 the {name} of point {point} is "
+                f"{format_value(end[point].tolist())}, the "
+                f"network's own {format_value(wanted[point].tolist())}; end the path there"
             )

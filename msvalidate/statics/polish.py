@@ -14,25 +14,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.linear_algebra.double_double import ROUNDING, Pair, added, pair
-from msvalidate.linear_algebra.norms import largest
+from msvalidate.linear_algebra.double_double import ROUNDING, Pair, add, as_pair
+from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.linear_algebra.refine import (
     DOUBTFUL,
     ENOUGH,
     LARGEST_ERROR,
     Refined,
-    refined,
+    error_amplification,
+    error_estimate,
+    refine_solution,
     refuse_inaccurate,
-    refuse_vanishing,
-    stated,
-    tried,
+    refuse_underflow,
 )
 from msvalidate.network import Network
 from msvalidate.network.accurate import State
 from msvalidate.problem import Array, SolverError
 from msvalidate.tangent.inverse import Regular, Solver
-from msvalidate.tangent.multigrid import Cycle, conjugate_gradients, cycle_of, restrained
-from msvalidate.tangent.rounding import known, nothing_acts, why
+from msvalidate.tangent.multigrid import Cycle, conjugate_gradients, make_cycle, restrained_tangent
+from msvalidate.tangent.rounding import explain_rounding, is_unloaded, trial_motion
 from msvalidate.tangent.stability import negative_modes
 
 TITLE = "nonlinear equilibrium"
@@ -56,7 +56,7 @@ CYCLES_PART = 1e-4
 """What conjugate gradients leave of a correction."""
 
 
-class Polished(NamedTuple):
+class RefinedEquilibrium(NamedTuple):
     """An equilibrium: displacement (n, d) in m and the digits that it lacks, its error, and solves.
 
     The error is of the displacement, over the largest.
@@ -68,7 +68,7 @@ class Polished(NamedTuple):
     steps: int
 
 
-def centred(network: Network) -> Network:
+def centre_points(network: Network) -> Network:
     """The network with its points counted from one of them, where they are far from the origin.
 
     Differences of points are kept, to the rounding of the body's own size. Displacements and forces
@@ -88,7 +88,9 @@ def centred(network: Network) -> Network:
     )
 
 
-def balance(network: Network, displacement: Array, remainder: Array | None = None) -> Array:
+def out_of_balance_force(
+    network: Network, displacement: Array, remainder: Array | None = None
+) -> Array:
     """Force (n, d) in N that springs, cells and loads leave at a displacement (n, d) in m.
 
     `remainder` (n, d) are the digits that it lacks.
@@ -97,10 +99,10 @@ def balance(network: Network, displacement: Array, remainder: Array | None = Non
     return _Nonlinear(network, Pair(displacement, lacks)).balance()
 
 
-def polished(
+def refine_equilibrium(
     network: Network, displacement: Array, found: Regular | None, solver: Solver
-) -> Polished:
-    """The equilibrium close to a displacement, to the last digit, and its error.
+) -> RefinedEquilibrium:
+    """The equilibrium near a displacement, refined to double precision, and its error.
 
     Parameters
     ----------
@@ -118,84 +120,97 @@ def polished(
     SolverError
         If the network is a mechanism or unstable there, or no trustworthy digits are left.
     """
-    u = pair(np.where(network.held, network.displacement, displacement))
+    u = as_pair(np.where(network.held, network.displacement, displacement))
     if network.held.all():
-        return Polished(u.hi, u.lo, 0.0, 0)
-    if nothing_acts(network, State(network)) and not u.hi.any():
-        return Polished(u.hi, u.lo, 0.0, 0)
-    near, before = centred(network), u.hi
+        return RefinedEquilibrium(u.hi, u.lo, 0.0, 0)
+    if is_unloaded(network, State(network)) and not u.hi.any():
+        return RefinedEquilibrium(u.hi, u.lo, 0.0, 0)
+    near, before = centre_points(network), u.hi
     system = _Nonlinear(network, u, near, found, solver)
     moved = system.refined()
-    if not (moved.settled and _turn(network, moved.solution.hi - u.hi) <= SAME_TANGENT):
-        system, moved = _newton(network, u, near, solver)
+    if not (
+        moved.converged and _largest_rotation(network, moved.solution.hi - u.hi) <= SAME_TANGENT
+    ):
+        system, moved = _solve_newton(network, u, near, solver)
     u = moved.solution
-    _refuse_far(_turn(network, u.hi - before))
-    refuse_vanishing(largest(u.hi), TITLE)
+    _refuse_far(_largest_rotation(network, u.hi - before))
+    refuse_underflow(max_abs(u.hi), TITLE)
     error = system.stated(moved)
-    refuse_inaccurate(error, TITLE, _why(network, largest(u.hi), system.found.softness))
+    refuse_inaccurate(
+        error, TITLE, _explain_missing_digits(network, max_abs(u.hi), system.found.softness)
+    )
     system.refuse_unstable()
-    return Polished(u.hi, u.lo, error, moved.steps)
+    return RefinedEquilibrium(u.hi, u.lo, error, moved.steps)
 
 
-def _why(network: Network, moved: float, softness: float) -> str:
+def _explain_missing_digits(network: Network, moved: float, softness: float) -> str:
     """Why digits are missing where the largest displacement is `moved` (m), and what to do."""
     part = moved / float(np.ptp(network.points, axis=0).max())
     least = DIGITS / max(abs(softness), np.finfo(float).tiny)
     if not 0 < part < least <= SMALLEST_STRAIN:
-        return why(network, softness)
+        return explain_rounding(network, softness)
     return (
         f"it moves the body by {part:.1g} of its size, which positions have no digits for; take "
         f"geometry 'linear', or {least / part:.1g} times the load"
     )
 
 
-def _newton(network: Network, u: Pair, near: Network, solver: Solver) -> tuple[_Nonlinear, Refined]:
+def _solve_newton(
+    network: Network, u: Pair, near: Network, solver: Solver
+) -> tuple[_Nonlinear, Refined]:
     """Newton's method, each step refined on its own: the last system, and what was reached."""
     sizes, steps, error = [], 0, np.inf
     for _ in range(FACTORS):
         system = _Nonlinear(network, u, near, None, solver)
         step = system.newton_step()
         steps += step.steps + 1
-        sizes.append(largest(step.solution.hi))
-        if not np.isfinite(sizes[-1]) or _turn(network, step.solution.hi) > LARGEST_TURN:
+        sizes.append(max_abs(step.solution.hi))
+        if (
+            not np.isfinite(sizes[-1])
+            or _largest_rotation(network, step.solution.hi) > LARGEST_TURN
+        ):
             break
-        u = added(u, step.solution)
-        scale = largest(u.hi) or 1.0
+        u = add(u, step.solution)
+        scale = max_abs(u.hi) or 1.0
         if sizes[-1] <= ENOUGH * scale:
-            return system, Refined(u, 2 * sizes[-1] / scale, steps, settled=True)
+            return system, Refined(u, 2 * sizes[-1] / scale, steps, converged=True)
         error = 2 * sizes[-1] / scale
     return system, Refined(u, error, steps)
 
 
-def error_of(network: Network, displacement: Array, found: Regular | Cycle | None = None) -> float:
+def error_of_displacement(
+    network: Network, displacement: Array, found: Regular | Cycle | None = None
+) -> float:
     """Error of a displacement (n, d) in m close to an equilibrium, over the largest displacement.
 
     By corrections that are not applied; infinite where they do not lead to an equilibrium.
     `found` is a factor of the tangent there, or a multigrid cycle close by, where there is one.
     Without a factor conjugate gradients make one correction.
     """
-    size = largest(displacement)
+    size = max_abs(displacement)
     if network.held.all() or not size:
         return 0.0 if network.held.all() else _error_of_nothing(network)
-    start = pair(displacement)
-    near = centred(network)
+    start = as_pair(displacement)
+    near = centre_points(network)
     solver = Solver(near)
     if isinstance(found, Cycle) or (found is None and not solver.is_direct):
-        step = _by_cycles(network, start, near, found)
-        return 2 * largest(step) / size
+        step = _correct_by_multigrid(network, start, near, found)
+        return 2 * max_abs(step) / size
     try:
         known_one = found if isinstance(found, Regular) else None
         system = _Nonlinear(network, start, near, known_one, solver)
         moved = system.refined()
     except SolverError:
         return math.inf
-    apart = largest(added(moved.solution, pair(-displacement)).hi)
-    return (apart * 1.01) / size + system.stated(moved) * largest(moved.solution.hi) / size
+    apart = max_abs(add(moved.solution, as_pair(-displacement)).hi)
+    return (apart * 1.01) / size + system.stated(moved) * max_abs(moved.solution.hi) / size
 
 
 def _error_of_nothing(network: Network) -> float:
     """Of a displacement of nothing: 0 if nothing acts."""
-    left = np.where(network.held, 0.0, balance(network, np.zeros(network.points.shape)))
+    left = np.where(
+        network.held, 0.0, out_of_balance_force(network, np.zeros(network.points.shape))
+    )
     return math.inf if left.any() else 0.0
 
 
@@ -228,8 +243,8 @@ class _Nonlinear:
 
     def left(self, state: State) -> Array:
         """Force (n, d) that is left, over `state.stiffness` x `state.length`."""
-        load = pair(self.network.force / state.stiffness / state.length)
-        return added(state.force(), load).hi
+        load = as_pair(self.network.force / state.stiffness / state.length)
+        return add(state.force(), load).hi
 
     def balance(self) -> Array:
         """Force (n, d) in N that is left where this is."""
@@ -244,7 +259,7 @@ class _Nonlinear:
         """Displacement (n, d) in m that the factor gives for a force, scaled as `left`."""
         motion = np.zeros(force.shape)
         right = force[self.free]  # over the tangent a small one may leave the range of doubles
-        size = 2.0 ** (math.frexp(largest(right))[1] - 1)
+        size = 2.0 ** (math.frexp(max_abs(right))[1] - 1)
         solved = self.found.inverse.solve(right / size) * self.state.stiffness
         motion[self.free] = solved * (size * self.unit)
         return motion
@@ -252,20 +267,20 @@ class _Nonlinear:
     def newton_step(self) -> Refined:
         """The step of Newton's method from here (n, d) in m, itself refined."""
         force = np.where(self.free, self.left(self.state), 0.0)
-        load = pair(force)
+        load = as_pair(force)
 
         def left(step: Pair) -> Array:
             return np.where(self.free, self.state.residual(load, step).hi, 0.0)
 
-        start = pair(self._solve_linear(force))
-        found = refined(left, self._solve_linear, start, self.found.rate)
+        start = as_pair(self._solve_linear(force))
+        found = refine_solution(left, self._solve_linear, start, self.found.rate)
         return replace(found, solution=Pair(*(x * self.unit for x in found.solution)))
 
     def refined(self) -> Refined:
         """Corrections from here, all by one factor."""
         rate = self.found.rate
         start = Pair(self.place, np.zeros_like(self.place))
-        return refined(self.residual, self.solve, start, rate, solved=False, patience=FEW)
+        return refine_solution(self.residual, self.solve, start, rate, solved=False, patience=FEW)
 
     def stated(self, moved: Refined) -> float:
         """The error to state of what was refined."""
@@ -273,24 +288,26 @@ class _Nonlinear:
             return np.inf if self.residual(moved.solution).any() else 0.0
         rate, times = self.found.rate, 1.0
         if rate > DOUBTFUL:
-            times = tried(self._linear, self._solve_linear, rate, known(self.free, self.found.mode))
-        pulled = self.state.pulled * self.unit / largest(moved.solution.hi)
-        return stated(moved, self.found.softness, times, pulled)
+            times = error_amplification(
+                self._linear, self._solve_linear, rate, trial_motion(self.free, self.found.mode)
+            )
+        pulled = self.state.pulled * self.unit / max_abs(moved.solution.hi)
+        return error_estimate(moved, self.found.softness, times, pulled)
 
     def _linear(self, motion: Pair) -> Array:
-        zero = pair(np.zeros(self.free.shape))
+        zero = as_pair(np.zeros(self.free.shape))
         return np.where(self.free, self.state.residual(zero, motion).hi, 0.0)
 
     def _solve_linear(self, force: Array) -> Array:
         return self.solve(force) / self.unit
 
 
-def _by_cycles(network: Network, u: Pair, near: Network, cycle: Cycle | None) -> Array:
+def _correct_by_multigrid(network: Network, u: Pair, near: Network, cycle: Cycle | None) -> Array:
     """One correction by conjugate gradients with a multigrid cycle."""
     x = near.points + u.hi
-    A = restrained(near, x)
-    cycle = cycle or cycle_of(A, near, x)
-    force = np.where(network.held, 0.0, balance(network, u.hi)).ravel()
+    A = restrained_tangent(near, x)
+    cycle = cycle or make_cycle(A, near, x)
+    force = np.where(network.held, 0.0, out_of_balance_force(network, u.hi)).ravel()
     if not force.any():
         return np.zeros(network.points.shape)
     found = conjugate_gradients(A, force, cycle, CYCLES_PART)
@@ -305,7 +322,7 @@ def _refuse_far(turn: float) -> None:
         )
 
 
-def _turn(network: Network, move: Array) -> float:
+def _largest_rotation(network: Network, move: Array) -> float:
     i, j = network.springs.T
     length = np.linalg.norm(network.vector, axis=1)
     change = np.linalg.norm(move[j] - move[i], axis=1) / length

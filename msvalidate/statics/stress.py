@@ -30,9 +30,16 @@ from msvalidate.lattice.ties import TIE
 from msvalidate.linear_algebra.double_double import Pair
 from msvalidate.network import Network
 from msvalidate.network.accurate import State
-from msvalidate.network.laws.volumes import growth
+from msvalidate.network.laws.volumes import dilatation
 from msvalidate.problem import LONGEST, VOIGT, Array, Index, Mask, ProblemError
-from msvalidate.problem.checks import chosen, coordinates, finite, instance, positive, whole
+from msvalidate.problem.checks import (
+    finite,
+    finite_coordinates,
+    positive_number,
+    require_one_of,
+    require_type,
+    whole_number,
+)
 from msvalidate.statics.equilibrium import Equilibrium
 
 Geometry = Literal["linear", "nonlinear"]
@@ -44,14 +51,16 @@ def spring_virial(network: Network, found: Equilibrium, geometry: Geometry = "li
     "linear": the pull to first order in the displacement, along the reference vector.
     "nonlinear": the pull and the vector at rest, of which Cauchy's stress is made.
 
+    Source: [Clausius1870], [BornHuang1954].
+
     Raises
     ------
     ProblemError
         If the equilibrium is not one of this network.
     """
-    instance("network", network, Network)
-    instance("equilibrium", found, Equilibrium)
-    chosen("geometry", geometry, ("linear", "nonlinear"))
+    require_type("network", network, Network)
+    require_type("equilibrium", found, Equilibrium)
+    require_one_of("geometry", geometry, ("linear", "nonlinear"))
     if found.position.shape != network.points.shape:
         raise ProblemError(
             f"stress: displacements {found.position.shape}, points {network.points.shape}; give "
@@ -84,6 +93,8 @@ def cell_stress(
     A spring belongs to the cells that both of its ends are corners of, shared out as the cells have
     volume inside the body.
 
+    Source: the virial, [Clausius1870], [BornHuang1954].
+
     Parameters
     ----------
     network, lattice
@@ -97,9 +108,9 @@ def cell_stress(
         If they do not belong together, or a spring runs in no cell, as in lattices whose springs
         reach from one cell to the next.
     """
-    _refuse_stranger(network, lattice)
-    volume = cell_volume(lattice) * positive("thickness", thickness, "m")
-    spring, cell = members(lattice)
+    _refuse_other_lattice(network, lattice)
+    volume = cell_volume(lattice) * positive_number("thickness", thickness, "m")
+    spring, cell = spring_cell_pairs(lattice)
     part = volume[cell] / np.bincount(spring, volume[cell], len(lattice.springs))[spring]
     virial = part[:, None, None] * spring_virial(network, found, geometry)[spring]
     total = np.zeros((len(lattice.cells), *virial.shape[1:]))
@@ -108,8 +119,8 @@ def cell_stress(
         network.dim
     )
     if geometry == "nonlinear":
-        volume = volume * _grown(lattice, found)
-    return _voigt(total / volume[:, None, None])
+        volume = volume * _volume_ratio(lattice, found)
+    return _voigt_components(total / volume[:, None, None])
 
 
 def _pressure_virial(
@@ -123,7 +134,7 @@ def _pressure_virial(
             "stress: the network's volumes are not the lattice's cells; give its own"
         )
     linear = geometry == "linear"
-    grown = growth(network.volumes, found.displacement, linear=linear)
+    grown = dilatation(network.volumes, found.displacement, linear=linear)
     V = network.volumes.rest_volume * (1.0 if linear else 1 + grown)
     return np.asarray(network.volumes.stiffness * grown * V)
 
@@ -136,7 +147,7 @@ def point_stress(lattice: Lattice, stress: Array) -> Array:
     ProblemError
         If the stresses are not one a cell, or a point is no cell's corner.
     """
-    instance("lattice", lattice, Lattice)
+    require_type("lattice", lattice, Lattice)
     count = len(lattice.cells)
     given = finite("stress of the cells", stress, count, "v", need=f"the lattice has {count} cells")
     corner, n = _corner_volume(lattice), len(lattice.points)
@@ -166,25 +177,27 @@ def point_virial(
     that are centres of symmetry; at a boundary a point's springs are one-sided, and so is it.
     Volume times it sums to the body's virial exactly.
 
+    Source: the virial, [Clausius1870], [BornHuang1954].
+
     Raises
     ------
     ProblemError
         If network and lattice do not belong together.
     """
-    _refuse_stranger(network, lattice)
+    _refuse_other_lattice(network, lattice)
     if network.volumes is not None:
         raise ProblemError("point_virial: of springs alone; ask cell_stress of cells with volumes")
     virial = spring_virial(network, found, geometry) / 2
     total = np.zeros((len(lattice.points), *virial.shape[1:]))
     for end in network.springs.T:
         np.add.at(total, end, virial)
-    volume = lattice.point_volume * positive("thickness", thickness, "m")
-    return _voigt(total / volume[:, None, None])
+    volume = lattice.point_volume * positive_number("thickness", thickness, "m")
+    return _voigt_components(total / volume[:, None, None])
 
 
-def _refuse_stranger(network: Network, lattice: Lattice) -> None:
-    instance("network", network, Network)
-    instance("lattice", lattice, Lattice)
+def _refuse_other_lattice(network: Network, lattice: Lattice) -> None:
+    require_type("network", network, Network)
+    require_type("lattice", lattice, Lattice)
     if not np.array_equal(network.springs, lattice.springs):
         raise ProblemError("stress: the network's springs are not the lattice's; give its own")
     if network.shear is not None:
@@ -207,7 +220,8 @@ def fitted_stress(
     nor the order of the points decides. Where displacements are exact its strain errs by r^degree,
     r the distance of the furthest point taken. Where they are those of a cut lattice, whose
     boundary leaves errors of the order of the strain in cells that it cuts, they are to be of
-    `whole_points`, and r is to grow beside the spacing h as that shrinks: by default as √h. A place
+    `interior_points`, and r is to grow beside the spacing h as that shrinks: by default as √h. A
+    place
     on the outline then lies a cell or two outside the points that are fitted.
 
     Parameters
@@ -229,7 +243,7 @@ def fitted_stress(
         If an array does not fit, or points are too few or lie on a curve of that degree.
     """
     given = {"points": points, "displacement": displacement, "places": places}
-    x, u, at = (coordinates(name, array) for name, array in given.items())
+    x, u, at = (finite_coordinates(name, array) for name, array in given.items())
     C = finite("tensor", tensor)
     fits = x.ndim == at.ndim == 2 and x.shape[1] in VOIGT and at.shape[1] == x.shape[1]
     if not fits or u.shape != x.shape or not len(at):
@@ -237,21 +251,21 @@ def fitted_stress(
             f"fitted stress: points {x.shape}, displacement {u.shape}, places {at.shape}; give "
             "(n, d) twice and (p, d)"
         )
-    powers = _powers(x.shape[1], whole("degree", degree, 1, 4))
+    powers = _monomial_powers(x.shape[1], whole_number("degree", degree, 1, 4))
     need = len(powers)
     usual = max(4 * need, math.isqrt(len(x)))
-    k = usual if count is None else whole("points for each fit", count, need)
+    k = usual if count is None else whole_number("points for each fit", count, need)
     if C.shape != (len(VOIGT[x.shape[1]]),) * 2 or k > len(x):
         raise ProblemError(
             f"fitted stress: tensor {C.shape}, {k} of {len(x)} points a fit; give a Voigt tensor "
             "and no more points than there are"
         )
-    near = _nearest(x, at, k)
-    strains = [_fitted(x[i], u[i], place, powers) for place, i in zip(at, near, strict=True)]
+    near = _nearest_points(x, at, k)
+    strains = [_fit_strain(x[i], u[i], place, powers) for place, i in zip(at, near, strict=True)]
     return np.asarray(np.stack(strains) @ C)
 
 
-def _nearest(points: Array, places: Array, count: int) -> list[Index]:
+def _nearest_points(points: Array, places: Array, count: int) -> list[Index]:
     """At least so many points nearest to each place: all that are as far as the last, too."""
     tree = cKDTree(points)
     last = tree.query(places, k=[count])[0][:, 0]
@@ -259,9 +273,9 @@ def _nearest(points: Array, places: Array, count: int) -> list[Index]:
     return [np.array(each, dtype=np.intp) for each in found]
 
 
-def whole_points(lattice: CutLattice) -> Mask:
+def interior_points(lattice: CutLattice) -> Mask:
     """Points (n,) of a cut lattice all of whose cells lie inside the body."""
-    instance("lattice", lattice, CutLattice)
+    require_type("lattice", lattice, CutLattice)
     good = np.ones(len(lattice.points), dtype=bool)
     good[lattice.cells[lattice.fraction < 1 - 1e-9]] = False
     return good
@@ -269,11 +283,11 @@ def whole_points(lattice: CutLattice) -> Mask:
 
 def cell_volume(lattice: Lattice) -> Array:
     """Area (m²) or volume (m³) of each cell (c,), as far as it lies in the body."""
-    instance("lattice", lattice, Lattice)
+    require_type("lattice", lattice, Lattice)
     return np.asarray(_corner_volume(lattice).sum(axis=1))
 
 
-def members(lattice: Lattice) -> tuple[Index, Index]:
+def spring_cell_pairs(lattice: Lattice) -> tuple[Index, Index]:
     """Springs and cells (q,) of which each spring is an edge or a diagonal.
 
     Raises
@@ -281,7 +295,7 @@ def members(lattice: Lattice) -> tuple[Index, Index]:
     ProblemError
         If a spring joins corners of no one cell.
     """
-    instance("lattice", lattice, Lattice)
+    require_type("lattice", lattice, Lattice)
     n = len(lattice.points)
     code = lattice.springs.min(axis=1) * n + lattice.springs.max(axis=1)
     order = np.argsort(code, kind="stable")
@@ -310,7 +324,7 @@ def _corner_volume(lattice: Lattice) -> Array:
     return corner_volumes(lattice.points, lattice.cells)
 
 
-def _grown(lattice: Lattice, found: Equilibrium) -> Array:
+def _volume_ratio(lattice: Lattice, found: Equilibrium) -> Array:
     """Volume (c,) of each cell at rest relative to that before."""
     near = lattice.points - lattice.points[0]
     now, before = (
@@ -319,13 +333,13 @@ def _grown(lattice: Lattice, found: Equilibrium) -> Array:
     return np.asarray(now / before)
 
 
-def _voigt(tensors: Array) -> Array:
+def _voigt_components(tensors: Array) -> Array:
     """Voigt components (c, 3) or (c, 6) of symmetric tensors (c, d, d)."""
     first, second = np.array(VOIGT[tensors.shape[-1]]).T
     return np.asarray(tensors[:, first, second])
 
 
-def _powers(dim: int, degree: int) -> Index:
+def _monomial_powers(dim: int, degree: int) -> Index:
     """Powers (q, d) of all monomials up to a degree: 1 first, then the coordinates."""
     each = [
         np.bincount(axes, minlength=dim)
@@ -338,7 +352,7 @@ def _powers(dim: int, degree: int) -> Index:
     return np.array(each)
 
 
-def _fitted(x: Array, u: Array, place: Array, powers: Index) -> Array:
+def _fit_strain(x: Array, u: Array, place: Array, powers: Index) -> Array:
     """Voigt strain (3,) or (6,) at a place of the polynomial fitted to points (k, d)."""
     radius = max(np.linalg.norm(x - place, axis=1).max(), 1 / LONGEST)
     terms = (((x - place) / radius)[:, None] ** powers).prod(axis=2)

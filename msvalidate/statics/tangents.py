@@ -7,17 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import bsr_array
 
-from msvalidate.linear_algebra.double_double import pair
+from msvalidate.linear_algebra.double_double import as_pair
 from msvalidate.linear_algebra.factor import Factor
-from msvalidate.linear_algebra.refine import DOUBTFUL, contraction
+from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.network.accurate import State
 from msvalidate.problem import Array, Index, SolverError
-from msvalidate.problem.checks import instance
-from msvalidate.statics.polish import centred
-from msvalidate.tangent.cycles import refuse_loose_motion
+from msvalidate.problem.checks import require_type
+from msvalidate.statics.polish import centre_points
+from msvalidate.tangent.cycles import refuse_mechanism_motion
 from msvalidate.tangent.inverse import Regular, Solver
-from msvalidate.tangent.multigrid import Cycle, cycle_of, is_positive, restrained
+from msvalidate.tangent.multigrid import Cycle, is_positive, make_cycle, restrained_tangent
 from msvalidate.tangent.stability import negative_modes
 
 LARGEST_TURN = 0.5
@@ -44,7 +44,7 @@ class Tangent:
     found: Regular | None
 
     @property
-    def calm(self) -> bool:
+    def is_positive_definite(self) -> bool:
         """Whether no pivot is negative, or their signs may be rounding.
 
         Multigrid has no pivots: it does not solve with what it finds to be negative.
@@ -53,7 +53,7 @@ class Tangent:
             return True
         if self.found.negative == 0:
             return True
-        return not beyond_doubt(self.found)
+        return not is_inertia_certain(self.found)
 
     def move(self, load: Array, held: Array) -> Array:
         """Move (n, d) in m that balances a load (n, d) in N, held components moving by `held`."""
@@ -78,7 +78,7 @@ def tangent_at(network: Network, x: Array, solver: Solver) -> Tangent:
     return Tangent(free, K, solver.regular(network, x, K) if len(free) else None)
 
 
-def tangent_move(
+def first_order_move(
     network: Network, x: Array, load: Array, held: Array, solver: Solver
 ) -> tuple[Array, bool]:
     """Move (n, d) in m from `x` that balances `load` (n, d) in N to first order; is K positive.
@@ -91,11 +91,13 @@ def tangent_move(
         If some motion meets no stiffness.
     """
     found = tangent_at(network, x, solver)
-    positive = found.found is None or is_positive_at(network, x - network.points, found.found)
+    positive = found.found is None or is_positive_definite_at(
+        network, x - network.points, found.found
+    )
     return found.move(load, held), positive
 
 
-def largest_turn(network: Network, x: Array, move: Array) -> float:
+def largest_rotation(network: Network, x: Array, move: Array) -> float:
     """Largest change of a spring's vector in a move, relative to its length; infinite for NaN."""
     i, j = network.springs.T
     length = np.linalg.norm(x[j] - x[i], axis=1)
@@ -105,40 +107,40 @@ def largest_turn(network: Network, x: Array, move: Array) -> float:
 
 
 def is_stable(network: Network, position: Array, cycle: Cycle | None = None) -> bool:
-    """Whether every free motion from `position` (n, d) in m meets stiffness: no negative mode.
+    """Whether the tangent at `position` (n, d) in m is positive definite: no negative mode.
 
     Where `inverse.Solver` takes a factor the signs of pivots decide. Elsewhere a random load
     does: a yes is then very likely, as `multigrid.is_positive` says. `cycle` is a multigrid cycle
     of the same network close by, where there is one.
     """
-    instance("network", network, Network)
+    require_type("network", network, Network)
     if network.held.all():
         return True
     solver = Solver(network)
     if not solver.is_direct:
-        A = restrained(network, position)
+        A = restrained_tangent(network, position)
         if cycle is not None and is_positive(A, network, position, cycle):
             return True
-        own = cycle_of(A, network, position)  # a no needs its own cycle
+        own = make_cycle(A, network, position)  # a no needs its own cycle
         return is_positive(A, network, position, own)
-    near, displacement = centred(network), position - network.points
+    near, displacement = centre_points(network), position - network.points
     try:
         found = solver.regular(near, near.points + displacement)
     except SolverError:  # a mechanism
         return False
-    return is_positive_at(network, displacement, found)
+    return is_positive_definite_at(network, displacement, found)
 
 
-def is_positive_at(network: Network, displacement: Array, found: Regular) -> bool:
+def is_positive_definite_at(network: Network, displacement: Array, found: Regular) -> bool:
     """Whether a tangent is: by the signs of pivots where these are no rounding."""
-    if beyond_doubt(found):
+    if is_inertia_certain(found):
         return found.negative == 0
-    return negative_modes(State(network, pair(displacement)), found, ~network.held) == 0
+    return negative_modes(State(network, as_pair(displacement)), found, ~network.held) == 0
 
 
-def beyond_doubt(found: Regular) -> bool:
+def is_inertia_certain(found: Regular) -> bool:
     """Whether the signs of a factor's pivots are those of the exact tangent."""
-    return contraction(found.softness) <= DOUBTFUL
+    return contraction_bound(found.softness) <= DOUBTFUL
 
 
 def refuse_mechanism(network: Network, solver: Solver | None = None) -> None:
@@ -154,4 +156,4 @@ def refuse_mechanism(network: Network, solver: Solver | None = None) -> None:
     if solver.is_direct:
         solver.regular(network, x)
         return
-    refuse_loose_motion(restrained(network, x), network, x)
+    refuse_mechanism_motion(restrained_tangent(network, x), network, x)

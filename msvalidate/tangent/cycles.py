@@ -11,13 +11,13 @@ from scipy.sparse import bsr_array
 
 from msvalidate.network import Network
 from msvalidate.problem import Array, Mask, SolverError
-from msvalidate.tangent.mechanism import is_loose, named
+from msvalidate.tangent.mechanism import describe_motion, is_mechanism
 from msvalidate.tangent.multigrid import (
     UNSEEN,
     Cycle,
     Solved,
     conjugate_gradients,
-    cycle_of,
+    make_cycle,
     softest_motion,
 )
 
@@ -27,8 +27,8 @@ each with a residual of its own, which costs as much as two cycles."""
 ROUGHLY = 1e-3
 
 
-class UnsettledError(SolverError):
-    """Multigrid came to no end: no verdict on the network."""
+class NotConvergedError(SolverError):
+    """Multigrid did not converge, which says nothing about the network."""
 
 
 @dataclass(eq=False)
@@ -70,7 +70,7 @@ class Cycles:
         size = 2.0 ** math.frexp(largest)[1]
         found = self._settled(right / size, part)
         if found.negative or not found.left <= part:
-            raise UnsettledError(
+            raise NotConvergedError(
                 f"multigrid: {found.left:.1g} of the residual is left after {found.cycles} cycles"
             )
         self.steps = max(self.steps, found.cycles)
@@ -92,7 +92,7 @@ class Cycles:
         load = weight * np.random.default_rng(0).normal(size=len(weight))
         part = UNSEEN / math.sqrt(len(load))
         found = self._settled(load, part)
-        falling = self.cycle.falling
+        falling = self.cycle.indefinite_motion
         falls = falling is not None and bool(falling @ (self.A @ falling) <= 0)
         if falls or found.negative:
             mode = softest_motion(self.A, self.network, self.position)
@@ -116,18 +116,18 @@ class Cycles:
             found = conjugate_gradients(self.A, load, self.cycle, part, spectral=True)
             if self.is_own or not (found.negative or found.left > part):
                 return found
-            self.cycle, self.is_own = cycle_of(self.A, self.network, self.position), True
+            self.cycle, self.is_own = make_cycle(self.A, self.network, self.position), True
 
     @cached_property
     def _free(self) -> Mask:
         return np.asarray(~self.network.held.ravel())
 
 
-def refuse_loose_motion(A: bsr_array, network: Network, position: Array) -> None:
+def refuse_mechanism_motion(A: bsr_array, network: Network, position: Array) -> None:
     """Raise `SolverError` if a motion is found that meets no stiffness: a long search.
 
     `A` is `restrained` at `position` (n, d) in m.
     """
     mode = softest_motion(A, network, position)
-    if mode.any() and is_loose(network, position, mode, A.diagonal()):
-        raise SolverError(named(network, mode))
+    if mode.any() and is_mechanism(network, position, mode, A.diagonal()):
+        raise SolverError(describe_motion(network, mode))

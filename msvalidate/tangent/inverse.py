@@ -16,15 +16,21 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import bsr_array, csr_array, diags_array
 
-from msvalidate.linear_algebra.dissection import Dissection, dissected
-from msvalidate.linear_algebra.factor import Factor, factorised, inverse_iteration
-from msvalidate.linear_algebra.refine import DOUBTFUL, contraction
+from msvalidate.linear_algebra.dissection import Dissection, nested_dissection
+from msvalidate.linear_algebra.factor import Factor, factorise, inverse_iteration
+from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.problem import Array, Index, Mask, SolverError
-from msvalidate.problem.checks import chosen
-from msvalidate.tangent.cycles import PART, Cycles, UnsettledError, refuse_loose_motion
-from msvalidate.tangent.mechanism import NO_STIFFNESS, named, softness
-from msvalidate.tangent.multigrid import Cycle, cycle_of, restrain, restrained, softest_motion
+from msvalidate.problem.checks import require_one_of
+from msvalidate.tangent.cycles import PART, Cycles, NotConvergedError, refuse_mechanism_motion
+from msvalidate.tangent.mechanism import NO_STIFFNESS, describe_motion, relative_stiffness
+from msvalidate.tangent.multigrid import (
+    Cycle,
+    make_cycle,
+    restrain_in_place,
+    restrained_tangent,
+    softest_motion,
+)
 
 SOLVERS = ("auto", "direct", "multigrid")
 """Names of solvers; "auto" takes one of the others."""
@@ -98,14 +104,14 @@ class Regular:
     def rate(self) -> float:
         """Part of an error that a correction leaves, at the most."""
         own = 0.0 if isinstance(self.inverse, Factor) else PART
-        return max(own, contraction(self.softness))
+        return max(own, contraction_bound(self.softness))
 
     @cached_property
     def negative(self) -> int:
         """Number of negative eigenvalues, or 1 where there are some and nobody counted."""
         if isinstance(self.inverse, Factor) and not self.inverse.is_signed:
-            A = restrained(self.network, self.position)
-            own = cycle_of(A, self.network, self.position)
+            A = restrained_tangent(self.network, self.position)
+            own = make_cycle(A, self.network, self.position)
             _, negative, told = Cycles(A, self.network, self.position, own, is_own=True).probed
             if not told:
                 raise SolverError(UNTOLD.format(len(self.diagonal)))
@@ -123,7 +129,7 @@ class Regular:
         if 0 < soft < SOFT:
             way, told = found.softer(way)
             soft, mode = self._judged(way)
-        if contraction(soft) > DOUBTFUL:  # so little may be rounding: a purer motion tells
+        if contraction_bound(soft) > DOUBTFUL:  # so little may be rounding: a purer motion tells
             purer = softest_motion(found.A, self.network, self.position)
             if purer.any():
                 soft, mode = self._judged(purer[~self.network.held.ravel()])
@@ -135,7 +141,7 @@ class Regular:
         mode, met = np.zeros(self.network.points.size), np.zeros(self.network.points.size)
         free = ~self.network.held.ravel()
         mode[free], met[free] = way, self.diagonal
-        soft = softness(self.network, self.position, mode, met)
+        soft = relative_stiffness(self.network, self.position, mode, met)
         _refuse_no_stiffness(self.network, soft, mode)
         return soft, mode
 
@@ -157,7 +163,7 @@ class Solver:
     """
 
     def __init__(self, network: Network, wanted: str = "auto") -> None:
-        chosen("solver", wanted, SOLVERS)
+        require_one_of("solver", wanted, SOLVERS)
         self.wanted, self._network = wanted, network
         self.met_negative = False
         """Whether multigrid met a tangent that is not positive, and did not go on."""
@@ -192,13 +198,13 @@ class Solver:
             return found
         try:
             _refuse_rounding(found.softness)
-        except UnsettledError as error:
+        except NotConvergedError as error:
             try:
                 self.give_way(error)
             except SolverError:
                 # Where no factor will name it, a mechanism is looked for.
                 if isinstance(found.inverse, Cycles) and not found.inverse.probed[2]:
-                    refuse_loose_motion(found.inverse.A, network, position)
+                    refuse_mechanism_motion(found.inverse.A, network, position)
                 raise
             return self.regular(network, position, K)
         self._looked = True
@@ -215,16 +221,16 @@ class Solver:
             If nothing at all resists a component, or memory does not suffice.
         """
         inside = np.flatnonzero(~network.held.ravel())
-        _refuse_loose(network, K.diagonal()[inside], inside)
+        _refuse_unsupported(network, K.diagonal()[inside], inside)
         if not self.is_direct:
             return self._multigrid(network, position, K)
         if self._order is None:
             self._dissected(np.inf)
         A = csr_array(K)[inside][:, inside]
-        return factorised(A, _components(self._order, network.held))
+        return factorise(A, _free_components(self._order, network.held))
 
     def give_way(self, error: SolverError, most: float = MOST_IN_NEED) -> None:
-        """Take a factor from now on, for multigrid failed; raise what it says where none is had.
+        """Use a factor from now on, since multigrid failed; raise its error if none can be made.
 
         `most` entries are the largest that is taken.
         """
@@ -258,7 +264,7 @@ class Solver:
         return Choice("multigrid", "a large body, whose factor fills up")
 
     def _dissected(self, most: float) -> Dissection:
-        found = dissected(self._network.points, joined(self._network), most)
+        found = nested_dissection(self._network.points, connected_pairs(self._network), most)
         self._order = found.order
         return found
 
@@ -284,20 +290,20 @@ class Solver:
             if worn:
                 self._usual = 0
         A = bsr_array((K.data.copy(), K.indices, K.indptr), shape=K.shape)
-        restrain(A, ~network.held)
+        restrain_in_place(A, ~network.held)
         own = self._cycle is None
-        cycle = self._cycle or cycle_of(A, network, position)
+        cycle = self._cycle or make_cycle(A, network, position)
         self._last = Cycles(A, network, position, cycle, own)
         return self._last
 
 
-def order_of(network: Network) -> Index:
+def elimination_order(network: Network) -> Index:
     """Free components (f,) of a network in the order to eliminate them."""
-    found = dissected(network.points, joined(network))
-    return _components(found.order, network.held)
+    found = nested_dissection(network.points, connected_pairs(network))
+    return _free_components(found.order, network.held)
 
 
-def joined(network: Network) -> Index:
+def connected_pairs(network: Network) -> Index:
     """Pairs (p, 2) of points that springs, cells and shear springs join."""
     pairs = [network.springs]
     if network.volumes is not None:
@@ -310,32 +316,32 @@ def joined(network: Network) -> Index:
 
 def _refuse_unsettled(told: bool) -> None:
     if not told:
-        raise UnsettledError("multigrid: conjugate gradients do not tell whether it is stable")
+        raise NotConvergedError("multigrid: conjugate gradients do not tell whether it is stable")
 
 
 def _refuse_no_stiffness(network: Network, soft: float, mode: Array) -> None:
     """Raise `SolverError` for a motion (n·d,) that meets nothing: NaN is nothing too."""
     if not abs(soft) > NO_STIFFNESS:
-        raise SolverError(named(network, mode))
+        raise SolverError(describe_motion(network, mode))
 
 
 def _refuse_rounding(softness: float) -> None:
-    if contraction(softness) > DOUBTFUL:
-        raise UnsettledError(
+    if contraction_bound(softness) > DOUBTFUL:
+        raise NotConvergedError(
             f"multigrid: the softest motion meets {abs(softness):.1g} of what its points meet one "
             "by one, too little to be told from rounding"
         )
 
 
-def _refuse_loose(network: Network, diagonal: Array, inside: Index) -> None:
+def _refuse_unsupported(network: Network, diagonal: Array, inside: Index) -> None:
     """Raise `SolverError` for a component that nothing at all is in the way of."""
     if not diagonal.all():
         mode = np.zeros(network.points.size)
         mode[inside[int(np.flatnonzero(diagonal == 0)[0])]] = 1.0
-        raise SolverError(named(network, mode))
+        raise SolverError(describe_motion(network, mode))
 
 
-def _components(order: Index | None, held: Mask) -> Index:
+def _free_components(order: Index | None, held: Mask) -> Index:
     """Free components (f,) in the order of their points (n,)."""
     n, d = held.shape
     points = np.arange(n) if order is None else order

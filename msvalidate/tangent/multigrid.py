@@ -15,11 +15,11 @@ import numpy as np
 from scipy.linalg import eigh_tridiagonal
 from scipy.sparse import bsr_array, csr_array
 
-from msvalidate.linear_algebra.double_double import pair
+from msvalidate.linear_algebra.double_double import as_pair
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.network.accurate import State
 from msvalidate.problem import Array, Index, Mask, rigid_motions
-from msvalidate.tangent.mechanism import is_loose
+from msvalidate.tangent.mechanism import is_mechanism
 
 MOST_CYCLES = 300
 """Bodies of good shape take 10 to 30; slender ones, or masses of soft springs, a few hundred."""
@@ -70,7 +70,7 @@ class Cycle:
         PyAMG's, of the stiffness over `unit`.
     unit
         N/m.
-    falling
+    indefinite_motion
         A motion (n·d,) of negative energy, if the coarsest level has one: so does the network then.
     order
         (n·d,) components as the levels have them; None where they are in the network's order.
@@ -78,7 +78,7 @@ class Cycle:
 
     levels: Any
     unit: float
-    falling: Array | None
+    indefinite_motion: Array | None
     order: Index | None = None
 
     def __call__(self, force: Array) -> Array:
@@ -131,7 +131,7 @@ class Solved:
     lowest: float = math.inf
 
 
-def restrain(K: bsr_array, free: Mask) -> None:
+def restrain_in_place(K: bsr_array, free: Mask) -> None:
     """Cut off in K (n·d, n·d) itself what is not `free` (n, d), but for positive diagonal entries.
 
     Rows that are held stay, so that every point has its block.
@@ -145,17 +145,19 @@ def restrain(K: bsr_array, free: Mask) -> None:
     K.data[at[own]] += unit * (np.eye(free.shape[1]) * ~free[row[own]][:, :, None])
 
 
-def restrained(network: Network, position: Array) -> bsr_array:
-    """The tangent at `position` (n, d) in m, its free part left: see `restrain`."""
+def restrained_tangent(network: Network, position: Array) -> bsr_array:
+    """The tangent at `position` (n, d) in m, its free part left: see `restrain_in_place`."""
     K = tangent_blocks(network, position)
-    restrain(K, ~network.held)
+    restrain_in_place(K, ~network.held)
     return K
 
 
-def cycle_of(A: bsr_array, network: Network, position: Array) -> Cycle:
+def make_cycle(A: bsr_array, network: Network, position: Array) -> Cycle:
     """Smoothed aggregation whose coarse spaces hold the rigid motions of `position` (n, d) in m.
 
-    `A` is `restrained` there. The same system has the same cycle, to the last digit.
+    `A` is `restrained_tangent` there. The same system has the same cycle, to the last digit.
+
+    Source: [Vanek1996].
     """
     from pyamg import smoothed_aggregation_solver  # noqa: PLC0415  half a second for one method
 
@@ -168,12 +170,12 @@ def cycle_of(A: bsr_array, network: Network, position: Array) -> Cycle:
     scaled.has_canonical_format = True  # or it is looked through at every use
     motions, order = rigid * free.reshape(-1, 1), None
     if _is_scattered(network):
-        points = _by_place(network)
-        scaled = _in_order(scaled, points)
+        points = _order_by_place(network)
+        scaled = _permute_blocks(scaled, points)
         order = (points[:, None] * network.dim + np.arange(network.dim)).ravel()
         motions = motions[order]
     levels = smoothed_aggregation_solver(scaled, B=motions, **_OPTIONS)
-    falling = _falling(levels.levels)
+    falling = _indefinite_motion(levels.levels)
     if falling is not None and order is not None:
         back = np.empty_like(falling)
         back[order] = falling
@@ -188,14 +190,14 @@ def _is_scattered(network: Network) -> bool:
     return bool(np.abs(i - j).mean() > FAR_APART * n ** (1 - 1 / d))
 
 
-def _by_place(network: Network) -> Index:
+def _order_by_place(network: Network) -> Index:
     """Points (n,) in layers, rows and along them, as lattices have them; alike ones by number."""
     spacing = float(np.linalg.norm(network.vector, axis=1).mean())
     layers = np.floor((network.points - network.points.min(axis=0)) / spacing + 0.25)
     return np.lexsort(layers.T)
 
 
-def _in_order(A: bsr_array, points: Index) -> bsr_array:
+def _permute_blocks(A: bsr_array, points: Index) -> bsr_array:
     """A with the blocks of its points (n,) in another order."""
     n = len(points)
     where = csr_array((np.arange(len(A.indices)), A.indices, A.indptr), shape=(n, n))
@@ -206,7 +208,7 @@ def _in_order(A: bsr_array, points: Index) -> bsr_array:
     return found
 
 
-def _falling(levels: list[Any]) -> Array | None:
+def _indefinite_motion(levels: list[Any]) -> Array | None:
     """The coarsest motion of the least energy on the finest level, if that is below rounding."""
     stiffness, motions = np.linalg.eigh(levels[-1].A.toarray())
     if stiffness[0] >= -ROUNDING * stiffness[-1]:
@@ -231,6 +233,8 @@ def conjugate_gradients(
     The error is what a cycle makes of the residual: that hardly knows of a slender body's bending.
     If `spectral`, both are to be smaller by the lowest eigenvalue, of which the error may be one
     over as large: conjugate gradients know it (Lanczos; Golub and Van Loan 2013, section 11.3).
+
+    Source: [HestenesStiefel1952].
     """
     x, residual = np.zeros(len(force)), force.copy()
     ahead = cycle(residual)
@@ -258,12 +262,15 @@ def conjugate_gradients(
         direction *= turns[-1]
         direction += ahead
         if spectral and left <= part:
-            lowest = _lowest(np.array(lengths), np.array(turns))
+            lowest = _lowest_eigenvalue(np.array(lengths), np.array(turns))
     return Solved(x, len(lengths), left, negative=False, lowest=lowest)
 
 
-def _lowest(lengths: Array, turns: Array) -> float:
-    """Lowest eigenvalue that steps of conjugate gradients have met, by their Lanczos matrix."""
+def _lowest_eigenvalue(lengths: Array, turns: Array) -> float:
+    """Lowest eigenvalue that steps of conjugate gradients have met, by their Lanczos matrix.
+
+    Source: [Lanczos1950].
+    """
     diagonal = 1 / lengths
     diagonal[1:] += turns[:-1] / lengths[:-1]
     beside = np.sqrt(np.abs(turns[:-1])) / lengths[:-1]
@@ -283,7 +290,7 @@ def _norm(a: Array) -> float:
 def is_positive(A: bsr_array, network: Network, position: Array, cycle: Cycle) -> bool:
     """Whether a random load (the same every time) meets no motion without stiffness in A.
 
-    `A` is `restrained` at `position` (n, d) in m.
+    `A` is `restrained_tangent` at `position` (n, d) in m.
 
     **Certain** is a no by a motion of negative energy, or of none in the springs: one was found.
     **Very likely** is a yes: the part of a load along a motion of negative energy cannot fall in
@@ -293,25 +300,31 @@ def is_positive(A: bsr_array, network: Network, position: Array, cycle: Cycle) -
     stiffness is rounding and may be positive, takes the whole displacement instead, and the springs
     convict it. A no for want of convergence, in `MOST_CYCLES`, is caution.
     """
-    if cycle.falling is not None and cycle.falling @ (A @ cycle.falling) <= 0:
+    if (
+        cycle.indefinite_motion is not None
+        and cycle.indefinite_motion @ (A @ cycle.indefinite_motion) <= 0
+    ):
         return False
-    load = _random(network) * cycle.unit
+    load = _random_load(network) * cycle.unit
     part = UNSEEN / math.sqrt(max(int(np.count_nonzero(load)), 1))
     outcome = conjugate_gradients(A, load, cycle, part)
     if outcome.negative or not outcome.left <= part:
         return False
     size = float(np.abs(outcome.solution).max())
-    return not (size and is_loose(network, position, outcome.solution / size, A.diagonal()))
+    return not (size and is_mechanism(network, position, outcome.solution / size, A.diagonal()))
 
 
 def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
     """Motion (n·d,) that meets the least stiffness, its largest component 1, by inverse iteration.
 
-    `A` is `restrained` at `position` (n, d) in m. It is stiffened by a part ε of what each point
+    `A` is `restrained_tangent` at `position` (n, d) in m. It is stiffened by a part ε of what each
+    point
     meets, D, so that a mechanism has an inverse too. A sweep (A + εD)⁻¹ εD x is made as
     x - (A + εD)⁻¹ A x at last, A x from the springs' own elongations: rounding in stiff springs
     would else deform the soft ones beside them. Without an answer, of a network that is unstable,
     all are 0.
+
+    Source: inverse iteration, [GolubVanLoan2013], section 8.2.
     """
     own = A.indices == np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
     data = A.data.copy()
@@ -319,12 +332,12 @@ def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
     met /= np.abs(met).max()
     data[own] += LOOSE * A.data.max() * (met.reshape(-1, network.dim, 1) * np.eye(network.dim))
     stiffened = bsr_array((data, A.indices, A.indptr), shape=A.shape)
-    cycle = cycle_of(stiffened, network, position)
-    state, mode = State(network, pair(position - network.points)), _random(network)
+    cycle = make_cycle(stiffened, network, position)
+    state, mode = State(network, as_pair(position - network.points)), _random_load(network)
     unsettled = 0
     for sweep in range(MOST_SWEEPS):
         exact, before = sweep >= SWEEPS, mode
-        load = push(state, mode, ~network.held) if exact else met * mode * cycle.unit
+        load = force_against(state, mode, ~network.held) if exact else met * mode * cycle.unit
         outcome = conjugate_gradients(stiffened, load, cycle, CLEAN)
         mode = mode - outcome.solution if exact else outcome.solution
         size = np.abs(mode).max()
@@ -337,17 +350,17 @@ def softest_motion(A: bsr_array, network: Network, position: Array) -> Array:
     return mode
 
 
-def push(state: State, motion: Array, free: Mask) -> Array:
+def force_against(state: State, motion: Array, free: Mask) -> Array:
     """Force (n·d,) in N per m that a motion (n·d,) meets, where it is `free` (n, d).
 
     By the springs' own vectors: sums of large entries would lose what meets little.
     """
-    zero = pair(np.zeros(free.shape))
-    met = -state.residual(zero, pair(motion.reshape(free.shape))).hi * state.stiffness
+    zero = as_pair(np.zeros(free.shape))
+    met = -state.residual(zero, as_pair(motion.reshape(free.shape))).hi * state.stiffness
     return np.asarray(np.where(free, met, 0.0).ravel())
 
 
-def _random(network: Network) -> Array:
+def _random_load(network: Network) -> Array:
     """A load (n·d,) on what is free, the same every time."""
     free = ~network.held
     return np.where(free, np.random.default_rng(0).normal(size=free.shape), 0.0).ravel()

@@ -1,4 +1,4 @@
-"""What refinement is told of a network: whether anything acts, and how to try a factor."""
+"""What refinement needs of a network: whether it is loaded, and a motion to test a factor with."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ALIKE = 100.0
 """Times that stiffnesses may be apart without a word of it."""
 
 
-def nothing_acts(network: Network, reference: State) -> bool:
+def is_unloaded(network: Network, reference: State) -> bool:
     """Whether no load, no prescribed displacement and no prestress acts on what is free.
 
     `reference` is the network at its reference points.
@@ -24,7 +24,7 @@ def nothing_acts(network: Network, reference: State) -> bool:
     return bool(not loaded and reference.unstressed)
 
 
-def why(network: Network, softness: float) -> str:
+def explain_rounding(network: Network, softness: float) -> str:
     """How far apart stiffnesses are and what the softest motion meets, and what to do."""
     k = network.stiffness[network.stiffness > 0]
     apart = float(k.max() / k.min()) if len(k) else 1.0
@@ -42,7 +42,7 @@ def why(network: Network, softness: float) -> str:
     )
 
 
-def known(free: Mask, mode: Array) -> Array:
+def trial_motion(free: Mask, mode: Array) -> Array:
     """A motion (n, d) to try a factor on: of all kinds at once, a mode (n·d,) among them."""
     motion = np.where(free, np.random.default_rng(0).normal(size=free.shape), 0.0)
     own = mode.reshape(motion.shape)

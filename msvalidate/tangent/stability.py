@@ -12,13 +12,13 @@ import numpy as np
 from scipy.linalg import eigh
 
 from msvalidate.linear_algebra.factor import Factor
-from msvalidate.linear_algebra.refine import DOUBTFUL, FACTOR_ROUNDING, contraction
+from msvalidate.linear_algebra.refine import DOUBTFUL, FACTOR_ROUNDING, contraction_bound
 from msvalidate.network.accurate import State
 from msvalidate.problem import Array, Mask, SolverError
-from msvalidate.tangent.cycles import UnsettledError
+from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import Regular
 from msvalidate.tangent.mechanism import NO_STIFFNESS
-from msvalidate.tangent.multigrid import push
+from msvalidate.tangent.multigrid import force_against
 
 MODES = 8
 """Modes whose energies are taken: as many motions as may meet less than rounding."""
@@ -29,7 +29,7 @@ CLEAR = 10.0
 
 
 def negative_modes(state: State, found: Regular, free: Mask) -> int:
-    """Number of motions of negative energy.
+    """Number of negative eigenvalues of the tangent.
 
     Parameters
     ----------
@@ -43,22 +43,22 @@ def negative_modes(state: State, found: Regular, free: Mask) -> int:
     Raises
     ------
     SolverError
-        If more motions than can be looked at meet no more than rounding; `UnsettledError` if one
+        If more motions than can be looked at meet no more than rounding; `NotConvergedError` if one
         does, and there is no factor.
     """
-    if contraction(found.softness) <= DOUBTFUL:
+    if contraction_bound(found.softness) <= DOUBTFUL:
         return found.negative
     if not isinstance(found.inverse, Factor):
-        raise UnsettledError(
+        raise NotConvergedError(
             "multigrid: whether the network is stable cannot be told: a motion meets "
             f"{abs(found.softness):.1g} of what its points meet alone"
         )
     weight = np.abs(found.diagonal)
-    modes, pushes = _softest(found.inverse, weight)
+    modes, pushes = _softest_motions(found.inverse, weight)
     own = modes.T @ pushes
     metric = modes.T @ (weight[:, None] * modes)
     factored = eigh((own + own.T) / 2, metric, eigvals_only=True)
-    changes = np.column_stack([_push(state, mode, free) for mode in modes.T])
+    changes = np.column_stack([_force_against(state, mode, free) for mode in modes.T])
     exact = modes.T @ changes
     energies = eigh((exact + exact.T) / 2, metric, eigvals_only=True)
     all_seen = len(weight) <= MODES
@@ -78,7 +78,7 @@ def negative_modes(state: State, found: Regular, free: Mask) -> int:
     return max(outside, 0) + int((energies < 0).sum())
 
 
-def _softest(factor: Factor, weight: Array) -> tuple[Array, Array]:
+def _softest_motions(factor: Factor, weight: Array) -> tuple[Array, Array]:
     """Motions (f, modes) that the factor resists least, and the forces that it meets them with."""
     rng = np.random.default_rng(0)
     modes = rng.normal(size=(len(weight), min(MODES, len(weight))))
@@ -94,8 +94,8 @@ def _softest(factor: Factor, weight: Array) -> tuple[Array, Array]:
     return modes, pushes
 
 
-def _push(state: State, mode: Array, free: Mask) -> Array:
+def _force_against(state: State, mode: Array, free: Mask) -> Array:
     """Force (f,) that meets a motion (f,) of what is free, in N per m."""
     motion = np.zeros(free.shape)
     motion[free] = mode
-    return push(state, motion, free)[free.ravel()]
+    return force_against(state, motion, free)[free.ravel()]

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import chosen, instance, number
+from msvalidate.problem.checks import finite_number, require_one_of, require_type
 from reference_fem.actuator.soft_slab import Electric, SoftSlab
 from reference_fem.actuator.staggered import fixed_point
-from reference_fem.large_strain.equilibrium import Deformed, deform
+from reference_fem.large_strain.equilibrium import LargeStrainSolution, deform
 
 TOLERANCE = 1e-8
 """Movement, relative to the slab's height, that one more turn may make."""
@@ -32,7 +32,7 @@ LARGEST = 1e100
 
 
 @dataclass(frozen=True, eq=False)
-class Actuated:
+class ActuatedSlab:
     """A slab at rest at a voltage.
 
     Parameters
@@ -59,7 +59,7 @@ class Actuated:
     voltage: float
     charge: Array
     displacement: Array
-    deformed: Deformed
+    deformed: LargeStrainSolution
     electric: Electric
     iterations: int
     residual: float
@@ -84,12 +84,12 @@ class Actuated:
         return 1 + float(self.at([[slab.length / 2, slab.height]])[0, 1]) / slab.height
 
 
-def settled(
+def solve_actuated(
     actuator: SoftSlab,
     drive: Literal["voltage", "charge"],
     value: float,
-    start: Actuated | None,
-) -> Actuated:
+    start: ActuatedSlab | None,
+) -> ActuatedSlab:
     """The slab at rest near `start`, at a voltage (V) or a charge (C), in one step.
 
     Raises
@@ -100,15 +100,15 @@ def settled(
         If field and body do not settle, or a cell turns inside out on the way.
     """
     refuse_start(actuator, start)
-    chosen("drive", drive, ("voltage", "charge"))
-    if abs(number(drive, value)) > LARGEST:
+    require_one_of("drive", drive, ("voltage", "charge"))
+    if abs(finite_number(drive, value)) > LARGEST:
         unit = "V" if drive == "voltage" else "C"
         raise ProblemError(
             f"{drive}: {value:g} {unit}; take units in which it is below {LARGEST:g}"
         )
     solid, nothing = actuator.solid, np.zeros(actuator.body.points.shape)
 
-    def answer(u: Array) -> tuple[Array, tuple[float, Electric, Deformed]]:
+    def answer(u: Array) -> tuple[Array, tuple[float, Electric, LargeStrainSolution]]:
         electric = actuator.electric(u)
         voltage = value if drive == "voltage" else value / electric.capacitance
         body = deform(solid, nothing, voltage**2 * electric.forces, start=u, least_part=LEAST_PART)
@@ -118,7 +118,7 @@ def settled(
     height = actuator.slab.height
     turns = fixed_point(answer, begin, TOLERANCE * height)
     voltage, electric, body = turns.found
-    return Actuated(
+    return ActuatedSlab(
         actuator=actuator,
         voltage=voltage,
         charge=voltage * electric.totals,
@@ -130,10 +130,10 @@ def settled(
     )
 
 
-def refuse_start(actuator: SoftSlab, start: Actuated | None) -> None:
+def refuse_start(actuator: SoftSlab, start: ActuatedSlab | None) -> None:
     """Raise a `ProblemError` for what is no slab, or no equilibrium of it to start from."""
-    instance("actuator", actuator, SoftSlab)
+    require_type("actuator", actuator, SoftSlab)
     if start is not None:
-        instance("start", start, Actuated)
+        require_type("start", start, ActuatedSlab)
         if start.actuator is not actuator:
             raise ProblemError("start: of another slab; start from an equilibrium of this one")

@@ -4,7 +4,8 @@
 rest over the voltage, up to where the slab pulls in.
 
 At a fixed *charge* a thinner slab is not pulled harder, so that equilibria are found past the
-largest voltage as well as before: `turning` finds that voltage as a maximum, with its derivative 0.
+largest voltage as well as before: `turning_point` finds that voltage as a maximum, with its
+derivative 0.
 """
 
 from __future__ import annotations
@@ -16,8 +17,14 @@ from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.problem.checks import finite, instance, number, positive, shown
-from reference_fem.actuator.actuated import Actuated, refuse_start, settled
+from msvalidate.problem.checks import (
+    finite,
+    finite_number,
+    format_value,
+    positive_number,
+    require_type,
+)
+from reference_fem.actuator.actuated import ActuatedSlab, refuse_start, solve_actuated
 from reference_fem.actuator.soft_slab import SoftSlab
 
 RESOLUTION = 1e-3
@@ -44,7 +51,7 @@ class Sweep:
         What stopped it, in words; empty if all were held.
     """
 
-    held: tuple[Actuated, ...]
+    held: tuple[ActuatedSlab, ...]
     pull_in: tuple[float, float] | None
     why: str
 
@@ -53,9 +60,9 @@ def equilibrium_at(
     actuator: SoftSlab,
     voltage: float,
     *,
-    start: Actuated | None = None,
+    start: ActuatedSlab | None = None,
     resolution: float = RESOLUTION,
-) -> Actuated:
+) -> ActuatedSlab:
     """The slab at rest at a voltage, reached from rest or from `start` in steps as large as may be.
 
     Raises
@@ -79,7 +86,7 @@ def sweep(
     actuator: SoftSlab,
     voltages: ArrayLike,
     *,
-    start: Actuated | None = None,
+    start: ActuatedSlab | None = None,
     resolution: float = RESOLUTION,
 ) -> Sweep:
     """Equilibria at rising voltages, each from the one before, up to where the slab pulls in.
@@ -106,17 +113,17 @@ def sweep(
     wanted = finite("voltages", voltages)
     if wanted.ndim != 1 or not len(wanted) or (np.diff(wanted) <= 0).any() or wanted[0] < 0:
         raise ProblemError(
-            f"voltages: {shown(voltages)}; give them rising, the first at 0 V or above"
+            f"voltages: {format_value(voltages)}; give them rising, the first at 0 V or above"
         )
-    number("resolution", resolution, above=0, below=1)
+    finite_number("resolution", resolution, above=0, below=1)
     if start is not None and start.voltage > wanted[0]:
         raise ProblemError(
             f"start: at {start.voltage:g} V, above the first voltage, {wanted[0]:g} V; start below"
         )
-    held: list[Actuated] = []
+    held: list[ActuatedSlab] = []
     last = start
     for voltage in wanted:
-        last, missed, why = _raised(actuator, last, float(voltage), resolution)
+        last, missed, why = _raise_to(actuator, last, float(voltage), resolution)
         if missed is not None:
             below = 0.0 if last is None else last.voltage
             if last is not None and last not in held:
@@ -127,9 +134,9 @@ def sweep(
     return Sweep(tuple(held), None, "")
 
 
-def _raised(
-    actuator: SoftSlab, last: Actuated | None, voltage: float, resolution: float
-) -> tuple[Actuated | None, float | None, str]:
+def _raise_to(
+    actuator: SoftSlab, last: ActuatedSlab | None, voltage: float, resolution: float
+) -> tuple[ActuatedSlab | None, float | None, str]:
     """The last equilibrium on the way to a voltage; what was missed, if it is not there; and why.
 
     Between what is held and what was missed the voltage is halved. What was missed from far is
@@ -145,7 +152,7 @@ def _raised(
                 return last, missed, why
             target = missed
         try:
-            last = settled(actuator, "voltage", target, last)
+            last = solve_actuated(actuator, "voltage", target, last)
         except SolverError as error:
             missed, tried, why = target, below, str(error)
         else:
@@ -154,7 +161,9 @@ def _raised(
     return last, None, ""
 
 
-def turning(actuator: SoftSlab, start: Actuated, *, step: float = CHARGE_STEP) -> Actuated:
+def turning_point(
+    actuator: SoftSlab, start: ActuatedSlab, *, step: float = CHARGE_STEP
+) -> ActuatedSlab:
     """The equilibrium with the largest voltage, followed from `start` over the charge.
 
     The charge is raised until the voltage falls, and then sought between (Brent 1973).
@@ -175,13 +184,13 @@ def turning(actuator: SoftSlab, start: Actuated, *, step: float = CHARGE_STEP) -
     SolverError
         If an equilibrium at a fixed charge is not found, or the voltage rises without end.
     """
-    instance("start", start, Actuated)
+    require_type("start", start, ActuatedSlab)
     refuse_start(actuator, start)
     if len(actuator.slab.electrodes) != 2:
         raise ProblemError("turning: more than two electrodes have no one charge; give two")
     if not start.voltage:
         raise ProblemError("turning: start is at 0 V; start from an equilibrium at a voltage")
-    positive("step", step)
+    positive_number("step", step)
     found = [start]
     while len(found) < 3 or found[-1].voltage > found[-2].voltage:
         if len(found) > MOST_CHARGES:
@@ -190,18 +199,18 @@ def turning(actuator: SoftSlab, start: Actuated, *, step: float = CHARGE_STEP) -
                 f"of {found[-1].ratio:.3g} of that at rest; it has no pull-in there"
             )
         charge = (1 + step) * _charge(found[-1])
-        found.append(settled(actuator, "charge", charge, found[-1]))
+        found.append(solve_actuated(actuator, "charge", charge, found[-1]))
     low, high = _charge(found[-3]), _charge(found[-1])
 
     def voltage(charge: float) -> float:
         near = min(found, key=lambda each: abs(_charge(each) - charge))
-        found.append(settled(actuator, "charge", float(charge), near))
+        found.append(solve_actuated(actuator, "charge", float(charge), near))
         return -found[-1].voltage
 
     minimize_scalar(voltage, bounds=(low, high), method="bounded", options={"xatol": FLAT * low})
     return max(found, key=lambda each: each.voltage)
 
 
-def _charge(found: Actuated) -> float:
-    """Charge (C) that the energy ½QV knows."""
+def _charge(found: ActuatedSlab) -> float:
+    """Charge (C) consistent with the energy ½QV."""
     return found.electric.capacitance * found.voltage

@@ -22,7 +22,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.problem.checks import chosen, positive
+from msvalidate.problem.checks import positive_number, require_one_of
 from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
 
 THINNEST = 0.05
@@ -42,6 +42,8 @@ SIDES = ("held", "free", "volume kept")
 @dataclass(frozen=True, eq=False)
 class Film:
     """A uniform film of one law.
+
+    Source: [ZhaoSuo2007].
 
     Parameters
     ----------
@@ -68,9 +70,9 @@ class Film:
     sides: str = "free"
 
     def __post_init__(self) -> None:
-        positive("height of a film", self.height, "m")
-        positive("permittivity of a film", self.permittivity, "F/m")
-        chosen("sides of a film", self.sides, SIDES)
+        positive_number("height of a film", self.height, "m")
+        positive_number("permittivity of a film", self.permittivity, "F/m")
+        require_one_of("sides of a film", self.sides, SIDES)
         refuse_other_laws(self.law)
 
     def stretch(self, ratio: float) -> float:
@@ -83,7 +85,7 @@ class Film:
         SolverError
             If free sides find none up to `WIDEST`, or down to its inverse.
         """
-        if positive("ratio of thickness", ratio) < FLATTEST:
+        if positive_number("ratio of thickness", ratio) < FLATTEST:
             raise ProblemError(
                 f"ratio of thickness: {ratio:g}; no film is that thin, give {FLATTEST:g} or more"
             )
@@ -114,7 +116,7 @@ class Film:
         SolverError
             If there is none, as the law pulls the film thinner by itself.
         """
-        if positive("ratio of thickness", ratio) > 1:
+        if positive_number("ratio of thickness", ratio) > 1:
             raise ProblemError(f"ratio of thickness: {ratio:g}; a voltage makes the film thinner")
         stretch = self.stretch(ratio)
         across, through = self._stress(ratio, stretch)

@@ -9,15 +9,22 @@ from typing import Literal
 import numpy as np
 
 from msvalidate.problem import Array, Mask, ProblemError, SolverError
-from msvalidate.problem.checks import chosen, coordinates, instance, number, positive, whole
-from reference_fem.electric.charges import charged
+from msvalidate.problem.checks import (
+    finite_coordinates,
+    finite_number,
+    positive_number,
+    require_one_of,
+    require_type,
+    whole_number,
+)
+from reference_fem.electric.charges import solve_charges
 from reference_fem.electric.electrostatics import Dielectric, Potential
-from reference_fem.electric.mesh import SlabMesh, moved_air, slab_mesh
+from reference_fem.electric.mesh import SlabMesh, move_air, slab_mesh
 from reference_fem.electric.slab import Slab
 from reference_fem.large_strain.hyperelastic import Law
 from reference_fem.large_strain.solid import Solid
 from reference_fem.mesh.boxes import lines_discretisation
-from reference_fem.mesh.discretisation import Discretisation, discretise
+from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.systems.solver import refuse_shapes
 
 GRADING = 1.5
@@ -70,11 +77,11 @@ class SoftSlab:
     frame: float = 0.0
 
     def __post_init__(self) -> None:
-        instance("slab", self.slab, Slab)
-        chosen("around", self.around, ("air", "plates"))
-        positive("depth", self.depth, "m")
-        whole("layers", self.layers, 1)
-        if not 0 <= number("frame", self.frame) < self.slab.length:
+        require_type("slab", self.slab, Slab)
+        require_one_of("around", self.around, ("air", "plates"))
+        positive_number("depth", self.depth, "m")
+        whole_number("layers", self.layers, 1)
+        if not 0 <= finite_number("frame", self.frame) < self.slab.length:
             raise ProblemError(
                 f"frame: {self.frame} m; give a distance from 0 to below the slab's length"
             )
@@ -135,7 +142,7 @@ class SoftSlab:
             If a cell is turned inside out.
         """
         if self.around == "air":
-            found = charged(moved_air(self.mesh, displacement))
+            found = solve_charges(move_air(self.mesh, displacement))
             # Air follows the slab as it did from rest: with that motion's transpose, forces are the
             # derivative of the energy.
             return Electric(
@@ -144,12 +151,12 @@ class SoftSlab:
                 2 * self.depth * found.energy,
                 found.solution,
             )
-        u = coordinates("displacement of the slab", displacement)
+        u = finite_coordinates("displacement of the slab", displacement)
         refuse_shapes(self.body, **{"displacement of the slab": u})
         return self._between_plates(u)
 
     def _between_plates(self, displacement: Array) -> Electric:
-        moved = _moved(self.body, displacement)
+        moved = _move_body(self.body, displacement)
         y = self.body.points[:, 1]
         held, values = np.zeros(len(y), dtype=bool), np.zeros(len(y))
         faces = []
@@ -188,10 +195,10 @@ class Electric:
     potential: Potential
 
 
-def _moved(body: Discretisation, displacement: Array) -> Discretisation:
+def _move_body(body: Discretisation, displacement: Array) -> Discretisation:
     """The slab alone, its nodes displaced (m, 2)."""
     try:
-        return discretise(body.points + displacement, body.cells, body.element.name)
+        return make_discretisation(body.points + displacement, body.cells, body.element.name)
     except ProblemError as error:
         raise SolverError(
             f"moved slab: a displacement of up to {np.abs(displacement).max():.3g} m turns a cell "

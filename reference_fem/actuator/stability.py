@@ -14,10 +14,10 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import instance, positive, whole
-from reference_fem.actuator.actuated import Actuated, settled
+from msvalidate.problem.checks import positive_number, require_type, whole_number
+from reference_fem.actuator.actuated import ActuatedSlab, solve_actuated
 from reference_fem.actuator.soft_slab import SoftSlab
-from reference_fem.systems.factor import Apply, signed
+from reference_fem.systems.factor import Apply, signed_factor
 
 NUDGE = 1e-5
 """Movement, relative to the slab's height, of a difference of two fields."""
@@ -31,7 +31,7 @@ go with the fifth power of the voltage there."""
 MOST_VOLTAGES = 30
 
 
-def gains(held: Actuated, count: int = 1) -> tuple[Array, Array]:
+def stiffness_gains(held: ActuatedSlab, count: int = 1) -> tuple[Array, Array]:
     """How near a slab is to pulling in: the largest eigenvalues of K_elec against K_mech.
 
     Over all motions that the supports leave, at a fixed voltage: below 1 the slab is stable, at 1
@@ -59,11 +59,11 @@ def gains(held: Actuated, count: int = 1) -> tuple[Array, Array]:
     SolverError
         If they are not found.
     """
-    instance("held", held, Actuated)
+    require_type("held", held, ActuatedSlab)
     if not held.voltage:
         raise ProblemError("gains: held is at 0 V, where no field pulls; give one at a voltage")
     unknowns = len(held.actuator.solid.free)
-    whole("count of gains", count, 1, unknowns - 1)
+    whole_number("count of gains", count, 1, unknowns - 1)
     K, inverse = _body_tangent(held)
     shape = (unknowns, unknowns)
     try:
@@ -83,20 +83,20 @@ def gains(held: Actuated, count: int = 1) -> tuple[Array, Array]:
     return values[order], fields
 
 
-def _body_tangent(held: Actuated) -> tuple[csr_matrix, Apply]:
+def _body_tangent(held: ActuatedSlab) -> tuple[csr_matrix, Apply]:
     """K_mech (f, f) in N/m of the free components, and its inverse."""
     solid = held.actuator.solid
     K = solid.tangent(held.displacement)[solid.free][:, solid.free]
     K.sort_indices()
     try:
-        return K, signed(K)[0]
+        return K, signed_factor(K)[0]
     except RuntimeError as error:
         raise SolverError(
             f"actuator: the body alone has a motion without stiffness at {held.voltage:g} V"
         ) from error
 
 
-def _field_tangent(held: Actuated, way: Array) -> Array:
+def _field_tangent(held: ActuatedSlab, way: Array) -> Array:
     """K_elec (f, f) in N/m times a movement (f,) in m, by a difference of two fields."""
     actuator, u = held.actuator, held.displacement
     nudge = NUDGE * actuator.slab.height
@@ -106,7 +106,7 @@ def _field_tangent(held: Actuated, way: Array) -> Array:
     return np.asarray(held.voltage**2 * size * change.T.ravel()[actuator.solid.free])
 
 
-def _moved(held: Actuated, way: Array) -> Array:
+def _moved(held: ActuatedSlab, way: Array) -> Array:
     """Displacement (m, 2) of a movement (f,) of the free components, both in m."""
     solid = held.actuator.solid
     each = np.zeros(solid.held.size)
@@ -115,7 +115,7 @@ def _moved(held: Actuated, way: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Lost:
+class StabilityLoss:
     """Where the first motion loses its stiffness.
 
     Parameters
@@ -130,10 +130,10 @@ class Lost:
 
     voltage: float
     mode: Array
-    held: Actuated
+    held: ActuatedSlab
 
 
-def first_lost(actuator: SoftSlab, start: Actuated) -> Lost:
+def first_instability(actuator: SoftSlab, start: ActuatedSlab) -> StabilityLoss:
     """The voltage at which the largest gain reaches 1, above a stable equilibrium `start`.
 
     By secants of its logarithm over that of the voltage.
@@ -143,14 +143,17 @@ def first_lost(actuator: SoftSlab, start: Actuated) -> Lost:
     SolverError
         If it is not found: no equilibrium there, or gains that do not rise.
     """
-    instance("start", start, Actuated)
-    found, steps = start, [(math.log(positive("start's voltage", start.voltage)), _log_gain(start))]
+    require_type("start", start, ActuatedSlab)
+    found, steps = (
+        start,
+        [(math.log(positive_number("start's voltage", start.voltage)), _log_gain(start))],
+    )
     slope = 2.0  # of charges that stay where they are
     for _ in range(MOST_VOLTAGES):
         if abs(steps[-1][1]) <= NEAR_ONE:
-            return Lost(found.voltage, gains(found)[1][0], found)
+            return StabilityLoss(found.voltage, stiffness_gains(found)[1][0], found)
         ahead = min(max(-steps[-1][1] / slope, -STRIDE), STRIDE)
-        found = settled(actuator, "voltage", math.exp(steps[-1][0] + ahead), found)
+        found = solve_actuated(actuator, "voltage", math.exp(steps[-1][0] + ahead), found)
         steps.append((math.log(found.voltage), _log_gain(found)))
         slope = (steps[-1][1] - steps[-2][1]) / (steps[-1][0] - steps[-2][0])
         if not slope > 0:
@@ -161,5 +164,5 @@ def first_lost(actuator: SoftSlab, start: Actuated) -> Lost:
     )
 
 
-def _log_gain(held: Actuated) -> float:
-    return math.log(max(float(gains(held)[0][0]), np.finfo(float).tiny))
+def _log_gain(held: ActuatedSlab) -> float:
+    return math.log(max(float(stiffness_gains(held)[0][0]), np.finfo(float).tiny))

@@ -1,4 +1,4 @@
-"""Fixed points of a slow map, by secants of what it answered before (Anderson 1965).
+"""Fixed points of an expensive map, by Anderson acceleration (Anderson 1965).
 
 Of the differences of points and of their images the combination is taken that makes the next
 movement least; Walker and Ni (2011), doi:10.1137/10078356X, equation 2.1, without damping.
@@ -13,7 +13,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from msvalidate.problem import Array, SolverError
-from msvalidate.problem.checks import positive, whole
+from msvalidate.problem.checks import positive_number, whole_number
 
 SECANTS = 8
 """Differences that are kept: as many slow motions are taken out of the map."""
@@ -23,13 +23,13 @@ PATIENCE = 8
 SHORTENINGS = 4
 """Times that a step is halved towards the last point that had an image."""
 ALIKE = 1e-8
-"""Differences that others make up to this part of the largest tell nothing of their own."""
+"""Relative size below which a difference counts as linearly dependent on the others."""
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Turns(Generic[T]):
+class StaggeredResult(Generic[T]):
     """How a fixed point was found.
 
     Parameters
@@ -49,7 +49,7 @@ class Turns(Generic[T]):
 
 def fixed_point(
     answer: Callable[[Array], tuple[Array, T]], start: Array, near: float, most: int = MOST_TURNS
-) -> Turns[T]:
+) -> StaggeredResult[T]:
     """The point (n, d) that a map takes to itself, to a movement of `near` (m).
 
     Parameters
@@ -71,30 +71,30 @@ def fixed_point(
     SolverError
         If it does not settle, or there is no image on the way.
     """
-    positive("movement that is none", near)
-    whole("images", most, 1)
+    positive_number("movement that is none", near)
+    whole_number("images", most, 1)
     points: list[Array] = []
     images: list[Array] = []
     point, least, since = start, np.inf, 0
     for count in range(1, most + 1):
-        point, image, found = _imaged(answer, point, points[-1] if points else None, start.shape)
+        point, image, found = _apply_map(answer, point, points[-1] if points else None, start.shape)
         points.append(point.ravel())
         images.append(image.ravel())
         left = float(np.abs(image - point).max())
         if not np.isfinite(left):
             raise SolverError("field and body do not settle: a movement is not a finite number")
         if left <= near:
-            return Turns(found, count, left)
+            return StaggeredResult(found, count, left)
         least, since = (left, 0) if left < least else (least, since + 1)
         if since == PATIENCE:
             break
-        point = _accelerated(points, images).reshape(start.shape)
+        point = _anderson_step(points, images).reshape(start.shape)
     raise SolverError(
         f"field and body do not settle: a movement of {left:.2g} m is left after {count} turns"
     )
 
 
-def _imaged(
+def _apply_map(
     answer: Callable[[Array], tuple[Array, T]],
     point: Array,
     back: Array | None,
@@ -111,8 +111,11 @@ def _imaged(
     return point, *answer(point)
 
 
-def _accelerated(points: list[Array], images: list[Array]) -> Array:
-    """The next point (n·d,): an image, less what differences of the past can make up."""
+def _anderson_step(points: list[Array], images: list[Array]) -> Array:
+    """The next point (n·d,): an image, less what differences of the past can make up.
+
+    Source: [Anderson1965]; [WalkerNi2011], equation 2.1.
+    """
     if len(points) == 1:
         return images[-1]
     U = np.diff(np.array(points[-SECANTS - 1 :]), axis=0).T

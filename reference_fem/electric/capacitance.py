@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import metres, whole
-from reference_fem.electric.charges import FAR, charged
+from msvalidate.problem.checks import length_in_metres, whole_number
+from reference_fem.electric.charges import FAR, solve_charges
 from reference_fem.electric.mesh import GRADING, SlabMesh, slab_mesh
 from reference_fem.electric.slab import Slab
 from reference_fem.mesh.elements import ELEMENTS
-from reference_fem.refinement import HIGHEST_ORDER, SAFETY, richardson, thrice
+from reference_fem.refinement import HIGHEST_ORDER, SAFETY, on_three_meshes, richardson
 
 MOST_DOUBLINGS = 60
 """Of a far boundary: a mesh tells places apart to fewer digits than that."""
@@ -72,7 +72,7 @@ def capacitance(
     def both(n: int) -> Array:
         return _between_bounds(slab_mesh(slab, n, element=element, grading=grading, reach=reach))
 
-    coarse, medium, fine = thrice(both, layers)
+    coarse, medium, fine = on_three_meshes(both, layers)
     means = [np.atleast_1d(pair.mean()) for pair in (coarse, medium, fine)]
     estimate = richardson(means[0], means[1], means[2], layers, HIGHEST_ORDER)
     value, left, order = (
@@ -117,8 +117,8 @@ def far_boundary(
         If there are not two electrodes, or an argument is out of range.
     """
     rows = []
-    for times in range(whole("doublings", doublings, 0, MOST_DOUBLINGS) + 1):
-        far = 2**times * metres("reach", reach)
+    for times in range(whole_number("doublings", doublings, 0, MOST_DOUBLINGS) + 1):
+        far = 2**times * length_in_metres("reach", reach)
         mesh = slab_mesh(slab, layers, element=element, grading=grading, reach=far)
         rows.append([far, *_between_bounds(mesh)])
     return np.array(rows)
@@ -128,4 +128,4 @@ def _between_bounds(mesh: SlabMesh) -> Array:
     """Capacitance with the natural and with the floating far boundary (F/m)."""
     if len(mesh.conductors) != 2:
         raise ProblemError(f"electrodes: {len(mesh.conductors)}; a capacitance is of two")
-    return np.array([charged(mesh, (1.0, 0.0), far).totals[0] for far in FAR])
+    return np.array([solve_charges(mesh, (1.0, 0.0), far).totals[0] for far in FAR])

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import KDTree
 
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import chosen, finite, instance, number
+from msvalidate.problem.checks import finite, finite_number, require_one_of, require_type
 from reference_fem.electric.electrostatics import Dielectric, Potential, no_nodes
 from reference_fem.electric.mesh import SlabMesh
 
@@ -88,7 +88,7 @@ class Charged:
         ProblemError
             If the radius is no finite number, 0 or above.
         """
-        size = TIP * self.mesh.slab.height if radius is None else number("radius", radius)
+        size = TIP * self.mesh.slab.height if radius is None else finite_number("radius", radius)
         if size < 0:
             raise ProblemError(f"radius: {size:g} m; give 0 or more")
         force, air = self.solution.forces.copy(), self.mesh.air
@@ -99,7 +99,9 @@ class Charged:
         return force[self.mesh.nodes]
 
 
-def charged(mesh: SlabMesh, voltages: ArrayLike | None = None, far: Far = "natural") -> Charged:
+def solve_charges(
+    mesh: SlabMesh, voltages: ArrayLike | None = None, far: Far = "natural"
+) -> Charged:
     """Electrostatics of a slab in air.
 
     Parameters
@@ -118,7 +120,7 @@ def charged(mesh: SlabMesh, voltages: ArrayLike | None = None, far: Far = "natur
     SolverError
         If the solution fails its residual check.
     """
-    instance("mesh", mesh, SlabMesh)
+    require_type("mesh", mesh, SlabMesh)
     count = len(mesh.conductors)
     need = f"give ({count},), one an electrode"
     given = finite(
@@ -131,7 +133,7 @@ def charged(mesh: SlabMesh, voltages: ArrayLike | None = None, far: Far = "natur
 
 
 def _medium(mesh: SlabMesh, far: Far) -> Dielectric:
-    chosen("far boundary", far, FAR)
+    require_one_of("far boundary", far, FAR)
     held = np.zeros(len(mesh.body.points), dtype=bool)
     held[np.concatenate(mesh.conductors)] = True
     floating = mesh.far if far == "floating" else no_nodes()

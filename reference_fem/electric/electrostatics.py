@@ -20,13 +20,13 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, place_name
-from msvalidate.problem.checks import booleans, finite, instance, integers, shown
+from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, format_point
+from msvalidate.problem.checks import boolean_mask, finite, format_value, integers, require_type
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.electric.pairs import Fluxes, Pair
-from reference_fem.mesh.assembly import nodal_sums, slopes
-from reference_fem.mesh.discretisation import Discretisation, discretise
-from reference_fem.stress import gradient
+from reference_fem.mesh.assembly import basis_gradients, sum_to_nodes
+from reference_fem.mesh.discretisation import Discretisation, make_discretisation
+from reference_fem.stress import displacement_gradient
 from reference_fem.systems.factor import Factor
 from reference_fem.systems.solver import RESIDUAL
 
@@ -73,7 +73,7 @@ class Dielectric:
     floating: Index = field(default_factory=no_nodes)
 
     def __post_init__(self) -> None:
-        instance("body", self.body, Discretisation)
+        require_type("body", self.body, Discretisation)
         if self.body.dim != 2:
             raise ProblemError(f"body: {self.body.dim}D; forces and charges here are of the plane")
         size = len(self.body.points)
@@ -83,16 +83,18 @@ class Dielectric:
             raise ProblemError(
                 f"permittivity: {permittivity[cell]:g} F/m in cell {cell}; it must be above zero"
             )
-        held = booleans("held", self.held, (size,))
+        held = boolean_mask("held", self.held, (size,))
         floating = np.unique(integers("floating", self.floating))
         if ((floating < 0) | (floating >= size)).any():
-            raise ProblemError(f"floating: {shown(self.floating)}; nodes run from 0 to {size - 1}")
+            raise ProblemError(
+                f"floating: {format_value(self.floating)}; nodes run from 0 to {size - 1}"
+            )
         if held[floating].any():
             raise ProblemError("floating: a node of it is held as well; leave it out of one")
         object.__setattr__(self, "permittivity", permittivity)
         object.__setattr__(self, "floating", floating)
         object.__setattr__(self, "held", held)
-        _refuse_adrift(self.body, self.held)
+        _refuse_floating_alone(self.body, self.held)
 
     def solve(self, values: Array, charge: Array | None = None) -> Potential:
         """Potential under values (n,) where it is held (V) and free charges (n,) (C/m), if any.
@@ -227,6 +229,8 @@ class Dielectric:
 class Potential:
     """A solution: potential at the nodes, and what follows from it.
 
+    Source: forces by Maxwell's stress, [Maxwell1873].
+
     Parameters
     ----------
     medium
@@ -283,7 +287,7 @@ class Potential:
             If a point lies outside the mesh.
         """
         values, rest = self.values[:, None], self.rest[:, None]
-        return -gradient(self.medium.body, values, points, rest)[:, 0]
+        return -displacement_gradient(self.medium.body, values, points, rest)[:, 0]
 
     @cached_property
     def forces(self) -> Array:
@@ -294,13 +298,13 @@ class Potential:
         the discretisation leaves, which is little but at edges of electrodes.
         """
         body = self.medium.body
-        slope, measure = slopes(body.basis)
+        slope, measure = basis_gradients(body.basis)
         nodes = body.cell_nodes.T
         E = -self.medium._fluxes.gradients(Pair(self.values, self.rest))
         weight = self.medium.permittivity[:, None] * measure
         stress = weight * (E[:, None] * E - 0.5 * (E**2).sum(axis=0) * np.eye(2)[:, :, None, None])
         each = -np.einsum("abcq,kbcq->akc", stress, slope)
-        return nodal_sums(nodes, each, len(body.points))
+        return sum_to_nodes(nodes, each, len(body.points))
 
 
 def solve_potential(
@@ -329,15 +333,16 @@ def solve_potential(
     SolverError
         If the solution fails its residual check.
     """
-    body = discretise(points, cells, element)
+    body = make_discretisation(points, cells, element)
     held, values = np.zeros(len(body.points), dtype=bool), np.zeros(len(body.points))
     if not isinstance(fixed, Iterable):
-        raise ProblemError(f"fixed: {shown(fixed)}; give rows (node, potential)")
+        raise ProblemError(f"fixed: {format_value(fixed)}; give rows (node, potential)")
     for row in fixed:
-        pair = finite(f"fixed row {shown(row)}", row)
+        pair = finite(f"fixed row {format_value(row)}", row)
         if pair.shape != (2,) or pair[0] != np.floor(pair[0]) or not 0 <= pair[0] < len(held):
             raise ProblemError(
-                f"fixed: row {shown(row)}; give (node, potential), nodes run to {len(held) - 1}"
+                f"fixed: row {format_value(row)}; give (node, potential), nodes run to "
+                f"{len(held) - 1}"
             )
         node = int(pair[0])
         if held[node] and values[node] != pair[1]:
@@ -346,13 +351,14 @@ def solve_potential(
     return Dielectric(body, finite("permittivity", permittivity), held).solve(values)
 
 
-def _refuse_adrift(body: Discretisation, held: Mask) -> None:
+def _refuse_floating_alone(body: Discretisation, held: Mask) -> None:
     """A part of the mesh in which no potential is held has any."""
     count, part = connected_components(body.links, directed=False)
     lost = np.setdiff1d(np.arange(count), part[held])
     if len(lost):
         place = body.points[part == lost[0]][0]
         raise ProblemError(
-            f"potential: held nowhere in the part of the mesh around {place_name(place)} m; give a "
+            f"potential: held nowhere in the part of the mesh around {format_point(place)} m; give "
+            f"a "
             "node of it a potential"
         )

@@ -6,17 +6,17 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from msvalidate.problem import Array, Index
-from reference_fem.effort import within_memory
-from reference_fem.mesh.assembly import slopes
+from reference_fem.effort import fits_in_memory
+from reference_fem.mesh.assembly import basis_gradients
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.systems.dissection import elimination_order
-from reference_fem.systems.factor import Factor, factorised
+from reference_fem.systems.factor import Factor, factorise
 
 
 def weighted_laplacian(body: Discretisation, weight: Array) -> csr_matrix:
     """∫w ∇φi·∇φj (n, n) of a weight (c,) for each cell."""
-    with within_memory(len(body.points), "nodes"):
-        slope, measure = slopes(body.basis)
+    with fits_in_memory(len(body.points), "nodes"):
+        slope, measure = basis_gradients(body.basis)
         weighed = slope * (weight[:, None] * measure)
         products = np.einsum("iacq,jacq->cij", weighed, slope, optimize=True)
         return body.pattern.matrix(body.pattern.symmetric(1, lambda *_: products)[0, 0])
@@ -26,6 +26,6 @@ def scalar_factor(body: Discretisation, K: csr_matrix, free: Index) -> Factor:
     """Factor of the free part (f, f) of a matrix with one unknown a node."""
     held = np.ones((len(body.points), 1), dtype=bool)
     held[free] = False
-    with within_memory(len(free), "unknowns"):
+    with fits_in_memory(len(free), "unknowns"):
         order = elimination_order(body, held)
-    return factorised(body, free, order, K, "superlu")
+    return factorise(body, free, order, K, "superlu")

@@ -9,13 +9,21 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, place_name
-from msvalidate.problem.checks import chosen, coordinates, instance, number, positive, shaped, whole
+from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, format_point
+from msvalidate.problem.checks import (
+    finite_coordinates,
+    finite_number,
+    positive_number,
+    require_one_of,
+    require_type,
+    shaped,
+    whole_number,
+)
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.electric.lines import mesh_lines
 from reference_fem.electric.slab import Slab
 from reference_fem.mesh.boxes import lines_discretisation
-from reference_fem.mesh.discretisation import COINCIDENT, Discretisation, discretise
+from reference_fem.mesh.discretisation import COINCIDENT, Discretisation, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
 
 REACH = 30.0
@@ -71,7 +79,7 @@ class SlabMesh:
     def solid(self) -> Discretisation:
         """The slab alone, its nodes in the order of `nodes`."""
         cells = np.searchsorted(self.nodes, self.body.cells[self.inside])
-        return discretise(self.body.points[self.nodes], cells, self.body.element.name)
+        return make_discretisation(self.body.points[self.nodes], cells, self.body.element.name)
 
     @cached_property
     def air(self) -> Index:
@@ -82,7 +90,7 @@ class SlabMesh:
     def carried(self, forces: Array) -> Array:
         """Forces (m, 2) on the slab that do the work of forces (n, 2) on all nodes (N/m).
 
-        The air's nodes follow the slab as in `moved_air`, so what acts on them acts on it: the
+        The air's nodes follow the slab as in `move_air`, so what acts on them acts on it: the
         transpose of that motion. Maxwell's forces so carried are the derivative of the energy in
         the slab's places, to rounding, whatever the mesh.
 
@@ -136,14 +144,16 @@ def slab_mesh(
     ProblemError
         If an argument is out of range, or the far boundary is nearer than the slab's height.
     """
-    instance("slab", slab, Slab)
-    chosen("element", element, [name for name in of_dimension(2) if not ELEMENTS[name].simplex])
-    half, odd = divmod(whole("layers", layers, 2), 2)
+    require_type("slab", slab, Slab)
+    require_one_of(
+        "element", element, [name for name in of_dimension(2) if not ELEMENTS[name].simplex]
+    )
+    half, odd = divmod(whole_number("layers", layers, 2), 2)
     if odd:
         raise ProblemError(f"layers: {layers}; give an even number, graded to both faces")
-    if positive("mesh grading", grading) < 1:
+    if positive_number("mesh grading", grading) < 1:
         raise ProblemError(f"mesh grading: {grading}; it must be 1 or more")
-    far = REACH * max(slab.length, slab.height) if reach is None else number("reach", reach)
+    far = REACH * max(slab.length, slab.height) if reach is None else finite_number("reach", reach)
     if far < slab.height:
         where = "inside the slab" if far <= 0 else "too near"
         raise ProblemError(
@@ -159,10 +169,10 @@ def slab_mesh(
             f"{told:.2g} m on; take less grading, fewer layers, a nearer far boundary, or move "
             "ends of electrodes apart"
         )
-    return _marked(slab, lines_discretisation(lines, element))
+    return _mark_nodes(slab, lines_discretisation(lines, element))
 
 
-def moved_air(mesh: SlabMesh, displacement: Array) -> SlabMesh:
+def move_air(mesh: SlabMesh, displacement: Array) -> SlabMesh:
     """The mesh with the slab's nodes displaced and the air's carried along.
 
     Each component of the air's motion is harmonic with the inverse of cells' areas as weight; the
@@ -182,19 +192,19 @@ def moved_air(mesh: SlabMesh, displacement: Array) -> SlabMesh:
     SolverError
         If a cell is turned inside out.
     """
-    instance("mesh", mesh, SlabMesh)
-    u = coordinates("displacement of the slab", displacement, len(mesh.nodes), 2)
+    require_type("mesh", mesh, SlabMesh)
+    u = finite_coordinates("displacement of the slab", displacement, len(mesh.nodes), 2)
     points = mesh.body.points.copy()
     points[mesh.nodes] += u
     points[mesh.air] -= mesh._follow.factor(mesh._follow.link @ u)
     try:
-        body = discretise(points, mesh.body.cells, mesh.body.element.name)
+        body = make_discretisation(points, mesh.body.cells, mesh.body.element.name)
     except ProblemError as error:
-        raise SolverError(_turned(mesh, points, u)) from error
+        raise SolverError(_orient_outline(mesh, points, u)) from error
     return replace(mesh, body=body)
 
 
-def _turned(mesh: SlabMesh, points: Array, u: Array) -> str:
+def _orient_outline(mesh: SlabMesh, points: Array, u: Array) -> str:
     """Which cell a displacement (m, 2) has turned inside out, and what to do."""
     kind, cells = mesh.body.element, mesh.body.cells
     swelling = mesh.body.swelling(points)
@@ -205,7 +215,7 @@ def _turned(mesh: SlabMesh, points: Array, u: Array) -> str:
     part = "the slab" if mesh.inside[worst] else "the air"
     return (
         f"moved mesh: a displacement of up to {np.abs(u).max():.3g} m turns the cell of {part} "
-        f"around {place_name(where)} m inside out; take a smaller step or a less graded mesh"
+        f"around {format_point(where)} m inside out; take a smaller step or a less graded mesh"
     )
 
 
@@ -217,7 +227,7 @@ class _Follow:
     link: csr_matrix
 
 
-def _marked(slab: Slab, body: Discretisation) -> SlabMesh:
+def _mark_nodes(slab: Slab, body: Discretisation) -> SlabMesh:
     """The mesh with its parts found by their places."""
     x, y = body.points.T
     near = slab.tolerance

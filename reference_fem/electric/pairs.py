@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msvalidate.problem import Array, Index
-from reference_fem.mesh.assembly import nodal_sums, slopes
+from reference_fem.mesh.assembly import basis_gradients, sum_to_nodes
 from reference_fem.mesh.discretisation import Discretisation
 
 
@@ -50,7 +50,7 @@ class Fluxes:
     """
 
     def __init__(self, body: Discretisation, permittivity: Array) -> None:
-        self._slope, measure = slopes(body.basis)
+        self._slope, measure = basis_gradients(body.basis)
         self._weight = permittivity[:, None] * measure
         self._nodes: Index = body.cell_nodes.T
         self._count = len(body.points)
@@ -65,7 +65,7 @@ class Fluxes:
         """∫ε ∇φ·∇φi (n,): charges at the nodes."""
         flux = self._weight * self.gradients(potential)
         each = np.einsum("kacq,acq->kc", self._slope, flux)
-        return nodal_sums(self._nodes, each[None], self._count)[:, 0]
+        return sum_to_nodes(self._nodes, each[None], self._count)[:, 0]
 
     def energy(self, potential: Pair) -> float:
         """∫ε|∇φ|², twice the energy."""

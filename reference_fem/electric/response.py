@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, Isotropic, ProblemError
-from msvalidate.problem.checks import coordinates, finite, instance
+from msvalidate.problem.checks import finite, finite_coordinates, require_type
 from reference_fem.body import Solution
-from reference_fem.elasticity import solver_of
-from reference_fem.electric.charges import Far, charged
+from reference_fem.elasticity import make_solver
+from reference_fem.electric.charges import Far, solve_charges
 from reference_fem.electric.mesh import GRADING, SlabMesh, slab_mesh
 from reference_fem.electric.slab import Slab
-from reference_fem.refinement import HIGHEST_ORDER, Estimate, richardson, thrice
+from reference_fem.refinement import HIGHEST_ORDER, Estimate, on_three_meshes, richardson
 
 
 def respond(mesh: SlabMesh, forces: Array, material: Isotropic) -> Solution:
@@ -36,11 +36,11 @@ def respond(mesh: SlabMesh, forces: Array, material: Isotropic) -> Solution:
     SolverError
         If the solution fails its residual check.
     """
-    instance("mesh", mesh, SlabMesh)
-    instance("material", material, Isotropic)
+    require_type("mesh", mesh, SlabMesh)
+    require_type("material", material, Isotropic)
     solid = mesh.solid
     held = np.repeat(mesh.base[:, None], 2, axis=1)
-    ready = solver_of(solid, material, held)
+    ready = make_solver(solid, material, held)
     force = material.thickness * finite("forces", forces)
     moved, solved = ready.solve(np.zeros(solid.points.shape), force)
     return Solution(solid, moved, material, solved=solved)
@@ -83,8 +83,8 @@ def surface_profile(
     ProblemError
         If an argument is out of range.
     """
-    instance("slab", slab, Slab)
-    along = coordinates("places along the top", x)
+    require_type("slab", slab, Slab)
+    along = finite_coordinates("places along the top", x)
     if along.ndim != 1 or not len(along) or (along < 0).any() or (along > slab.length).any():
         raise ProblemError(
             f"places along the top: shape {along.shape}; give (p,) from 0 to {slab.length:g} m"
@@ -93,9 +93,9 @@ def surface_profile(
 
     def profile(n: int, far: Far = "natural") -> Array:
         mesh = slab_mesh(slab, n, element=element, grading=grading, reach=reach)
-        return respond(mesh, charged(mesh, far=far).forces, material).at(top).T.ravel()
+        return respond(mesh, solve_charges(mesh, far=far).forces, material).at(top).T.ravel()
 
-    estimate = richardson(*thrice(profile, layers), layers, HIGHEST_ORDER)
+    estimate = richardson(*on_three_meshes(profile, layers), layers, HIGHEST_ORDER)
     coarsest = layers // 4
     beyond = np.abs(profile(coarsest, "floating") - profile(coarsest, "natural"))
     return replace(estimate, uncertainty=estimate.uncertainty + beyond)

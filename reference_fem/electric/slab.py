@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 from msvalidate.problem import PLACEMENT, ProblemError
-from msvalidate.problem.checks import chosen, instance, metres, number, positive, shown
+from msvalidate.problem.checks import (
+    finite_number,
+    format_value,
+    length_in_metres,
+    positive_number,
+    require_one_of,
+    require_type,
+)
 
 Side = Literal["top", "bottom"]
 SIDES: tuple[Side, ...] = ("top", "bottom")
@@ -35,10 +42,14 @@ class Electrode:
     def __post_init__(self) -> None:
         if not isinstance(self.side, str) or self.side not in SIDES:
             raise ProblemError(
-                f"electrode on {shown(self.side)}: not on the slab's surface; choose top or bottom"
+                f"electrode on {format_value(self.side)}: not on the slab's surface; choose top or "
+                f"bottom"
             )
-        start, end = number("electrode's start", self.start), number("electrode's end", self.end)
-        number("voltage", self.voltage)
+        start, end = (
+            finite_number("electrode's start", self.start),
+            finite_number("electrode's end", self.end),
+        )
+        finite_number("voltage", self.voltage)
         if not start < end:
             raise ProblemError(
                 f"electrode: from {start:g} to {end:g} m; it must end after it starts"
@@ -72,14 +83,16 @@ class Slab:
     air: float = 1.0
 
     def __post_init__(self) -> None:
-        metres("slab length", self.length)
-        metres("slab height, the gap between electrodes", self.height)
-        positive("permittivity of the slab", self.permittivity, "F/m")
-        positive("permittivity of the air", self.air, "F/m")
+        length_in_metres("slab length", self.length)
+        length_in_metres("slab height, the gap between electrodes", self.height)
+        positive_number("permittivity of the slab", self.permittivity, "F/m")
+        positive_number("permittivity of the air", self.air, "F/m")
         if not isinstance(self.electrodes, tuple) or len(self.electrodes) < 2:
-            raise ProblemError(f"electrodes: {shown(self.electrodes)}; give a tuple of two or more")
+            raise ProblemError(
+                f"electrodes: {format_value(self.electrodes)}; give a tuple of two or more"
+            )
         for i, electrode in enumerate(self.electrodes):
-            instance(f"electrode {i}", electrode, Electrode)
+            require_type(f"electrode {i}", electrode, Electrode)
             if electrode.start < -self.tolerance or electrode.end > self.length + self.tolerance:
                 raise ProblemError(
                     f"electrode {i}: from {electrode.start:g} to {electrode.end:g} m is not on the "
@@ -105,7 +118,7 @@ class Slab:
 
     def level(self, side: Side) -> float:
         """Height (m) of the top or the bottom."""
-        chosen("side", side, SIDES)
+        require_one_of("side", side, SIDES)
         return self.height if side == "top" else 0.0
 
     def _refuse_touching(self, side: Side) -> None:
@@ -146,7 +159,7 @@ def facing_slab(
     ProblemError
         If a number is out of range.
     """
-    part, whole = positive("covered part", covered), metres("slab length", length)
+    part, whole = positive_number("covered part", covered), length_in_metres("slab length", length)
     if part > 1:
         raise ProblemError(f"covered part: {covered:g}; give at most 1")
     margin = 0.5 * (1 - part) * whole

@@ -1,6 +1,6 @@
 """Solids at large strain: laws, forces and tangent of a `Solid`, and `deform` under dead loads."""
 
-from reference_fem.large_strain.equilibrium import Deformed, deform
+from reference_fem.large_strain.equilibrium import LargeStrainSolution, deform
 from reference_fem.large_strain.hyperelastic import (
     Fibres,
     Law,
@@ -13,8 +13,8 @@ from reference_fem.large_strain.hyperelastic import (
 from reference_fem.large_strain.solid import Solid
 
 __all__ = [
-    "Deformed",
     "Fibres",
+    "LargeStrainSolution",
     "Law",
     "NeoHookean",
     "Solid",

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import instance, positive, whole
-from reference_fem.effort import within_memory
+from msvalidate.problem.checks import positive_number, require_type, whole_number
+from reference_fem.effort import fits_in_memory
 from reference_fem.large_strain.solid import Solid
 from reference_fem.locking import refuse_locked
-from reference_fem.systems.factor import Apply, signed
+from reference_fem.systems.factor import Apply, signed_factor
 from reference_fem.systems.solver import ACCEPTED, refuse_shapes
 
 TOLERANCE = 1e-11
@@ -45,7 +45,7 @@ far or turned back (Crisfield 1991, Non-linear Finite Element Analysis, section 
 
 
 @dataclass(frozen=True, eq=False)
-class Deformed:
+class LargeStrainSolution:
     """A body at rest at large strain, in a stable equilibrium under its loads.
 
     Stable: the tangent was positive here, or where a last step of `NEAR` or less began.
@@ -100,7 +100,7 @@ def deform(
     least_part: float = LEAST_PART,
     tolerance: float = TOLERANCE,
     allow_locked: bool = False,
-) -> Deformed:
+) -> LargeStrainSolution:
     """Equilibrium of a body at large strain.
 
     Newton's method raises loads and prescribed displacements together, from what holds `start` in
@@ -135,10 +135,10 @@ def deform(
         If there is no stable equilibrium to be found; the message says up to which part of the load
         there was, and what stopped it. If the elements lock, or rounding takes too many digits.
     """
-    instance("solid", solid, Solid)
-    whole("parts of the load", parts, 1)
-    positive("least part of the load", least_part)
-    positive("tolerance", tolerance)
+    require_type("solid", solid, Solid)
+    whole_number("parts of the load", parts, 1)
+    positive_number("least part of the load", least_part)
+    positive_number("tolerance", tolerance)
     begin = np.zeros(solid.body.points.shape) if start is None else start
     refuse_shapes(solid.body, displacement=displacement, force=force, start=begin)
     for name, given in (("displacement", displacement), ("force", force), ("start", begin)):
@@ -152,8 +152,8 @@ def deform(
     if not allow_locked:
         refuse_locked(solid.body, solid.at_rest)
     # What has no numbers is not upright, and refused as such.
-    with within_memory(len(begin), "nodes"), np.errstate(over="ignore", invalid="ignore"):
-        return _followed(solid, begin, displacement, force, how)
+    with fits_in_memory(len(begin), "nodes"), np.errstate(over="ignore", invalid="ignore"):
+        return _follow_load(solid, begin, displacement, force, how)
 
 
 @dataclass(frozen=True)
@@ -165,15 +165,15 @@ class _Steps:
     tolerance: float
 
 
-def _left(solid: Solid, balance: Array, sizes: Array) -> tuple[float, float]:
+def _out_of_balance(solid: Solid, balance: Array, sizes: Array) -> tuple[float, float]:
     """Largest force left on a free component, and largest sum of those that cancel there, in N."""
     largest = np.abs(balance[~solid.held]).max(initial=0.0)
     return float(largest), float(sizes.max(initial=0.0))
 
 
-def _followed(
+def _follow_load(
     solid: Solid, start: Array, displacement: Array, force: Array, how: _Steps
-) -> Deformed:
+) -> LargeStrainSolution:
     """Equilibrium at the whole load.
 
     What holds the start in place is not asked for: it is the load to begin with.
@@ -199,8 +199,10 @@ def _followed(
             part *= 2
     inner, sizes = solid.internal_force(u)
     reaction = np.where(solid.held, inner - force, 0.0)
-    left, scale = _left(solid, force - inner, sizes + np.abs(force))
-    return Deformed(solid, u, reaction, left / scale if scale else 0.0, iterations, parts, error)
+    left, scale = _out_of_balance(solid, force - inner, sizes + np.abs(force))
+    return LargeStrainSolution(
+        solid, u, reaction, left / scale if scale else 0.0, iterations, parts, error
+    )
 
 
 def _newton(
@@ -218,12 +220,12 @@ def _newton(
             _refuse_at_rest(u)
             count = "motions" if negative > 1 else "a motion"
             return None, steps, f"the tangent has {count} without stiffness", np.inf
-        u_next = _searched(solid, u, step, load, balance, bool(ahead.any()))
+        u_next = _line_search(solid, u, step, load, balance, bool(ahead.any()))
         if u_next is None:
             return None, steps, "a step would turn a cell inside out or not descend", np.inf
         before, u = u, np.where(solid.held, wanted, u_next)  # to the last bit
         inner, sizes = solid.internal_force(u)
-        left, scale = _left(solid, load - inner, sizes + np.abs(load))
+        left, scale = _out_of_balance(solid, load - inner, sizes + np.abs(load))
         if left <= max(tolerance * scale, solid.rounding(u)):
             error = _error(solid, u, load - inner, inverse)
             if error > near and steps < ITERATIONS:
@@ -233,7 +235,7 @@ def _newton(
             cell = solid.turned(u)
             if cell is not None:
                 return None, steps, f"cell {cell} is turned inside out at a node", np.inf
-            if _strained(solid, u - before) > NEAR and not _is_stable(solid, u):
+            if _largest_strain(solid, u - before) > NEAR and not _is_stable(solid, u):
                 return None, steps, "the tangent has a motion without stiffness", np.inf
             return u, steps, "", error
     if np.isfinite(error):
@@ -252,7 +254,7 @@ def _error(solid: Solid, u: Array, balance: Array, inverse: Apply | None) -> flo
     return 2 * float(np.abs(inverse(balance.T.ravel()[solid.free])).max()) / largest
 
 
-def _strained(solid: Solid, step: Array) -> float:
+def _largest_strain(solid: Solid, step: Array) -> float:
     """Largest change (1) of a cell's extent in a step (n, d) in m, each over the cell's least."""
     cells, points = solid.body.cells, solid.body.points
     extent = np.ptp(points[cells], axis=1).min(axis=1)
@@ -286,7 +288,7 @@ def _step(
         A = K[free][:, free]
         A.sort_indices()
         try:
-            inverse, negative = signed(A)
+            inverse, negative = signed_factor(A)
         except (ArithmeticError, RuntimeError):
             return None, 0, None
         step[free] = inverse((balance.T.ravel() - K @ step)[free])
@@ -296,7 +298,7 @@ def _step(
     return solid.by_node(step), 0, None
 
 
-def _searched(
+def _line_search(
     solid: Solid, u: Array, step: Array, load: Array, balance: Array, moving: bool
 ) -> Array | None:
     """Displacement (n, d) after as much of a step as descends; None if none of it does.

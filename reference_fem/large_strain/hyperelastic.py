@@ -21,7 +21,13 @@ from typing import Protocol
 import numpy as np
 
 from msvalidate.problem import Array, Isotropic, Material, ProblemError
-from msvalidate.problem.checks import coordinates, finite, instance, positive, shown
+from msvalidate.problem.checks import (
+    finite,
+    finite_coordinates,
+    format_value,
+    positive_number,
+    require_type,
+)
 from reference_fem.elasticity import elastic_tensor, full_tensor
 
 
@@ -45,7 +51,7 @@ class Law(Protocol):
 def refuse_other_laws(law: object) -> None:
     """Raise a `ProblemError` for what is no law."""
     if not all(hasattr(law, name) for name in ("dim", "energy", "stress", "tangent")):
-        raise ProblemError(f"law: {shown(law)}; give a NeoHookean or another law")
+        raise ProblemError(f"law: {format_value(law)}; give a NeoHookean or another law")
 
 
 @dataclass(frozen=True)
@@ -75,7 +81,7 @@ class NeoHookean:
     dim: int = 2
 
     def __post_init__(self) -> None:
-        positive("neo-Hookean mu", self.mu, "Pa")
+        positive_number("neo-Hookean mu", self.mu, "Pa")
         lam = finite("neo-Hookean lam", self.lam)
         if self.dim not in (2, 3):
             raise ProblemError(f"neo-Hookean law: {self.dim} axes; give 2 or 3")
@@ -223,13 +229,13 @@ class Fibres:
     cell: float
 
     def __post_init__(self) -> None:
-        r = coordinates("fibres", self.vectors, "s>0", (2, 3))
+        r = finite_coordinates("fibres", self.vectors, "s>0", (2, 3))
         k = finite("stiffness of fibres", self.stiffness, len(r))
         if (k < 0).any():
             raise ProblemError(f"stiffness of fibres: {k.min()} N/m; give none below zero")
         if not np.linalg.norm(r, axis=1).all():
             raise ProblemError("fibres: one has no length; give each its vector")
-        positive("cell of fibres", self.cell, "m³")
+        positive_number("cell of fibres", self.cell, "m³")
         object.__setattr__(self, "vectors", r)
         object.__setattr__(self, "stiffness", k)
 
@@ -277,14 +283,17 @@ def square_fibres(axial: float, diagonal: float, thickness: float = 1.0) -> Fibr
     small strain C11 = C22 = (axial + diagonal)/t and C12 = C66 = diagonal/t: Σ k r_i r_j r_k r_l /
     (|r|² cell) with r = (1, 0), (0, 1), (1, 1) and (1, -1).
     """
-    k = positive("axial stiffness", axial, "N/m"), positive("diagonal stiffness", diagonal, "N/m")
+    k = (
+        positive_number("axial stiffness", axial, "N/m"),
+        positive_number("diagonal stiffness", diagonal, "N/m"),
+    )
     directions = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]])
-    return Fibres(directions, np.repeat(k, 2), positive("thickness", thickness, "m"))
+    return Fibres(directions, np.repeat(k, 2), positive_number("thickness", thickness, "m"))
 
 
 def _lame(material: Material) -> tuple[float, float]:
     """μ and λ in Pa of an isotropic material that is compressible and not in plane stress."""
-    instance("material", material, Isotropic)
+    require_type("material", material, Isotropic)
     assert isinstance(material, Isotropic)  # noqa: S101  for the types
     if material.state == "plane_stress":
         raise ProblemError(

@@ -14,11 +14,11 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from msvalidate.problem import VOIGT, Array, Index, Mask, ProblemError, refuse_free_motions
-from msvalidate.problem.checks import positive
+from msvalidate.problem.checks import positive_number
 from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
-from reference_fem.mesh.assembly import nodal_sums
+from reference_fem.mesh.assembly import sum_to_nodes
 from reference_fem.mesh.discretisation import Discretisation
-from reference_fem.mesh.gradients import Gradients, gradients
+from reference_fem.mesh.gradients import Gradients, gradients_at_points
 from reference_fem.systems.dissection import elimination_order
 from reference_fem.systems.solver import refuse_no_mask
 
@@ -57,7 +57,7 @@ class Solid:
         refuse_other_laws(self.law)
         if self.law.dim != self.body.dim:
             raise ProblemError(f"law: {self.law.dim}D, the body {self.body.dim}D")
-        if positive("thickness", self.thickness, "m") != 1 and self.body.dim == 3:
+        if positive_number("thickness", self.thickness, "m") != 1 and self.body.dim == 3:
             raise ProblemError(f"thickness: {self.thickness} m; a solid has none, leave it at 1")
         refuse_free_motions("body at large strain", self.body.points, self.held)
 
@@ -141,7 +141,7 @@ class Solid:
         return components.reshape(self.held.shape[::-1]).T
 
     def is_upright(self, displacement: Array) -> bool:
-        """Whether det F > 0 wherever the law is asked: points of integration."""
+        """Whether det F > 0 at all integration points."""
         return bool((np.linalg.det(self.gradient(displacement)) > 0).all())
 
     def turned(self, displacement: Array) -> int | None:
@@ -151,7 +151,7 @@ class Solid:
 
     def _gathered(self, each: Array) -> Array:
         """Sums (n, d) by node of what cells (c, k, d) bring."""
-        return nodal_sums(self._nodes, np.moveaxis(each, 2, 0), len(self.body.points))
+        return sum_to_nodes(self._nodes, np.moveaxis(each, 2, 0), len(self.body.points))
 
     @cached_property
     def _nodes(self) -> Index:
@@ -174,4 +174,4 @@ class Solid:
 
     @cached_property
     def _gradients(self) -> Gradients:
-        return gradients(self.body)
+        return gradients_at_points(self.body)

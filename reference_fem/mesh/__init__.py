@@ -1,10 +1,11 @@
 """Bodies as meshes: elements and their maps, boxes, polygons and given meshes, points, matrices.
 
-`discretise` takes a mesh as arrays; the others make one of a domain. All return a `Discretisation`.
+`make_discretisation` takes a mesh as arrays; the others make one of a domain. All return a
+`Discretisation`.
 """
 
 from reference_fem.mesh.boxes import box_discretisation, lines_discretisation
-from reference_fem.mesh.discretisation import Discretisation, discretise
+from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS, Element
 from reference_fem.mesh.facets import Facets
 from reference_fem.mesh.from_mesh import mesh_discretisation
@@ -16,8 +17,8 @@ __all__ = [
     "Element",
     "Facets",
     "box_discretisation",
-    "discretise",
     "lines_discretisation",
+    "make_discretisation",
     "mesh_discretisation",
     "polygon_discretisation",
 ]

@@ -1,6 +1,7 @@
 """Sums over cells: pairs of nodes are sorted once a mesh, and every integral is summed by them.
 
-A matrix of a mesh has an entry for two nodes that share a cell, so all of them have one `Pattern`;
+A matrix of a mesh has an entry for two nodes that share a cell, so all of them have one
+`SparsityPattern`;
 their entries are then rows of plain arrays, which any constant tensor combines in one product.
 """
 
@@ -17,7 +18,7 @@ from msvalidate.problem import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
-class Pattern:
+class SparsityPattern:
     """Pairs of nodes that share a cell, as the entries of a matrix (n, n) by rows.
 
     Parameters
@@ -81,7 +82,7 @@ class Pattern:
         return csr_matrix(whole, shape=(d * self.nodes,) * 2)
 
 
-def pattern(cells: Index, nodes: int) -> Pattern:
+def sparsity_pattern(cells: Index, nodes: int) -> SparsityPattern:
     """Pattern of cells (c, k) on so many nodes, from two sorts that count: linear in the pairs."""
     count, k = cells.size, cells.shape[1]
     # A row for each node of each cell: its pairs, numbered as they come.
@@ -98,23 +99,23 @@ def pattern(cells: Index, nodes: int) -> Pattern:
         (np.ones(count * k), pairs.data, np.append(begin, count * k)), (len(begin), count * k)
     )
     entry = csr_matrix((np.arange(len(begin)), columns, start), (nodes, nodes))
-    return Pattern(columns, start, gather, entry.tocsc().data)
+    return SparsityPattern(columns, start, gather, entry.tocsc().data)
 
 
-def gradient_products(basis: Any, shared: Pattern) -> Array:
+def gradient_products(basis: Any, shared: SparsityPattern) -> Array:
     """∫ ∂φi/∂xc ∂φj/∂xd as entries (d, d, e) of a pattern, on a scalar basis of the library."""
-    by_function, measure = slopes(basis)
+    by_function, measure = basis_gradients(basis)
     along = np.ascontiguousarray(by_function.transpose(1, 2, 0, 3))  # (d, c, k, q)
     weighed = along * measure[:, None]  # a weight may be negative: no root of it on either side
     return shared.symmetric(len(along), lambda a, b: weighed[a] @ along[b].transpose(0, 2, 1))
 
 
-def slopes(basis: Any) -> tuple[Array, Array]:
+def basis_gradients(basis: Any) -> tuple[Array, Array]:
     """Gradients (k, d, c, q) of a cell's functions at its points, and what these measure (c, q)."""
     found = np.array([function.grad for (function,) in basis.basis])
     return found, np.asarray(basis.dx)
 
 
-def nodal_sums(nodes: Index, each: Array, count: int) -> Array:
+def sum_to_nodes(nodes: Index, each: Array, count: int) -> Array:
     """Sums (n, d) over so many nodes of what cells bring, (d, ...), to the nodes (...) of each."""
     return np.column_stack([np.bincount(nodes.ravel(), part.ravel(), count) for part in each])

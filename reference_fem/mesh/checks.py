@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.checks import integers
 from reference_fem.mesh.elements import Element
-from reference_fem.mesh.maps import determinant, mapped
+from reference_fem.mesh.maps import determinant, map_to_cell
 
 
 def checked_cells(cells: ArrayLike, kind: Element, points: int) -> Index:
@@ -82,7 +82,7 @@ def _refuse_folded(corners: Array, number: Index) -> None:
     jacobian = np.empty((len(steps) ** 3, len(corners)))
     lengths = np.zeros((3, len(corners)))
     for i, place in enumerate(product(steps, repeat=3)):
-        _, columns = mapped(corners, np.array([place]))
+        _, columns = map_to_cell(corners, np.array([place]))
         jacobian[i] = determinant(columns)
         lengths = np.maximum(lengths, [np.linalg.norm(side, axis=1) for side in columns])
     if len(steps) == 3:

@@ -29,7 +29,7 @@ CELLS_AT_ONCE = 10_000
 """A hexahedron's Jacobian is sampled at 216 points: 20 kB."""
 
 
-def bent(points: Array, cells: Index, kind: Element) -> Mask:
+def is_bent(points: Array, cells: Index, kind: Element) -> Mask:
     """Cells (c,) of which a node lies off its place amid straight edges."""
     if kind.degree == 1:
         return np.zeros(len(cells), dtype=bool)
@@ -40,7 +40,7 @@ def bent(points: Array, cells: Index, kind: Element) -> Mask:
 
 
 def refuse_folded(points: Array, cells: Index, number: Index, kind: Element) -> None:
-    """The map onto each cell must nowhere turn inside out.
+    """Raise unless the Jacobian of each cell is positive everywhere.
 
     Its Jacobian is a polynomial, so it lies between the least and the largest of its Bernstein
     coefficients, and the coefficients at corners are values of it. A cell is halved (de Casteljau)
@@ -60,7 +60,7 @@ def refuse_folded(points: Array, cells: Index, number: Index, kind: Element) -> 
         If a cell folds, or comes so close to it that it cannot be told.
     """
     for chunk in np.array_split(np.arange(len(cells)), len(cells) // CELLS_AT_ONCE + 1):
-        folded = _folded(points[cells[chunk][:, kind.listed]], kind)
+        folded = _first_folded(points[cells[chunk][:, kind.listed]], kind)
         if folded is not None:
             raise ProblemError(
                 f"cells: cell {number[chunk[folded]]} is inverted or folded: its curved sides turn "
@@ -69,7 +69,7 @@ def refuse_folded(points: Array, cells: Index, number: Index, kind: Element) -> 
             )
 
 
-def _folded(nodes: Array, kind: Element) -> int | None:
+def _first_folded(nodes: Array, kind: Element) -> int | None:
     """The first of the cells (c, nodes, d) that is found to fold, in the library's order."""
     rule = _bernstein(kind.name)
     _, slope = kind.functions(rule.places)
@@ -117,7 +117,7 @@ def _bernstein(name: str) -> _Bernstein:
         powers = np.column_stack([powers, degree - powers.sum(axis=1)])
     places = powers[:, :d] / degree
     inverse = np.asarray(np.linalg.inv(_polynomials(powers, degree, places)), dtype=np.float64)
-    halves = [inverse @ _polynomials(powers, degree, x) for x in _halves(places, kind.simplex)]
+    halves = [inverse @ _polynomials(powers, degree, x) for x in _halve_cell(places, kind.simplex)]
     corners: Mask = np.all(np.isin(powers, (0, degree)), axis=1)
     return _Bernstein(places, inverse, (halves[0], halves[1]), corners)
 
@@ -135,7 +135,7 @@ def _polynomials(powers: Index, degree: int, x: Array) -> Array:
     return np.asarray(many * (share[:, None] ** powers).prod(axis=2))
 
 
-def _halves(places: Array, simplex: bool) -> tuple[Array, Array]:
+def _halve_cell(places: Array, simplex: bool) -> tuple[Array, Array]:
     """Where places (n, d) of the unit cell come to lie in its halves, and in turn in theirs.
 
     A simplex is cut amid its first edge, and the new corner put last; a cube across its first axis,

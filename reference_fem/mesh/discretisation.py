@@ -14,19 +14,19 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from msvalidate.problem import Array, Index, ProblemError
-from msvalidate.problem.checks import chosen, coordinates
-from reference_fem.effort import within_memory
-from reference_fem.mesh.assembly import Pattern, gradient_products, pattern
+from msvalidate.problem.checks import finite_coordinates, require_one_of
+from reference_fem.effort import fits_in_memory
+from reference_fem.mesh.assembly import SparsityPattern, gradient_products, sparsity_pattern
 from reference_fem.mesh.checks import (
     checked_cells,
     refuse_crossed,
     refuse_overlap,
     refuse_repeated,
 )
-from reference_fem.mesh.curved import bent, refuse_folded
+from reference_fem.mesh.curved import is_bent, refuse_folded
 from reference_fem.mesh.elements import ELEMENTS, Element
 from reference_fem.mesh.interpolation import incident, locate
-from reference_fem.mesh.maps import Cells, curved, straight
+from reference_fem.mesh.maps import Cells, curved_cells, straight_cells
 
 AT_NODE = 1e-13
 """A point this close to a node, relative to the body's size, is the node."""
@@ -113,9 +113,9 @@ class Discretisation:
         return bool(connected_components(graph, directed=False)[0] == 1)
 
     @cached_property
-    def pattern(self) -> Pattern:
+    def pattern(self) -> SparsityPattern:
         """Pairs of nodes that share a cell."""
-        return pattern(self.cell_nodes, len(self.points))
+        return sparsity_pattern(self.cell_nodes, len(self.points))
 
     @property
     def links(self) -> csr_matrix:
@@ -129,7 +129,7 @@ class Discretisation:
 
     @cached_property
     def gradients(self) -> Array:
-        """∫ ∂φi/∂xc ∂φj/∂xd (d, d, e), an entry for each pair of nodes of the `pattern`.
+        """∫ ∂φi/∂xc ∂φj/∂xd (d, d, e), an entry for each pair of nodes of the `sparsity_pattern`.
 
         Every constant tensor's stiffness is a combination of these: made once, on a scalar basis,
         they cost a fraction of a vector form.
@@ -139,7 +139,7 @@ class Discretisation:
         SolverError
             If memory does not suffice.
         """
-        with within_memory(len(self.points), "nodes"):
+        with fits_in_memory(len(self.points), "nodes"):
             return gradient_products(self.basis, self.pattern)
 
     def interpolation(self, points: ArrayLike) -> csr_matrix:
@@ -199,18 +199,18 @@ class Discretisation:
         return np.asarray((after / before).min(axis=1))
 
     def _sampled(self, points: ArrayLike) -> Array:
-        return coordinates("points to sample", points, "p", self.dim)
+        return finite_coordinates("points to sample", points, "p", self.dim)
 
     @cached_property
     def _shapes(self) -> Cells:
         """The cells as the library maps them: it may have turned their corners."""
         if self.curved:
-            return curved(self.points[self.cell_nodes], self.element)
+            return curved_cells(self.points[self.cell_nodes], self.element)
         mesh = self.basis.mesh
-        return straight(mesh.p.T[mesh.t.T[:, np.argsort(self.element.order, kind="stable")]])
+        return straight_cells(mesh.p.T[mesh.t.T[:, np.argsort(self.element.order, kind="stable")]])
 
 
-def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisation:
+def make_discretisation(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisation:
     """Discretisation from points (n, d) in m and cells (c, nodes) in VTK order.
 
     Mid-side nodes off the middle of a straight edge make it a parabola through them. Where all
@@ -225,18 +225,18 @@ def discretise(points: ArrayLike, cells: ArrayLike, element: str) -> Discretisat
     SolverError
         If memory does not suffice.
     """
-    chosen("element", element, ELEMENTS)
+    require_one_of("element", element, ELEMENTS)
     kind = ELEMENTS[element]
-    x = coordinates("points", points, "n", kind.dim, need=f"{element} needs (n, {kind.dim})")
+    x = finite_coordinates("points", points, "n", kind.dim, need=f"{element} needs (n, {kind.dim})")
     t = checked_cells(cells, kind, len(x))
-    with within_memory(len(x), "nodes"):
-        return _assembled(x, t, kind)
+    with fits_in_memory(len(x), "nodes"):
+        return _build_discretisation(x, t, kind)
 
 
-def _assembled(x: Array, t: Index, kind: Element) -> Discretisation:
+def _build_discretisation(x: Array, t: Index, kind: Element) -> Discretisation:
     """Discretisation of points (n, d) and cells (c, nodes), which are looked into."""
     refuse_repeated(t, kind)
-    curving = bent(x, t, kind)
+    curving = is_bent(x, t, kind)
     plain, round_ = np.flatnonzero(~curving), np.flatnonzero(curving)
     if len(plain):
         refuse_crossed(x[t[plain, : kind.corners]], plain)
@@ -249,7 +249,7 @@ def _assembled(x: Array, t: Index, kind: Element) -> Discretisation:
     mesh = kind.mesh(x[vertices].T.copy(), local.T.copy())
     mapping, order = None, kind.integration_order
     dofs = skfem.Dofs(mesh, kind.function)
-    node = _numbered(x, listed, dofs)
+    node = _nodes_of_dofs(x, listed, dofs)
     if len(round_):
         nodes = x[node].T.copy()
         whole = kind.mesh(nodes, mesh.t, elem=type(kind.function), sort_t=False)
@@ -258,7 +258,7 @@ def _assembled(x: Array, t: Index, kind: Element) -> Discretisation:
     return Discretisation(x, t, kind, basis, node, bool(len(round_)))
 
 
-def _numbered(points: Array, listed: Index, dofs: Any) -> Index:
+def _nodes_of_dofs(points: Array, listed: Index, dofs: Any) -> Index:
     """Node (n,) of each degree of freedom, by cells (c, nodes) in the library's order."""
     orphan = np.flatnonzero(np.bincount(listed.ravel(), minlength=len(points)) == 0)
     reach = COINCIDENT * float(np.ptp(points, axis=0).max())

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.problem import Array, Index, Mesh, ProblemError
-from msvalidate.problem.checks import instance, refuse_too_many, shown
-from reference_fem.mesh.discretisation import Discretisation, discretise
+from msvalidate.problem.checks import format_value, refuse_too_many, require_type
+from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS, Element, of_shape
 
 
@@ -28,21 +28,21 @@ def mesh_discretisation(mesh: Mesh, element: str | None = None) -> Discretisatio
     SolverError
         If memory does not suffice.
     """
-    instance("mesh", mesh, Mesh)
+    require_type("mesh", mesh, Mesh)
     own = of_shape(mesh.shape)
     raised = own.raised if own.degree == 1 else ()
     if element not in (None, own.name, *raised):
         raise ProblemError(
-            f"mesh: element {shown(element)} on {mesh.shape} cells; give "
+            f"mesh: element {format_value(element)} on {mesh.shape} cells; give "
             f"{' or '.join((own.name, *raised))}"
         )
     kind = own if element is None else ELEMENTS[element]
     if kind is own:
         refuse_too_many(str(mesh), len(mesh.points), kind.most_nodes)
-        return discretise(mesh.points, mesh.cells, kind.name)
+        return make_discretisation(mesh.points, mesh.cells, kind.name)
     points, cells = _with_middles(mesh, kind)
     refuse_too_many(f"{mesh} with {kind.name}", len(points), kind.most_nodes)
-    return discretise(points, cells, kind.name)
+    return make_discretisation(points, cells, kind.name)
 
 
 def _with_middles(mesh: Mesh, kind: Element) -> tuple[Array, Index]:

@@ -54,7 +54,7 @@ class Gradients:
                 each += less - less[0]
             local = (self.reference @ each).reshape(self.inverse.shape[1:])
             for i in range(len(self.inverse)):
-                _summed(zip(local, self.inverse[:, i], strict=True), found[a, i])
+                _accumulate_products(zip(local, self.inverse[:, i], strict=True), found[a, i])
         return found
 
     def gathered(self, flux: Array) -> Array:
@@ -72,7 +72,7 @@ class Gradients:
         local = np.empty(flux.shape)
         for a in range(len(flux)):
             for j in range(len(self.inverse)):
-                _summed(zip(flux[a], self.inverse[j], strict=True), local[a, j])
+                _accumulate_products(zip(flux[a], self.inverse[j], strict=True), local[a, j])
         return local.reshape(len(flux), -1, flux.shape[-1])
 
     def _by_node(self, each: Array) -> Array:
@@ -80,7 +80,7 @@ class Gradients:
         return np.array([np.bincount(nodes, part.ravel(), self.count) for part in each])
 
 
-def _summed(pairs: Iterable[tuple[Array, Array]], out: Array) -> None:
+def _accumulate_products(pairs: Iterable[tuple[Array, Array]], out: Array) -> None:
     """Σ a b into an array."""
     for number, (a, b) in enumerate(pairs):
         if number == 0:
@@ -89,7 +89,7 @@ def _summed(pairs: Iterable[tuple[Array, Array]], out: Array) -> None:
             out += a * b
 
 
-def gradients(body: Discretisation) -> Gradients:
+def gradients_at_points(body: Discretisation) -> Gradients:
     """Slopes at the points that the body's stiffness is integrated at."""
     kind, X, weights = body.element, np.asarray(body.basis.X), np.asarray(body.basis.W)
     nodes = np.ascontiguousarray(body.cell_nodes.T)

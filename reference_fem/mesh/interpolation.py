@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial import KDTree
 
-from msvalidate.problem import Array, Index, ProblemError, place_name
+from msvalidate.problem import Array, Index, ProblemError, format_point
 from reference_fem.mesh.maps import Cells, determinant
 
 OUTSIDE = 1e-9
@@ -47,22 +47,24 @@ def incident(cells: Cells, points: Array) -> tuple[Index, Index, Array]:
     found: list[tuple[Index, Index, Array, Array]] = [
         (np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp), np.zeros((0, d)), np.zeros(0))
     ]
-    for cell, point in _pairs(cells.hull, points, reach):
+    for cell, point in _candidate_pairs(cells.hull, points, reach):
         nodes = cells.nodes[cell]
-        where, miss = _clipped(cells, nodes, _inverse(cells, nodes, points[point]), points[point])
+        where, miss = _clip_to_cell(
+            cells, nodes, _inverse(cells, nodes, points[point]), points[point]
+        )
         held = miss <= reach
         found.append((point[held], cell[held], where[held], miss[held]))
     point, cell, local, miss = (np.concatenate(each) for each in zip(*found, strict=True))
     lost = np.bincount(point, minlength=len(points)) == 0
     if lost.any():
         raise ProblemError(
-            f"points to sample: {place_name(points[lost][0])}; they must lie in the body"
+            f"points to sample: {format_point(points[lost][0])}; they must lie in the body"
         )
     order = np.lexsort((cell, miss, point))
     return point[order], cell[order], local[order]
 
 
-def _pairs(hull: Array, points: Array, reach: float) -> Iterator[tuple[Index, Index]]:
+def _candidate_pairs(hull: Array, points: Array, reach: float) -> Iterator[tuple[Index, Index]]:
     """Pairs (cell, point) of which the cell's box holds the point, in batches of rising cells."""
     if not len(points):
         return
@@ -100,7 +102,7 @@ def _inverse(cells: Cells, nodes: Array, points: Array) -> Array:
     return local
 
 
-def _clipped(cells: Cells, nodes: Array, local: Array, points: Array) -> tuple[Array, Array]:
+def _clip_to_cell(cells: Cells, nodes: Array, local: Array, points: Array) -> tuple[Array, Array]:
     """Nearest local coordinates inside the cell, and the distance (q,) in m left to the point."""
     inside = np.clip(local, 0.0, 1.0)
     if cells.simplex:

@@ -47,7 +47,7 @@ class Cells:
     steps: int
 
 
-def straight(corners: Array) -> Cells:
+def straight_cells(corners: Array) -> Cells:
     """Convex triangles or quadrilaterals, tetrahedra or hexahedra of corners (c, k, d).
 
     In VTK order; local coordinates have corner 0 at the origin.
@@ -55,10 +55,10 @@ def straight(corners: Array) -> Cells:
     _, k, d = corners.shape
     simplex = k == d + 1
     start = np.full(d, 1 / k if simplex else 0.5)
-    return Cells(corners, corners, mapped, start, simplex, 1 if simplex else NEWTON_STEPS)
+    return Cells(corners, corners, map_to_cell, start, simplex, 1 if simplex else NEWTON_STEPS)
 
 
-def curved(nodes: Array, kind: Element) -> Cells:
+def curved_cells(nodes: Array, kind: Element) -> Cells:
     """Cells of an element with nodes (c, k, d) in the library's order."""
     hull = np.einsum("ik,ckd->cid", _control(kind.name), nodes)
     start = np.asarray(kind.function.doflocs)
@@ -91,7 +91,7 @@ def _control(name: str) -> Array:
     return np.linalg.inv(many * each.prod(axis=2)) @ kind.functions(x)[0].T
 
 
-def mapped(corners: Array, local: Array) -> tuple[Array, list[Array]]:
+def map_to_cell(corners: Array, local: Array) -> tuple[Array, list[Array]]:
     """Place (q, d) of local coordinates (q, d), and its derivative by each of them.
 
     Cells (q, k, d) are as in `locate`; one row of local coordinates serves them all.

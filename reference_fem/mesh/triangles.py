@@ -9,9 +9,15 @@ import skfem
 from numpy.typing import ArrayLike
 from scipy.spatial import Delaunay, KDTree
 
-from msvalidate.problem import Array, Polygon, ProblemError, Segment, place_name
-from msvalidate.problem.checks import coordinates, metres, refuse_too_many, shown, whole
-from reference_fem.mesh.discretisation import Discretisation, discretise
+from msvalidate.problem import Array, Polygon, ProblemError, Segment, format_point
+from msvalidate.problem.checks import (
+    finite_coordinates,
+    format_value,
+    length_in_metres,
+    refuse_too_many,
+    whole_number,
+)
+from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS, MOST_IN_PLANE, of_dimension
 
 NODES_PER_TRIANGLE = 2
@@ -54,16 +60,18 @@ def polygon_discretisation(
     triangles = [name for name in of_dimension(2) if ELEMENTS[name].simplex]
     triangular = isinstance(element, str) and element in triangles
     if not isinstance(outline, Polygon) or not triangular:
-        name, choice = shown(element).strip("'"), " or ".join(triangles)
-        raise ProblemError(f"mesh: {name} in a {shown(outline)}; give a Polygon and {choice}")
-    whole("mesh depth", depth, 0)
-    whole("mesh rings", rings, 1)
+        name, choice = format_value(element).strip("'"), " or ".join(triangles)
+        raise ProblemError(
+            f"mesh: {name} in a {format_value(outline)}; give a Polygon and {choice}"
+        )
+    whole_number("mesh depth", depth, 0)
+    whole_number("mesh rings", rings, 1)
     if depth and towards is None:
         raise ProblemError(
             f"mesh depth: {depth} and no places to refine towards; give towards, or leave it at 0"
         )
-    places = coordinates("places to refine towards", () if towards is None else towards)
-    mesh = _equilateral(outline, metres("mesh spacing", spacing))
+    places = finite_coordinates("places to refine towards", () if towards is None else towards)
+    mesh = _equilateral_mesh(outline, length_in_metres("mesh spacing", spacing))
     if places.size:
         if places.ndim != 2 or places.shape[1] != 2:
             raise ProblemError(f"places to refine towards: shape {places.shape}; give (p, 2)")
@@ -74,11 +82,11 @@ def polygon_discretisation(
                 f"mesh depth: {depth} puts vertices {closest:.2g} m apart, nearer than two places "
                 f"are told apart ({outline.tolerance:.2g} m); take less"
             )
-        mesh = _refined(mesh, KDTree(places), spacing, depth, rings)
+        mesh = _refine_around(mesh, KDTree(places), spacing, depth, rings)
     return _with_midpoints(mesh, element)
 
 
-def _refined(mesh: Any, places: KDTree, spacing: float, depth: int, rings: int) -> Any:
+def _refine_around(mesh: Any, places: KDTree, spacing: float, depth: int, rings: int) -> Any:
     """The mesh halved around the places, `depth` times, each time half as far away."""
     for level in range(depth):
         reach = (rings - 0.5) * spacing / 2**level
@@ -92,7 +100,7 @@ def _refined(mesh: Any, places: KDTree, spacing: float, depth: int, rings: int) 
     return mesh
 
 
-def _equilateral(outline: Polygon, side: float) -> Any:
+def _equilateral_mesh(outline: Polygon, side: float) -> Any:
     """Triangles of a side, in rows along the outline's first edge: a grid's Delaunay mesh."""
     start, end = outline.corners[:2]
     x, y = (end - start) / np.linalg.norm(end - start)
@@ -141,7 +149,7 @@ def _refuse_no_vertex(mesh: Any, places: Array, tolerance: float) -> None:
     far = np.flatnonzero(distance > tolerance)
     if len(far):
         raise ProblemError(
-            f"places to refine towards: {place_name(places[far[0]])} is {distance[far[0]]:.3g} m "
+            f"places to refine towards: {format_point(places[far[0]])} is {distance[far[0]]:.3g} m "
             "from the nearest vertex of the mesh; choose vertices"
         )
 
@@ -153,11 +161,11 @@ def _with_midpoints(mesh: Any, element: str) -> Discretisation:
     clockwise = (b - a)[0] * (c - a)[1] < (b - a)[1] * (c - a)[0]
     t[1:, clockwise] = t[:0:-1, clockwise]
     if ELEMENTS[element].degree == 1:
-        return discretise(mesh.p.T, t.T, element)
+        return make_discretisation(mesh.p.T, t.T, element)
     edges = np.sort(np.concatenate([t[[0, 1]], t[[1, 2]], t[[2, 0]]], axis=1), axis=0)
     ends, number = np.unique(edges, axis=1, return_inverse=True)
     middle = mesh.p[:, ends].mean(axis=1)
     sides = mesh.p.shape[1] + number.reshape(3, -1)
-    return discretise(
+    return make_discretisation(
         np.concatenate([mesh.p, middle], axis=1).T, np.concatenate([t, sides]).T, element
     )

@@ -1,6 +1,6 @@
 """Linear systems of a body: orderings, factors, multigrid, and the choice between these."""
 
-from reference_fem.systems.factor import Factor, factorised, has_cholmod, signed
-from reference_fem.systems.solver import Solved, Solver
+from reference_fem.systems.factor import Factor, factorise, has_cholmod, signed_factor
+from reference_fem.systems.solver import Solver, SystemSolution
 
-__all__ = ["Factor", "Solved", "Solver", "factorised", "has_cholmod", "signed"]
+__all__ = ["Factor", "Solver", "SystemSolution", "factorise", "has_cholmod", "signed_factor"]

@@ -9,8 +9,8 @@ from scipy.sparse import csr_matrix
 
 from msvalidate.problem import Array, Index
 from reference_fem.mesh.discretisation import Discretisation
-from reference_fem.mesh.gradients import Gradients, gradients
-from reference_fem.systems.refined import rewritten
+from reference_fem.mesh.gradients import Gradients, gradients_at_points
+from reference_fem.systems.refined import change_by_rewriting
 
 EPS = float(np.finfo(float).eps)
 
@@ -47,7 +47,7 @@ class ElasticCells:
 
     def noise(self, u: Array, rest: Array, force: Array, number: int) -> Array:
         """Forces (d, n) in N as rounding makes them: sample of a number."""
-        return rewritten(self, u, rest, force, number)
+        return change_by_rewriting(self, u, rest, force, number)
 
     @property
     def _pairs(self) -> list[tuple[int, int]]:
@@ -117,7 +117,7 @@ class MixedCells:
 
     def noise(self, u: Array, rest: Array, force: Array, number: int) -> Array:
         """Forces (N) and volumes (m³) as rounding makes them: sample of a number."""
-        return rewritten(self, u, rest, force, number)
+        return change_by_rewriting(self, u, rest, force, number)
 
     def _displacement(self, u: Array) -> Array:
         return u[: -self.count].reshape(len(self.shear.tensor), -1)
@@ -134,7 +134,7 @@ def mixed_cells(body: Discretisation, mu: float, inverse: float, thickness: floa
     tensor = thickness * mu * (straight + straight.swapaxes(2, 3))
     X, linear = np.asarray(body.basis.X), body.element.linear
     functions = np.array([linear.lbasis(X, i)[0] for i in range(body.element.corners)])
-    shear = ElasticCells(gradients(body), tensor)
+    shear = ElasticCells(gradients_at_points(body), tensor)
     corners = np.searchsorted(body.vertices, shear.gradients.nodes[: body.element.corners])
     return MixedCells(shear, inverse, thickness, functions, corners, len(body.vertices))
 

@@ -38,7 +38,10 @@ def elimination_order(body: Discretisation, held: Mask) -> Index:
 
 
 def node_order(body: Discretisation) -> Index:
-    """Nodes (n,) in the order of nested dissection, by cuts between cells."""
+    """Nodes (n,) in the order of nested dissection, by cuts between cells.
+
+    Source: [George1973].
+    """
     code = _paths(body.points[body.cells[:, : body.element.corners]])
     nodes = body.cells.shape[1]
     uses = np.argsort(body.cells.ravel(), kind="stable")

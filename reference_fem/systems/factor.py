@@ -10,8 +10,8 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix, diags_array
 from scipy.sparse.linalg import splu
 
-from msvalidate.problem import Array, Index, SolverError, place_name
-from reference_fem.effort import within_memory
+from msvalidate.problem import Array, Index, SolverError, format_point
+from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.discretisation import Discretisation
 
 SHIFT = 1e-14
@@ -56,7 +56,7 @@ def has_cholmod() -> bool:
     return True
 
 
-def factorised(body: Discretisation, free: Index, order: Index, K: csr_matrix, name: str) -> Factor:
+def factorise(body: Discretisation, free: Index, order: Index, K: csr_matrix, name: str) -> Factor:
     """A factor of the free part of a stiffness.
 
     Parameters
@@ -75,7 +75,7 @@ def factorised(body: Discretisation, free: Index, order: Index, K: csr_matrix, n
     SolverError
         If part of the body can move without strain, or memory does not suffice.
     """
-    with within_memory(len(free), "unknowns"):
+    with fits_in_memory(len(free), "unknowns"):
         kept = free[order]
         A = K[kept][:, kept]
         if not np.isfinite(A.data).all():
@@ -83,7 +83,7 @@ def factorised(body: Discretisation, free: Index, order: Index, K: csr_matrix, n
         A.sort_indices()
         make = {"superlu": _superlu, "cholmod": _cholmod}[name]
         try:
-            inverse = _shifted(A, make, body)
+            inverse = _shift_singular(A, make, body)
         except (ArithmeticError, RuntimeError) as error:
             raise SolverError(
                 "finite elements: the stiffness is singular: a part of the body can move without "
@@ -95,7 +95,9 @@ def factorised(body: Discretisation, free: Index, order: Index, K: csr_matrix, n
     return Factor(name, order, inverse)
 
 
-def _shifted(A: csr_matrix, make: Callable[[csr_matrix], Apply], body: Discretisation) -> Apply:
+def _shift_singular(
+    A: csr_matrix, make: Callable[[csr_matrix], Apply], body: Discretisation
+) -> Apply:
     """The inverse, of a diagonal a little larger where rounding alone makes the matrix singular.
 
     It has no motion without strain where cells hang together by whole sides, and refinement mends
@@ -119,12 +121,12 @@ def _refuse_mechanism(body: Discretisation, kept: Index, A: csr_matrix, inverse:
     if abs(mode @ (A @ mode)) <= NO_STIFFNESS * (mode**2 @ A.diagonal()):
         place = body.points[kept[np.abs(mode).argmax()] % len(body.points)]
         raise SolverError(
-            f"finite elements: the part of the body around {place_name(place)} can move without "
+            f"finite elements: the part of the body around {format_point(place)} can move without "
             "strain; join it to the rest by an edge, or hold it"
         )
 
 
-def signed(A: csr_matrix) -> tuple[Apply, int]:
+def signed_factor(A: csr_matrix) -> tuple[Apply, int]:
     """The inverse of a symmetric matrix (f, f) as it is ordered, and its negative eigenvalues.
 
     The pivots stand on the diagonal, so they have as many below zero as the eigenvalues have

@@ -9,7 +9,7 @@ from scipy.sparse import bsr_array, csr_array, csr_matrix, diags_array
 from scipy.sparse.linalg import LinearOperator
 
 from msvalidate.problem import Array, Mask, SolverError, rigid_motions
-from reference_fem.effort import within_memory
+from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.discretisation import Discretisation
 
 ERROR = 1e-12
@@ -49,7 +49,7 @@ class Hierarchy:
         # By node: what is held keeps its rows, so that every node has a block.
         by_node = np.arange(held.size).reshape(body.dim, -1).T.ravel()
         inside = diags_array(free.astype(float))
-        with within_memory(int(free.sum()), "unknowns"):
+        with fits_in_memory(int(free.sum()), "unknowns"):
             scaled = K[by_node][:, by_node] / self._unit
             self._A = inside @ scaled @ inside + diags_array(1.0 - free)
             self._cycle = _cycle(body, free, self._A)
@@ -80,7 +80,7 @@ class Hierarchy:
             return np.full(load.shape, np.nan), 0  # which no residual allows
         right = np.zeros(self._held.shape)
         right.T[~self._held.T] = load / largest
-        with within_memory(len(load), "unknowns"):
+        with fits_in_memory(len(load), "unknowns"):
             found, taken = _conjugate_gradients(self._A, right.ravel(), self._cycle, steps, error)
         free = found.reshape(self._held.shape).T[~self._held.T]
         return np.asarray(free * (largest / self._unit)), taken
@@ -89,7 +89,10 @@ class Hierarchy:
 def _conjugate_gradients(
     A: csr_array, b: Array, cycle: LinearOperator, most: int, error: float
 ) -> tuple[Array, int]:
-    """Solution of A x = b to an error as `ERROR` is, and its steps, at most so many."""
+    """Solution of A x = b to an error as `ERROR` is, and its steps, at most so many.
+
+    Source: [HestenesStiefel1952].
+    """
     x, residual = np.zeros(len(b)), b
     ahead = cycle @ residual
     allowed, steps = error * _norm(ahead), 0
@@ -125,7 +128,10 @@ def _norm(a: Array) -> float:
 
 
 def _cycle(body: Discretisation, free: Mask, A: csr_array) -> LinearOperator:
-    """One cycle over levels whose coarse spaces hold the rigid motions: nearly the inverse of A."""
+    """One cycle over levels whose coarse spaces hold the rigid motions: nearly the inverse of A.
+
+    Source: smoothed aggregation, [Vanek1996].
+    """
     from pyamg import smoothed_aggregation_solver  # noqa: PLC0415  half a second for one method
 
     centred = body.points - body.points.mean(axis=0)

@@ -83,7 +83,7 @@ class System(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """A solution, the digits it lacks, and how far it may be off.
+    """A solution, its remainder beyond double precision, and an error estimate.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class Refined:
     corrections: int
 
 
-def refined(
+def refine_solution(
     system: System,
     inverse: Inverse,
     start: Array,
@@ -141,10 +141,10 @@ def refined(
         if sample:
             left = SQUARE * size**2 + SAMPLE * max(map(work.relative, first[1:]))
         return work.ended(left, 1)
-    return _slowly(work, size, sample)
+    return _refine_slowly(work, size, sample)
 
 
-def _slowly(work: _Work, size: float, sample: bool) -> Refined:
+def _refine_slowly(work: _Work, size: float, sample: bool) -> Refined:
     """Refinement whose first correction is no rounding."""
     count, last = 1, 1.0
     while np.isfinite(size) and count < MOST:
@@ -154,7 +154,7 @@ def _slowly(work: _Work, size: float, sample: bool) -> Refined:
             if size <= SETTLED:
                 break
             if work.system.positive:
-                more, size = _least_energy(work)
+                more, size = _minimise_along_directions(work)
                 return work.ended(SLOWEST * size + work.sampled(sample), count + more)
             if size > last:
                 break
@@ -164,8 +164,11 @@ def _slowly(work: _Work, size: float, sample: bool) -> Refined:
     return work.ended(SLOWEST * size + work.sampled(sample), count)
 
 
-def _least_energy(work: _Work) -> tuple[int, float]:
-    """Steps along directions, and the largest correction of the last ones."""
+def _minimise_along_directions(work: _Work) -> tuple[int, float]:
+    """Steps along directions, and the largest correction of the last ones.
+
+    Source: flexible conjugate gradients, [Notay2000].
+    """
     sizes: list[float] = []
     while len(sizes) < MOST_DIRECTIONS:
         stress = work.stress()
@@ -190,7 +193,7 @@ def _least_energy(work: _Work) -> tuple[int, float]:
 
 @dataclass(eq=False)
 class _Work:
-    """An answer in the making: `value` + `rest`, and the directions that were taken."""
+    """An intermediate solution `value` + `rest`, and the search directions so far."""
 
     system: System
     inverse: Inverse
@@ -233,7 +236,7 @@ class _Work:
 
     def add(self, change: Array) -> None:
         """Add to the answer, and keep the digits that it cannot hold."""
-        self.value, self.rest = with_digits(self.value, self.rest, change)
+        self.value, self.rest = add_with_remainder(self.value, self.rest, change)
 
     def kept(self, way: Array) -> bool:
         """Make a direction conjugate to all before and keep it; False if it has no energy."""
@@ -290,17 +293,19 @@ class _Work:
         return Refined(self.value, self.rest, float(error), corrections)
 
 
-def rewritten(system: System, value: Array, rest: Array, force: Array, number: int) -> Array:
+def change_by_rewriting(
+    system: System, value: Array, rest: Array, force: Array, number: int
+) -> Array:
     """What another way to write the same unknowns, as two numbers each, changes in their forces.
 
     It is rounding and nothing else: a sample of it, a number's its own.
     """
     change = REWRITTEN * np.random.default_rng(number).uniform(-1, 1, value.shape) * value
-    other, less = with_digits(value, np.zeros_like(rest), change)
+    other, less = add_with_remainder(value, np.zeros_like(rest), change)
     return system.forces(system.stress(system.strain(other, rest - change + less))) - force
 
 
-def with_digits(value: Array, rest: Array, change: Array) -> tuple[Array, Array]:
+def add_with_remainder(value: Array, rest: Array, change: Array) -> tuple[Array, Array]:
     """A sum of value and rest with a change, as its doubles and the digits that these cannot hold.
 
     The rounding of a sum is a double itself, and six operations find it (Knuth 1997, The Art of

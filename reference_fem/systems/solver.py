@@ -11,15 +11,15 @@ import numpy as np
 from scipy.sparse import csr_matrix, issparse
 
 from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, refuse_free_motions
-from msvalidate.problem.checks import chosen, instance, shaped, shown
-from reference_fem.effort import envelope, within_memory
+from msvalidate.problem.checks import format_value, require_one_of, require_type, shaped
+from reference_fem.effort import factor_envelope, fits_in_memory
 from reference_fem.mesh.discretisation import Discretisation
-from reference_fem.mesh.gradients import Gradients, gradients
+from reference_fem.mesh.gradients import Gradients, gradients_at_points
 from reference_fem.systems.cells import ElasticCells, Entries
 from reference_fem.systems.dissection import elimination_order
-from reference_fem.systems.factor import Factor, factorised, has_cholmod
+from reference_fem.systems.factor import Factor, factorise, has_cholmod
 from reference_fem.systems.multigrid import MOST_STEPS, Hierarchy
-from reference_fem.systems.refined import Refined, System, refined
+from reference_fem.systems.refined import Refined, System, refine_solution
 
 SOLVERS = ("auto", "superlu", "cholmod", "multigrid")
 """Names of solvers. "auto" chooses one of the others."""
@@ -50,7 +50,7 @@ for each in hexahedra, 15 in tetrahedra, 3 GB at most. A cube of 26 x 26 x 26 ha
 
 
 @dataclass(frozen=True)
-class Solved:
+class SystemSolution:
     """How a system was solved.
 
     Parameters
@@ -126,9 +126,10 @@ class Solver:
         K = self.stiffness
         if not (issparse(K) and K.format == "csr" and K.dtype == float and K.shape == (size, size)):
             raise ProblemError(
-                f"stiffness: {shown(K)}; give a matrix {size} x {size} of floats in CSR format"
+                f"stiffness: {format_value(K)}; give a matrix {size} x {size} of floats in CSR "
+                f"format"
             )
-        chosen("solver", self.choice, SOLVERS)
+        require_one_of("solver", self.choice, SOLVERS)
         refuse_free_motions("finite element body", self.body.points, self.held)
         if self.choice == "cholmod" and not has_cholmod():
             raise ProblemError(
@@ -141,7 +142,7 @@ class Solver:
                 "together by whole sides; take auto or superlu"
             )
 
-    def solve(self, displacement: Array, force: Array) -> tuple[Array, Solved]:
+    def solve(self, displacement: Array, force: Array) -> tuple[Array, SystemSolution]:
         """Displacement (n, d) in m under values (n, d) of what is held (m) and forces (n, d) in N.
 
         Raises
@@ -171,16 +172,18 @@ class Solver:
             found = self._refined(choice, u.reshape(self.body.dim, -1), force.T)
         seconds = perf_counter() - began
         if not found.error <= ACCEPTED:
-            raise SolverError(too_ill(found.error))
+            raise SolverError(describe_lost_digits(found.error))
         moved, rest = found.value.T.copy(), found.rest.T.copy()
-        how = Solved(choice, reason, left, steps, seconds, found.error, found.corrections, rest)
+        how = SystemSolution(
+            choice, reason, left, steps, seconds, found.error, found.corrections, rest
+        )
         return moved, how
 
     def _refined(self, choice: str, u: Array, load: Array) -> Refined:
         """The answer (d, n), refined by the way that it was found."""
         inverse = self._roughly if choice == "multigrid" else self._directly
-        with within_memory(len(self._free), "unknowns"):
-            return refined(
+        with fits_in_memory(len(self._free), "unknowns"):
+            return refine_solution(
                 self._system, inverse, u, load, ~self.held.T, sample=choice != "multigrid"
             )
 
@@ -199,7 +202,7 @@ class Solver:
 
     @cached_property
     def _gradients(self) -> Gradients:
-        return gradients(self.body)
+        return gradients_at_points(self.body)
 
     def _remedy(self, **given: Array) -> str:
         """What to say of a solution that fails its check."""
@@ -249,7 +252,7 @@ class Solver:
 
     @cached_property
     def _effort(self) -> tuple[float, float]:
-        return envelope(self.body.links, self.held)
+        return factor_envelope(self.body.links, self.held)
 
     @property
     def _fits(self) -> bool:
@@ -266,17 +269,17 @@ class Solver:
 
     @cached_property
     def _factor(self) -> Factor:
-        with within_memory(len(self._free), "unknowns"):
+        with fits_in_memory(len(self._free), "unknowns"):
             order = elimination_order(self.body, self.held)
-        return factorised(self.body, self._free, order, self.stiffness, self._direct)
+        return factorise(self.body, self._free, order, self.stiffness, self._direct)
 
     @cached_property
     def _hierarchy(self) -> Hierarchy:
         return Hierarchy(self.body, self.held, self.stiffness)
 
 
-def too_ill(error: float) -> str:
-    """What to say of an answer that rounding has taken its digits from."""
+def describe_lost_digits(error: float) -> str:
+    """A message for an answer that has lost its digits to rounding."""
     known = f"known to {error:.1g} of the largest only" if error < 1 else "all rounding"
     return (
         f"finite elements: displacements are {known}, wanted {ACCEPTED:g}: the body is too "
@@ -287,10 +290,10 @@ def too_ill(error: float) -> str:
 
 def refuse_shapes(body: Discretisation, **named: Array | Mask) -> None:
     """Raise a `ProblemError` for what is no array of one number for each component of a node."""
-    instance("body", body, Discretisation)
+    require_type("body", body, Discretisation)
     for name, array in named.items():
         if not isinstance(array, np.ndarray) or array.dtype.kind not in "bif":
-            raise ProblemError(f"{name}: {shown(array)}; give an array of real numbers")
+            raise ProblemError(f"{name}: {format_value(array)}; give an array of real numbers")
         shaped(name, array, *body.points.shape)
 
 

@@ -19,12 +19,12 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.judging.candidate import actuated
-from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.candidate import check_actuator
+from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
 
 from . import air, controls, figure8, permittivity, prestretched, profile
-from .bodies import ActuatorSolver, responding, springs
+from .bodies import ActuatorSolver, linear_response, springs
 
 ASKED = {
     "profile": profile.run,
@@ -48,7 +48,12 @@ FAULTS = {
         (STRETCHED, "forces smaller", 0.5, "prestretched"),
         ("edges pushed inwards", "edge forces left out", 2.0, "figure8"),
     )
-} | {"charges as at the start": {"candidate": partial(responding, None), "questions": ("figure8",)}}
+} | {
+    "charges as at the start": {
+        "candidate": partial(linear_response, None),
+        "questions": ("figure8",),
+    }
+}
 """Negative controls: arguments of `run` under which a tolerance must fail. One question that
 notices is enough, so the rest is left out."""
 
@@ -59,8 +64,8 @@ def run(
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    linear = air.run if candidate is springs else partial(air.run, actuated(candidate))
-    candidate = actuated(candidate)
+    linear = air.run if candidate is springs else partial(air.run, check_actuator(candidate))
+    candidate = check_actuator(candidate)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     asked |= {"air": partial(linear, setting=setting)}
-    return answers(asked | {"controls": partial(controls.run, setting)}, questions)
+    return gather_evidence(asked | {"controls": partial(controls.run, setting)}, questions)

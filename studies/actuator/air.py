@@ -17,14 +17,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
 
 from . import bodies, profile
-from .bodies import COVERED, HEIGHT, ActuatorSolver, body, elastic, responding, upper
+from .bodies import COVERED, HEIGHT, ActuatorSolver, body, elastic, linear_response, upper_face
 from .profile_drawing import TITLES, broken
 
 RATIOS, QUICK_RATIOS = (1.0, 3.0, 10.0), (3.0,)
@@ -65,7 +65,7 @@ COLUMNS = {
 }
 
 
-LINEAR: ActuatorSolver = partial(responding, None)
+LINEAR: ActuatorSolver = partial(linear_response, None)
 """Newton's method would want derivatives of forces in air, which take minutes by differences."""
 
 
@@ -74,7 +74,7 @@ def run(candidate: ActuatorSolver = LINEAR, setting: Setting = FULL) -> Evidence
     quick = setting.quick
     layers, mesh = (QUICK_LAYERS, QUICK_MESH) if quick else (LAYERS, MESH)
     ratios = QUICK_RATIOS if quick else RATIOS
-    found = [compared(candidate, c, r, layers, mesh) for c in COVERED for r in ratios]
+    found = [compare_faces(candidate, c, r, layers, mesh) for c in COVERED for r in ratios]
     table = pd.concat([rows for rows, _ in found], ignore_index=True)
     return Evidence(
         tables={"air": table, "air_faces": pd.concat([f for _, f in found], ignore_index=True)},
@@ -86,7 +86,7 @@ def run(candidate: ActuatorSolver = LINEAR, setting: Setting = FULL) -> Evidence
     )
 
 
-def compared(
+def compare_faces(
     candidate: ActuatorSolver, covered: str, ratio: float, layers: tuple[int, ...], mesh: int
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Rows of a slab, and its upper face by springs and elements."""
@@ -94,12 +94,12 @@ def compared(
     before: Array | None = None
     scale = bodies.uniform_deflection(volts)
     finest = body(covered, layers[-1], ratio)
-    top = upper(finest.network.points)
+    top = upper_face(finest.network.points)
     across = finest.network.points[top, 0]
     coarse, fine = (elastic(m, finest, volts)[top] / scale for m in (mesh // 2, mesh))
     for n in layers:
         actuator = body(covered, n, ratio)
-        at = upper(actuator.network.points)
+        at = upper_face(actuator.network.points)
         x, move = actuator.network.points[at, 0], candidate(actuator, volts)[at] / scale
         on = np.searchsorted(across, x - 1e-9)
         away = profile.edge_distance(covered, x) > profile.AWAY + 1e-9
@@ -131,9 +131,9 @@ def observe(table: pd.DataFrame) -> Mapping[str, Observed]:
     finest = table[table["layers"] == table["layers"].max()]
     limit = pd.to_numeric(finest["air_limit"], errors="coerce")
     values = (
-        worst(finest["air_difference"] * finest["layers"], 0.0),
-        worst(limit, 0.0),
-        worst(table["air_uncertainty"], 0.0),
+        farthest_value(finest["air_difference"] * finest["layers"], 0.0),
+        farthest_value(limit, 0.0),
+        farthest_value(table["air_uncertainty"], 0.0),
     )
     return by_quantity(TOLERANCES, values)
 
@@ -158,7 +158,7 @@ def finding(table: pd.DataFrame) -> str:
 def drawing(tables: Tables) -> Figure:
     """Deflection of the left half of the upper face for every ratio, springs over FEM."""
     table = tables["air_faces"]
-    figure, axes = figures.new(len(COVERED), size=(4.7, 3.2))
+    figure, axes = figures.new_figure(len(COVERED), size=(4.7, 3.2))
     for axis, covered in zip(axes, COVERED, strict=True):
         rows = table[(table["covered"] == covered) & (table["x"] <= 30)]
         ratios = sorted(set(table["permittivity_ratio"]))
@@ -172,5 +172,5 @@ def drawing(tables: Tables) -> Figure:
                 axis.plot(shown["x"], shown["uy"], style, color=colour, label=label)
         axis.set(xlabel="x (m)", ylim=(-3.2, 0.4), title=TITLES[covered])
     axes[0].set_ylabel("deflection uy\nover the uniform slab's (1)")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

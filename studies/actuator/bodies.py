@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.stiffness import moduli
 from msvalidate.dielectric.actuator import Actuator, at_voltage, slab
-from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.lattice import square
 from msvalidate.problem import Array, Box, Index, Isotropic
 from msvalidate.statics.equilibrium import equilibrium
-from reference_fem import charged, facing_slab, respond, slab_mesh
+from reference_fem import facing_slab, respond, slab_mesh, solve_charges
 
 LENGTH, HEIGHT = 60.0, 10.0
 """Of the slab, bonded at its base (m)."""
@@ -58,10 +58,10 @@ def springs(actuator: Actuator, voltage: float) -> Array:
     return at_voltage(actuator, voltage).displacement
 
 
-def responding(spoil: Spoil | None, actuator: Actuator, voltage: float) -> Array:
+def linear_response(spoil: Spoil | None, actuator: Actuator, voltage: float) -> Array:
     """Linear response (n, 2) in m to forces at the points' first places, spoilt if asked to be."""
     network = actuator.network
-    electric = electrified(actuator, network.start, voltage)
+    electric = charge_actuator(actuator, network.start, voltage)
     pull = electric.forces()
     force = np.array(network.force)
     force[electric.loaded] += pull if spoil is None else spoil(actuator, pull)
@@ -82,17 +82,17 @@ def elastic(layers: int, actuator: Actuator, voltage: float) -> Array:
         air=actuator.permittivity / actuator.permittivity_ratio,
     )
     mesh = slab_mesh(question, layers)
-    return respond(mesh, charged(mesh).forces, plane_material()).at(network.points)
+    return respond(mesh, solve_charges(mesh).forces, plane_material()).at(network.points)
 
 
 def plane_material() -> Isotropic:
     """The isotropic body that the springs are, from the lattice's homogenised tensor."""
     cell = square(Box((1.0, 1.0)), (1, 1))
-    found = moduli(network_tensor(cell, (AXIAL, DIAGONAL), "shared"))
+    found = moduli(interior_tensor(cell, (AXIAL, DIAGONAL), "shared"))
     return Isotropic(found.E, found.nu, "plane_stress")
 
 
-def upper(points: Array) -> Index:
+def upper_face(points: Array) -> Index:
     """Numbers of the points of the upper face, from left to right."""
     at = np.flatnonzero(np.isclose(points[:, 1], points[:, 1].max()))
     return at[np.argsort(points[at, 0], kind="stable")]

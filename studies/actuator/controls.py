@@ -18,21 +18,21 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.dielectric.actuator import Actuator
-from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array
 
 from . import profile
-from .bodies import ActuatorSolver, Spoil, responding
+from .bodies import ActuatorSolver, Spoil, linear_response
 
 
-def weaker(size: float, actuator: Actuator, pull: Array) -> Array:
+def weaken_forces(size: float, actuator: Actuator, pull: Array) -> Array:
     """Forces smaller by the part `size`."""
     return (1 - size) * pull
 
 
-def other_face(size: float, actuator: Actuator, pull: Array) -> Array:
+def swap_faces(size: float, actuator: Actuator, pull: Array) -> Array:
     """The part `size` of the way from each electrode's forces to those of the face across."""
     top, bottom = actuator.electrodes
     x = actuator.network.start[:, 0]
@@ -44,9 +44,9 @@ def other_face(size: float, actuator: Actuator, pull: Array) -> Array:
     return (1 - size) * pull + size * np.concatenate(seen)
 
 
-def half_and_half(size: float, actuator: Actuator, pull: Array) -> Array:
+def halve_to_ends(size: float, actuator: Actuator, pull: Array) -> Array:
     """The part `size` of the way to charge times the field at each middle, half to each end."""
-    charges = electrified(actuator, actuator.network.start, 1.0).charges
+    charges = charge_actuator(actuator, actuator.network.start, 1.0).charges
     electrodes = charges.moments.electrodes
     force = actuator.depth * charges.charge[:, None] * charges.field(electrodes.middle)
     halves = np.zeros_like(pull)
@@ -65,21 +65,21 @@ def without_edge_force(size: float, actuator: Actuator, pull: Array) -> Array:
 def stiffer(size: float, actuator: Actuator, voltage: float) -> Array:
     """Every spring stiffer by the part `size`."""
     faulty = replace(actuator, network=actuator.network.scaled(1 + size))
-    return responding(None, faulty, voltage)
+    return linear_response(None, faulty, voltage)
 
 
 def report_charges(size: float, actuator: Actuator, pull: Array) -> Array:
     """The part `size` of the way to the report's charges and point forces, springs 1 m deep."""
     here, volts = actuator.network.start, scale_of(actuator, pull)
     as_report = replace(actuator, model="as_report")
-    return (1 - size) * pull + size * volts * electrified(as_report, here, 1.0).forces()
+    return (1 - size) * pull + size * volts * charge_actuator(as_report, here, 1.0).forces()
 
 
-def one_medium(size: float, actuator: Actuator, pull: Array) -> Array:
+def forces_without_air(size: float, actuator: Actuator, pull: Array) -> Array:
     """The part `size` of the way to the forces without air: on the electrodes alone."""
     plane = replace(actuator, model="plane")
     here, volts = actuator.network.start, scale_of(actuator, pull)
-    electric, air = electrified(plane, here, 1.0), electrified(actuator, here, 1.0)
+    electric, air = charge_actuator(plane, here, 1.0), charge_actuator(actuator, here, 1.0)
     spread = np.zeros_like(here)
     spread[electric.loaded] = electric.forces()
     return (1 - size) * pull + size * volts * spread[air.loaded]
@@ -87,7 +87,7 @@ def one_medium(size: float, actuator: Actuator, pull: Array) -> Array:
 
 def scale_of(actuator: Actuator, pull: Array) -> float:
     """Square of the voltage (V²) that makes the forces (k, 2) of the actuator at its start."""
-    unit = electrified(actuator, actuator.network.start, 1.0).forces()
+    unit = charge_actuator(actuator, actuator.network.start, 1.0).forces()
     return float(np.vdot(unit, pull) / np.vdot(unit, unit))
 
 
@@ -103,25 +103,25 @@ class Kind:
         if self.spoil is None:
             return partial(stiffer, size)
         bound: Spoil = partial(self.spoil, size)
-        return partial(responding, bound)
+        return partial(linear_response, bound)
 
     def mixed(self, size: float, right: Array, wrong: Array) -> Array:
         """Displacements with a fault of a size, from those without it and with one of size 1."""
         if self.spoil is None:
             return right / (1 + size)
-        if self.spoil is weaker:
+        if self.spoil is weaken_forces:
             return (1 - size) * right
         return (1 - size) * right + size * wrong
 
 
 KINDS = {
-    "forces smaller": Kind("relative", weaker),
-    "forces of the other face": Kind("part of the way", other_face),
-    "forces in halves": Kind("part of the way", half_and_half),
+    "forces smaller": Kind("relative", weaken_forces),
+    "forces of the other face": Kind("part of the way", swap_faces),
+    "forces in halves": Kind("part of the way", halve_to_ends),
     "edge forces left out": Kind("part left out", without_edge_force),
     "the report's charges": Kind("part of the way", report_charges),
     "springs stiffer": Kind("relative"),
-    "one medium all around": Kind("part of the way", one_medium),
+    "one medium all around": Kind("part of the way", forces_without_air),
 }
 ASKED = {
     "forces smaller": 0.02,
@@ -156,8 +156,8 @@ COLUMNS = {
 def run(setting: Setting = FULL) -> Evidence:
     """Try every kind of fault on the small form of one profile, whose answers are linear in it."""
     small = replace(setting, quick=True)
-    right = profile.asked(partial(responding, None), small, SLABS)
-    table = pd.DataFrame([tried(name, right, small) for name in ASKED])
+    right = profile.solve_faces(partial(linear_response, None), small, SLABS)
+    table = pd.DataFrame([try_fault(name, right, small) for name in ASKED])
     return Evidence(
         tables={"controls": table},
         observed={TOLERANCES[0].quantity: Observed(float((table["noticed"] == "no").sum()))},
@@ -174,14 +174,14 @@ def run(setting: Setting = FULL) -> Evidence:
     )
 
 
-def tried(name: str, right: dict[str, profile.Face], small: Setting) -> dict[str, object]:
+def try_fault(name: str, right: dict[str, profile.Face], small: Setting) -> dict[str, object]:
     """Row of a kind of fault."""
     kind = KINDS[name]
-    needed = kind.spoil not in (None, weaker)  # those scale the right answer
-    wrong = profile.asked(kind.spoilt(1.0), small, SLABS) if needed else right
+    needed = kind.spoil not in (None, weaken_forces)  # those scale the right answer
+    wrong = profile.solve_faces(kind.spoilt(1.0), small, SLABS) if needed else right
 
     def failing(size: float) -> list[str]:
-        verdict = judge(profile.evidence(mixture(kind, size, right, wrong)))
+        verdict = judge(profile.evidence(mix_faces(kind, size, right, wrong)))
         return list(verdict.loc[verdict["verdict"] == "fail", "quantity"])
 
     found = next(((size, by) for size in STEPS if (by := failing(size))), None)
@@ -191,7 +191,7 @@ def tried(name: str, right: dict[str, profile.Face], small: Setting) -> dict[str
     return row | {"noticed_by": found[1][0] if found else "none"}
 
 
-def mixture(
+def mix_faces(
     kind: Kind, size: float, right: dict[str, profile.Face], wrong: dict[str, profile.Face]
 ) -> dict[str, profile.Face]:
     """Upper faces with a fault of a size; the reference's stay."""

@@ -18,7 +18,7 @@ from functools import cache
 
 import numpy as np
 
-from msvalidate.dielectric.charges import capacitance, chains, strip
+from msvalidate.dielectric.charges import capacitance, electrodes_of_chains, strip_points
 from msvalidate.problem import Array
 
 from .bodies import COVERED, HEIGHT, LENGTH, plane_material
@@ -43,9 +43,13 @@ def edge_force(covered: str) -> float:
     Only its own two edges move, by half of what it is widened each.
     """
     width, middle = LENGTH * COVERED[covered], 0.5 * LENGTH
-    lower = strip(LENGTH, 0.0, SEGMENTS, centre=middle)
+    lower = strip_points(LENGTH, 0.0, SEGMENTS, centre=middle)
     low, high = (
-        capacitance(chains(strip(width * (1 + step), HEIGHT, SEGMENTS, centre=middle), lower))
+        capacitance(
+            electrodes_of_chains(
+                strip_points(width * (1 + step), HEIGHT, SEGMENTS, centre=middle), lower
+            )
+        )
         for step in (-STEP, STEP)
     )
     return 0.5 * (high - low) / (2 * STEP * width)

@@ -29,15 +29,15 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.dielectric.actuator import at_voltage
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 
 from . import bodies, figure8_drawing, models
 from . import figure8_statements as said
 from .bodies import ActuatorSolver, body, springs
-from .figure8_statements import COMMON, LAYERS, LOW, RAISED, beside, middle
-from .models import SOURCES, Seen
+from .figure8_statements import COMMON, LAYERS, LOW, RAISED, deflection, middle
+from .models import SOURCES, Observation
 
 VOLTAGES = {
     "full": (0.5, 1.0, 1.5, 2.0, 2.25, 2.5, 2.75),
@@ -122,24 +122,26 @@ def run(candidate: ActuatorSolver = springs, setting: Setting = FULL) -> Evidenc
     """Walk up the voltage three ways, put numbers to the words, and draw the figure again."""
     voltages = QUICK_VOLTAGES if setting.quick else VOLTAGES
     seen = {
-        covered: dict(zip(SOURCES, ways(candidate, covered, volts), strict=True))
+        covered: dict(zip(SOURCES, follow_three_models(candidate, covered, volts), strict=True))
         for covered, volts in voltages.items()
     }
     sweep = pd.concat([table(c, s, run) for c, by in seen.items() for s, run in by.items()])
-    finer = models.of_springs(candidate, "full", FINER, (LOW, RAISED))
+    finer = models.run_springs(candidate, "full", FINER, (LOW, RAISED))
     meshes = pd.DataFrame(
         {"layers": n, "effect_growth": said.growth(run)}
         for n, run in ((LAYERS, seen["full"]["springs"]), (FINER, finer))
     )
-    statements = pd.DataFrame([said.judged(one, seen[one.covered]) for one in said.STATEMENTS])
-    slabs = [drawn(c, by["springs"][-1].voltage) for c, by in seen.items()]
+    statements = pd.DataFrame(
+        [said.judge_statement(one, seen[one.covered]) for one in said.STATEMENTS]
+    )
+    slabs = [slab_to_draw(c, by["springs"][-1].voltage) for c, by in seen.items()]
     names = ("figure8_slabs", "figure8_density", "figure8_potential")
     return Evidence(
         tables={
             "figure8": sweep.reset_index(drop=True),
             "figure8_statements": statements,
             "figure8_meshes": meshes,
-            "figure8_faces": pd.concat(faces(c, by) for c, by in seen.items()),
+            "figure8_faces": pd.concat(face_table(c, by) for c, by in seen.items()),
             **{
                 name: pd.concat(parts, ignore_index=True)
                 for name, parts in zip(names, zip(*slabs, strict=True), strict=True)
@@ -158,38 +160,40 @@ def run(candidate: ActuatorSolver = springs, setting: Setting = FULL) -> Evidenc
     )
 
 
-def ways(
+def follow_three_models(
     candidate: ActuatorSolver, covered: str, volts: tuple[float, ...]
-) -> tuple[list[Seen], ...]:
+) -> tuple[list[Observation], ...]:
     """What the candidate, the report's way and finite elements show at rising voltages."""
-    own = models.of_springs(candidate, covered, LAYERS, volts)
-    return own, *(list(run) for run in others(covered, volts))
+    own = models.run_springs(candidate, covered, LAYERS, volts)
+    return own, *(list(run) for run in other_models(covered, volts))
 
 
 @cache
-def others(covered: str, volts: tuple[float, ...]) -> tuple[tuple[Seen, ...], ...]:
+def other_models(covered: str, volts: tuple[float, ...]) -> tuple[tuple[Observation, ...], ...]:
     """What the report's way and finite elements show: walked once, whoever the candidates are."""
     return (
-        tuple(models.as_the_report(covered, LAYERS, volts)),
-        tuple(models.as_the_report(covered, models.COARSE, volts)),
-        tuple(models.of_elements(covered, LAYERS, tuple(v for v in volts if v <= COMMON))),
+        tuple(models.run_report_model(covered, LAYERS, volts)),
+        tuple(models.run_report_model(covered, models.COARSE, volts)),
+        tuple(models.run_elements(covered, LAYERS, tuple(v for v in volts if v <= COMMON))),
     )
 
 
-def table(covered: str, source: str, run: list[Seen]) -> pd.DataFrame:
+def table(covered: str, source: str, run: list[Observation]) -> pd.DataFrame:
     """Rows of one way through the voltages."""
     rows = []
     for i, one in enumerate(run):
         row: dict[str, object] = {"covered": covered, "way": source, "voltage": one.voltage}
         row |= {"middle": middle(one), "margin": said.margin(one)}
         row |= {"margin_over_middle": said.margin(one) / middle(one)}
-        row |= {"beside_over_middle": beside(one) / middle(one), "dips": said.dips(one)}
+        row |= {"beside_over_middle": deflection(one) / middle(one), "dips": said.count_dips(one)}
         row |= {"inner_charge": one.inner}
-        rows.append(row | {"fastest": said.fastest(run[i - 1], one, covered) if i else "none"})
+        rows.append(
+            row | {"fastest": said.fastest_growth(run[i - 1], one, covered) if i else "none"}
+        )
     return pd.DataFrame(rows)
 
 
-def faces(covered: str, seen: Mapping[str, list[Seen]]) -> pd.DataFrame:
+def face_table(covered: str, seen: Mapping[str, list[Observation]]) -> pd.DataFrame:
     """Upper faces at the lowest, the common and the last voltage of each way."""
     tables = []
     for source, run in seen.items():
@@ -200,7 +204,7 @@ def faces(covered: str, seen: Mapping[str, list[Seen]]) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True)
 
 
-def drawn(covered: str, voltage: float) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+def slab_to_draw(covered: str, voltage: float) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
     """The slab of springs at a voltage: its points, charge on its electrodes, potential around."""
     actuator = body(covered, LAYERS)
     held = at_voltage(actuator, voltage)
@@ -230,7 +234,9 @@ def drawn(covered: str, voltage: float) -> tuple[pd.DataFrame, pd.DataFrame, pd.
 
 
 def observe(
-    seen: Mapping[str, Mapping[str, list[Seen]]], statements: pd.DataFrame, meshes: pd.DataFrame
+    seen: Mapping[str, Mapping[str, list[Observation]]],
+    statements: pd.DataFrame,
+    meshes: pd.DataFrame,
 ) -> Mapping[str, Observed]:
     """What is judged: springs against finite elements wherever both hold."""
     pairs = [
@@ -239,14 +245,14 @@ def observe(
         for one, other in zip(by["springs"], by["FEM"], strict=False)
     ]
     mid = [middle(a) / middle(b) for a, b in pairs]
-    near = [beside(a) * middle(b) / (beside(b) * middle(a)) for a, b in pairs]
+    near = [deflection(a) * middle(b) / (deflection(b) * middle(a)) for a, b in pairs]
     share = [a.inner - b.inner for a, b in pairs]
     split = statements["verdict_on_statement"].str.startswith("open").sum()
     coarse, fine = meshes["effect_growth"]
     values = (
-        worst(mid, 1.0),
-        worst(near, 1.0),
-        worst(share, 0.0),
+        farthest_value(mid, 1.0),
+        farthest_value(near, 1.0),
+        farthest_value(share, 0.0),
         Observed(fine, coarse),
         Observed(float(split)),
     )

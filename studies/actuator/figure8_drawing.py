@@ -51,7 +51,7 @@ def redrawn(tables: Tables) -> Figure:
     for row in axes[[0, 1, 3]]:
         row[0].set_ylabel("y (m)")
     axes[2, 0].set_ylabel("charge density (C/m²)")
-    figures.shared_legend(figure, list(axes[:3].ravel()), columns=4)
+    figures.add_shared_legend(figure, list(axes[:3].ravel()), columns=4)
     return figure
 
 
@@ -160,5 +160,5 @@ def ways(tables: Tables) -> Figure:
     axes[0, 2].set_title("upper face at the last voltage held, heights stretched")
     for axis, label in zip(axes[1], ("voltage (V)", "voltage (V)", "x (m)"), strict=True):
         axis.set_xlabel(label)
-    figures.shared_legend(figure, list(axes.ravel()))
+    figures.add_shared_legend(figure, list(axes.ravel()))
     return figure

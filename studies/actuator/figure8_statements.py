@@ -15,7 +15,7 @@ from msvalidate.problem import SolverError
 
 from . import models
 from .bodies import HEIGHT, tips
-from .models import SOURCES, Seen
+from .models import SOURCES, Observation
 
 LAYERS = 10
 """Of the springs, of the report's way and of the elements."""
@@ -38,7 +38,7 @@ class Statement(NamedTuple):
     covered: str
     words: str
     measured: str
-    number: Callable[[list[Seen]], float]
+    number: Callable[[list[Observation]], float]
     bound: float
     above: bool = True
     unit: str = "1"
@@ -48,7 +48,7 @@ class Statement(NamedTuple):
         return number > self.bound if self.above else number < self.bound
 
 
-def at(run: list[Seen], voltage: float) -> Seen:
+def at(run: list[Observation], voltage: float) -> Observation:
     """What was seen at a voltage (V); raises SolverError if that was not held."""
     for one in run:
         if one.voltage == voltage:
@@ -60,35 +60,35 @@ def at(run: list[Seen], voltage: float) -> Seen:
     )
 
 
-def last_two(run: list[Seen]) -> tuple[Seen, Seen]:
+def last_two(run: list[Observation]) -> tuple[Observation, Observation]:
     """What was seen at the last two voltages; raises SolverError if `COMMON` was not held."""
     at(run, COMMON)
     return run[-2], run[-1]
 
 
-def middle(one: Seen) -> float:
+def middle(one: Observation) -> float:
     """Deflection (m) of the middle."""
     return float(one.move[len(one.x) // 2, 1])
 
 
-def margin(one: Seen) -> float:
+def margin(one: Observation) -> float:
     """Deflection (m) of the electrode's left edge."""
     return float(one.move[one.covered, 1][0])
 
 
-def beside(one: Seen) -> float:
+def deflection(one: Observation) -> float:
     """Deflection (m) 2 m inside the left edge."""
     x = one.x[one.covered]
     return float(np.interp(x[0] + BESIDE, x, one.move[one.covered, 1]))
 
 
-def growth(run: list[Seen]) -> float:
+def growth(run: list[Observation]) -> float:
     """Marginal effect, 2 m inside the edge over the middle, at `RAISED` over that at `LOW`."""
-    low, high = (beside(at(run, v)) / middle(at(run, v)) for v in (LOW, RAISED))
+    low, high = (deflection(at(run, v)) / middle(at(run, v)) for v in (LOW, RAISED))
     return high / low
 
 
-def dips(one: Seen) -> int:
+def count_dips(one: Observation) -> int:
     """Number of dips under the electrode, its edges among them."""
     depth = -one.move[one.covered, 1]
     least = RIPPLE * abs(middle(one))
@@ -106,7 +106,7 @@ def dips(one: Seen) -> int:
     return count + (not falling)
 
 
-def fastest(before: Seen, after: Seen, covered: str) -> float:
+def fastest_growth(before: Observation, after: Observation, covered: str) -> float:
     """Distance (m) from the nearest edge of where the upper face sank most."""
     sank = (before.move - after.move)[:, 1]
     return float(np.abs(after.x[sank.argmax()] - tips(covered)).min())
@@ -115,7 +115,7 @@ def fastest(before: Seen, after: Seen, covered: str) -> float:
 STATEMENTS = (
     Statement(
         "8 (2)", "full", "strong marginal effect", "2 m inside the edge over middle, at 0.5 V",
-        lambda run: beside(at(run, LOW)) / middle(at(run, LOW)), 1.5,
+        lambda run: deflection(at(run, LOW)) / middle(at(run, LOW)), 1.5,
     ),
     Statement(
         "8 (2)", "full", "the effect grows with voltage",
@@ -135,12 +135,12 @@ STATEMENTS = (
     Statement(
         "8 (3)", "partial", "the top becomes wavy at a higher voltage",
         "dips under the electrode at the last voltage held, more than at 0.5 V",
-        lambda run: dips(run[-1]) - dips(at(run, LOW)), 0.5,
+        lambda run: count_dips(run[-1]) - count_dips(at(run, LOW)), 0.5,
     ),
     Statement(
         "8 (3)", "partial", "the unstable part is not at the margin",
         "springs between the edge and what sinks fastest at the last voltage held",
-        lambda run: fastest(*last_two(run), "partial") / float(np.diff(run[-1].x[:2])[0]),
+        lambda run: fastest_growth(*last_two(run), "partial") / float(np.diff(run[-1].x[:2])[0]),
         0.5,
     ),
     Statement(
@@ -151,7 +151,9 @@ STATEMENTS = (
 )  # fmt: skip
 
 
-def judged(statement: Statement, seen: Mapping[str, list[Seen]]) -> dict[str, object]:
+def judge_statement(
+    statement: Statement, seen: Mapping[str, list[Observation]]
+) -> dict[str, object]:
     """Row of a statement: its number three ways, and what it comes to."""
     values = [float(statement.number(seen[source])) for source in SOURCES]
     springs_do, fine, coarse, fem_does = (statement.holds(value) for value in values)

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.dielectric.actuator import Actuator, moving
-from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.dielectric.actuator import Actuator, relax_actuator
+from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.problem import Array, Mask, SolverError
 from reference_fem import facing_slab
 from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.large_strain import square_fibres
 
-from .bodies import AXIAL, COVERED, DIAGONAL, HEIGHT, LENGTH, ActuatorSolver, body, upper
+from .bodies import AXIAL, COVERED, DIAGONAL, HEIGHT, LENGTH, ActuatorSolver, body, upper_face
 
 COARSE = 5
 """Layers of the lattice on which the report's way is walked a second time."""
@@ -28,7 +28,7 @@ MIDDLE_HALF = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class Observation:
     """A slab at rest at a voltage.
 
     Parameters
@@ -52,49 +52,49 @@ class Seen:
     inner: float
 
 
-def of_springs(
+def run_springs(
     candidate: ActuatorSolver, covered: str, layers: int, voltages: tuple[float, ...]
-) -> list[Seen]:
+) -> list[Observation]:
     """The candidate at each voltage, up to the last that it holds."""
     actuator = body(covered, layers)
     found = []
     for voltage in voltages:
         try:
-            found.append(seen(actuator, voltage, candidate(actuator, voltage)))
+            found.append(observe_actuator(actuator, voltage, candidate(actuator, voltage)))
         except SolverError:
             break
     return found
 
 
-def as_the_report(covered: str, layers: int, voltages: tuple[float, ...]) -> list[Seen]:
+def run_report_model(covered: str, layers: int, voltages: tuple[float, ...]) -> list[Observation]:
     """The report's way: Algorithm 1, its kernel and point forces, at each voltage from the last.
 
     Springs are rectangles 1 m deep: squares, where there are 10 layers.
     """
     actuator = replace(body(covered, layers), model="as_report")
-    found: list[Seen] = []
+    found: list[Observation] = []
     how: dict[str, Any] = {"charges_every": CHARGES_EVERY, "tolerance": RESTING}
     for voltage in voltages:
         try:
-            moved = moving(actuator, voltage, **how)
+            moved = relax_actuator(actuator, voltage, **how)
         except SolverError:
             break
-        how |= {"start": moved.held, "dt": moved.dt, "damping": moved.damping}
-        found.append(seen(actuator, voltage, moved.held.displacement))
+        how |= {"start": moved.equilibrium, "dt": moved.dt, "damping": moved.damping}
+        found.append(observe_actuator(actuator, voltage, moved.equilibrium.displacement))
     return found
 
 
-def of_elements(covered: str, layers: int, voltages: tuple[float, ...]) -> list[Seen]:
+def run_elements(covered: str, layers: int, voltages: tuple[float, ...]) -> list[Observation]:
     """Finite elements as large as the lattice's cells, at large strain."""
     slab = facing_slab(LENGTH, HEIGHT, covered=COVERED[covered])
     law = square_fibres(AXIAL, DIAGONAL)
     soft = SoftSlab(slab, law, layers, element="Q1", grading=1.0)
     points = body(covered, layers).network.points
-    top = points[upper(points)]
+    top = points[upper_face(points)]
     on = np.abs(top[:, 0] - 0.5 * LENGTH) <= 0.5 * LENGTH * COVERED[covered] + 1e-9
     conductor = soft.mesh.conductors[0]
     order = np.argsort(soft.mesh.body.points[conductor, 0], kind="stable")
-    found: list[Seen] = []
+    found: list[Observation] = []
     last = None
     for voltage in voltages:
         try:
@@ -104,20 +104,22 @@ def of_elements(covered: str, layers: int, voltages: tuple[float, ...]) -> list[
         charge = last.electric.potential.charge[conductor][order]
         pieces = 0.5 * (charge[1:] + charge[:-1])
         pieces[[0, -1]] += 0.5 * charge[[0, -1]]
-        found.append(Seen(voltage, top[:, 0], last.at(top), on, inner(pieces)))
+        found.append(Observation(voltage, top[:, 0], last.at(top), on, inner_charge(pieces)))
     return found
 
 
-def seen(actuator: Actuator, voltage: float, move: Array) -> Seen:
+def observe_actuator(actuator: Actuator, voltage: float, move: Array) -> Observation:
     """What is read off an actuator whose points have moved (n, 2) in m."""
     network, (line, _) = actuator.network, actuator.electrodes
-    top = upper(network.points)
-    charges = electrified(actuator, network.points + move, voltage).charges
+    top = upper_face(network.points)
+    charges = charge_actuator(actuator, network.points + move, voltage).charges
     own = charges.charge[: len(line) - 1]
-    return Seen(voltage, network.points[top, 0], move[top], np.isin(top, line), inner(own))
+    return Observation(
+        voltage, network.points[top, 0], move[top], np.isin(top, line), inner_charge(own)
+    )
 
 
-def inner(pieces: Array) -> float:
+def inner_charge(pieces: Array) -> float:
     """Part of charges (k,) in order along an electrode that is on its middle half."""
     k = len(pieces)
     out = round(MIDDLE_HALF * k)

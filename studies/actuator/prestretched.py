@@ -23,8 +23,8 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.dielectric.actuator import Actuator, slab, uniform
-from msvalidate.dielectric.actuator.models import electrified
-from msvalidate.judging.compare import worst
+from msvalidate.dielectric.actuator.models import charge_actuator
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array
@@ -33,7 +33,7 @@ from reference_fem.actuator import SoftSlab, equilibrium_at
 from reference_fem.large_strain import Law, Solid, square_fibres
 
 from . import prestretched_drawing
-from .bodies import AXIAL, DIAGONAL, HEIGHT, LENGTH, ActuatorSolver, springs, upper
+from .bodies import AXIAL, DIAGONAL, HEIGHT, LENGTH, ActuatorSolver, springs, upper_face
 
 STRETCHES, QUICK_STRETCHES = (1.0, 1.5, 2.0), (1.0, 2.0)
 LAYERS, QUICK_LAYERS = 10, 6
@@ -161,7 +161,7 @@ def films(stretches: tuple[float, ...], layers: int) -> tuple[Film, ...]:
 def run(candidate: ActuatorSolver = springs, setting: Setting = FULL) -> Evidence:
     """Compress every film by its voltage."""
     stretches, layers = (QUICK_STRETCHES, QUICK_LAYERS) if setting.quick else (STRETCHES, LAYERS)
-    found = [measured(candidate, film, layers) for film in films(stretches, layers)]
+    found = [measure_film(candidate, film, layers) for film in films(stretches, layers)]
     table = pd.DataFrame([row for row, _ in found])
     return Evidence(
         tables={
@@ -176,24 +176,28 @@ def run(candidate: ActuatorSolver = springs, setting: Setting = FULL) -> Evidenc
     )
 
 
-def measured(
+def measure_film(
     candidate: ActuatorSolver, film: Film, layers: int
 ) -> tuple[dict[str, object], pd.DataFrame]:
     """Row of a film, and its upper face."""
     actuator = film.bonded(layers)
     points, volts = actuator.network.points, film.voltage
-    top = upper(points)
+    top = upper_face(points)
     rest, now = (candidate(actuator, voltage) for voltage in (0.0, volts))
     sunk = (rest - now)[top, 1]
-    pull = pulled(actuator, volts, points + now)
+    pull = pull_on_electrode(actuator, volts, points + now)
     x = points[top, 0]
-    fem = by_elements(film, layers, points[top])
+    fem = deflection_by_elements(film, layers, points[top])
     middle = len(top) // 2
     row: dict[str, object] = {"prestretch": film.stretch, "film": film.name}
     row |= {"slenderness": x.max() / film.height, "film_voltage": volts}
     row |= {"thinning": sunk[middle] / (THINNING * film.height)}
     row |= {"thinning_fem": fem[middle] / (THINNING * film.height)}
-    row |= {"alike": alike(x, sunk), "alike_fem": alike(x, fem), "pulled_alike": alike(x, pull)}
+    row |= {
+        "alike": similar_fraction(x, sunk),
+        "alike_fem": similar_fraction(x, fem),
+        "pulled_alike": similar_fraction(x, pull),
+    }
     for suffix in ("", "_fem"):
         part = float(str(row[f"alike{suffix}"]))
         row[f"margin_heights{suffix}"] = 0.5 * (1 - part) * x.max() / film.height
@@ -204,14 +208,14 @@ def measured(
     return row, face
 
 
-def pulled(actuator: Actuator, voltage: float, position: Array) -> Array:
+def pull_on_electrode(actuator: Actuator, voltage: float, position: Array) -> Array:
     """Force down (p,) per length on the upper electrode's points, from left to right (N/m)."""
-    electric, (top, _) = electrified(actuator, position, voltage), actuator.electrodes
+    electric, (top, _) = charge_actuator(actuator, position, voltage), actuator.electrodes
     down = -electric.forces()[: len(top), 1]
     return np.asarray(down / np.gradient(position[top, 0]))
 
 
-def by_elements(film: Film, layers: int, places: Array) -> Array:
+def deflection_by_elements(film: Film, layers: int, places: Array) -> Array:
     """Deflection (p,) in m by the voltage at places (p, 2) on the upper face, finite elements."""
     F0 = np.diag([film.stretch, film.height / HEIGHT])
     slab = facing_slab(film.stretch * film.length, film.height)
@@ -221,7 +225,7 @@ def by_elements(film: Film, layers: int, places: Array) -> Array:
     return -equilibrium_at(soft, film.voltage).at(places)[:, 1]
 
 
-def alike(x: Array, values: Array) -> float:
+def similar_fraction(x: Array, values: Array) -> float:
     """Part of a film, around its middle, where values are like the middle's; linear between points.
 
     Left and right are looked at alone, and their mean is taken.
@@ -243,9 +247,9 @@ def alike(x: Array, values: Array) -> float:
 def observe(table: pd.DataFrame) -> Mapping[str, Observed]:
     """What is judged."""
     values = (
-        worst(table["thinning"], 1.0),
-        worst(table["thinning"] / table["thinning_fem"], 1.0),
-        worst(table["margin_heights"], table["margin_heights_fem"]),
+        farthest_value(table["thinning"], 1.0),
+        farthest_value(table["thinning"] / table["thinning_fem"], 1.0),
+        farthest_value(table["margin_heights"], table["margin_heights_fem"]),
     )
     return by_quantity(TOLERANCES, values)
 

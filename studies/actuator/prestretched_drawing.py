@@ -20,7 +20,7 @@ def faces(tables: Tables) -> Figure:
     films = table[["film", "slenderness", "prestretch"]].drop_duplicates()
     ratios = [round(ratio) for ratio in sorted(films["slenderness"])]
     colours = dict(zip(ratios, figures.COLOURS, strict=False))
-    figure, axes = figures.new(2, size=(4.8, 3.4))
+    figure, axes = figures.new_figure(2, size=(4.8, 3.4))
     for axis, (measure, label) in zip(axes, MEASURES.items(), strict=True):
         for film, ratio, stretch in films.itertuples(index=False):
             rows = table[(table["film"] == film) & (table["slenderness"] == ratio)]
@@ -34,5 +34,5 @@ def faces(tables: Tables) -> Figure:
         axis.set_xlabel("distance from the film's end over its height (1)")
     axes[0].set_title("compression")
     axes[1].set_title("force")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

@@ -20,13 +20,13 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Mask
 
 from . import bodies, edges, profile_drawing
-from .bodies import COVERED, HEIGHT, ActuatorSolver, body, elastic, tips, upper
+from .bodies import COVERED, HEIGHT, ActuatorSolver, body, elastic, tips, upper_face
 
 SAID = {"full": "fully covered", "partial": "covered in the middle"}
 VOLTAGE = 0.01
@@ -103,10 +103,10 @@ a uniform slab's deflection."""
 
 def run(candidate: ActuatorSolver, setting: Setting = FULL) -> Evidence:
     """Compare the upper faces, and follow what happens at the edges."""
-    return evidence(asked(candidate, setting))
+    return evidence(solve_faces(candidate, setting))
 
 
-def asked(
+def solve_faces(
     candidate: ActuatorSolver, setting: Setting, slabs: tuple[str, ...] = tuple(COVERED)
 ) -> dict[str, Face]:
     """Upper faces of the slabs named, on every lattice and by finite elements."""
@@ -118,13 +118,15 @@ def asked(
 
 def evidence(faces: Mapping[str, Face]) -> Evidence:
     """What upper faces show."""
-    profile = pd.concat([compared(c, face) for c, face in faces.items()], ignore_index=True)
-    edge = pd.concat([at_edges(c, face) for c, face in faces.items()], ignore_index=True)
+    profile = pd.concat([compare_faces(c, face) for c, face in faces.items()], ignore_index=True)
+    edge = pd.concat([edge_rows(c, face) for c, face in faces.items()], ignore_index=True)
     return Evidence(
         tables={
             "profile": profile,
             "edges": edge,
-            "surface": pd.concat([drawn(*face) for face in faces.items()], ignore_index=True),
+            "surface": pd.concat(
+                [faces_to_draw(*face) for face in faces.items()], ignore_index=True
+            ),
         },
         observed=observe(profile, edge),
         tolerances=TOLERANCES,
@@ -141,7 +143,7 @@ def lattices(candidate: ActuatorSolver, covered: str, layers: tuple[int, ...]) -
     for n in layers:
         actuator = body(covered, n)
         points = actuator.network.points
-        top = upper(points)
+        top = upper_face(points)
         move = candidate(actuator, VOLTAGE)[top] / bodies.uniform_deflection(VOLTAGE)
         found[n] = points[top, 0], move, np.zeros_like(move)
     return found
@@ -152,7 +154,7 @@ def solid(covered: str, layers: int, mesh: int) -> tuple[Array, Array, Array]:
     """Displacement by finite elements at the upper points of a lattice, and its uncertainty."""
     actuator = body(covered, layers)
     points = actuator.network.points
-    top, scale = upper(points), bodies.uniform_deflection(VOLTAGE)
+    top, scale = upper_face(points), bodies.uniform_deflection(VOLTAGE)
     coarse, fine = (elastic(m, actuator, VOLTAGE)[top] / scale for m in (mesh // 2, mesh))
     return points[top, 0], fine, np.abs(fine - coarse)
 
@@ -162,7 +164,7 @@ def edge_distance(covered: str, x: Array) -> Array:
     return np.asarray(np.abs(x[:, None] - tips(covered)).min(axis=1))
 
 
-def compared(covered: str, face: Face) -> pd.DataFrame:
+def compare_faces(covered: str, face: Face) -> pd.DataFrame:
     """Rows of one slab: how far each lattice's face is from that of finite elements."""
     x, fem, unsure = face["FEM"]
     rows: list[dict[str, object]] = []
@@ -190,7 +192,7 @@ def compared(covered: str, face: Face) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def at_edges(covered: str, face: Face) -> pd.DataFrame:
+def edge_rows(covered: str, face: Face) -> pd.DataFrame:
     """Rows of one slab: its right edge, which moves on as the lattice is halved."""
     exact = edges.growth(covered) / bodies.uniform_deflection(1.0)
     rows = []
@@ -221,7 +223,7 @@ def limit_of(grown: list[float]) -> float:
     return float(last[0])
 
 
-def drawn(covered: str, face: Face) -> pd.DataFrame:
+def faces_to_draw(covered: str, face: Face) -> pd.DataFrame:
     """Displacements of the coarsest, the finest lattice and of finite elements, edges left out."""
     lattices = [key for key in face if key != "FEM"]
     tables = []
@@ -241,12 +243,12 @@ def observe(profile: pd.DataFrame, edge: pd.DataFrame) -> Mapping[str, Observed]
     last = edge[edge["layers"] == edge["layers"].max()]
     limit = pd.to_numeric(last["growth_extrapolated"], errors="coerce")
     values = (
-        worst(finest["difference_away"], 0.0),
-        worst(fine["difference_times_layers"], 0.0),
-        worst(pd.to_numeric(finest["order"], errors="coerce"), 1.0),
-        worst(pd.to_numeric(finest["extrapolated"], errors="coerce"), 0.0),
-        worst(profile["uncertainty"], 0.0),
-        worst(limit / last["growth_exact"], 1.0),
+        farthest_value(finest["difference_away"], 0.0),
+        farthest_value(fine["difference_times_layers"], 0.0),
+        farthest_value(pd.to_numeric(finest["order"], errors="coerce"), 1.0),
+        farthest_value(pd.to_numeric(finest["extrapolated"], errors="coerce"), 0.0),
+        farthest_value(profile["uncertainty"], 0.0),
+        farthest_value(limit / last["growth_exact"], 1.0),
     )
     return by_quantity(TOLERANCES, values)
 

@@ -22,7 +22,7 @@ DEEPEST = {"uy": (-3.2, 0.35), "ux": (-3.8, 3.8)}
 def profiles(tables: Tables) -> Figure:
     """Both components on the upper face: springs of two lattices over finite elements."""
     surface = tables["surface"]
-    figure, axes = figures.new(2, 2, size=(4.9, 2.7), sharex=True)
+    figure, axes = figures.new_figure(2, 2, size=(4.9, 2.7), sharex=True)
     for i, component in enumerate(COMPONENTS):
         for j, covered in enumerate(TITLES):
             axis = axes[2 * i + j]
@@ -47,7 +47,7 @@ def profiles(tables: Tables) -> Figure:
                 axis.set_title(TITLES[covered])
             else:
                 axis.set_xlabel("x (m)")
-    figures.shared_legend(figure, axes)
+    figures.add_shared_legend(figure, axes)
     return figure
 
 
@@ -61,7 +61,7 @@ def broken(line: pd.DataFrame) -> pd.DataFrame:
 
 def orders(tables: Tables) -> Figure:
     """Difference to finite elements against the spacing, and the edge that sinks without end."""
-    figure, (falls, grows) = figures.new(2, size=(5.2, 3.4))
+    figure, (falls, grows) = figures.new_figure(2, size=(5.2, 3.4))
     profile, edge = tables["profile"], tables["edges"]
     for place, (covered, rows) in enumerate(profile.groupby("covered", sort=False)):
         title, style = TITLES[str(covered)], figures.numbered(place)
@@ -89,5 +89,5 @@ def orders(tables: Tables) -> Figure:
     grows.set_title("the edge itself has no limit")
     for axis in (falls, grows):
         axis.set_xticks(spacing, [f"{h:.2g}" for h in spacing])
-    figures.shared_legend(figure, [falls, grows], columns=3)
+    figures.add_shared_legend(figure, [falls, grows], columns=3)
     return figure

@@ -28,8 +28,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from msvalidate.judging.candidate import DisplacementSolver, answering, springs
-from msvalidate.judging.evidence import Evidence, answers, merged
+from msvalidate.judging.candidate import DisplacementSolver, check_displacements, solve_springs
+from msvalidate.judging.evidence import Evidence, gather_evidence, merge
 from msvalidate.judging.sweep import FULL, Setting
 
 from . import (
@@ -72,16 +72,16 @@ QUESTIONS: dict[str, Callable[[DisplacementSolver, Setting], Evidence]] = {
 
 
 def run(
-    candidate: DisplacementSolver = springs,
+    candidate: DisplacementSolver = solve_springs,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
     asked = setting
-    candidate = answering(candidate)
-    found = answers(
+    candidate = check_displacements(candidate)
+    found = gather_evidence(
         {name: partial(ask, candidate, asked) for name, ask in QUESTIONS.items()}, questions
     )
-    if not any(cases.fits(table) for table in found.tables.values()):
+    if not any(cases.has_layout(table) for table in found.tables.values()):
         return found
-    return merged(overview.overview(found.tables), found)
+    return merge(overview.overview(found.tables), found)

@@ -29,9 +29,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.constants.stiffness import in_plane
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.constants.stiffness import in_plane_moduli
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import square
@@ -64,12 +64,12 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's beams with the closed form."""
     sizes = QUICK_HEIGHTS if setting.quick else HEIGHTS
     rows: list[dict[str, object]] = []
     for material in MATERIALS:
-        nu = in_plane(material)[1]
+        nu = in_plane_moduli(material)[1]
         found = setting.sweep(partial(bending_stiffness, candidate, material), sizes, "bent beams")
         for n, value in zip(sizes, found, strict=True):
             quantity = cases.Quantity(
@@ -83,7 +83,7 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
             (row,) = cases.rows(quantity, models.method("square", nu), (n,), (value,))
             rows.append(row | {"nu_plane": nu})
     table = pd.DataFrame(rows)
-    seen = worst(table["value"], table["accepted"])
+    seen = farthest_value(table["value"], table["accepted"])
     low, high = table["nu_plane"].min(), table["nu_plane"].max()
     finding = (
         "Beams of springs with a volume energy bend as 1 + ((2 - nu)/(1 + nu))/N² says, to "
@@ -125,13 +125,13 @@ def bending_stiffness(candidate: DisplacementSolver, material: Isotropic, cells:
     middle = LENGTH * cells // 2
     left, centre, right = deflection[middle - 1 : middle + 2]
     curvature = (left - 2 * centre + right) * cells**2
-    return float(MOMENT / abs(curvature) / (in_plane(material)[0] / 12))
+    return float(MOMENT / abs(curvature) / (in_plane_moduli(material)[0] / 12))
 
 
 def drawn(tables: Tables) -> Figure:
     """N² (EI_eff/EI - 1) against the ratio: all N on one curve."""
     table = tables["bending"]
-    figure, (axis,) = figures.new(size=(4.6, 3.3))
+    figure, (axis,) = figures.new_figure(size=(4.6, 3.3))
     nu = np.linspace(-0.3, 1.0, 200)
     axis.plot(nu, (2 - nu) / (1 + nu), color="grey", label="(2 - nu)/(1 + nu)")
     for i, n in enumerate(sorted(set(table["cells"]))):
@@ -143,5 +143,5 @@ def drawn(tables: Tables) -> Figure:
     axis.set(
         xlabel="Poisson's ratio of the plane (1)", ylabel="N² (EI_eff/EI - 1) (1)", ylim=(0, None)
     )
-    figures.shared_legend(figure, [axis], columns=3)
+    figures.add_shared_legend(figure, [axis], columns=3)
     return figure

@@ -128,7 +128,7 @@ def uncertainty(cells: Sequence[int], values: Sequence[float]) -> float | str:
     return float(abs(estimate.uncertainty[0] / fine[0]))
 
 
-def over_stated(table: pd.DataFrame) -> pd.Series:
+def excess_over_uncertainty(table: pd.DataFrame) -> pd.Series:
     """Distance from the limit over the uncertainty that the meshes themselves state, row by row."""
     return (table["against_limit"] / table["uncertainty"].astype(float)).abs()
 
@@ -155,18 +155,18 @@ def of_springs(table: pd.DataFrame) -> pd.DataFrame:
     return table[table["method"].str.startswith("springs")]
 
 
-def fits(table: pd.DataFrame) -> bool:
+def has_layout(table: pd.DataFrame) -> bool:
     """Whether a table has the layout."""
     return set(COLUMNS) <= set(table)
 
 
 def summary(tables: Tables) -> pd.DataFrame:
     """All benchmarks on their finest meshes, of those tables that have the layout."""
-    found = [finest(table[list(COLUMNS)]) for table in tables.values() if fits(table)]
+    found = [finest(table[list(COLUMNS)]) for table in tables.values() if has_layout(table)]
     return pd.concat(found, ignore_index=True)
 
 
-def said(table: pd.DataFrame) -> str:
+def describe(table: pd.DataFrame) -> str:
     """Words for a finding: each method's difference to the accepted value on its finest mesh."""
     seen = finest(table)
     many = len(set(seen["quantity"])) > 1, len(set(seen["nu"])) > 1
@@ -183,11 +183,11 @@ def said(table: pd.DataFrame) -> str:
 def convergence(name: str, xlabel: str, tables: Tables) -> Figure:
     """Differences to the limit against cells, an axis for every quantity and Poisson's ratio."""
     panels = list(tables[name].groupby(["quantity", "nu"], sort=False))
-    methods = list(dict.fromkeys(map(alike, tables[name]["method"])))
+    methods = list(dict.fromkeys(map(method_style, tables[name]["method"])))
     columns = 2 if len(panels) == 4 else min(len(panels), 3)
     lines = -(-len(panels) // columns)
     width = 4.4 if columns == 1 else 3.3
-    figure, axes = figures.new(columns, lines, size=(width, 3.0), sharey=True)
+    figure, axes = figures.new_figure(columns, lines, size=(width, 3.0), sharey=True)
     for axis in axes[len(panels) :]:
         axis.remove()
     for axis, ((quantity, nu), rows_here) in zip(axes, panels, strict=False):
@@ -201,11 +201,11 @@ def convergence(name: str, xlabel: str, tables: Tables) -> Figure:
         axis.set_xlabel(xlabel)
     for axis in axes[::columns]:
         axis.set_ylabel("difference to the limit (%)")
-    figures.shared_legend(figure, axes[: len(panels)], columns=max(2, columns))
+    figures.add_shared_legend(figure, axes[: len(panels)], columns=max(2, columns))
     return figure
 
 
-def alike(method: str) -> str:
+def method_style(method: str) -> str:
     """What methods are drawn alike by: springs are so with a volume energy, which nu asks for."""
     return method.replace(VOLUME, "")
 
@@ -213,7 +213,7 @@ def alike(method: str) -> str:
 def draw(axis: Axes, table: pd.DataFrame, methods: Sequence[str]) -> None:
     """Series of one quantity, what is exact left out, and the uncertainty of its limit."""
     style: dict[str, Any]
-    for method, series in table.groupby(table["method"].map(alike), sort=False):
+    for method, series in table.groupby(table["method"].map(method_style), sort=False):
         i = methods.index(str(method))
         style = {"color": figures.COLOURS[i % 6], "marker": figures.MARKERS[i % 6]}
         size = 100 * series["against_limit"].abs()

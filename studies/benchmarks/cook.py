@@ -23,8 +23,8 @@ import pandas as pd
 import reference_fem
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import FULL, Setting
@@ -42,7 +42,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.statics.stress import fitted_stress, whole_points
+from msvalidate.statics.stress import fitted_stress, interior_points
 from reference_fem.elasticity import elastic_tensor
 
 from . import cases, cook_drawing, curved, models
@@ -91,7 +91,7 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's panels and finite elements with the accepted value."""
     meshes = QUICK_MESHES if setting.quick else MESHES
     lattices = QUICK_LATTICES if setting.quick else LATTICES
@@ -114,7 +114,7 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
         rows += cases.rows(goal, method, meshes, found)
     table = pd.DataFrame(rows)
     return Evidence(
-        tables={"cook": table, "cook_shape": drawn(candidate)},
+        tables={"cook": table, "cook_shape": fields_to_draw(candidate)},
         observed=observe(table),
         tolerances=TOLERANCES,
         columns={**cases.COLUMNS, **cook_drawing.COLUMNS},
@@ -138,7 +138,7 @@ def problem(body: Domain) -> Problem:
     )
 
 
-def mapped(points: Array) -> Array:
+def map_to_panel(points: Array) -> Array:
     """Places (n, 2) of the unit square in the panel: each line of it is straight."""
     s, t = points.T
     return np.column_stack([WIDTH * s, 44 * s * (1 - t) + (44 + 16 * s) * t])
@@ -147,7 +147,7 @@ def mapped(points: Array) -> Array:
 def elastic_mesh(element: str, grading: float, cells: int) -> reference_fem.Discretisation:
     """Cells of an element in the panel, drawn to its corners where grading is above 1."""
     unit = reference_fem.box_discretisation(Box((1.0, 1.0)), cells, element, grading)
-    return reference_fem.discretise(mapped(unit.points), unit.cells, element)
+    return reference_fem.make_discretisation(map_to_panel(unit.points), unit.cells, element)
 
 
 def elastic_deflection(element: str, grading: float, cells: int) -> float:
@@ -168,7 +168,7 @@ def cut_deflection(candidate: DisplacementSolver, cells: int) -> float:
 def edge_deflection(candidate: DisplacementSolver, method: str, cells: int) -> float:
     """The same of the candidate's springs along the edges of a mesh."""
     unit = reference_fem.box_discretisation(Box((1.0, 1.0)), cells, "Q1")
-    body = edge_mesh(mapped(unit.points), unit.cells, method)
+    body = edge_mesh(map_to_panel(unit.points), unit.cells, method)
     asked = problem(body)
     network = lattice_network(asked, mesh_lattice(body), (MATERIAL.E * MATERIAL.thickness,))
     move = candidate(asked, network, "linear")
@@ -183,7 +183,7 @@ def edge_mesh(points: Array, cells: Index, method: str) -> Mesh:
     return Mesh(points, np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]]), "triangle")
 
 
-def drawn(candidate: DisplacementSolver) -> pd.DataFrame:
+def fields_to_draw(candidate: DisplacementSolver) -> pd.DataFrame:
     """The cut lattice and finite elements at the same places, the nodes of a mesh of the panel.
 
     Stresses are those of a fit to displacements near by, of the lattice's whole cells: at corners
@@ -192,11 +192,11 @@ def drawn(candidate: DisplacementSolver) -> pd.DataFrame:
     cells, tensor = cook_drawing.CELLS, elastic_tensor(MATERIAL)
     asked = problem(PANEL)
     unit = reference_fem.box_discretisation(Box((1.0, 1.0)), cook_drawing.PLACES, "Q1")
-    places = mapped(unit.points)
+    places = map_to_panel(unit.points)
     lattice = cut_lattice(patterns.square(), PANEL, WIDTH / cells)
     move = candidate(asked, cut_network(asked, lattice), "linear")
     points, weights = lattice.weights_at(places)
-    whole = whole_points(lattice)
+    whole = interior_points(lattice)
     body = elastic_mesh("Q2", 1.0, cells)
     elastic = reference_fem.solve_problem(asked, body)
     fit = partial(fitted_stress, places=places, tensor=tensor, degree=cook_drawing.FIT)
@@ -222,10 +222,10 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
     quadratic, cut = last[last["method"] == "FEM Q2"], table[table["method"] == CUT]
     edges = last[last["method"].isin(EDGES)]["against_limit"].abs()
     values = (
-        worst(last["limit"] / last["accepted"], 1.0),
-        worst(cases.orders(quadratic), corner_order()),
-        worst(cut[cut["cells"] == max(QUICK_LATTICES)]["against_limit"], 0.0),
-        worst(curved.fitted_orders(cut), 2.0),
+        farthest_value(last["limit"] / last["accepted"], 1.0),
+        farthest_value(cases.orders(quadratic), corner_order()),
+        farthest_value(cut[cut["cells"] == max(QUICK_LATTICES)]["against_limit"], 0.0),
+        farthest_value(curved.fitted_orders(cut), 2.0),
         Observed(float((edges <= BAND).sum())),
     )
     return by_quantity(TOLERANCES, values)
@@ -234,4 +234,4 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
 def finding(goal: cases.Quantity, table: pd.DataFrame) -> str:
     """Where everything arrives."""
     doubt = goal.limit_uncertainty * goal.goal
-    return f"Cook's membrane, our limit {goal.goal:.4f} ± {doubt:.4f}: {cases.said(table)}."
+    return f"Cook's membrane, our limit {goal.goal:.4f} ± {doubt:.4f}: {cases.describe(table)}."

@@ -51,7 +51,7 @@ def deformed(tables: Tables) -> Figure:
     same = Normalize(min(float(stress.min()) for stress in stresses.values()), top)
     drawn = [(name, word, stresses[name], same, SEQUENTIAL) for name, word in WORDS.items()]
     drawn.append(("springs", "springs - finite elements", away, Normalize(-most, most), DIVERGING))
-    figure, axes = figures.new(3, size=(2.9, 4.2), sharey=True)
+    figure, axes = figures.new_figure(3, size=(2.9, 4.2), sharey=True)
     for axis, (name, word, value, norm, colours) in zip(axes, drawn, strict=True):
         x, y = (table[a] + SHRUNK * table[f"u{a}_{name}"] for a in "xy")
         shown = axis.tripcolor(

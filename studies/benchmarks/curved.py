@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.bodies.calibrate import calibrated
+from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.judging.candidate import DisplacementSolver
@@ -24,10 +24,10 @@ from msvalidate.lattice import Pattern, patterns
 from msvalidate.lattice.cut import CutLattice, cut_lattice
 from msvalidate.network import Network
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Support
-from msvalidate.statics.stress import fitted_stress, whole_points
+from msvalidate.statics.stress import fitted_stress, interior_points
 
 from . import models
-from .shapes import Meshed
+from .shapes import PatchMesh
 
 FITS = {"quadratic": (2, 24), "quartic": (4, 60)}
 """Degree of the polynomial that stresses of networks are read off, and points: four a coefficient.
@@ -51,7 +51,7 @@ class SpringBody:
 
     def stress(self, places: Array, fit: str) -> Array:
         """Stress (p, 3) or (p, 6) in Pa at places (p, d)."""
-        whole = whole_points(self.lattice)
+        whole = interior_points(self.lattice)
         points, move = self.lattice.points[whole], self.displacement[whole]
         degree, count = FITS[fit]
         return fitted_stress(points, move, places, self.tensor, degree=degree, count=count)
@@ -85,7 +85,7 @@ def spring_model(problem: Problem, lattice: CutLattice, kind: Pattern) -> tuple[
     material = problem.material
     if not isinstance(material, Isotropic):
         raise TypeError(f"{problem.name}: give an isotropic material")
-    made = calibrated(material, kind, spacing=lattice.spacing)
+    made = calibrate_material(material, kind, spacing=lattice.spacing)
     network = cut_network(problem, lattice, made.constants, volume=made.volume)
     return network, made.tensor / material.thickness
 
@@ -107,7 +107,7 @@ def quarter_supports(mesh: Mesh) -> tuple[Support, ...]:
 
 def field(
     candidate: DisplacementSolver,
-    meshes: Callable[[int], Meshed],
+    meshes: Callable[[int], PatchMesh],
     problem: Callable[[Mesh], Problem],
     sizes: tuple[int, int, float],
 ) -> tuple[Array, Array, Array]:

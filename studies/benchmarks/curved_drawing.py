@@ -61,7 +61,7 @@ def pictures(name: str, cells: Index, tables: Tables) -> Figure:
     mesh = Triangulation(rows["x"], rows["y"], triangles(cells))
     unit, word = next(each for each in UNITS if fem.max() >= each[0] or each[0] == 1.0)
     size = np.ptp(rows["y"]) / np.ptp(rows["x"])
-    figure, axes = figures.new(3, size=(3.1, 3.1 * size + 1.3), sharey=True)
+    figure, axes = figures.new_figure(3, size=(3.1, 3.1 * size + 1.3), sharey=True)
     same = Normalize(0, max(fem.max(), springs.max()) / unit)
     part = 100 * (springs - fem) / fem.max()
     most = float(np.abs(part).max())

@@ -20,8 +20,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
@@ -89,7 +89,7 @@ TOLERANCES = (
 COLUMNS = {**cases.COLUMNS, **curved_drawing.COLUMNS}
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare springs and elements with the published value and the series."""
     meshes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     lattices = QUICK_LATTICES if setting.quick else LATTICES
@@ -168,13 +168,13 @@ def observe(table: pd.DataFrame, missing: float) -> dict[str, Observed]:
     quartic = last[last["method"].str.endswith("quartic fit")]
     quadratic = table[table["method"].str.endswith("quadratic fit")]
     values = (
-        worst(elements["against_accepted"], 0.0),
+        farthest_value(elements["against_accepted"], 0.0),
         Observed(float(elements["limit"].iloc[0] / PUBLISHED - 1)),
         Observed(missing),
-        worst(cases.over_stated(elements), 0.0),
-        worst(cases.orders(elements), 2.0),
-        worst(quartic["against_limit"], 0.0),
-        worst(curved.fitted_orders(quadratic), 2.0),
+        farthest_value(cases.excess_over_uncertainty(elements), 0.0),
+        farthest_value(cases.orders(elements), 2.0),
+        farthest_value(quartic["against_limit"], 0.0),
+        farthest_value(curved.fitted_orders(quadratic), 2.0),
     )
     return by_quantity(TOLERANCES, values)
 
@@ -188,4 +188,7 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
         f"NAFEMS LE1 is {table['limit'].iloc[0]:.6f} MPa by Kolosov's potentials, in which no nu "
         f"is left; elements of nu = 0.3 and 1/3 are {apart:.1g} MPa apart on their finest mesh."
     )
-    return digits, f"NAFEMS LE1, finest meshes against the published value: {cases.said(table)}."
+    return (
+        digits,
+        f"NAFEMS LE1, finest meshes against the published value: {cases.describe(table)}.",
+    )

@@ -14,7 +14,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.linalg import splu
 
 import reference_fem
-from msvalidate.problem import Array, Box, Index, Problem, prescribed
+from msvalidate.problem import Array, Box, Index, Problem, prescribed_displacements
 from reference_fem import Discretisation, Estimate
 from reference_fem.body import nodal_forces
 from reference_fem.elasticity import stiffness
@@ -51,7 +51,7 @@ def work_on(box: Box, problem: Problem, bar: float, cells: int) -> float:
     """Work (J) of the load on a framed plate on one mesh."""
     mesh = reference_fem.box_discretisation(box, cells, "Q2", GRADING)
     matrix = (stiffness(mesh, problem.material) + bar * frame(mesh)).tocsc()
-    held, moved = prescribed(problem, mesh.points)
+    held, moved = prescribed_displacements(problem, mesh.points)
     if moved.any():
         raise ValueError(f"{problem.name}: supports that move are not for this reference")
     free = np.flatnonzero(~held.T.ravel())

@@ -17,8 +17,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
@@ -80,7 +80,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare springs and elements with Kirsch's field."""
     table = pd.DataFrame(rows(candidate, setting))
     meshed = partial(ring_quarter, RADIUS, RIM)
@@ -98,7 +98,7 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
                 "hole_field", "Plate with a hole", meshed(FIELD[0]).cells
             ),
         },
-        findings=(f"Plate with a hole, finest meshes: {cases.said(table)}.",),
+        findings=(f"Plate with a hole, finest meshes: {cases.describe(table)}.",),
     )
 
 
@@ -134,6 +134,8 @@ def kirsch(points: Array) -> Array:
     In polar coordinates with q = (a/r)² and the angle from the tension
     σ_rr = (1 - q)/2 + (1 - 4q + 3q²)/2 cos 2θ, σ_θθ = (1 + q)/2 - (1 + 3q²)/2 cos 2θ,
     σ_rθ = -(1 + 2q - 3q²)/2 sin 2θ.
+
+    Source: [Kirsch1898]; [TimoshenkoGoodier1970], article 35.
     """
     radius, turned = np.linalg.norm(points, axis=1), np.arctan2(points[:, 1], points[:, 0])
     q, twice = (RADIUS / radius) ** 2, 2 * (turned - np.pi / 2)
@@ -193,10 +195,10 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
     quadratic = across[across["method"].str.endswith("quadratic fit")]
     quartic = cases.finest(across[across["method"].str.endswith("quartic fit")])
     values = (
-        worst(cases.orders(elements), 2.0),
-        worst(cases.over_stated(elements), 0.0),
-        worst(cases.over_stated(slanted), 0.0),
-        worst(quartic["against_limit"], 0.0),
-        worst(curved.fitted_orders(quadratic), 2.0),
+        farthest_value(cases.orders(elements), 2.0),
+        farthest_value(cases.excess_over_uncertainty(elements), 0.0),
+        farthest_value(cases.excess_over_uncertainty(slanted), 0.0),
+        farthest_value(quartic["against_limit"], 0.0),
+        farthest_value(curved.fitted_orders(quadratic), 2.0),
     )
     return by_quantity(TOLERANCES, values)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.bodies.calibrate import calibrated
+from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.lattice import Lattice
@@ -29,4 +29,4 @@ def network_of(problem: Problem, grid: Lattice) -> Network:
     """
     if not isinstance(problem.material, Isotropic):
         raise ProblemError(f"{problem.name}: give an isotropic material")
-    return lattice_network(problem, grid, calibrated(problem.material, grid))
+    return lattice_network(problem, grid, calibrate_material(problem.material, grid))

@@ -53,7 +53,7 @@ def drawn(tables: Tables) -> Figure:
     """A line for every benchmark, a mark for every method."""
     table = worst_of(tables["benchmarks"])
     names = list(dict.fromkeys(table["benchmark"]))
-    figure, (axis,) = figures.new(size=(6.4, 1.4 + 0.32 * len(names)))
+    figure, (axis,) = figures.new_figure(size=(6.4, 1.4 + 0.32 * len(names)))
     for i, (name, words) in enumerate(FAMILIES.items()):
         here = table[[family(str(method)) == name for method in table["method"]]]
         rows = [names.index(benchmark) for benchmark in here["benchmark"]]
@@ -68,5 +68,5 @@ def drawn(tables: Tables) -> Figure:
         xlabel="largest difference to the limit, finest mesh (%)", ylabel="benchmark",
         ylim=(len(names) - 0.5, -0.5),
     )  # fmt: skip
-    figures.shared_legend(figure, [axis], columns=3)
+    figures.add_shared_legend(figure, [axis], columns=3)
     return figure

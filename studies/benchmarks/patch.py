@@ -20,8 +20,8 @@ from matplotlib.figure import Figure
 
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import fill, mesh_lattice, patterns, square, triangular, zigzag_block
@@ -74,7 +74,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare elements and the candidate's springs with the linear field."""
     found = [
         row
@@ -162,7 +162,7 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
     edges = table["method"] == PER_EDGE
     right = table[edges]["against_accepted"].abs() <= EXACT
     values = (
-        worst(table[~edges]["against_accepted"], 0.0),
+        farthest_value(table[~edges]["against_accepted"], 0.0),
         Observed(float(right.sum())),
     )
     return by_quantity(TOLERANCES, values)
@@ -186,7 +186,7 @@ def drawn(tables: Tables) -> Figure:
     field = points @ GRADIENT[2]
     cells = published("P").cells
     moves = {"elements, and the exact field": field, PER_EDGE: field + off * np.abs(field).max()}
-    figure, (axis,) = figures.new(size=(5.6, 3.9))
+    figure, (axis,) = figures.new_figure(size=(5.6, 3.9))
     for i, (name, move) in enumerate(moves.items()):
         place = points + MAGNIFIED * move
         axis.triplot(*place.T, cells, color=figures.COLOURS[i], lw=0.9)
@@ -194,5 +194,5 @@ def drawn(tables: Tables) -> Figure:
     axis.triplot(*points.T, cells, color="#999999", lw=0.9, ls=":")
     axis.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
     axis.set_title(f"MacNeal and Harder's patch, displacements x {MAGNIFIED}", fontsize=9)
-    figures.shared_legend(figure, [axis], columns=2)
+    figures.add_shared_legend(figure, [axis], columns=2)
     return figure

@@ -31,7 +31,7 @@ def table(places: Array, stress: Array) -> pd.DataFrame:
 
 def plate(tables: Tables) -> Figure:
     """The upper face coloured by σ_yy; stress and sinking by halvings and support."""
-    figure, (plan, stress, sinking) = figures.new(3, size=(3.5, 3.6))
+    figure, (plan, stress, sinking) = figures.new_figure(3, size=(3.5, 3.6))
     draw_plan(figure, plan, tables["le10_field"])
     for i, (kind, rows) in enumerate(tables["le10_supports"].groupby("support", sort=False)):
         style: dict[str, Any] = {
@@ -60,7 +60,7 @@ def plate(tables: Tables) -> Figure:
 
 def by_springs(tables: Tables) -> Figure:
     """Stress and sinking by springs against their spacing, beside what is accepted for them."""
-    figure, (stress, sinking) = figures.new(2, size=(4.0, 3.4))
+    figure, (stress, sinking) = figures.new_figure(2, size=(4.0, 3.4))
     for i, (support, rows) in enumerate(tables["le10_read"].groupby("support", sort=False)):
         style: dict[str, Any] = {"color": figures.COLOURS[i], "marker": figures.MARKERS[i]}
         label = f"springs, {support}"

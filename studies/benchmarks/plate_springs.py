@@ -23,15 +23,15 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import patterns
 from msvalidate.lattice.cut import CutLattice, cut_lattice
 from msvalidate.network import Network
 from msvalidate.problem import Array, Isotropic, Problem, Support, Traction
-from msvalidate.statics.stress import fitted_stress, whole_points
+from msvalidate.statics.stress import fitted_stress, interior_points
 from reference_fem import Solution
 from reference_fem.elasticity import elastic_tensor
 
@@ -104,7 +104,7 @@ class Plate:
     points: Array
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare springs with elements where the rim is held, and with the published value."""
     sizes = QUICK_ELEMENTS if setting.quick else ELEMENTS
     solved = setting.sweep(elastic, sizes, "LE10 by graded elements")
@@ -136,8 +136,8 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
 def elastic(n: int) -> Solution:
     """The plate by elements, its rim held all over."""
     meshed = clamped_plate(n)
-    body = reference_fem.discretise(meshed.points, meshed.cells, "H2")
-    return thick_plate.solved(FACE, meshed, body)
+    body = reference_fem.make_discretisation(meshed.points, meshed.cells, "H2")
+    return thick_plate.solve_plate(FACE, meshed, body)
 
 
 def spring_plate(candidate: DisplacementSolver, support: str, layers: int) -> Plate:
@@ -147,7 +147,7 @@ def spring_plate(candidate: DisplacementSolver, support: str, layers: int) -> Pl
     there, weights = lattice.weights_at(MIDDLE)
     sinking = -float((weights * move[there, 2]).sum())
     x = lattice.points
-    near = whole_points(lattice) & (np.square(x[:, :2] / OUTER).sum(axis=1) < 1)
+    near = interior_points(lattice) & (np.square(x[:, :2] / OUTER).sum(axis=1) < 1)
     return Plate(read(x[near], move[near]), sinking, x[near])
 
 
@@ -255,8 +255,8 @@ def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
     goal = float(tables["le10_springs"]["limit"].iloc[0])
     found = (
         Observed(extrapolated(layers, values, BETWEEN) / sunk["limit"].iloc[0] - 1),
-        worst(observed_order(1 / sunk["cells"], sunk["against_limit"]), 1.5),
-        worst(float(face["extrapolated"]) / goal - 1, 0.0),
+        farthest_value(observed_order(1 / sunk["cells"], sunk["against_limit"]), 1.5),
+        farthest_value(float(face["extrapolated"]) / goal - 1, 0.0),
     )
     return by_quantity(TOLERANCES, found)
 

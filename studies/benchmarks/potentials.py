@@ -86,7 +86,9 @@ def ellipses(zeta: Complex) -> tuple[Complex, Complex, Complex]:
     return FOCUS / 2 * (zeta + 1 / zeta), FOCUS / 2 * (1 - zeta**-2), FOCUS * zeta**-3
 
 
-def solved(conformal: Conformal, sides: Sequence[Side], terms: int, scales: Array) -> Stresses:
+def solve_potentials(
+    conformal: Conformal, sides: Sequence[Side], terms: int, scales: Array
+) -> Stresses:
     """Potentials of `terms` odd powers up and as many down.
 
     `scales`: size of ζ (2,) by which powers below and above zero are divided, for no more than
@@ -129,7 +131,7 @@ def elliptic_membrane(pull: float, terms: int = 24) -> Stresses:
         zeta = radius * turn
         _, slope, _ = ellipses(zeta)
         sides.append(Side(zeta, np.angle(zeta * slope), np.full(len(zeta), traction)))
-    return solved(ellipses, sides, terms, np.array([inner, outer]))
+    return solve_potentials(ellipses, sides, terms, np.array([inner, outer]))
 
 
 def holed_strip(radius: float, half_length: float, terms: int = 30) -> Stresses:
@@ -146,4 +148,4 @@ def holed_strip(radius: float, half_length: float, terms: int = 30) -> Stresses:
         Side(side, none, none),
         Side(end, np.pi / 2 * one, one),
     )
-    return solved(plain, sides, terms, np.array([radius, np.hypot(1.0, half_length)]))
+    return solve_potentials(plain, sides, terms, np.array([radius, np.hypot(1.0, half_length)]))

@@ -26,8 +26,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 
@@ -103,7 +103,7 @@ ROUNDED = {
 """Sizes below which values are rounding."""
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Make the published meshes and judge them."""
     wanted = [n for n in meshes.PRINTED if n <= QUICK or not setting.quick]
     rows = setting.sweep(partial(meshes.mesh_row, candidate), wanted, "published meshes")
@@ -111,8 +111,8 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
     forms = pd.DataFrame(
         meshes.form_row(candidate, n, chi) for n in meshes.FORMS for chi in meshes.RATIOS
     )
-    claim, membrane = meshes.claimed(candidate), published_membranes.measured(setting)
-    values = observed(table, forms, membrane)
+    claim, membrane = meshes.claimed(candidate), published_membranes.measure(setting)
+    values = observe(table, forms, membrane)
     return Evidence(
         tables={
             "published": table,
@@ -126,33 +126,33 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
         columns=COLUMNS,
         figures={"published": published_drawing.draw},
         findings=(
-            confirmed(table, forms),
-            on_the_claim(claim),
+            describe_confirmed(table, forms),
+            describe_claim(claim),
             reason(table),
             published_membranes.finding(membrane),
-            not_had(),
+            describe_missing(),
         ),
         rounding=ROUNDED,
     )
 
 
-def observed(
+def observe(
     table: pd.DataFrame, forms: pd.DataFrame, membrane: pd.DataFrame
 ) -> tuple[Observed, ...]:
     """One value for each of `TOLERANCES`."""
     last = table.iloc[-2:]
     return (
-        worst(table["from_printed"], 0.0),
-        worst(forms["from_form"], 0.0),
-        worst(table["from_elastic"], 0.0),
-        worst(table["stiffness_fem"] / table["stiffness_elastic"] - 1, 0.0),
+        farthest_value(table["from_printed"], 0.0),
+        farthest_value(forms["from_form"], 0.0),
+        farthest_value(table["from_elastic"], 0.0),
+        farthest_value(table["stiffness_fem"] / table["stiffness_elastic"] - 1, 0.0),
         Observed(meshes.weak_frame(), meshes.leading()),
         Observed(observed_order(1 / last["cells"].to_numpy(float), last["from_framed"]), 2.0),
-        published_membranes.observed(membrane),
+        published_membranes.observe(membrane),
     )
 
 
-def confirmed(table: pd.DataFrame, forms: pd.DataFrame) -> str:
+def describe_confirmed(table: pd.DataFrame, forms: pd.DataFrame) -> str:
     """What was found of the published numbers."""
     return (
         f"Brisard's printed table of spring meshes is found again in each of {len(table)} rows, to "
@@ -162,7 +162,7 @@ def confirmed(table: pd.DataFrame, forms: pd.DataFrame) -> str:
     )
 
 
-def on_the_claim(claim: pd.DataFrame) -> str:
+def describe_claim(claim: pd.DataFrame) -> str:
     """What was found of the text about the numbers."""
     first = claim["cells"].iloc[-1]
     verdict = "Confirmed" if first <= meshes.CLAIMED else "Not confirmed"
@@ -188,7 +188,7 @@ def reason(table: pd.DataFrame) -> str:
     )
 
 
-def not_had() -> str:
+def describe_missing() -> str:
     """Of which papers there is nothing here."""
     return (
         "Numbers of refereed papers that could not be had, so that nothing of them is compared: "

@@ -14,7 +14,7 @@ def draw(tables: Tables) -> Figure:
     """Left: how much too stiff; right: distance from the framed plate."""
     table = tables["published"]
     cells, elastic = table["cells"], table["stiffness_elastic"]
-    figure, (left, right) = figures.new(2, size=(3.9, 3.2))
+    figure, (left, right) = figures.new_figure(2, size=(3.9, 3.2))
     first, second, third = figures.COLOURS[:3]
 
     def excess(column: str) -> Any:

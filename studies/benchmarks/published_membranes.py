@@ -19,9 +19,9 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.stiffness import isotropic_moduli
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Pattern, patterns, voronoi
@@ -59,7 +59,7 @@ class Membrane:
     held: tuple[float, float]
 
 
-def measured(setting: Setting) -> pd.DataFrame:
+def measure(setting: Setting) -> pd.DataFrame:
     """The table `published_membrane`."""
     count, cells = (QUICK_COUNT, QUICK_CELLS) if setting.quick else (COUNT, CELLS)
     seeds = range(setting.seed, setting.seed + cells)
@@ -81,7 +81,7 @@ def random_membrane(count: int, points: str, seed: int) -> Membrane:
 
 def moduli_of(pattern: Pattern) -> Membrane:
     """Moduli of a pattern whose springs have the constant 1."""
-    solid = homogenised(pattern, (1.0,))
+    solid = homogenise(pattern, (1.0,))
     return Membrane(shear_and_area(solid.tensor), shear_and_area(solid.affine))
 
 
@@ -112,10 +112,10 @@ def row(points: str, cells: list[Membrane]) -> dict[str, object]:
     }
 
 
-def observed(table: pd.DataFrame) -> Observed:
+def observe(table: pd.DataFrame) -> Observed:
     """The ratio that Cauchy's relation gives."""
     ours = table.iloc[1:]
-    return worst((ours["area_held"] / ours["shear_held"]).astype(float), 2.0)
+    return farthest_value((ours["area_held"] / ours["shear_held"]).astype(float), 2.0)
 
 
 def finding(table: pd.DataFrame) -> str:

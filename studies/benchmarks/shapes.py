@@ -40,7 +40,7 @@ LINE = ((0,), (2,), (1,))
 PLACES = {1: LINE, 2: SQUARE, 3: CUBE}
 
 
-class Meshed(NamedTuple):
+class PatchMesh(NamedTuple):
     """Nodes (n, d) in m, cells (c, 9 or 27) and named facets (f, 3 or 9), all in VTK's order."""
 
     points: Array
@@ -58,7 +58,7 @@ Map = Callable[[Array], Array]
 """Places (n, d) in the unit square or cube to places (n, d) of the body (m)."""
 
 
-def patch(place: Map, lines: Sequence[Array], names: Mapping[tuple[int, int], str]) -> Meshed:
+def patch(place: Map, lines: Sequence[Array], names: Mapping[tuple[int, int], str]) -> PatchMesh:
     """Mesh of a mapped unit square or cube.
 
     Parameters
@@ -74,17 +74,17 @@ def patch(place: Map, lines: Sequence[Array], names: Mapping[tuple[int, int], st
     unit = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1)
     number = np.arange(unit[..., 0].size).reshape(unit.shape[:-1])
     boundaries = {
-        name: gathered(np.take(number, -end, axis=axis)) for (axis, end), name in names.items()
+        name: gather_cells(np.take(number, -end, axis=axis)) for (axis, end), name in names.items()
     }
-    return Meshed(place(unit.reshape(-1, len(lines))), gathered(number), boundaries)
+    return PatchMesh(place(unit.reshape(-1, len(lines))), gather_cells(number), boundaries)
 
 
-def even(cells: int) -> Array:
+def even_lines(cells: int) -> Array:
     """Ends (cells + 1,) of equal cells of the unit interval."""
     return np.linspace(0, 1, cells + 1)
 
 
-def halved(lines: Array, end: float, times: int) -> Array:
+def halve_cells(lines: Array, end: float, times: int) -> Array:
     """The lines with the cell or cells that end there halved, those that then end there again."""
     for _ in range(times):
         at = int(np.abs(lines - end).argmin())
@@ -93,14 +93,14 @@ def halved(lines: Array, end: float, times: int) -> Array:
     return lines
 
 
-def gathered(number: Index) -> Index:
+def gather_cells(number: Index) -> Index:
     """Cells of a grid of node numbers, two half cells along each axis of every cell."""
     starts = product(*(range(0, n - 1, 2) for n in number.shape))
     corner = np.array(list(starts))[:, None, :] + np.array(PLACES[number.ndim])[None]
     return np.asarray(number[tuple(np.moveaxis(corner, -1, 0))])
 
 
-def joined(patches: Sequence[Meshed]) -> Meshed:
+def join_patches(patches: Sequence[PatchMesh]) -> PatchMesh:
     """One mesh of patches that share sides node by node; sides of one name become one."""
     points = np.concatenate([part.points for part in patches])
     reach = JOINT * float(np.ptp(points, axis=0).max())
@@ -114,32 +114,32 @@ def joined(patches: Sequence[Meshed]) -> Meshed:
             boundaries.setdefault(name, []).append(number[facets + start])
     cells = [number[part.cells + start] for part, start in zip(patches, starts, strict=True)]
     sides = {name: np.concatenate(facets) for name, facets in boundaries.items()}
-    return Meshed(points[kept], np.concatenate(cells), sides)
+    return PatchMesh(points[kept], np.concatenate(cells), sides)
 
 
-def elliptic_quarter(n: int) -> Meshed:
+def elliptic_quarter(n: int) -> PatchMesh:
     """Quarter between the ellipses of LE1: n cells from hole to rim, 2n round the quarter.
 
     Sides: "hole", "rim", "bottom" (y = 0) and "left" (x = 0).
     """
     names = {(0, 0): "hole", (0, 1): "rim", (1, 0): "bottom", (1, 1): "left"}
-    return patch(_between_ellipses, (even(n), even(2 * n)), names)
+    return patch(_between_ellipses, (even_lines(n), even_lines(2 * n)), names)
 
 
-def elliptic_plate(n: int, halvings: int = 0) -> Meshed:
+def elliptic_plate(n: int, halvings: int = 0) -> PatchMesh:
     """Plate of LE10: the quarter of LE1 in four layers, two halves and the upper halved twice.
 
     The stress that is asked for is on the upper face. `halvings`: how often the cells along the
     middle of the rim are halved towards it. Sides as in `elliptic_quarter`, and "lower" (z = 0) and
     "upper".
     """
-    through = halved(halved(even(2), 1.0, 2), 0.5, halvings)
-    lines = (halved(even(n), 1.0, halvings), even(2 * n), through)
+    through = halve_cells(halve_cells(even_lines(2), 1.0, 2), 0.5, halvings)
+    lines = (halve_cells(even_lines(n), 1.0, halvings), even_lines(2 * n), through)
     names = {(0, 0): "hole", (0, 1): "rim", (1, 0): "bottom", (1, 1): "left"}
     return patch(_extruded, lines, names | {(2, 0): "lower", (2, 1): "upper"})
 
 
-def clamped_plate(n: int, wider: float = 0.0) -> Meshed:
+def clamped_plate(n: int, wider: float = 0.0) -> PatchMesh:
     """Plate of LE10 for a rim that is held all over: cells halved twice towards its edges.
 
     Six layers; n + 2 cells from hole to rim, along straight lines between the ellipses, and 2n
@@ -154,13 +154,13 @@ def clamped_plate(n: int, wider: float = 0.0) -> Meshed:
         flat = turn * ((1 - s) * np.array(INNER) + s * (np.array(OUTER) + wider))
         return np.column_stack([flat, THICKNESS * unit[:, 2]])
 
-    through = halved(halved(even(2), 1.0, 2), 0.0, 2)
+    through = halve_cells(halve_cells(even_lines(2), 1.0, 2), 0.0, 2)
     names = {(0, 0): "hole", (0, 1): "rim", (1, 0): "bottom", (1, 1): "left"}
-    lines = (halved(even(n), 1.0, 2), even(2 * n), through)
+    lines = (halve_cells(even_lines(n), 1.0, 2), even_lines(2 * n), through)
     return patch(place, lines, names | {(2, 0): "lower", (2, 1): "upper"})
 
 
-def ring_quarter(inner: float, outer: float, n: int) -> Meshed:
+def ring_quarter(inner: float, outer: float, n: int) -> PatchMesh:
     """Quarter ring (m): n cells from hole to rim, graded in proportion to the radius, n round it.
 
     Sides as in `elliptic_quarter`.
@@ -172,11 +172,13 @@ def ring_quarter(inner: float, outer: float, n: int) -> Meshed:
         return radius[:, None] * on_axes(np.column_stack([np.cos(angle), np.sin(angle)]))
 
     return patch(
-        place, (even(n), even(n)), {(0, 0): "hole", (0, 1): "rim", (1, 0): "bottom", (1, 1): "left"}
+        place,
+        (even_lines(n), even_lines(n)),
+        {(0, 0): "hole", (0, 1): "rim", (1, 0): "bottom", (1, 1): "left"},
     )
 
 
-def holed_plate(radius: float, half_width: float, half_length: float, n: int) -> Meshed:
+def holed_plate(radius: float, half_width: float, half_length: float, n: int) -> PatchMesh:
     """Quarter of a plate with a circular hole at its centre; x runs across it, y along it (m).
 
     Each eighth of the square about the hole has n cells round it and 2n towards the side, graded in
@@ -188,12 +190,12 @@ def holed_plate(radius: float, half_width: float, half_length: float, n: int) ->
     eighths = [
         patch(
             lambda unit: _from_hole(radius, half_width, unit),
-            (even(2 * n), even(n)),
+            (even_lines(2 * n), even_lines(n)),
             {(0, 0): "hole", (0, 1): "side", (1, 0): "bottom"},
         ),
         patch(
             lambda unit: _from_hole(radius, half_width, unit + np.array([0, 1])),
-            (even(2 * n), even(n)),
+            (even_lines(2 * n), even_lines(n)),
             {(0, 0): "hole", (1, 1): "left"},
         ),
     ]
@@ -204,7 +206,7 @@ def holed_plate(radius: float, half_width: float, half_length: float, n: int) ->
         return np.column_stack([across, along])
 
     sides = {(0, 0): "left", (0, 1): "side", (1, 1): "end"}
-    return joined([*eighths, patch(beyond, (even(n), even(rest)), sides)])
+    return join_patches([*eighths, patch(beyond, (even_lines(n), even_lines(rest)), sides)])
 
 
 def on_axes(points: Array) -> Array:

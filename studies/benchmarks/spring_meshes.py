@@ -10,7 +10,7 @@ import pandas as pd
 
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenise
 from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.lattice import fill, patterns
 from msvalidate.problem import (
@@ -92,7 +92,7 @@ def apparent_stiffness(
     The loads weigh elongations as the table's mean does, corners by half.
     """
     pattern, constants = patterns.square(), (chi, 1.0)
-    box, problem = tension(cells, Anisotropic(homogenised(pattern, constants).tensor))
+    box, problem = tension(cells, Anisotropic(homogenise(pattern, constants).tensor))
     mesh = fill(pattern, box, (cells, cells))
     network = lattice_network(problem, mesh, constants, weights=weights)
     return float(1 / (network.force * candidate(problem, network, "linear")).sum())

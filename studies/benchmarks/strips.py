@@ -19,8 +19,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
@@ -83,7 +83,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare springs, elements, potentials and Heywood's fit."""
     widths = QUICK_WIDTHS if setting.quick else WIDTHS
     fine = QUICK_LATTICE if setting.quick else LATTICE
@@ -152,10 +152,10 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
     """The judged quantities."""
     apart = (table["K_potentials"] / table["K_elements"] - 1).abs()
     values = (
-        worst(table["K_uncertainty"], 0.0),
-        worst(apart / (table["K_uncertainty"] + table["potentials_uncertainty"]), 0.0),
-        worst(table["heywood_off"], 0.0),
-        worst(table["springs_off"], 0.0),
+        farthest_value(table["K_uncertainty"], 0.0),
+        farthest_value(apart / (table["K_uncertainty"] + table["potentials_uncertainty"]), 0.0),
+        farthest_value(table["heywood_off"], 0.0),
+        farthest_value(table["springs_off"], 0.0),
     )
     return by_quantity(TOLERANCES, values)
 

@@ -24,8 +24,8 @@ import pandas as pd
 from scipy.special import ellipe
 
 import reference_fem
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic
@@ -34,7 +34,7 @@ from reference_fem.elasticity import solve_on
 from reference_fem.mesh import Discretisation, Facets
 
 from . import cases, plate_drawing
-from .shapes import INNER, OUTER, THICKNESS, Meshed, elliptic_plate
+from .shapes import INNER, OUTER, THICKNESS, PatchMesh, elliptic_plate
 
 MODULUS, NU, PRESSURE = 210e9, 0.3, 1e6
 PLACE = np.array([[INNER[0], 0.0, THICKNESS]])
@@ -88,7 +88,7 @@ class Plate:
     sinking: float
 
 
-def run(_candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(_candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Solve the plate by quadratic hexahedra, and with other supports; no candidate is asked."""
     sizes = QUICK_SIZES if setting.quick else SIZES
     found = setting.sweep(as_published, sizes, "LE10 by elements")
@@ -117,20 +117,20 @@ def run(_candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Ev
 def as_published(cells: int) -> tuple[Plate, pd.DataFrame]:
     """The plate on even cells, its line held, and the picture of its upper face."""
     meshed = elliptic_plate(cells)
-    body = reference_fem.discretise(meshed.points, meshed.cells, "H2")
-    solution = solved(LINE, meshed, body)
+    body = reference_fem.make_discretisation(meshed.points, meshed.cells, "H2")
+    solution = solve_plate(LINE, meshed, body)
     face = body.points[np.unique(meshed.boundaries["upper"])]
-    return told(solution), plate_drawing.table(face, solution.stress(face)[:, 1] / MEGA)
+    return read_solution(solution), plate_drawing.table(face, solution.stress(face)[:, 1] / MEGA)
 
 
 def by_support(cells: int, halvings: int) -> dict[str, Plate]:
     """The plate refined along the line, by kind of support."""
     meshed = elliptic_plate(cells, halvings)
-    body = reference_fem.discretise(meshed.points, meshed.cells, "H2")
-    return {kind: told(solved(kind, meshed, body)) for kind in KINDS}
+    body = reference_fem.make_discretisation(meshed.points, meshed.cells, "H2")
+    return {kind: read_solution(solve_plate(kind, meshed, body)) for kind in KINDS}
 
 
-def solved(support: str, meshed: Meshed, body: Discretisation) -> Solution:
+def solve_plate(support: str, meshed: PatchMesh, body: Discretisation) -> Solution:
     """The quarter plate, its rim held upwards in one of three ways.
 
     A line is no side of a body, so the nodes on it are held: of a mesh, and of no other.
@@ -139,11 +139,13 @@ def solved(support: str, meshed: Meshed, body: Discretisation) -> Solution:
     for side, axes in (("bottom", [1]), ("left", [0]), ("rim", [0, 1])):
         held[np.unique(meshed.boundaries[side])[:, None], axes] = True
     upper, rim = (Facets(body, meshed.boundaries[side]) for side in ("upper", "rim"))
-    force = upper.integrated(uniform(upper, -PRESSURE))
+    force = upper.integrated(uniform_traction(upper, -PRESSURE))
     on_rim = np.unique(meshed.boundaries["rim"])
     line = on_rim[np.abs(body.points[on_rim, 2] - THICKNESS / 2) <= 1e-9 * THICKNESS]
     if support == SPREAD:
-        force += rim.integrated(uniform(rim, PRESSURE * upper.measure.sum() / rim.measure.sum()))
+        force += rim.integrated(
+            uniform_traction(rim, PRESSURE * upper.measure.sum() / rim.measure.sum())
+        )
     # Of a rim that is pushed one node is held, to keep the plate; it bears what rounding leaves.
     held[{LINE: line, FACE: on_rim, SPREAD: line[:1]}[support], 2] = True
     material = Isotropic(E=MODULUS, nu=NU, state="solid")
@@ -151,13 +153,13 @@ def solved(support: str, meshed: Meshed, body: Discretisation) -> Solution:
     return Solution(body, move, material)
 
 
-def told(solution: Solution) -> Plate:
+def read_solution(solution: Solution) -> Plate:
     """What is asked of a solved plate."""
     stress, moved = solution.stress(PLACE), solution.at(MIDDLE)
     return Plate(float(stress[0, 1] / MEGA), -float(moved[0, 2]))
 
 
-def uniform(facets: Facets, upwards: float) -> Array:
+def uniform_traction(facets: Facets, upwards: float) -> Array:
     """A traction (f, q, 3) in Pa along z."""
     return np.broadcast_to([0.0, 0.0, upwards], facets.places.shape)
 
@@ -199,9 +201,9 @@ def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
     sunk = kinds[LINE]["sunk_by_halving"].iloc[2:].to_numpy(dtype=float)
     changes = [np.abs(np.diff(kinds[kind]["stress"])) for kind in (FACE, SPREAD)]
     values = (
-        worst(last["against_accepted"], 0.0),
-        worst(sunk / sunk_by_theory() - 1, 0.0),
-        worst([change[-1] / change[-2] for change in changes], 0.0),
+        farthest_value(last["against_accepted"], 0.0),
+        farthest_value(sunk / sunk_by_theory() - 1, 0.0),
+        farthest_value([change[-1] / change[-2] for change in changes], 0.0),
     )
     return by_quantity(TOLERANCES, values)
 

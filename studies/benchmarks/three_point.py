@@ -21,8 +21,8 @@ import numpy as np
 import pandas as pd
 
 import reference_fem
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import FULL, Setting
@@ -76,7 +76,7 @@ TOLERANCES = (
 )  # fmt: skip
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's beams with finite elements and beam theory."""
     sizes = QUICK_SIZES if setting.quick else SIZES
     rows: list[dict[str, object]] = []
@@ -99,7 +99,7 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
             )
         },
         findings=(
-            f"Three-point bending against beam theory: {cases.said(cases.of_springs(table))}.",
+            f"Three-point bending against beam theory: {cases.describe(cases.of_springs(table))}.",
         ),
     )
 
@@ -109,6 +109,9 @@ def theory(kind: str, nu: float) -> float:
 
     Of a unit force at a < L/2: a (3L² - 4a²)/(48EI) where the ends may turn, a² (3L - 4a)/(48EI)
     where they are held; and a/(2κGA) by shear. Their means over the loaded part.
+
+    Source: bending of beams, with the shear coefficient of [Reissner1945]; closed form derived
+    here.
     """
     first, last = (LENGTH - LOADED) / 2, LENGTH / 2
     a = np.polynomial.Polynomial([0.0, 1.0])
@@ -201,10 +204,10 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
     clamped = last[~fem & ~supported]
     twice = np.array([corner_order(nu) for nu in clamped["nu"]])
     values = (
-        worst(cases.orders(last[~fem & supported]), 2.0),
-        worst((cases.orders(clamped) - twice) / (2.0 - twice), 0.5),
-        worst(last[fem & supported]["limit"] / last[fem & supported]["accepted"], 1.0),
-        worst(last[fem & ~supported]["limit"] / last[fem & ~supported]["accepted"], 1.0),
-        worst(last["limit_uncertainty"], 0.0),
+        farthest_value(cases.orders(last[~fem & supported]), 2.0),
+        farthest_value((cases.orders(clamped) - twice) / (2.0 - twice), 0.5),
+        farthest_value(last[fem & supported]["limit"] / last[fem & supported]["accepted"], 1.0),
+        farthest_value(last[fem & ~supported]["limit"] / last[fem & ~supported]["accepted"], 1.0),
+        farthest_value(last["limit_uncertainty"], 0.0),
     )
     return by_quantity(TOLERANCES, values)

@@ -22,8 +22,8 @@ from functools import cache, partial
 
 import pandas as pd
 
-from msvalidate.judging.candidate import named
-from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.candidate import check_table
+from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
@@ -45,13 +45,13 @@ def run(
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one table of relaxations."""
-    candidate = named(candidate, Method, METHODS)
+    candidate = check_table(candidate, Method, METHODS)
     counted = cache(partial(steps.run, candidate, setting))
 
     def table(name: str) -> pd.DataFrame:
         return steps.together(name, counted().tables)
 
-    return answers(
+    return gather_evidence(
         {
             "steps": counted,
             "space": lambda: space.run(table("steps"), table("growth"), setting),

@@ -87,23 +87,23 @@ def network(body: str, fineness: int) -> Network:
     return lattice_network(problem(body), lattice(body, fineness))
 
 
-def factorised(body: str, fineness: int) -> bool:
+def is_factor_worthwhile(body: str, fineness: int) -> bool:
     """Whether a factor of the body's tangent is worth its time."""
     return dim(body) == 2 or fineness <= FACTORISED
 
 
 @cache
-def at_rest(body: str, fineness: int) -> Array:
+def rest_displacement(body: str, fineness: int) -> Array:
     """The network's own equilibrium (n, d) in m, by Newton's method.
 
     By a direct solver; of cubes beyond `FACTORISED` by multigrid, which `space` judges.
     """
-    if factorised(body, fineness):
+    if is_factor_worthwhile(body, fineness):
         return equilibrium(network(body, fineness), "nonlinear").displacement
-    return by_multigrid(body, fineness)
+    return rest_by_multigrid(body, fineness)
 
 
-def by_multigrid(body: str, fineness: int) -> Array:
+def rest_by_multigrid(body: str, fineness: int) -> Array:
     """The same (n, d) in m, with no factor."""
     method = RELAXATIONS["newton_multigrid"]
     return relax(network(body, fineness), method, tolerance=BY_MULTIGRID).equilibrium.displacement

@@ -25,10 +25,10 @@ from matplotlib.figure import Figure
 
 from msvalidate.dynamics.integrators import LEAPFROG, Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.compare import farthest_value, fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
-from msvalidate.output.figures import COLOURS, new
+from msvalidate.output.figures import COLOURS, new_figure
 from msvalidate.problem import SolverError
 from msvalidate.relaxation.relax import Method, relax
 from msvalidate.relaxation.run import Run
@@ -63,7 +63,7 @@ COLUMNS = {
 }
 
 
-def at_its_best(scheme: Integrator, damping: float, run: Run) -> Iterator[None]:
+def steps_at_best_damping(scheme: Integrator, damping: float, run: Run) -> Iterator[None]:
     """Steps of a viscous scheme; `damping` in units of the critical one of the slowest mode."""
     low, high = run.frequencies
     best = viscous(scheme, dt=2 / math.hypot(low, high), damping=damping * 2 * low)
@@ -71,20 +71,20 @@ def at_its_best(scheme: Integrator, damping: float, run: Run) -> Iterator[None]:
 
 
 METHOD = Method(
-    NAME, "dynamic relaxation", "Papadrakakis (1981)", partial(at_its_best, LEAPFROG, 1)
+    NAME, "dynamic relaxation", "Papadrakakis (1981)", partial(steps_at_best_damping, LEAPFROG, 1)
 )
 
 
 def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     """Count the steps of the four plates."""
-    rows = setting.sweep(partial(counted, candidate[NAME]), COUNTED, "dynamic relaxation")
+    rows = setting.sweep(partial(count_steps, candidate[NAME]), COUNTED, "dynamic relaxation")
     table = pd.DataFrame(rows)
     arrived = (table["outcome"] == "reached").all()
     cost = table["steps"] * table["springs"]
     growth = ((table["kappa"], table["steps"]), (table["nodes"], cost))
     in_kappa, in_nodes = (fitted_power(*pair).exponent if arrived else math.nan for pair in growth)
     seen = [
-        worst(table["steps"], table["independent_steps"]),
+        farthest_value(table["steps"], table["independent_steps"]),
         Observed(in_kappa, 0.5),
         Observed(in_nodes, 1.5),
     ]
@@ -97,7 +97,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     )
 
 
-def counted(method: Method, n: int) -> dict[str, object]:
+def count_steps(method: Method, n: int) -> dict[str, object]:
     """One plate: steps to the residual, and what was to be expected."""
     network = bodies.network("plate", n)
     network = replace(network, mass=np.ones(len(network.points)))
@@ -131,7 +131,7 @@ def draw(tables: Tables) -> Figure:
     """Steps against the condition number: counted here, by the other program, and the least."""
     table = tables[NAME]
     kappa, other = table["kappa"], table["independent_steps"]
-    figure, (axis,) = new(size=(4.2, 3.2))
+    figure, (axis,) = new_figure(size=(4.2, 3.2))
     axis.loglog(kappa, other, "s", color=COLOURS[1], ms=8, mfc="none", label="independent program")
     axis.loglog(kappa, table["steps"], "o", color=COLOURS[0], label="this one")
     least = table["least_steps"]

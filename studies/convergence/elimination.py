@@ -24,8 +24,10 @@ class Counts(NamedTuple):
     products: float
 
 
-def counted(links: csr_matrix, order: Index, components: int) -> Counts:
+def count_factor(links: csr_matrix, order: Index, components: int) -> Counts:
     """Counts of a sparse factor.
+
+    Source: [Liu1990], [GeorgeLiu1981].
 
     Parameters
     ----------
@@ -42,8 +44,11 @@ def counted(links: csr_matrix, order: Index, components: int) -> Counts:
     return _sums(columns)
 
 
-def full(unknowns: int) -> Counts:
-    """Counts of a full matrix's factor."""
+def count_full(unknowns: int) -> Counts:
+    """Counts of a full matrix's factor.
+
+    Source: [GeorgeLiu1981].
+    """
     return _sums(np.arange(unknowns, 0, -1.0))
 
 

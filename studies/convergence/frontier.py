@@ -27,11 +27,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import reference_fem
-from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.compare import farthest_value, fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import Setting
-from msvalidate.output.figures import COLOURS, MARKERS, new, shared_legend
+from msvalidate.output.figures import COLOURS, MARKERS, add_shared_legend, new_figure
 from msvalidate.problem import Array
 from msvalidate.relaxation.relax import Method, relax
 
@@ -108,7 +108,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     truth = dict(zip(bodies.PLANE, solved, strict=True))
     repeats = 1 if setting.quick else REPEATS
     found = {
-        (model, body, fineness): measured(answer, fineness, repeats)
+        (model, body, fineness): measure(answer, fineness, repeats)
         for body in bodies.PLANE
         for model, answer in models(candidate, body).items()
         for fineness in sizes[body]
@@ -121,7 +121,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
         for key, what in found.items()
         if key[0] == KINETIC
     ]
-    seen = observed(table, fitted, apart)
+    seen = observe(table, fitted, apart)
     return Evidence(
         tables={"frontier": table, "frontier_orders": fitted},
         observed=by_quantity(TOLERANCES, seen),
@@ -135,7 +135,10 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
 
 def elastic(accuracy: Mapping[str, float], body: str) -> tuple[Array, float]:
     """Displacement (q, 2) in m of the elastic body at the probes, and its relative uncertainty."""
-    problem, size = bodies.problem(body), float(np.abs(bodies.at_rest(body, COARSEST[body])).max())
+    problem, size = (
+        bodies.problem(body),
+        float(np.abs(bodies.rest_displacement(body, COARSEST[body])).max()),
+    )
 
     def displacement(fineness: int) -> Array:
         mesh = reference_fem.box_discretisation(
@@ -161,14 +164,14 @@ def probes(body: str) -> Array:
 def models(candidate: Mapping[str, Method], body: str) -> dict[str, Answer]:
     """The ways to predict a body's displacement."""
     return {
-        KINETIC: partial(by_springs, candidate["kinetic_damping"], body),
-        NEWTON: partial(by_springs, candidate["newton"], body),
-        "Q1 elements": partial(by_elements, "Q1", body),
-        "Q2 elements": partial(by_elements, "Q2", body),
+        KINETIC: partial(solve_springs, candidate["kinetic_damping"], body),
+        NEWTON: partial(solve_springs, candidate["newton"], body),
+        "Q1 elements": partial(solve_elements, "Q1", body),
+        "Q2 elements": partial(solve_elements, "Q2", body),
     }
 
 
-def by_springs(method: Method, body: str, fineness: int) -> tuple[Array, int]:
+def solve_springs(method: Method, body: str, fineness: int) -> tuple[Array, int]:
     """The network's displacement (q, 2) in m at the probes, and its number of points."""
     network = bodies.network(body, fineness)
     found = relax(network, method, tolerance=AT_REST).equilibrium.displacement
@@ -178,7 +181,7 @@ def by_springs(method: Method, body: str, fineness: int) -> tuple[Array, int]:
     return grid[::every, :-1:every].reshape(-1, 2), len(network.points)
 
 
-def by_elements(element: str, body: str, fineness: int) -> tuple[Array, int]:
+def solve_elements(element: str, body: str, fineness: int) -> tuple[Array, int]:
     """The elements' displacement (q, 2) in m at the probes, and the number of nodes."""
     problem = bodies.problem(body)
     mesh = reference_fem.box_discretisation(bodies.box(body), bodies.cells(body, fineness), element)
@@ -186,7 +189,7 @@ def by_elements(element: str, body: str, fineness: int) -> tuple[Array, int]:
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class Measurement:
     """A model's displacement (q, 2) in m at the probes, its nodes, and the median time (s)."""
 
     displacement: Array
@@ -194,18 +197,18 @@ class Measured:
     seconds: float
 
 
-def measured(answer: Answer, fineness: int, repeats: int) -> Measured:
+def measure(answer: Answer, fineness: int, repeats: int) -> Measurement:
     """Ask a model several times, and time it."""
     seconds = []
     for _ in range(repeats):
         started = time.perf_counter()
         displacement, nodes = answer(fineness)
         seconds.append(time.perf_counter() - started)
-    return Measured(displacement, nodes, median(seconds))
+    return Measurement(displacement, nodes, median(seconds))
 
 
 def row(
-    key: tuple[str, str, int], found: Measured, truth: tuple[Array, float]
+    key: tuple[str, str, int], found: Measurement, truth: tuple[Array, float]
 ) -> dict[str, object]:
     """One row: the error of a model, and the time to have its displacement."""
     model, body, fineness = key
@@ -232,14 +235,14 @@ def orders(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def observed(table: pd.DataFrame, fitted: pd.DataFrame, apart: list[float]) -> list[Observed]:
+def observe(table: pd.DataFrame, fitted: pd.DataFrame, apart: list[float]) -> list[Observed]:
     """What the tolerances judge, in their order."""
     corner = 2 * clamped_free_exponent(bodies.tensor(), np.pi / 2)
     errors = {str(model): part["error"].to_numpy() for model, part in table.groupby("model")}
     factor = np.exp(np.abs(np.log(errors[NEWTON] / errors["Q1 elements"])).max())
     return [
         Observed(float(factor), 1.0),
-        worst(fitted["order"][fitted["model"] == "Q2 elements"], corner),
+        farthest_value(fitted["order"][fitted["model"] == "Q2 elements"], corner),
         Observed(max(apart)),
         Observed(float((table["reference_error"] / table["error"]).max())),
     ]
@@ -276,7 +279,7 @@ def seconds_to(error: float, rows: pd.DataFrame) -> float | None:
 def draw(tables: Tables) -> Figure:
     """Error against the elastic solution for the time spent; each point one fineness."""
     table = tables["frontier"]
-    figure, axes = new(len(bodies.PLANE), size=(3.6, 3.4))
+    figure, axes = new_figure(len(bodies.PLANE), size=(3.6, 3.4))
     for axis, body in zip(axes, bodies.PLANE, strict=True):
         part = table[table["body"] == body]
         for index, (model, rows) in enumerate(part.groupby("model", sort=False)):
@@ -286,5 +289,5 @@ def draw(tables: Tables) -> Figure:
         axis.axhline(own, ls=":", color="grey", label="the reference's own error")
         axis.set(title=body, xlabel="seconds from problem to displacement")
         axis.set_ylabel("relative error at the probes")
-    shared_legend(figure, axes, columns=2)
+    add_shared_legend(figure, axes, columns=2)
     return figure

@@ -29,7 +29,7 @@ from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, b
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.output.figures import COLOURS
-from msvalidate.problem import Index, Mask, prescribed
+from msvalidate.problem import Index, Mask, prescribed_displacements
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.systems.dissection import node_order
 
@@ -123,14 +123,16 @@ def run(counted: pd.DataFrame, grown: pd.DataFrame, setting: Setting) -> Evidenc
         (QUICK_EDGES, QUICK_SOLVED, QUICK_CHECKED) if setting.quick else (EDGES, SOLVED, CHECKED)
     )
     factors = pd.DataFrame(
-        [row for rows in setting.sweep(eliminated, edges, "factors") for row in rows]
+        [row for rows in setting.sweep(count_elimination, edges, "factors") for row in rows]
     )
-    cycles = pd.DataFrame(setting.sweep(by_multigrid, solved, "multigrid"))
+    cycles = pd.DataFrame(setting.sweep(count_cycles, solved, "multigrid"))
     growing = growth(factors)
     counts = cycles.rename(columns={"cycles_here": "cycles", "products_here": "products"})
     growing_here = growth(counts).rename(columns=steps.HERE)
     at_rest = (
-        bodies.relative_error(bodies.by_multigrid(CUBE, edge), bodies.at_rest(CUBE, edge))
+        bodies.relative_error(
+            bodies.rest_by_multigrid(CUBE, edge), bodies.rest_displacement(CUBE, edge)
+        )
         for edge in checked
     )
     seen = [*relaxations(grown), Observed(max(at_rest)), *elements(growing, growing_here)]
@@ -154,11 +156,11 @@ def cube_of_elements(edge: int) -> Discretisation:
     return reference_fem.box_discretisation(bodies.box(CUBE), bodies.cells(CUBE, edge), "H1")
 
 
-def eliminated(edge: int) -> list[dict[str, object]]:
+def count_elimination(edge: int) -> list[dict[str, object]]:
     """Rows of one cube: counts of a full matrix, and in nested dissection."""
     mesh = cube_of_elements(edge)
     unknowns = mesh.dim * int(free_nodes(mesh).sum())
-    counts = {FULL: elimination.full(unknowns), DISSECTED: in_order(mesh, node_order(mesh))}
+    counts = {FULL: elimination.count_full(unknowns), DISSECTED: in_order(mesh, node_order(mesh))}
     return [
         {"way": way, "cells": edge, "unknowns": unknowns, **count._asdict()}
         for way, count in counts.items()
@@ -167,7 +169,7 @@ def eliminated(edge: int) -> list[dict[str, object]]:
 
 def free_nodes(mesh: Discretisation) -> Mask:
     """Nodes (n,) off the clamped side."""
-    held, _ = prescribed(bodies.problem(CUBE), mesh.points)
+    held, _ = prescribed_displacements(bodies.problem(CUBE), mesh.points)
     return np.asarray(~held.any(axis=1))
 
 
@@ -176,10 +178,10 @@ def in_order(mesh: Discretisation, order: Index) -> elimination.Counts:
     free = free_nodes(mesh)
     number = np.cumsum(free) - 1
     links = mesh.links[free][:, free]
-    return elimination.counted(links, number[order[free[order]]], mesh.dim)
+    return elimination.count_factor(links, number[order[free[order]]], mesh.dim)
 
 
-def by_multigrid(edge: int) -> dict[str, object]:
+def count_cycles(edge: int) -> dict[str, object]:
     """Row of one cube: cycles of multigrid."""
     mesh = cube_of_elements(edge)
     free = free_nodes(mesh)
@@ -318,7 +320,7 @@ def draw(tables: Tables) -> Figure:
     """What the elements of a cube take to solve, against the nodes along its edge."""
     multigrid = tables["multigrid"].rename(columns={"products_here": "products"})
     table = pd.concat([tables["factors"], multigrid], ignore_index=True)
-    figure, axes = figures.new(len(LABELS), size=(3.8, 3.4))
+    figure, axes = figures.new_figure(len(LABELS), size=(3.8, 3.4))
     for axis, (quantity, label) in zip(axes, LABELS.items(), strict=True):
         for way, part in table.groupby("way", sort=False):
             edge = part["cells"].to_numpy() + 1.0
@@ -329,5 +331,5 @@ def draw(tables: Tables) -> Figure:
                 line = 0.4 * values[-1] * (edge / edge[-1]) ** slope
                 axis.loglog(edge, line, SLOPES[str(way)], color="black", label=f"n^{slope:.0f}")
         axis.set(xlabel="n, nodes along the edge", ylabel=label)
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

@@ -10,15 +10,15 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
-from msvalidate.dynamics.integrators import LEAPFROG, factors_of
-from msvalidate.network import stretched, tangent
+from msvalidate.dynamics.integrators import LEAPFROG, step_factors
+from msvalidate.network import spring_vectors, tangent
 from msvalidate.problem import Array
 from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.run import SAFETY, Run
 from msvalidate.relaxation.viscous import viscous
 
-from .dynamic_relaxation import METHOD, at_its_best
+from .dynamic_relaxation import METHOD, steps_at_best_damping
 
 Walk = Callable[[Run], Iterator[None]]
 
@@ -29,7 +29,7 @@ def _half_damped(run: Run) -> Iterator[None]:
 
 
 def _half_kick(h: float, c: Array) -> tuple[Array, Array]:
-    keep, push = factors_of(LEAPFROG)(h, c)
+    keep, push = step_factors(LEAPFROG)(h, c)
     return keep, push / 2
 
 
@@ -37,7 +37,7 @@ def _lagging(run: Run) -> Iterator[None]:
     """Leapfrog whose force is that of the position before."""
     lowest, highest = run.frequencies
     run.rate, run.dt, run.limit = np.array([2 * lowest]), SAFETY * 2 / highest, 2 / highest
-    keep, push = factors_of(LEAPFROG)(run.dt, run.rate)
+    keep, push = step_factors(LEAPFROG)(run.dt, run.rate)
     mass = run.network.mass[:, None]
     before = run.balance().copy()
     while True:
@@ -58,7 +58,7 @@ def _wrong_tangent(run: Run) -> Iterator[None]:
     run.moved()
     while True:
         yield
-        length = stretched(network, run.position)[1]
+        length = spring_vectors(network, run.position)[1]
         # Of springs that are at rest as they lie, the tangent is its elastic part alone.
         elastic = tangent(replace(network, rest_length=length), run.position)
         wrong = csc_array(2 * elastic - tangent(network, run.position))[free][:, free]
@@ -78,12 +78,12 @@ HALF_KICK = replace(LEAPFROG, factors=_half_kick)
 BY_SPACING = replace(RELAXATIONS["viscous_leapfrog"], walk=_damped_by_spacing)
 WRONG_TANGENT = replace(RELAXATIONS["newton"], walk=_wrong_tangent)
 WALKS: tuple[tuple[str, str, Walk, Walk], ...] = (
-    ("damping halved", "steps", _half_damped, partial(at_its_best, LEAPFROG, 0.5)),
+    ("damping halved", "steps", _half_damped, partial(steps_at_best_damping, LEAPFROG, 0.5)),
     (
         "a wrong kick: half the force",
         "dynamic_relaxation",
         viscous(HALF_KICK).walk,
-        partial(at_its_best, HALF_KICK, 1),
+        partial(steps_at_best_damping, HALF_KICK, 1),
     ),
     ("a lagged force", "dynamic_relaxation", _lagging, _lagging),
 )

@@ -25,7 +25,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.judging import counting
-from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.compare import farthest_value, fitted_power
 from msvalidate.judging.counting import THRESHOLDS, TIGHT, predicted
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -117,14 +117,14 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
         (candidate[name], body, fineness)
         for body in bodies.SIZES
         for fineness, name in product(sizes[body], RELAXATIONS)
-        if name != FACTORISING or bodies.factorised(body, fineness)
+        if name != FACTORISING or bodies.is_factor_worthwhile(body, fineness)
     ]
-    rows = setting.sweep(counted, cases, "steps to rest")
+    rows = setting.sweep(count_steps, cases, "steps to rest")
     table = pd.DataFrame([row for pair in rows for row in pair])
     grown = growth(table)
     return Evidence(
-        tables=apart("steps", table) | apart("growth", grown),
-        observed=by_quantity(TOLERANCES, observed(table, grown)),
+        tables=split_table("steps", table) | split_table("growth", grown),
+        observed=by_quantity(TOLERANCES, observe(table, grown)),
         tolerances=TOLERANCES,
         figures={"steps": draw, "cost": draw_cost},
         columns=COLUMNS,
@@ -132,7 +132,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     )
 
 
-def apart(name: str, table: pd.DataFrame) -> dict[str, pd.DataFrame]:
+def split_table(name: str, table: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Two tables of one: what any machine reproduces, and what it may not, renamed."""
     kept = table["method"].isin(REPRODUCED)
     return {
@@ -147,10 +147,10 @@ def together(name: str, tables: Tables) -> pd.DataFrame:
     return pd.concat([tables[name], tables[f"{name}_here"].rename(columns=back)], ignore_index=True)
 
 
-def counted(case: tuple[Method, str, int]) -> list[dict[str, object]]:
+def count_steps(case: tuple[Method, str, int]) -> list[dict[str, object]]:
     """Rows of one run: the first look at which the error is below each threshold."""
     method, body, fineness = case
-    network, reference = bodies.network(body, fineness), bodies.at_rest(body, fineness)
+    network, reference = bodies.network(body, fineness), bodies.rest_displacement(body, fineness)
     low, high = bodies.frequencies(body, fineness)
     cells_x, cells_y = bodies.cells(body, fineness)[:2]
     reached = counting.counted(
@@ -212,7 +212,7 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def observed(table: pd.DataFrame, grown: pd.DataFrame) -> list[Observed]:
+def observe(table: pd.DataFrame, grown: pd.DataFrame) -> list[Observed]:
     """What the tolerances judge, in their order."""
     viscous = table[(table["method"] == "viscous_leapfrog") & (table["outcome"] == "reached")]
     newton = table[table["method"].isin(["newton", "newton_multigrid"])]
@@ -222,7 +222,7 @@ def observed(table: pd.DataFrame, grown: pd.DataFrame) -> list[Observed]:
         exponent(grown, "steps in nodes", ("plate",), ("viscous_leapfrog",)),
         exponent(grown, "cost in nodes", ("plate",), VISCOUS),
         # Where no run came so far NaN, which fails.
-        worst(viscous["steps"] / viscous["predicted_steps"], 1.0)
+        farthest_value(viscous["steps"] / viscous["predicted_steps"], 1.0)
         if len(viscous)
         else Observed(math.nan, 1.0),
         Observed(int(newton["steps"].max()), 2),
@@ -242,7 +242,7 @@ def exponent(
     (reference,) = {expected(quantity, body) for body in on}
     if len(rows) < len(on) * len(methods):
         return Observed(math.nan, reference)
-    return worst(rows["exponent"], reference)
+    return farthest_value(rows["exponent"], reference)
 
 
 def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
@@ -301,7 +301,7 @@ LABELS = {"steps": "steps to an error of 1e-6", "cost": "evaluations x springs t
 
 def _drawn(table: pd.DataFrame, quantity: str) -> Figure:
     tight = table[(table["threshold"] == TIGHT) & (table["outcome"] == "reached")]
-    figure, axes = figures.new(len(bodies.SIZES), size=(3.4, 3.4), sharey=True)
+    figure, axes = figures.new_figure(len(bodies.SIZES), size=(3.4, 3.4), sharey=True)
     for axis, body in zip(axes, bodies.SIZES, strict=True):
         part = tight[tight["body"] == body]
         for method, rows in part.groupby("method", sort=False):
@@ -313,5 +313,5 @@ def _drawn(table: pd.DataFrame, quantity: str) -> Figure:
         axis.loglog(nodes, start * (nodes / nodes[0]) ** slope, line, color="black", label=label)
         axis.set(title=body, xlabel="nodes")
     axes[0].set_ylabel(LABELS[quantity])
-    figures.shared_legend(figure, axes, columns=4)
+    figures.add_shared_legend(figure, axes, columns=4)
     return figure

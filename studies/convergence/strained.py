@@ -23,7 +23,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
-from msvalidate.network import Network, stretched
+from msvalidate.network import Network, spring_vectors
 from msvalidate.problem import Array, Box, Isotropic, Problem, SolverError, Support, Traction
 from msvalidate.relaxation.relax import Method, relax
 
@@ -59,9 +59,9 @@ COLUMNS = {
 
 def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     """Pull the plate and watch the steps."""
-    network = pulled()
-    seen = followed(candidate["newton"], network)
-    other = followed(candidate["conjugate_gradients"], network)
+    network = pulled_plate()
+    seen = follow_displacements(candidate["newton"], network)
+    other = follow_displacements(candidate["conjugate_gradients"], network)
     table = pd.DataFrame(rows(network, seen))
     orders = table["gain"][table["gain"] != "none"]
     values = (
@@ -77,7 +77,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     )
 
 
-def pulled() -> Network:
+def pulled_plate() -> Network:
     """A plate, clamped on the left and pulled on the right by `PULL` of its modulus."""
     problem = Problem(
         BOX,
@@ -89,7 +89,7 @@ def pulled() -> Network:
     return lattice_network(problem, square(BOX, CELLS))
 
 
-def followed(method: Method, network: Network) -> list[Array]:
+def follow_displacements(method: Method, network: Network) -> list[Array]:
     """Displacements (n, 2) in m after every step; none if it did not come to rest."""
     seen: list[Array] = []
 
@@ -114,7 +114,7 @@ def rows(network: Network, seen: list[Array]) -> list[dict[str, object]]:
         gain: float | str = "none"
         if i > 1:
             gain = math.log(distance / left[i - 1]) / math.log(left[i - 1] / left[i - 2])
-        length = stretched(network, network.points + seen[i])[1]
+        length = spring_vectors(network, network.points + seen[i])[1]
         strain = float(np.abs(length / network.rest_length - 1).max())
         found.append({"steps": i, "distance": distance, "strain": strain, "gain": gain})
     return found

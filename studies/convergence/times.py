@@ -33,7 +33,7 @@ from msvalidate.judging.compare import fitted_power
 from msvalidate.judging.counting import TIGHT
 from msvalidate.judging.evidence import Evidence, Tables
 from msvalidate.judging.sweep import Setting
-from msvalidate.output.figures import new, shared_legend
+from msvalidate.output.figures import add_shared_legend, new_figure
 from msvalidate.relaxation.relax import Method, relax
 
 from . import bodies, steps
@@ -73,8 +73,8 @@ def run(candidate: Mapping[str, Method], counted: pd.DataFrame, setting: Setting
     if setting.quick:
         counted = counted[counted["threshold"] == TIGHT]
     todo = records(counted[counted["outcome"] == "reached"])
-    rows = setting.one_by_one(partial(timed, candidate, repeats), todo, "seconds to rest")
-    rows += by_elements(counted, repeats)
+    rows = setting.one_by_one(partial(time_relaxation, candidate, repeats), todo, "seconds to rest")
+    rows += time_elements(counted, repeats)
     table = pd.DataFrame(rows)
     grown = growth(table)
     return Evidence(
@@ -92,7 +92,7 @@ def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     return [{str(column): value for column, value in row.items()} for _, row in table.iterrows()]
 
 
-def timed(
+def time_relaxation(
     candidate: Mapping[str, Method], repeats: int, row: Mapping[str, Any]
 ) -> dict[str, object]:
     """One relaxation for as many steps as it needs, several times."""
@@ -126,19 +126,19 @@ def setup(body: str, fineness: int) -> tuple[float, float]:
     return built - started, time.perf_counter() - built
 
 
-def by_elements(counted: pd.DataFrame, repeats: int) -> list[dict[str, object]]:
+def time_elements(counted: pd.DataFrame, repeats: int) -> list[dict[str, object]]:
     """The same bodies by finite elements; one solution serves for every threshold."""
     kinds = [name for name in BODY if name != "threshold"]
     rows = []
     for first in records(counted[kinds].drop_duplicates()):
         for name, (element, solver) in ELEMENTS[bodies.dim(first["body"])].items():
-            solved = partial(_solved, first["body"], int(first["cells_y"]), element, solver)
+            solved = partial(_time_solution, first["body"], int(first["cells_y"]), element, solver)
             row = _row(first, name, solved, repeats)
             rows += [row | {"threshold": threshold} for threshold in counted["threshold"].unique()]
     return rows
 
 
-def _solved(body: str, fineness: int, element: str, solver: str) -> tuple[float, float]:
+def _time_solution(body: str, fineness: int, element: str, solver: str) -> tuple[float, float]:
     """Seconds of the mesh, and of what follows."""
     started = time.perf_counter()
     cells = bodies.cells(body, fineness)
@@ -210,7 +210,7 @@ def draw(tables: Tables) -> Figure:
     """Seconds to an error of 1e-6 against the nodes, with lattice or mesh and frequencies."""
     table = tables["times"]
     tight = table[table["threshold"] == TIGHT]
-    figure, axes = new(len(bodies.SIZES), size=(3.6, 3.4))
+    figure, axes = new_figure(len(bodies.SIZES), size=(3.6, 3.4))
     for axis, body in zip(axes, bodies.SIZES, strict=True):
         part = tight[tight["body"] == body]
         for method, rows in part.groupby("method", sort=False):
@@ -218,5 +218,5 @@ def draw(tables: Tables) -> Figure:
             how = ELEMENTS_DRAWN.get(str(method)) or steps.style(str(method))
             axis.loglog(rows["nodes"], seconds, **how)
         axis.set(title=body, xlabel="nodes", ylabel="seconds to an error of 1e-6")
-    shared_legend(figure, axes, columns=3)
+    add_shared_legend(figure, axes, columns=3)
     return figure

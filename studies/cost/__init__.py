@@ -30,8 +30,8 @@ from functools import cache, partial
 from typing import Any
 
 from msvalidate import kernels
-from msvalidate.judging.candidate import of_kind
-from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.candidate import check_functions
+from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
 from msvalidate.relaxation.relax import Method
@@ -81,7 +81,7 @@ class Implementations:
     relaxations: Mapping[str, Method] = field(default_factory=lambda: dict(RELAXATIONS))
     elements: Mapping[str, Solve] = field(default_factory=lambda: dict(fem_ways.WAYS))
     linear: refinement.Linear = equilibrium
-    rest: solver_peers.Rest = solvers.solved
+    rest: solver_peers.Rest = solvers.solve_refined
     multigrid_steps: Callable[[Network], int] = solvers.steps
 
 
@@ -89,7 +89,7 @@ OURS = Implementations()
 ALONE = True
 """It compares times: what runs beside it would take some of them."""
 FAULTY: dict[str, tuple[str, dict[str, Any]]] = {
-    "a kernel that drops a spring": ("agreement", {"motion": spoilt.dropping}),
+    "a kernel that drops a spring": ("agreement", {"motion": spoilt.drop_spring}),
     "a kernel that makes numbers of what is none": ("agreement", {"motion": spoilt.Blind}),
     "a relaxation that tells of half its steps": (
         "relaxation",
@@ -101,10 +101,10 @@ FAULTY: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "elements solved in single precision": (
         "fem",
-        {"elements": fem_ways.WAYS | {"auto": spoilt.rounded}},
+        {"elements": fem_ways.WAYS | {"auto": spoilt.round_positions}},
     ),
-    "a linear solution that is not refined": ("refinement", {"linear": refinement.unrefined}),
-    "a solver that stops early and states no error": ("solvers", {"rest": spoilt.careless}),
+    "a linear solution that is not refined": ("refinement", {"linear": refinement.solve_unrefined}),
+    "a solver that stops early and states no error": ("solvers", {"rest": spoilt.careless_steps}),
     "a solver without coarse levels": ("solvers", {"multigrid_steps": spoilt.without_levels}),
 }
 """Fault -> the question that notices it, and what of the candidate has it."""
@@ -122,7 +122,7 @@ def run(
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named."""
-    candidate = of_kind(candidate, Implementations)
+    candidate = check_functions(candidate, Implementations)
     asked: dict[str, Callable[[], Evidence]] = {
         "agreement": partial(agreement.run, candidate.motion, setting),
         "kernel": partial(kernel.run, candidate.motion, setting),
@@ -140,4 +140,4 @@ def run(
     # `limits` and `targets` look at what others measured.
     asked = {name: cache(answer) for name, answer in asked.items()}
     told = {name: asked[name] for name in targets.FROM}
-    return answers(asked | {"targets": partial(targets.run, told, setting)}, questions)
+    return gather_evidence(asked | {"targets": partial(targets.run, told, setting)}, questions)

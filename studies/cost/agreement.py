@@ -63,7 +63,7 @@ COLUMNS = {
 
 def run(candidate: Moving, setting: Setting) -> Evidence:
     """Move each small network by every path."""
-    rows = [row for name in bodies.NETWORKS for row in compared(candidate, name)]
+    rows = [row for name in bodies.NETWORKS for row in compare_paths(candidate, name)]
     table = pd.DataFrame(rows)
     unseen = int((table[["diverged", "nan"]] != "noticed").to_numpy().sum())
     values = (
@@ -81,17 +81,19 @@ def run(candidate: Moving, setting: Setting) -> Evidence:
     )
 
 
-def compared(candidate: Moving, name: str) -> list[dict[str, Any]]:
+def compare_paths(candidate: Moving, name: str) -> list[dict[str, Any]]:
     """Rows of one network: each path that it has."""
     net = bodies.network(name, NODES)
-    true = moved(net, lambda *given: plain.advance(net, plain.whole(net), *given))
+    true = displacement_after_steps(
+        net, lambda *given: plain.advance(net, plain.whole(net), *given)
+    )
     size = float(np.abs(true).max())
     alone: dict[str, Array] = {}
     rows = []
     for title in (way for way in kernel.WAYS[name] if way in OURS):
         way = OURS[title]
-        walk = kernel.moving(candidate, net, way).advance
-        here = moved(net, walk)
+        walk = kernel.motion_function(candidate, net, way).advance
+        here = displacement_after_steps(net, walk)
         alone.setdefault(way.path, here)
         rows.append(
             {
@@ -102,21 +104,21 @@ def compared(candidate: Moving, name: str) -> list[dict[str, Any]]:
                 "threads": way.threads,
                 "apart_here": float(np.abs(here - true).max()) / size,
                 "threads_apart_here": float(np.abs(here - alone[way.path]).max()) / size,
-                "diverged": _noticed(gone_far(net, walk)),
-                "nan": _noticed(holds_nan(net, walk)),
+                "diverged": _is_noticed(runs_far(net, walk)),
+                "nan": _is_noticed(keeps_nan(net, walk)),
             }
         )
     return rows
 
 
-def moved(net: Network, walk: Callable[..., object]) -> Array:
+def displacement_after_steps(net: Network, walk: Callable[..., object]) -> Array:
     """Displacement after `STEPS` from a random start."""
     (u, v), dt = bodies.start(net), bodies.time_step(net)
     walk(u, v, np.full(len(u), KEEP), np.full(len(u), dt), dt, STEPS)
     return u
 
 
-def gone_far(net: Network, walk: Callable[..., object]) -> bool:
+def runs_far(net: Network, walk: Callable[..., object]) -> bool:
     """Whether too long a step ends far away, or in what is no number."""
     (u, v), dt = bodies.start(net), TOO_LONG * bodies.time_step(net)
     with np.errstate(all="ignore"):
@@ -124,7 +126,7 @@ def gone_far(net: Network, walk: Callable[..., object]) -> bool:
         return not float(np.abs(u).max()) < FAR * bodies.SIDE
 
 
-def holds_nan(net: Network, walk: Callable[..., tuple[int, float, bool]]) -> bool:
+def keeps_nan(net: Network, walk: Callable[..., tuple[int, float, bool]]) -> bool:
     """Whether a NaN at a free point, and the energy of such a motion, come out as NaN."""
     (u, v), dt = bodies.start(net), bodies.time_step(net)
     u[np.flatnonzero(~net.held.all(axis=1))[0]] = np.nan
@@ -132,5 +134,5 @@ def holds_nan(net: Network, walk: Callable[..., tuple[int, float, bool]]) -> boo
     return bool(np.isnan(u).any() and np.isnan(energy))
 
 
-def _noticed(seen: bool) -> str:
+def _is_noticed(seen: bool) -> str:
     return "noticed" if seen else "missed"

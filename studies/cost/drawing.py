@@ -69,7 +69,7 @@ def lines(
 def kernel(tables: Tables) -> Figure:
     """The lattice by every program, with what memory allows; networks on the general path."""
     table = tables["kernel"]
-    figure, (left, right) = figures.new(2, size=(4.3, 4.0), sharey=True)
+    figure, (left, right) = figures.new_figure(2, size=(4.3, 4.0), sharey=True)
     lines(left, table[table["network"] == "lattice"], "way", "nodes", "ns_here", WAYS)
     allowed(left, tables)
     lines(right, table[table["way"] == "general"], "network", "nodes", "ns_here", NETWORKS)
@@ -96,7 +96,7 @@ def allowed(axis: Axes, tables: Tables) -> None:
 
 def roofline(tables: Tables) -> Figure:
     """Operations a second against operations a byte, below what machine and memory allow."""
-    figure, (axis,) = figures.new(size=(5.2, 4.0))
+    figure, (axis,) = figures.new_figure(size=(5.2, 4.0))
     top = float(tables["arithmetic"]["gigaflops_per_second"].iloc[0])
     speeds = tables["bandwidth"]["gigabytes_per_second"]
     for (level, grey), speed in zip(LEVELS.items(), speeds, strict=True):
@@ -113,7 +113,7 @@ def roofline(tables: Tables) -> Figure:
         axis.loglog(dense, part["gigaflops_per_second"], **style)
     axis.set(xlabel="operations a byte counted (1)", ylabel="GFLOP/s on one core")
     axis.set_ylim(0.3, 3 * top)
-    figures.shared_legend(figure, [axis], columns=2)
+    figures.add_shared_legend(figure, [axis], columns=2)
     return figure
 
 
@@ -122,20 +122,20 @@ def real_time(tables: Tables) -> Figure:
     table = tables["real_time"]
     table = table[table["threads"] == 1]
     materials = list(table["material"].unique())
-    figure, axes = figures.new(len(materials), size=(3.2, 3.2), sharey=True)
+    figure, axes = figures.new_figure(len(materials), size=(3.2, 3.2), sharey=True)
     for axis, name in zip(axes, materials, strict=True):
         lines(axis, table[table["material"] == name], "way", "nodes", "real_time_here", WAYS)
         axis.axhline(1.0, color="black", lw=0.9, ls=":", label="real time")
         axis.set(title=name, xlabel="points of a plate of 0.1 m")
     axes[0].set_ylabel("seconds of motion a second (1)")
-    figures.shared_legend(figure, axes, columns=4)
+    figures.add_shared_legend(figure, axes, columns=4)
     return figure
 
 
 def elements(tables: Tables) -> Figure:
     """Assembly and solution, plane and solid."""
     table = tables["fem"]
-    figure, axes = figures.new(2, 2, size=(3.8, 2.8), sharex="col", sharey="row")
+    figure, axes = figures.new_figure(2, 2, size=(3.8, 2.8), sharex="col", sharey="row")
     for axis, (task, dim) in zip(axes, product(TASKS, (2, 3)), strict=True):
         part = table[(table["task"] == task) & (table["axes"] == dim)]
         lines(axis, part, "program", "unknowns", "cpu_seconds", PROGRAMS)
@@ -144,7 +144,7 @@ def elements(tables: Tables) -> Figure:
             axis.set_ylabel("seconds on one core")
         if task == TASKS[-1]:
             axis.set_xlabel("unknowns")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 
@@ -153,7 +153,7 @@ def relaxation(tables: Tables) -> Figure:
     table = tables["relaxation"]
     table = table[(table["threshold"] == TIGHT) & (table["outcome"] == "reached")]
     nodes = np.array([table["nodes"].min(), table["nodes"].max()], dtype=float)
-    figure, axes = figures.new(2, size=(4.0, 3.4))
+    figure, axes = figures.new_figure(2, size=(4.0, 3.4))
     values = {"steps_here": ("steps", 0.5), "cpu_seconds": ("seconds", 1.5)}
     for axis, (column, (quantity, law)) in zip(axes, values.items(), strict=True):
         for method, rows in table.groupby("method", sort=False):
@@ -164,7 +164,7 @@ def relaxation(tables: Tables) -> Figure:
         axis.loglog(nodes, power, ":", color="black", label="points^0.5 and points^1.5")
         axis.set(xlabel="points", ylabel=f"{quantity} to an error of 1e-6")
         axis.set_title("in brackets: exponents of steps and of seconds", fontsize=8)
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 
@@ -181,7 +181,7 @@ def exponents(tables: Tables, method: str) -> str:
 def large(tables: Tables) -> Figure:
     """Newton's method with multigrid and elements on the same cells, in seconds."""
     table = tables["large"]
-    figure, (axis,) = figures.new(size=(4.4, 3.4))
+    figure, (axis,) = figures.new_figure(size=(4.4, 3.4))
     drawn = (
         ("newton_seconds", "s-", C[1], "springs: Newton with multigrid, 1 % strain"),
         ("elements_seconds", "o-", C[0], "elements: one linear solution"),
@@ -199,7 +199,7 @@ def equilibria(tables: Tables) -> Figure:
     if (beside := tables.get("equilibrium_peers")) is not None:
         there = (beside["shape"] == "cube") & (beside["cpu_seconds"] != ABSENT)
         drawn.append((beside[there], "by", "--", "the cube by all programs"))
-    figure, axes = figures.new(len(drawn), size=(4.0, 3.4))
+    figure, axes = figures.new_figure(len(drawn), size=(4.0, 3.4))
     for axis, (table, by, line, title) in zip(axes, drawn, strict=True):
         for place, (name, rows) in enumerate(table.groupby(by, sort=False)):
             mark, colour = MARKS[place % len(MARKS)], C[place % len(C)]

@@ -112,7 +112,7 @@ def run(candidate: Mapping[str, Solve], setting: Setting) -> Evidence:
     sizes, rounds = (QUICK_CELLS, QUICK_ROUNDS) if setting.quick else (CELLS, ROUNDS)
     cases = [(dim, cells) for dim, many in sizes.items() for cells in many]
     pairs = setting.one_by_one(
-        lambda case: timed(candidate["auto"], *case, rounds), cases, "elements"
+        lambda case: time_solution(candidate["auto"], *case, rounds), cases, "elements"
     )
     laps = pd.DataFrame([row for rows, _ in pairs for row in rows])
     chosen = pd.DataFrame([row for _, row in pairs])
@@ -137,7 +137,7 @@ def run(candidate: Mapping[str, Solve], setting: Setting) -> Evidence:
     )
 
 
-def timed(
+def time_solution(
     solve: Solve, dim: int, cells: int, rounds: int = ROUNDS
 ) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     """Rows of one body, every task, program and round; and how ours solved."""
@@ -150,7 +150,7 @@ def timed(
     free = np.flatnonzero(~given.held.T.ravel())
     inside, load = K[free][:, free].tocsc(), given.force.T.ravel()[free]
     acts: dict[tuple[str, str], Callable[[], object] | None] = {
-        ("assembly", "ours"): partial(assembled, given),
+        ("assembly", "ours"): partial(time_assembly, given),
         ("assembly", "NGSolve"): peer.assemble if peer else None,
         ("solution", "ours"): partial(solve, *system),
         ("solution", "ours, SuperLU"): partial(fem_ways.by, "superlu", *system),
@@ -175,9 +175,11 @@ def timed(
     return rows, head | {"choice_here": found.choice, "residual_here": found.residual}
 
 
-def assembled(given: Block) -> object:
+def time_assembly(given: Block) -> object:
     """The stiffness of a body without anything kept from before."""
-    fresh = reference_fem.discretise(given.body.points, given.body.cells, ELEMENT[given.body.dim])
+    fresh = reference_fem.make_discretisation(
+        given.body.points, given.body.cells, ELEMENT[given.body.dim]
+    )
     return stiffness(fresh, given.material)
 
 

@@ -100,7 +100,7 @@ def run(candidate: Moving, setting: Setting) -> Evidence:
         if nodes <= MOST_NODES.get(name, nodes)
     ]
     laps = setting.one_by_one(
-        lambda case: timed(candidate, work, *case), cases, "ns a spring and step"
+        lambda case: time_kernel(candidate, work, *case), cases, "ns a spring and step"
     )
     rounds = pd.DataFrame([row for rows in laps for row in rows])
     table = summary(rounds.drop(columns="wall_ns_here"), "ns_here")
@@ -114,13 +114,13 @@ def run(candidate: Moving, setting: Setting) -> Evidence:
     )
 
 
-def timed(candidate: Moving, work: int, name: str, nodes: int) -> list[dict[str, Any]]:
+def time_kernel(candidate: Moving, work: int, name: str, nodes: int) -> list[dict[str, Any]]:
     """Rows of one network: every way, every round."""
     net = bodies.network(name, nodes)
     ways = WAYS[name]
     counts = {way: steps_of(way, work, net) for way in ways}
     with ExitStack() as at_end:
-        acts = {way: stepping(candidate, way, net, counts[way], at_end) for way in ways}
+        acts = {way: stepping_function(candidate, way, net, counts[way], at_end) for way in ways}
         laps = in_turn({way: act for way, act in acts.items() if act})
     rows = []
     for way in ways:
@@ -152,7 +152,7 @@ def steps_of(way: str, work: int, net: Network) -> int:
     return max(least, round(work / SLOWER.get(way, 1) / len(net.springs)))
 
 
-def stepping(
+def stepping_function(
     candidate: Moving, way: str, net: Network, steps: int, at_end: ExitStack
 ) -> Callable[[], object] | None:
     """What takes so many steps of a network, each time from where it was; None for absent peers."""
@@ -165,7 +165,9 @@ def stepping(
     (u, v), dt = bodies.start(net), bodies.time_step(net)
     keep, push = np.full(len(u), KEEP), np.full(len(u), dt)
     if way in OURS:
-        return partial(moving(candidate, net, OURS[way]).advance, u, v, keep, push, dt, steps)
+        return partial(
+            motion_function(candidate, net, OURS[way]).advance, u, v, keep, push, dt, steps
+        )
     if way == SINGLE:
         motion = kernels.Motion(net, path="general", waves=1)
         return partial(motion.advance, u, v, keep, push, dt, steps)
@@ -173,7 +175,7 @@ def stepping(
     return partial(plain.advance, net, force, u, v, keep, push, dt, steps)
 
 
-def moving(candidate: Moving, net: Network, way: Way) -> kernels.Motion:
+def motion_function(candidate: Moving, net: Network, way: Way) -> kernels.Motion:
     """A network made ready for a path and so many threads."""
     return candidate(net, path=way.path, threads=way.threads)
 

@@ -87,7 +87,7 @@ def run(method: Method, ways: Mapping[str, Solve], setting: Setting) -> Evidence
     timed = partial(beside, method, ways["auto"], repeated)
     table = pd.DataFrame(setting.one_by_one(timed, sizes, "large networks"))
     weighed = memory(method, ways["auto"], QUICK_WEIGHED if setting.quick else WEIGHED)
-    arrays = pd.DataFrame([counted(nodes) for nodes in sizes[:2]])
+    arrays = pd.DataFrame([count_cycles(nodes) for nodes in sizes[:2]])
     done = (table["iterations"] > 0).all()
     cycles = fitted_power(table["nodes"], table["cycles_here"]).exponent if done else math.nan
     spread = float(np.ptp(table["iterations"])) if done else math.nan
@@ -103,14 +103,14 @@ def run(method: Method, ways: Mapping[str, Solve], setting: Setting) -> Evidence
     )
 
 
-def stretched(nodes: int) -> Network:
+def stretched_body(nodes: int) -> Network:
     """The plate pulled along its length."""
     return bodies.plate(bodies.along(nodes, 2), strain=(PULL, 0.0))
 
 
 def beside(method: Method, solve: Solve, repeated: int, nodes: int) -> dict[str, Any]:
     """Row of one size."""
-    net, given = stretched(nodes), fem.block(2, bodies.along(nodes, 2))
+    net, given = stretched_body(nodes), fem.block(2, bodies.along(nodes, 2))
     K = stiffness(given.body, given.material)
     found: list[Any] = []
 
@@ -144,29 +144,29 @@ def beside(method: Method, solve: Solve, repeated: int, nodes: int) -> dict[str,
 def memory(method: Method, solve: Solve, nodes: int) -> pd.DataFrame:
     """The table `memory`: what is held, a point."""
     along = bodies.along(nodes, 2)
-    net = stretched(nodes)
+    net = stretched_body(nodes)
     (u, v), dt = bodies.start(net), bodies.time_step(net)
     keep, push = np.full(len(u), kernel.KEEP), np.full(len(u), dt)
     given = fem.block(2, along)
     K = stiffness(given.body, given.material)
     weighing: dict[str, Callable[[], object]] = {
-        "network": partial(stretched, nodes),
+        "network": partial(stretched_body, nodes),
         "steps of the network": partial(kernels.advance, net, u, v, keep, push, dt, 1),
         "tangent": partial(tangent, net, net.points),
         "Newton's method with multigrid": partial(relax, net, method, tolerance=AT_REST),
         "mesh of elements": partial(fem.block, 2, along),
-        "stiffness of elements": partial(fem.assembled, given),
+        "stiffness of elements": partial(fem.time_assembly, given),
         "solution by elements": partial(solve, given.body, K, given.held, given.force),
     }
     rows = []
     for what, act in weighing.items():
-        kept, peak = weighed(act)
+        kept, peak = weigh_memory(act)
         row = {"what": what, "nodes": len(net.points)}
         rows.append(row | {"kept_bytes": kept / len(u), "peak_bytes": peak / len(u)})
     return pd.DataFrame(rows)
 
 
-def weighed(act: Callable[[], object]) -> tuple[int, int]:
+def weigh_memory(act: Callable[[], object]) -> tuple[int, int]:
     """Bytes that are left after an act, and the most that were held during it."""
     tracemalloc.start()
     try:
@@ -180,9 +180,9 @@ def weighed(act: Callable[[], object]) -> tuple[int, int]:
         tracemalloc.stop()
 
 
-def counted(nodes: int) -> dict[str, Any]:
+def count_cycles(nodes: int) -> dict[str, Any]:
     """Bytes of a network's own arrays, a point, counted and foreseen."""
-    net = stretched(nodes)
+    net = stretched_body(nodes)
     by_spring = (net.springs, net.stiffness, net.rest_length)
     by_point = (net.points, net.mass, net.held, net.displacement, net.force)
     a_point = net.dim * (3 * 8 + 1) + 8  # points, displacement, force; held; mass

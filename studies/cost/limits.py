@@ -96,7 +96,7 @@ def run(timed: pd.DataFrame, setting: Setting) -> Evidence:
         tolerances=TOLERANCES,
         figures={"roofline": drawing.roofline, "real_time": drawing.real_time},
         columns=COLUMNS,
-        findings=(*findings(reached, memory, arithmetic), *told(real)),
+        findings=(*findings(reached, memory, arithmetic), *describe_limits(real)),
     )
 
 
@@ -133,7 +133,7 @@ def products_per_second() -> float:
 def traffic(net: Network, way: str) -> float:
     """Bytes that a step must read and write by a path of ours, a point: its tables, once each."""
     path = kernel.OURS["general" if way == SINGLE else way]
-    return kernel.moving(kernels.Motion, net, path).bytes_a_step / len(net.points)
+    return kernel.motion_function(kernels.Motion, net, path).bytes_a_step / len(net.points)
 
 
 def level(machine: pd.DataFrame, way: str, held: float) -> float:
@@ -240,7 +240,7 @@ def findings(reached: pd.DataFrame, memory: float, arithmetic: float) -> tuple[s
     return tuple(said)
 
 
-def told(real: pd.DataFrame) -> tuple[str, ...]:
+def describe_limits(real: pd.DataFrame) -> tuple[str, ...]:
     """Up to how many points each material moves in real time."""
     said = []
     for name, part in real[real["threads"] == 1].groupby("material", sort=False):

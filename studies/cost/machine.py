@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from msvalidate.judging.evidence import Evidence
-from msvalidate.output.provenance import cores, processor
+from msvalidate.output.provenance import available_cores, processor_name
 
 from .timing import ABSENT
 
@@ -28,8 +28,8 @@ COLUMNS = {
 def run() -> Evidence:
     """The table `machine`."""
     rows = {
-        "processor": processor(),
-        "cores that this process may use": str(cores()),
+        "processor": processor_name(),
+        "cores that this process may use": str(available_cores()),
         "caches of a core": caches(),
         "threads": "1, and 2 where a way says so",
         "system": f"{platform.system()} {platform.machine()}",

@@ -77,8 +77,8 @@ def run(linear: Linear, setting: Setting) -> Evidence:
     rows, observed = [], {}
     for name, network in shown.items():
         found = linear(network)
-        rows.append({"body": name, **told(linear, network, found, rounds)})
-        observed[f"2 Σ energy over work - 1, {name}"] = Observed(unbalanced(network, found))
+        rows.append({"body": name, **describe_refinement(linear, network, found, rounds)})
+        observed[f"2 Σ energy over work - 1, {name}"] = Observed(unbalanced_force(network, found))
     plate = linear(shown["plate"])
     observed["corrections of an ordinary body"] = Observed(float(plate.iterations - 1), 1.0)
     table = pd.DataFrame(rows)
@@ -96,7 +96,9 @@ def run(linear: Linear, setting: Setting) -> Evidence:
     )
 
 
-def told(linear: Linear, network: Network, found: Equilibrium, rounds: int) -> dict[str, Any]:
+def describe_refinement(
+    linear: Linear, network: Network, found: Equilibrium, rounds: int
+) -> dict[str, Any]:
     """What the table says of a network."""
     acts: dict[str, Act] = {"all": partial(linear, network), "one": partial(one_solve, network)}
     laps = in_turn(acts, rounds)
@@ -123,7 +125,7 @@ def one_solve(network: Network) -> Array:
     return move.reshape(x.shape)
 
 
-def unbalanced(network: Network, found: Equilibrium) -> float:
+def unbalanced_force(network: Network, found: Equilibrium) -> float:
     """Σ k stretch² over the work of the load, less 1: 0 of an unstressed network at rest."""
     unit = network.vector / np.linalg.norm(network.vector, axis=1)[:, None]
     i, j = network.springs.T
@@ -144,7 +146,7 @@ def long_body(cells: int) -> Network:
     return lattice_network(problem, square(box, (cells, 1)))
 
 
-def unrefined(network: Network) -> Equilibrium:
+def solve_unrefined(network: Network) -> Equilibrium:
     """A linear equilibrium that is not refined, for the negative control."""
     move = one_solve(network)
     x = network.points

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.compare import farthest_value, fitted_power
 from msvalidate.judging.counting import THRESHOLDS, TIGHT, predicted
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -96,12 +96,12 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
         if nodes <= MOST_NODES.get(name, nodes)
     ]
     rounds = 1 if setting.quick else ROUNDS
-    counted = setting.one_by_one(partial(measured, rounds), cases, "steps and seconds to rest")
+    counted = setting.one_by_one(partial(measure, rounds), cases, "steps and seconds to rest")
     table = pd.DataFrame([row for rows in counted for row in rows])
     grown = growth(table)
     return Evidence(
-        tables={"relaxation": shown(table), "relaxation_growth": grown},
-        observed=by_quantity(TOLERANCES, judged(table, grown)),
+        tables={"relaxation": format_table(table), "relaxation_growth": grown},
+        observed=by_quantity(TOLERANCES, judge(table, grown)),
         tolerances=TOLERANCES,
         figures={"relaxation": drawing.relaxation},
         columns=COLUMNS,
@@ -109,7 +109,7 @@ def run(candidate: Mapping[str, Method], setting: Setting) -> Evidence:
     )
 
 
-def measured(rounds: int, case: tuple[Method, int]) -> list[dict[str, Any]]:
+def measure(rounds: int, case: tuple[Method, int]) -> list[dict[str, Any]]:
     """Rows of one method on one plate: counts, and the seconds of runs of as many steps."""
     method, nodes = case
     net, (low, high) = resting.plate(nodes), resting.frequencies(nodes)
@@ -133,7 +133,7 @@ def measured(rounds: int, case: tuple[Method, int]) -> list[dict[str, Any]]:
     return rows
 
 
-def shown(table: pd.DataFrame) -> pd.DataFrame:
+def format_table(table: pd.DataFrame) -> pd.DataFrame:
     """The table as it is kept: counts that any machine reproduces in a column of their own."""
     same = table["method"].isin(REPRODUCED)
     steps = table["steps_here"].astype(object).where(same, VARIES)
@@ -156,7 +156,7 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def judged(table: pd.DataFrame, grown: pd.DataFrame) -> list[Observed]:
+def judge(table: pd.DataFrame, grown: pd.DataFrame) -> list[Observed]:
     """What the tolerances judge, in their order."""
     tight = table[(table["threshold"] == TIGHT) & (table["outcome"] == "reached")]
     leapfrog = tight[tight["method"] == "viscous_leapfrog"]
@@ -167,7 +167,7 @@ def judged(table: pd.DataFrame, grown: pd.DataFrame) -> list[Observed]:
         Observed(int((table["outcome"] == "failed").sum())),
         _worst(exponents, "steps", VISCOUS, 0.5),
         _worst(exponents, "steps", ("kinetic_damping",), 0.5),
-        worst(leapfrog["steps_here"] / leapfrog["predicted_steps"], 1.0)
+        farthest_value(leapfrog["steps_here"] / leapfrog["predicted_steps"], 1.0)
         if len(leapfrog)
         else Observed(math.nan, 1.0),
         Observed(float(spread)),
@@ -178,7 +178,7 @@ def _worst(exponents: pd.Series, quantity: str, methods: tuple[str, ...], law: f
     """The exponent farthest from its law; NaN, which fails, where too few runs came to rest."""
     known = [exponents.get((quantity, method)) for method in methods]
     values = [float(v) for found in known for v in ([np.nan] if found is None else found)]
-    return worst(values, law)
+    return farthest_value(values, law)
 
 
 def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:

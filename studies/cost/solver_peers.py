@@ -89,7 +89,7 @@ def run(rest: Rest, setting: Setting) -> Evidence:
     sizes = QUICK_SIZES if setting.quick else SIZES
     rounds = 1 if setting.quick else QUICK_ROUNDS
     cases = [(shape, across) for shape, many in sizes.items() for across in many]
-    pairs = setting.one_by_one(partial(timed, rest, rounds), cases, "peers of the solvers")
+    pairs = setting.one_by_one(partial(time_solver, rest, rounds), cases, "peers of the solvers")
     laps = pd.DataFrame([row for rows, _ in pairs for row in rows])
     found = pd.DataFrame([row for _, rows in pairs for row in rows])
     table = summary(laps, "cpu_seconds")
@@ -109,7 +109,7 @@ def run(rest: Rest, setting: Setting) -> Evidence:
     )
 
 
-def timed(
+def time_solver(
     rest: Rest, rounds: int, case: tuple[str, int]
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Rows of one body: every program and round; and what every program found."""
@@ -139,14 +139,14 @@ def timed(
         for name in acts
         for number in range(rounds)
     ]
-    return rows, [head | told(answers, name) for name in acts]
+    return rows, [head | describe_peers(answers, name) for name in acts]
 
 
 def _kept(answers: dict[str, Answer], name: str, act: Callable[[], Answer]) -> None:
     answers[name] = act()
 
 
-def told(answers: dict[str, Answer], name: str) -> dict[str, Any]:
+def describe_peers(answers: dict[str, Answer], name: str) -> dict[str, Any]:
     """How many steps a program took, and how far it is from ours."""
     if name not in answers:
         return {"by": name, "steps_of_cg_here": ABSENT, "from_ours_here": ABSENT}

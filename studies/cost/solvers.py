@@ -117,7 +117,7 @@ def run(rest: Rest, steps: Callable[[Network], int], setting: Setting) -> Eviden
     sizes = QUICK_SIZES if setting.quick else SIZES
     rounds = 1 if setting.quick else QUICK_ROUNDS
     cases = [(body, nodes) for body, many in sizes.items() for nodes in many]
-    rows = setting.one_by_one(partial(measured, rest, steps, rounds), cases, "equilibria")
+    rows = setting.one_by_one(partial(measure, rest, steps, rounds), cases, "equilibria")
     table = pd.DataFrame(rows)
     weighed = pd.DataFrame(
         [held_at_most(rest, nodes) for nodes in (QUICK_WEIGHED if setting.quick else WEIGHED)]
@@ -125,7 +125,7 @@ def run(rest: Rest, steps: Callable[[Network], int], setting: Setting) -> Eviden
     grown = growth(table)
     return Evidence(
         tables={"equilibria": table, "equilibria_growth": grown, "equilibria_memory": weighed},
-        observed=judged(table, grown, weighed),
+        observed=judge(table, grown, weighed),
         tolerances=TOLERANCES,
         figures={"equilibria": drawing.equilibria},
         columns=COLUMNS,
@@ -133,15 +133,15 @@ def run(rest: Rest, steps: Callable[[Network], int], setting: Setting) -> Eviden
     )
 
 
-def measured(
+def measure(
     rest: Rest, steps: Callable[[Network], int], rounds: int, case: tuple[str, int]
 ) -> dict[str, Any]:
     """Row of one body: its equilibrium as chosen, and what answers as well."""
     body, nodes = case
     net = BODIES[body](nodes)
-    found, first = answered(partial(rest, net, "auto"))
+    found, first = solve_with(partial(rest, net, "auto"))
     theirs = other(rest, net, found)
-    again, second = answered(theirs.act)
+    again, second = solve_with(theirs.act)
     acts: dict[str, Act] = {"ours": partial(rest, net, "auto"), "theirs": theirs.act}
     laps = {"ours": [first], "theirs": [second]}
     if len(net.points) <= REPEATED:
@@ -164,7 +164,7 @@ def measured(
     }
 
 
-def answered(act: Callable[[], Equilibrium]) -> tuple[Equilibrium, Lap]:
+def solve_with(act: Callable[[], Equilibrium]) -> tuple[Equilibrium, Lap]:
     """What an act answers, and what it takes."""
     found: list[Equilibrium] = []
     taken = lap(lambda: found.append(act()))
@@ -179,11 +179,11 @@ def other(rest: Rest, net: Network, found: Equilibrium) -> Beside:
     if n <= FACTORED[dim]:
         return Beside("direct", partial(rest, net, "direct"), np.arange(n))
     order = np.random.default_rng(0).permutation(n)
-    shuffled = renumbered(net, order)
+    shuffled = renumber(net, order)
     return Beside("multigrid, in random order", partial(rest, shuffled, "multigrid"), order)
 
 
-def renumbered(net: Network, order: Index) -> Network:
+def renumber(net: Network, order: Index) -> Network:
     """A network of springs alone with its points (n,) in another order, its springs in another."""
     place = np.argsort(order, kind="stable")
     turn = np.random.default_rng(1).permutation(len(net.springs))
@@ -206,7 +206,7 @@ def by(found: Equilibrium) -> str:
 def held_at_most(rest: Rest, nodes: int) -> dict[str, Any]:
     """Row of a cube: what NumPy holds while it is solved by multigrid."""
     net = bodies.cube(nodes)
-    _, peak = large.weighed(partial(rest, net, "multigrid"))
+    _, peak = large.weigh_memory(partial(rest, net, "multigrid"))
     return {
         "points": len(net.points),
         "springs": len(net.springs),
@@ -227,7 +227,7 @@ def growth(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def judged(table: pd.DataFrame, grown: pd.DataFrame, weighed: pd.DataFrame) -> dict[str, Observed]:
+def judge(table: pd.DataFrame, grown: pd.DataFrame, weighed: pd.DataFrame) -> dict[str, Observed]:
     """What is held to the tolerances; the worst of each."""
     steps = grown.loc[grown["quantity"] == "steps", "exponent_here"]
     both = table["stated_here"] + table["beside_stated_here"]
@@ -256,7 +256,7 @@ def findings(table: pd.DataFrame, grown: pd.DataFrame) -> tuple[str, ...]:
     return tuple(said)
 
 
-def solved(network: Network, solver: str) -> Equilibrium:
+def solve_refined(network: Network, solver: str) -> Equilibrium:
     """The linear equilibrium by a solver."""
     return equilibrium(network, solver=solver)
 

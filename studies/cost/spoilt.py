@@ -18,7 +18,7 @@ from msvalidate.relaxation.viscous import viscous
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.tangent.cycles import PART
 from msvalidate.tangent.inverse import Choice
-from msvalidate.tangent.multigrid import conjugate_gradients, cycle_of, restrained
+from msvalidate.tangent.multigrid import conjugate_gradients, make_cycle, restrained_tangent
 
 from . import bodies, fem_ways
 from .fem_ways import Found
@@ -31,7 +31,7 @@ SLOPPY = 1e-3
 MOST_STEPS = 5_000
 
 
-def dropping(net: Network, **how: Any) -> kernels.Motion:
+def drop_spring(net: Network, **how: Any) -> kernels.Motion:
     """Motion of the network without its last spring, which then is no uniform lattice."""
     kept = np.ones(len(net.springs))
     kept[-1] = 0.0
@@ -63,19 +63,19 @@ def _ever_shorter(run: Run) -> Iterator[None]:
     yield from viscous(LEAPFROG, dt=dt, damping=2 * lowest).walk(run)
 
 
-def rounded(body: Any, K: Any, held: Any, force: Array) -> Found:
+def round_positions(body: Any, K: Any, held: Any, force: Array) -> Found:
     """A solution kept in single precision."""
     found = fem_ways.by("auto", body, K, held, force)
     single = np.asarray(found.displacement, dtype=np.float32).astype(float)
     return found._replace(displacement=single)
 
 
-def careless(net: Network, solver: str) -> Equilibrium:
+def careless_steps(net: Network, solver: str) -> Equilibrium:
     """By multigrid a thousandth off, and stated to be right to the last digit."""
     if solver == "direct":
         return equilibrium(net, solver=solver)
-    A = restrained(net, net.points)
-    found = conjugate_gradients(A, net.force.ravel(), cycle_of(A, net, net.points), SLOPPY)
+    A = restrained_tangent(net, net.points)
+    found = conjugate_gradients(A, net.force.ravel(), make_cycle(A, net, net.points), SLOPPY)
     u = found.solution.reshape(net.points.shape)
     said = Choice("multigrid", "in haste")
     return Equilibrium(u, net.points + u, np.zeros_like(u), 0.0, 3, error=1e-16, solver=said)
@@ -83,7 +83,7 @@ def careless(net: Network, solver: str) -> Equilibrium:
 
 def without_levels(net: Network) -> int:
     """Steps of conjugate gradients over the diagonal, without coarse levels."""
-    A = restrained(net, net.points)
+    A = restrained_tangent(net, net.points)
     over = 1 / A.diagonal()
     return conjugate_gradients(
         A, net.force.ravel(), lambda load: over * load, PART, most=MOST_STEPS

@@ -33,7 +33,7 @@ start = time.process_time()
 for name, net in nets.items():
     for way in kernel.WAYS[name]:
         if way in kernel.OURS:
-            kernel.stepping(kernels.Motion, way, net, 2, ExitStack())()
+            kernel.stepping_function(kernels.Motion, way, net, 2, ExitStack())()
     kernels.force_and_energy(net, *bodies.start(net))
     kernels.curvature(net, *bodies.start(net))
 print(time.process_time() - start)
@@ -81,7 +81,7 @@ COLUMNS = {
 }
 
 
-def measured(setting: Setting) -> pd.DataFrame:
+def measure(setting: Setting) -> pd.DataFrame:
     """The table `start_up`: a row for each round."""
     rows: list[dict[str, Any]] = []
     for number in range(ROUNDS):

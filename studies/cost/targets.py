@@ -46,7 +46,7 @@ def run(asked: Mapping[str, Callable[[], Evidence]], setting: Setting) -> Eviden
     tables: dict[str, pd.DataFrame] = {}
     for answer in asked.values():
         tables |= answer().tables
-    tables |= {"start_up": start_up.measured(setting)}
+    tables |= {"start_up": start_up.measure(setting)}
     table = pd.DataFrame([row(target, tables) for target in target_list.TARGETS])
     met = table["met_here"]
     missed = "; ".join(

@@ -22,8 +22,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.judging.candidate import moving
-from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.candidate import check_motion
+from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
 
 from . import advice, controls, cycles, decay, direction, figure2, rest, stop_rule, wave
@@ -42,7 +42,7 @@ ASKED = {
 """Question -> who answers it for a candidate."""
 
 FAULTS = {
-    name: {"candidate": controls.spoilt(kind, size), "questions": (question,)}
+    name: {"candidate": controls.apply_fault(kind, size), "questions": (question,)}
     for name, kind, size, question in (
         ("damping halved", "damping", -0.5, "rest"),
         ("forces 10 % too large", "kick", 0.1, "wave"),
@@ -61,6 +61,6 @@ def run(
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    candidate = moving(candidate)
+    candidate = check_motion(candidate)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return answers(asked | {"controls": controls.run}, questions)
+    return gather_evidence(asked | {"controls": controls.run}, questions)

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -52,7 +52,7 @@ COLUMNS = {
 
 def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Prices of wrong dampings."""
-    found = setting.sweep(partial(priced, candidate), BODIES, "price of a guess")
+    found = setting.sweep(partial(price_guess, candidate), BODIES, "price of a guess")
     table = pd.DataFrame([row for rows in found for row in rows])
     for column, steps in (("price", "steps"), ("price_predicted", "steps_slowest")):
         right = table[table["c_over_critical"] == 1].set_index("body")[steps]
@@ -62,7 +62,7 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
         table[table["c_over_critical"] == guess].set_index("body")["price"] for guess in WRONG
     )
     values = (
-        worst(np.log2(table["price"] / table["price_predicted"]), 0.0),
+        farthest_value(np.log2(table["price"] / table["price_predicted"]), 0.0),
         Observed(float((under > over).sum())),
     )
     return Evidence(
@@ -75,7 +75,7 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     )
 
 
-def priced(
+def price_guess(
     candidate: MotionSolver, shape: tuple[str, tuple[int, int], str]
 ) -> list[dict[str, object]]:
     """Steps to rest of one body, one row a damping."""
@@ -83,7 +83,7 @@ def priced(
     omega = float(body.frequencies[0])
     rows: list[dict[str, object]] = []
     for guess in GUESSED:
-        found = rest.relaxed(candidate, body, guess, (ERROR,))
+        found = rest.relax_block(candidate, body, guess, (ERROR,))
         rows.append(
             {
                 "body": body.name,
@@ -114,7 +114,7 @@ def finding(under: pd.Series, over: pd.Series) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Price of a wrong damping."""
-    figure, (axis,) = figures.new(size=(4.2, 3.4))
+    figure, (axis,) = figures.new_figure(size=(4.2, 3.4))
     for place, (name, own) in enumerate(tables["advice"].groupby("body", sort=False)):
         style, c = figures.numbered(place), own["c_over_critical"]
         axis.loglog(c, own["price"], ls="", label=f"{name} cells", **style)

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.dynamics.integrate import State, euler_cromer
 from msvalidate.dynamics.integrators import EULER_CROMER, stability_limit
 from msvalidate.lattice import square
@@ -154,7 +154,7 @@ def loaded(
     weights = "equal" if equal else "shared"
     box = Box((cells[0] / cells[1], 1.0))
     grid = square(box, cells)
-    material = Anisotropic(network_tensor(grid, constants, weights), density=DENSITY)
+    material = Anisotropic(interior_tensor(grid, constants, weights), density=DENSITY)
     wall = Support(box.side("left"), (0.0, 0.0))
     direction = (1.0, 0.0) if load == "along" else (0.0, 1.0)
 

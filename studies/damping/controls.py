@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.dynamics.integrate import State, staggered
-from msvalidate.judging.compare import worst
+from msvalidate.dynamics.integrate import State, stagger_velocity
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.network import Network, internal_force
 
@@ -68,7 +68,7 @@ def first_kick(
     """The part `size` of the first kick of a run from rest is lost."""
     if state.velocity.any():
         return MOTION(network, state, dt, steps, damping)
-    behind = staggered(network, state, 2 * size * dt, damping)
+    behind = stagger_velocity(network, state, 2 * size * dt, damping)
     return MOTION(network, behind, dt, steps, damping)
 
 
@@ -118,7 +118,7 @@ KINDS: dict[str, tuple[Fault, str]] = {
 }
 
 
-def spoilt(kind: str, size: float) -> MotionSolver:
+def apply_fault(kind: str, size: float) -> MotionSolver:
     """A candidate with a fault of some kind and size."""
     return partial(KINDS[kind][0], size)
 
@@ -128,7 +128,7 @@ def run() -> Evidence:
     table = pd.DataFrame([smallest(kind) for kind in KINDS])
     return Evidence(
         tables={"resolution": table},
-        observed={TOLERANCES[0].quantity: worst(table["smallest_noticed"], 0.0)},
+        observed={TOLERANCES[0].quantity: farthest_value(table["smallest_noticed"], 0.0)},
         tolerances=TOLERANCES,
         columns=COLUMNS,
         # Rounding of an identity is a part of its limit, over the error that the probe makes.
@@ -138,7 +138,7 @@ def run() -> Evidence:
 
 def smallest(kind: str) -> dict[str, object]:
     """The fault's smallest size that some identity notices, and which."""
-    grown = excesses(spoilt(kind, PROBE))
+    grown = excesses(apply_fault(kind, PROBE))
     quantity = max(grown, key=lambda key: grown[key])
     return {
         "fault": kind,
@@ -150,7 +150,7 @@ def smallest(kind: str) -> dict[str, object]:
 
 def excesses(candidate: MotionSolver) -> dict[str, float]:
     """Errors of the identities over their limits."""
-    free = direction.tried(candidate, 0, ("free", 0.5))
+    free = direction.try_direction(candidate, 0, ("free", 0.5))
     factor = float(str(free["factor"])) / float(str(free["factor_predicted"]))
     body = figure2.block()
     _, row = figure2.curve(candidate, body, figure2.shared_step(body), (RATIO, 1))

@@ -16,7 +16,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.dynamics.integrate import State
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import energy
@@ -59,11 +59,11 @@ COLUMNS = {
 
 def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Let the plate go at two dampings."""
-    found = [watched(candidate, ratio) for ratio in RATIOS]
+    found = [watch_run(candidate, ratio) for ratio in RATIOS]
     table = pd.DataFrame([row for row, _ in found])
     values = (
         Observed(float(table["mean_rises"].sum())),
-        worst(table["fall"] / table["fall_predicted"], 1.0),
+        farthest_value(table["fall"] / table["fall_predicted"], 1.0),
     )
     return Evidence(
         tables={"cycles": table, "energy": found[0][1]},
@@ -75,7 +75,7 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     )
 
 
-def watched(candidate: MotionSolver, ratio: float) -> tuple[dict[str, object], pd.DataFrame]:
+def watch_run(candidate: MotionSolver, ratio: float) -> tuple[dict[str, object], pd.DataFrame]:
     """One row, and the energy against time."""
     body = bodies.loaded(*PLATE)
     network, omega = body.unloaded, float(body.frequencies[0])
@@ -96,8 +96,8 @@ def watched(candidate: MotionSolver, ratio: float) -> tuple[dict[str, object], p
         "dt_omega": dt * omega,
         "c_over_swing": 2 * damping / (dt * omega**2),
         "steps": PERIODS * cycle,
-        "single_rises": rises(told),
-        "mean_rises": rises(means),
+        "single_rises": count_rises(told),
+        "mean_rises": count_rises(means),
         "fall": float(means[cycle] / means[0]),
         "fall_predicted": float(np.exp(-damping * cycle * dt)),
     }
@@ -107,7 +107,7 @@ def watched(candidate: MotionSolver, ratio: float) -> tuple[dict[str, object], p
     )
 
 
-def rises(values: Array) -> int:
+def count_rises(values: Array) -> int:
     """Steps in which a quantity rises by more than rounding."""
     return int((np.diff(values) > 1e-9 * values[:-1]).sum())
 
@@ -126,7 +126,7 @@ def finding(table: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Energy and its mean over a period."""
     table = tables["energy"]
-    figure, (axis,) = figures.new(size=(4.2, 3.2))
+    figure, (axis,) = figures.new_figure(size=(4.2, 3.2))
     axis.plot(table["period"], table["energy"], color=figures.COLOURS[0], label="energy")
     axis.plot(table["period"], table["mean"], color=figures.COLOURS[1], label="mean over a period")
     axis.set(title=f"c = {RATIOS[0]:g} of critical", xlabel="periods of the slowest mode")

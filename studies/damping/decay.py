@@ -17,7 +17,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.dynamics.integrate import State
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network, spring_network
@@ -54,9 +54,9 @@ COLUMNS = {
 
 def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Fit the rates."""
-    found = setting.sweep(partial(fitted, candidate), (None, *RATIOS), "rates of decay")
+    found = setting.sweep(partial(fit_decay, candidate), (None, *RATIOS), "rates of decay")
     table = pd.DataFrame(found)
-    values = (worst(table["rate_over_c"] / table["rate_over_c_predicted"], 1.0),)
+    values = (farthest_value(table["rate_over_c"] / table["rate_over_c_predicted"], 1.0),)
     return Evidence(
         tables={"decay": table},
         observed=by_quantity(TOLERANCES, values),
@@ -72,7 +72,7 @@ def free_pair() -> Network:
     return spring_network([[0.0, 0.0], [1.0, 0.0]], [[0, 1]], 0.0)
 
 
-def fitted(candidate: MotionSolver, ratio: float | None) -> dict[str, object]:
+def fit_decay(candidate: MotionSolver, ratio: float | None) -> dict[str, object]:
     """One row: the free pair, or the plate's lowest mode at a damping over the critical one."""
     if ratio is None:
         network, damping, dt, omega, name = free_pair(), 1.0, 0.01, 1.0, "free pair"
@@ -132,7 +132,7 @@ def draw(tables: Tables) -> Figure:
     table = tables["decay"]
     modes = table[table["c_over_critical"] != "free"]
     free = table[table["c_over_critical"] == "free"]["rate_over_c"].iloc[0]
-    figure, (axis,) = figures.new(size=(4.0, 3.3))
+    figure, (axis,) = figures.new_figure(size=(4.0, 3.3))
     x = modes["c_over_critical"].astype(float)
     axis.loglog(x, modes["rate_over_c"], "o", color=figures.COLOURS[0], label="lowest mode")
     ratios = np.geomspace(x.min(), x.max(), 100)

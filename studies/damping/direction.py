@@ -19,7 +19,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.dynamics.integrate import State
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -60,10 +60,12 @@ COLUMNS = {
 def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Try both motions over time step times damping."""
     cases = list(product(("free", "plate"), PRODUCTS))
-    table = pd.DataFrame(setting.sweep(partial(tried, candidate, setting.seed), cases, "direction"))
+    table = pd.DataFrame(
+        setting.sweep(partial(try_direction, candidate, setting.seed), cases, "direction")
+    )
     values = (
-        worst(table["factor"] / table["factor_predicted"], 1.0),
-        worst(table["turned"], table["turned_predicted"]),
+        farthest_value(table["factor"] / table["factor_predicted"], 1.0),
+        farthest_value(table["turned"], table["turned_predicted"]),
     )
     return Evidence(
         tables={"direction": table},
@@ -75,7 +77,7 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     )
 
 
-def tried(candidate: MotionSolver, seed: int, case: tuple[str, float]) -> dict[str, object]:
+def try_direction(candidate: MotionSolver, seed: int, case: tuple[str, float]) -> dict[str, object]:
     """One row."""
     what, hc = case
     if what == "free":
@@ -89,15 +91,15 @@ def tried(candidate: MotionSolver, seed: int, case: tuple[str, float]) -> dict[s
         dt, name, limit = STIFF / body.frequencies[-1], body.name, 2 - STIFF**2 / 2
         speeds = np.random.default_rng(seed).normal(size=len(body.frequencies))
         start = LOAD * (speeds @ body.shapes).reshape(network.points.shape)
-        modal = predicted(body.frequencies, dt, hc / dt, speeds)
+        modal = predict(body.frequencies, dt, hc / dt, speeds)
         ways, sizes = (modal[1:] * modal[:-1]).sum(axis=1), np.linalg.norm(modal, axis=1)
     state = State(network.points, start)
-    turned, first = 0, weighted(network.mass, start, start)
+    turned, first = 0, weight_damping(network.mass, start, start)
     for _ in range(STEPS):
         before = state.velocity
         state = candidate(network, state, dt, 1, hc / dt)
-        turned += weighted(network.mass, before, state.velocity) < 0
-    last = weighted(network.mass, state.velocity, state.velocity)
+        turned += weight_damping(network.mass, before, state.velocity) < 0
+    last = weight_damping(network.mass, state.velocity, state.velocity)
     return {
         "moving": name,
         "h_c": hc,
@@ -109,12 +111,12 @@ def tried(candidate: MotionSolver, seed: int, case: tuple[str, float]) -> dict[s
     }
 
 
-def weighted(mass: Array, a: Array, b: Array) -> float:
+def weight_damping(mass: Array, a: Array, b: Array) -> float:
     """Σ m a·b of two velocities (n, d)."""
     return float(mass @ (a * b).sum(axis=1))
 
 
-def predicted(omegas: Array, dt: float, damping: float, speeds: Array) -> Array:
+def predict(omegas: Array, dt: float, damping: float, speeds: Array) -> Array:
     """Velocities (steps + 1, m) of modes let go at rest with some speeds, by the recursion."""
     step = bodies.one_step(omegas, dt, damping)
     state = np.stack([np.zeros(len(omegas)), speeds], axis=1)[:, :, None]
@@ -141,7 +143,7 @@ def finding(table: pd.DataFrame) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Factor of the velocity a step against time step times damping."""
-    figure, (axis,) = figures.new(size=(4.2, 3.3))
+    figure, (axis,) = figures.new_figure(size=(4.2, 3.3))
     for place, (name, own) in enumerate(tables["direction"].groupby("moving", sort=False)):
         style = figures.numbered(place)
         axis.plot(own["h_c"], own["factor"], ls="", label=str(name), ms=6, **style)

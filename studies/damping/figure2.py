@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -106,11 +106,11 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     )
     mode, predicted = (swings[swings["curve"] == name] for name in ("mode", "predicted"))
     values = (
-        worst(coarse["from_oscillator"] / coarse["dt_omega"], 0.0),
-        worst(orders, expected),
-        worst(scheme["from_recursion"], 0.0),
-        worst(mode["overshoots"], predicted["overshoots"]),
-        worst(*times(mode, predicted)),
+        farthest_value(coarse["from_oscillator"] / coarse["dt_omega"], 0.0),
+        farthest_value(orders, expected),
+        farthest_value(scheme["from_recursion"], 0.0),
+        farthest_value(mode["overshoots"], predicted["overshoots"]),
+        farthest_value(*times(mode, predicted)),
     )
     return Evidence(
         tables={"figure2": curves, "overshoots": swings, "scheme": scheme},
@@ -144,7 +144,7 @@ def curve(
     omega = float(body.frequencies[0])
     damping, h = 2 * ratio * omega, dt / divisor
     looks = int(PERIODS * 2 * np.pi / omega / dt)
-    corner, mode = watched(candidate, body, damping, h, looks, divisor)
+    corner, mode = watch_curve(candidate, body, damping, h, looks, divisor)
     predicted = 1 - bodies.approach(omega, damping, dt * np.arange(looks + 1))
     again = recursion(omega, damping, h, looks, divisor)
     row = {
@@ -170,7 +170,7 @@ def curve(
     ), row
 
 
-def watched(
+def watch_curve(
     candidate: MotionSolver, body: Body, damping: float, dt: float, looks: int, every: int
 ) -> tuple[Array, Array]:
     """Displacement of the loaded corner and amplitude of the slowest mode, every few steps.
@@ -202,11 +202,14 @@ def overshoots(curves: pd.DataFrame, ratio: float) -> list[dict[str, object]]:
     own = curves[curves["c_over_critical"] == ratio]
     rows = []
     for name in ("particle", "mode"):
-        rows.append({"c_over_critical": ratio, "curve": name} | told(peaks(own[f"x_{name}"])))
+        rows.append(
+            {"c_over_critical": ratio, "curve": name} | describe_curves(peaks(own[f"x_{name}"]))
+        )
     dt, longest = float(own["time_s"].iloc[1]), len(own) - 1
     return [
         *rows,
-        {"c_over_critical": ratio, "curve": "predicted"} | told(theory(ratio, dt, longest)),
+        {"c_over_critical": ratio, "curve": "predicted"}
+        | describe_curves(theory(ratio, dt, longest)),
     ]
 
 
@@ -232,7 +235,7 @@ def peaks(way: pd.Series) -> list[tuple[float, float]]:
     ]
 
 
-def told(swings: list[tuple[float, float]]) -> dict[str, object]:
+def describe_curves(swings: list[tuple[float, float]]) -> dict[str, object]:
     """Columns of a row that tell of overshoots."""
     steps: list[float] = [step for step, _ in swings]
     return {
@@ -265,20 +268,20 @@ def finding(swings: pd.DataFrame) -> str:
         f"At {min(RATIOS):g} of critical damping the block's corner overshoots "
         f"{lively['overshoots']['particle']} times, its slowest mode "
         f"{lively['overshoots']['mode']} times; the second overshoot comes at "
-        f"{figured(lively['second_over_first']['particle'])} times the first's time, predicted "
-        f"{figured(lively['second_over_first']['predicted'])}; the report reads "
+        f"{draw_figure(lively['second_over_first']['particle'])} times the first's time, predicted "
+        f"{draw_figure(lively['second_over_first']['predicted'])}; the report reads "
         f"{second / first:.3g}."
     )
 
 
-def figured(value: object) -> str:
+def draw_figure(value: object) -> str:
     """A number in three figures, or the word that stands for it."""
     return value if isinstance(value, str) else f"{value:.3g}"
 
 
 def draw(tables: Tables) -> Figure:
     """x-t curves of the loaded corner and of the slowest mode."""
-    figure, axes = figures.new(2, size=(3.7, 3.3), sharey=True)
+    figure, axes = figures.new_figure(2, size=(3.7, 3.3), sharey=True)
     titles = {"x_particle": "upper loaded corner", "x_mode": "slowest mode, and predicted"}
     for axis, (column, title) in zip(axes, titles.items(), strict=True):
         for colour, own in zip(figures.COLOURS, by_ratio(tables["figure2"]), strict=False):
@@ -291,5 +294,5 @@ def draw(tables: Tables) -> Figure:
         axis.set(title=title, xlabel="time step")
     axes[1].plot([], [], "o", color="black", ms=2.5, label="closed form")
     axes[0].set_ylabel("displacement over that at rest (1)")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

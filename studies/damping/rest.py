@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -113,15 +113,17 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     points = QUICK_POINTS if setting.quick else POINTS
     near = np.geomspace(*AROUND, QUICK_NEAR if setting.quick else NEAR)
     ratios = sorted({*np.geomspace(*RANGE, points).tolist(), *near.tolist()})
-    found = setting.sweep(partial(swept, candidate), product(cases, [ratios]), "steps to rest")
+    found = setting.sweep(
+        partial(sweep_damping, candidate), product(cases, [ratios]), "steps to rest"
+    )
     table = pd.DataFrame([row for rows, _ in found for row in rows])
     spacing = float(near[1] / near[0])
     best = pd.DataFrame([row for _, body in found for row in optima(table, body, spacing)])
     values = (
-        worst(table["steps"] / table["steps_modes"], 1.0),
-        worst(np.log2(table["steps"] / table["steps_slowest"]), 0.0),
-        worst(np.log2(best["best"]), 0.0),
-        worst(np.log(best["best"] / best["best_slowest"]) / np.log(best["spacing"]), 0.0),
+        farthest_value(table["steps"] / table["steps_modes"], 1.0),
+        farthest_value(np.log2(table["steps"] / table["steps_slowest"]), 0.0),
+        farthest_value(np.log2(best["best"]), 0.0),
+        farthest_value(np.log(best["best"] / best["best_slowest"]) / np.log(best["spacing"]), 0.0),
     )
     return Evidence(
         tables={"rest": table, "optimum": best},
@@ -134,14 +136,16 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     )
 
 
-def swept(candidate: MotionSolver, case: Case) -> tuple[list[dict[str, object]], dict[str, object]]:
+def sweep_damping(
+    candidate: MotionSolver, case: Case
+) -> tuple[list[dict[str, object]], dict[str, object]]:
     """Rows of one body, one a damping and error; and the row that tells of the body."""
     body = bodies.loaded(*case[0])
     mode = body.lowest_excited(VISIBLE)
     omega = float(body.frequencies[mode])
     rows: list[dict[str, object]] = []
     for ratio in case[1]:
-        one = relaxed(candidate, body, ratio, ERRORS)
+        one = relax_block(candidate, body, ratio, ERRORS)
         for error in ERRORS:
             rows.append(
                 {
@@ -165,7 +169,7 @@ def swept(candidate: MotionSolver, case: Case) -> tuple[list[dict[str, object]],
     }
 
 
-def relaxed(candidate: MotionSolver, body: Body, ratio: float, errors: Sequence[float]) -> Run:
+def relax_block(candidate: MotionSolver, body: Body, ratio: float, errors: Sequence[float]) -> Run:
     """Steps to rest at a damping over 2ω of the slowest mode that the load excites."""
     omega = float(body.frequencies[body.lowest_excited(VISIBLE)])
     damping = 2 * ratio * omega
@@ -174,13 +178,13 @@ def relaxed(candidate: MotionSolver, body: Body, ratio: float, errors: Sequence[
     look = max(1, min(slowest.values()) // LOOKS)
     return Run(
         dt,
-        counted(candidate, body, damping, dt, look, errors),
+        count_steps(candidate, body, damping, dt, look, errors),
         slowest,
         steps_of_modes(body, damping, dt, look, errors),
     )
 
 
-def counted(
+def count_steps(
     candidate: MotionSolver,
     body: Body,
     damping: float,
@@ -275,7 +279,7 @@ def finding(best: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Steps to rest against the damping, by the run and by the slowest mode alone."""
     rest = tables["rest"]
-    figure, axes = figures.new(len(ERRORS), size=(3.9, 3.5), sharey=True)
+    figure, axes = figures.new_figure(len(ERRORS), size=(3.9, 3.5), sharey=True)
     for axis, error in zip(axes, ERRORS, strict=True):
         shown = rest[rest["error"] == error].groupby("body", sort=False)
         for place, (name, own) in enumerate(shown):
@@ -287,5 +291,5 @@ def draw(tables: Tables) -> Figure:
         axis.set_title(f"to a displacement error of {error:g}")
         axis.set_xlabel("damping c over 2ω of the slowest excited mode (1)")
     axes[0].set_ylabel("time steps to rest")
-    figures.shared_legend(figure, axes, columns=2)
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure

@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import internal_force
@@ -101,14 +101,14 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Watch both rules over dampings and errors asked for."""
     shapes = QUICK_BODIES if setting.quick else BODIES
     ratios = QUICK_RATIOS if setting.quick else RATIOS
-    found = setting.sweep(partial(stopped, candidate), product(shapes, ratios), "stop rules")
+    found = setting.sweep(partial(stop_runs, candidate), product(shapes, ratios), "stop rules")
     table = pd.DataFrame([row for rows in found for row in rows])
     late = table[table["asked"] <= JUDGED]
     over, critical = late[late["c_over_critical"] > 1], late[late["c_over_critical"] == 1]
     values = (
-        worst(table["stop_step"] - table["stop_step_modes"], 0.0),
-        worst(np.log2(critical["error_over_asked"]), 0.0),
-        worst((over["error_over_asked"] / over["predicted"]).astype(float), 1.0),
+        farthest_value(table["stop_step"] - table["stop_step_modes"], 0.0),
+        farthest_value(np.log2(critical["error_over_asked"]), 0.0),
+        farthest_value((over["error_over_asked"] / over["predicted"]).astype(float), 1.0),
     )
     return Evidence(
         tables={"stop_rule": table},
@@ -123,7 +123,7 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     )
 
 
-def stopped(candidate: MotionSolver, case: Case) -> list[dict[str, object]]:
+def stop_runs(candidate: MotionSolver, case: Case) -> list[dict[str, object]]:
     """Rows of one body and damping, one an error asked for."""
     shape, ratio = case
     body = bodies.loaded(*shape)
@@ -132,7 +132,7 @@ def stopped(candidate: MotionSolver, case: Case) -> list[dict[str, object]]:
     damping = 2 * ratio * omega
     dt = body.time_step(damping)
     swiftest = omega * largest(body.rest)
-    seen = watched(candidate, body, omega, damping, dt)
+    seen = watch_run(candidate, body, omega, damping, dt)
     told = stops_of_modes(body, damping, dt, [asked * swiftest for asked in ASKED])
     slow = omega / bodies.decay(omega, damping)
     rows = []
@@ -145,7 +145,7 @@ def stopped(candidate: MotionSolver, case: Case) -> list[dict[str, object]]:
                 "body": body.name,
                 "c_over_critical": ratio,
                 "asked": asked,
-                "printed_steps": as_printed(candidate, body, dt, damping, asked * swiftest),
+                "printed_steps": printed_rule(candidate, body, dt, damping, asked * swiftest),
                 "stop_step": stop + 1,
                 "stop_step_modes": told_stop,
                 "stop_error": seen.error[stop],
@@ -159,7 +159,9 @@ def stopped(candidate: MotionSolver, case: Case) -> list[dict[str, object]]:
     return rows
 
 
-def watched(candidate: MotionSolver, body: Body, omega: float, damping: float, dt: float) -> Watch:
+def watch_run(
+    candidate: MotionSolver, body: Body, omega: float, damping: float, dt: float
+) -> Watch:
     """Both rules' quantities after every step, until the least error asked for is out of sight."""
     network, state = body.network, body.start
     farthest = largest(body.rest)
@@ -185,7 +187,7 @@ def largest(field: Array) -> float:
     return float(np.linalg.norm(field, axis=1).max())
 
 
-def as_printed(candidate: MotionSolver, body: Body, dt: float, damping: float, eps: float) -> int:
+def printed_rule(candidate: MotionSolver, body: Body, dt: float, damping: float, eps: float) -> int:
     """Steps of the report's loop to a speed of eps (m/s): its condition comes before a step."""
     state, steps = body.start, 0
     while largest(state.velocity) > eps and steps < MOST_STEPS:
@@ -261,7 +263,7 @@ def draw(tables: Tables) -> Figure:
     """Error at the stop over that asked for, by both rules."""
     table = tables["stop_rule"]
     shown = table[table["asked"].isin((ASKED[0], ASKED[-1]))]
-    figure, axes = figures.new(2, size=(3.9, 3.5), sharey=True)
+    figure, axes = figures.new_figure(2, size=(3.9, 3.5), sharey=True)
     titles = {
         "error_over_asked": "stopped by max(velocity)",
         "residual_error_over_asked": "stopped by force and kinetic energy",
@@ -279,5 +281,5 @@ def draw(tables: Tables) -> Figure:
     slow = ratios + np.sqrt(ratios**2 - 1)
     axes[0].plot(ratios, slow, color="black", lw=0.9, label="slow root alone")
     axes[0].set_ylabel("error at the stop over τ (1)")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

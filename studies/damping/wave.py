@@ -30,7 +30,7 @@ from matplotlib.figure import Figure
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import moduli, square_tensor
 from msvalidate.dynamics.integrate import State
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
@@ -136,15 +136,15 @@ def run(candidate: MotionSolver, setting: Setting) -> Evidence:
     """Strike both bars at every resolution."""
     cells = QUICK_CELLS if setting.quick else CELLS
     cases = list(product(SIDES, cells))
-    found = setting.sweep(partial(struck, candidate), cases, "strain wave")
+    found = setting.sweep(partial(strike_bar, candidate), cases, "strain wave")
     table = pd.DataFrame([row for row, _ in found])
     held = table[table["sides"] == "held"]
     values = (
-        worst(table["loss"] / table["loss_predicted"], 1.0),
+        farthest_value(table["loss"] / table["loss_predicted"], 1.0),
         Observed(observed_order(held["spacing_m"], held["loss"]), 2.0),
-        Observed(extrapolated(held), 0.0),
-        worst(table["returned"], -1.0),
-        worst(table["wall_stress"], 2.0),
+        Observed(extrapolate(held), 0.0),
+        farthest_value(table["returned"], -1.0),
+        farthest_value(table["wall_stress"], 2.0),
     )
     return Evidence(
         tables={"wave": table, "wave_xt": found[len(cells) - 1][1]},
@@ -181,17 +181,17 @@ def bar(sides: str, cells: int) -> Bar:
     return Bar(network, speed, beta, modulus, spacing, box.size[1])
 
 
-def struck(
+def strike_bar(
     candidate: MotionSolver, case: tuple[str, int]
 ) -> tuple[dict[str, object], pd.DataFrame]:
     """One row, and the wave in place and time."""
     sides, cells = case
     body = bar(sides, cells)
-    flight = flown(candidate, body)
+    flight = track_wave(candidate, body)
     x = np.unique(body.network.points[:, 0])
     v = STRENGTH * body.speed
-    there, back = (passing(flight, x, MIRROR, way) for way in (-1, 1))
-    first, second = (passing(flight, x, place, -1) for place in STATIONS)
+    there, back = (arrival_time(flight, x, MIRROR, way) for way in (-1, 1))
+    first, second = (arrival_time(flight, x, place, -1) for place in STATIONS)
     speed = (STATIONS[0] - STATIONS[1]) / (second[0] - first[0])
     beta = body.beta - (body.speed * flight.dt) ** 2 / 24
     row = {
@@ -212,7 +212,7 @@ def struck(
     return row, picture(flight, x, v)
 
 
-def flown(candidate: MotionSolver, body: Bar) -> Flight:
+def track_wave(candidate: MotionSolver, body: Bar) -> Flight:
     """Strike the bar's right end and watch until the wave has come back to the middle."""
     network = body.network
     block = DEVIATION / body.speed / BLOCKS
@@ -238,7 +238,7 @@ def flown(candidate: MotionSolver, body: Bar) -> Flight:
     return Flight(np.asarray(time), np.array(velocity), np.array(wall_force), dt)
 
 
-def passing(flight: Flight, x: Array, place: float, way: int) -> tuple[float, float]:
+def arrival_time(flight: Flight, x: Array, place: float, way: int) -> tuple[float, float]:
     """Time (s) and speed (m/s) of the peak that passes a place to the left (-1) or right (1)."""
     at = int(np.abs(x - place).argmin())
     return peak(flight.time, way * flight.velocity[:, at])
@@ -253,7 +253,7 @@ def peak(time: Array, values: Array) -> tuple[float, float]:
     return float(time[i] - step * tilt / bend), float(np.exp(top - tilt**2 / bend / 2))
 
 
-def extrapolated(held: pd.DataFrame) -> float:
+def extrapolate(held: pd.DataFrame) -> float:
     """Loss of speed at no spacing, by a line in its square through the two finest bars."""
     finest = held.nsmallest(2, "spacing_m")
     square, loss = finest["spacing_m"].to_numpy() ** 2, finest["loss"].to_numpy()
@@ -286,7 +286,7 @@ def finding(table: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """The wave in place and time, and the loss of speed against the spacing."""
     wave, table = tables["wave_xt"], tables["wave"]
-    figure, (diagram, losses) = figures.new(2, size=(3.9, 3.3))
+    figure, (diagram, losses) = figures.new_figure(2, size=(3.9, 3.3))
     grid = wave.pivot_table(index="time_s", columns="x", values="velocity")
     shades = diagram.pcolormesh(
         grid.columns, grid.index, grid, cmap="RdBu", vmin=-1, vmax=1, rasterized=True

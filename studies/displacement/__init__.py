@@ -19,8 +19,8 @@ from __future__ import annotations
 
 from functools import cache, partial
 
-from msvalidate.judging.candidate import DisplacementSolver, answering, springs
-from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.candidate import DisplacementSolver, check_displacements, solve_springs
+from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
 
 from . import (
@@ -62,15 +62,15 @@ must too."""
 
 
 def run(
-    candidate: DisplacementSolver = springs,
+    candidate: DisplacementSolver = solve_springs,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    candidate = answering(candidate)
-    bodies = cache(partial(elastic.solved, setting))
-    measured = cache(partial(measuring.all_measured, candidate, setting))
-    return answers(
+    candidate = check_displacements(candidate)
+    bodies = cache(partial(elastic.solve_reference, setting))
+    measured = cache(partial(measuring.measure_all, candidate, setting))
+    return gather_evidence(
         {
             "budget": lambda: budget.run(measured(), bodies()),
             "shapes": lambda: shapes.run(measured(), bodies()),

@@ -25,10 +25,10 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.stiffness import moduli, pattern_tensor
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import fill, patterns
@@ -74,7 +74,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's bar with its cross-section and the closed form."""
     bars = setting.sweep(partial(bending_stiffness, candidate), HEIGHTS, "bent bars")
     measured: list[float | str] = [*bars, *("none" for _ in (8, FINE_SECTION))]
@@ -91,9 +91,9 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
     rows = table.set_index("cells_high")
     limit = FINE_SECTION**2 * (rows["EI_section"][FINE_SECTION] - 1)
     values = (
-        worst(bars[:2], rows["EI_bound"].iloc[:2]),
-        worst(bars, rows["EI_section"].iloc[: len(bars)]),
-        worst(limit, LEADING),
+        farthest_value(bars[:2], rows["EI_bound"].iloc[:2]),
+        farthest_value(bars, rows["EI_section"].iloc[: len(bars)]),
+        farthest_value(limit, LEADING),
     )
     stiffer = ", ".join(
         f"{100 * (bar - 1):.1f} % (N = {n})" for n, bar in zip(HEIGHTS, bars, strict=True)
@@ -116,7 +116,7 @@ def bending_stiffness(candidate: DisplacementSolver, cells: int) -> float:
     length = float(LENGTH)
     bar = Box((length, 1.0, 1.0))
     grid = fill(PATTERN, bar, (LENGTH * cells, cells, cells))
-    tensor = network_tensor(grid, (1.0, 1.0), "shared")
+    tensor = interior_tensor(grid, (1.0, 1.0), "shared")
 
     def pull(points: Array) -> Array:
         return 12 * MOMENT * np.outer(points[:, 1] - 0.5, (1.0, 0.0, 0.0))

@@ -17,7 +17,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.problem import Array
 from reference_fem.elasticity import elastic_tensor
@@ -26,7 +26,7 @@ from . import drawing, load_cases, orders
 from .drawing import PARTS
 from .elastic import Bodies
 from .load_cases import BAND, CASES
-from .measuring import WEIGHTS, Block, Measured
+from .measuring import WEIGHTS, Block, Measurement
 from .models import ISOTROPIC, MODELS, homogenised
 
 
@@ -111,7 +111,7 @@ COLUMNS = {
 COMPONENTS = ("ux", "uy")
 
 
-def rows(block: Block, measured: Measured, bodies: Bodies) -> list[dict[str, object]]:
+def rows(block: Block, measured: Measurement, bodies: Bodies) -> list[dict[str, object]]:
     """Rows of the table: one per boundary rule, probe and component."""
     shape = load_cases.body(block.model.lattice, block.case, block.fineness)
     fem, target = bodies[block.case, block.model, block.fineness]
@@ -171,11 +171,11 @@ def verdict(total: float, doubt: float, band: float) -> str:
     return "not resolved"
 
 
-def run(measured: Mapping[Block, Measured], bodies: Bodies) -> Evidence:
+def run(measured: Mapping[Block, Measurement], bodies: Bodies) -> Evidence:
     """Take the difference of every network and its target apart."""
     found = [rows(block, seen, bodies) for block, seen in measured.items()]
     cases = pd.DataFrame([row for part in found for row in part])
-    order = orders.observed(cases)
+    order = orders.observed_orders(cases)
     return Evidence(
         tables={
             "load_cases": load_cases.table(),
@@ -197,7 +197,7 @@ def run(measured: Mapping[Block, Measured], bodies: Bodies) -> Evidence:
     )
 
 
-def differences(measured: Mapping[Block, Measured], bodies: Bodies) -> pd.DataFrame:
+def differences(measured: Mapping[Block, Measurement], bodies: Bodies) -> pd.DataFrame:
     """Length of springs - homogenised body at every point of the isotropic bodies drawn."""
     parts = []
     for block, seen in measured.items():
@@ -265,13 +265,13 @@ def observe(cases: pd.DataFrame, order: pd.DataFrame) -> dict[str, Observed]:
         elastic_tensor(m.target) / elastic_tensor(m.target)[0, 0] for m in MODELS if m.is_target
     ]
     values = (
-        worst(cases[list(PARTS)].sum(axis=1), cases["total"]),
-        worst(cases["at_rest"], 0.0),
-        worst(numbers(smooth), orders.SMOOTH),
-        worst(numbers(clamped["order"]), float(clamped["twice_corner_exponent"].iloc[0])),
+        farthest_value(cases[list(PARTS)].sum(axis=1), cases["total"]),
+        farthest_value(cases["at_rest"], 0.0),
+        farthest_value(numbers(smooth), orders.SMOOTH),
+        farthest_value(numbers(clamped["order"]), float(clamped["twice_corner_exponent"].iloc[0])),
         Observed(zigzag, 1.0),
-        worst(tensors, asked),
-        worst(cases["reference"], 0.0),
+        farthest_value(tensors, asked),
+        farthest_value(cases["reference"], 0.0),
         *(Observed(farthest(cases, case)) for case in CASES),
     )
     return by_quantity(TOLERANCES, values)

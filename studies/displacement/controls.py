@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import Answer, DisplacementSolver, springs
+from msvalidate.judging.candidate import Answer, DisplacementSolver, solve_springs
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem
@@ -34,10 +34,10 @@ def _of_network(fault: Callable[[Network, float], Network]) -> Fault:
 
 
 KINDS: dict[str, Fault] = {
-    "stiffness of every spring": _of_network(faults.every_spring),
-    "one spring": _of_network(faults.one_spring),
-    "boundary weights": _of_network(faults.boundary_springs),
-    "traction": faults.lumped_tractions,
+    "stiffness of every spring": _of_network(faults.stiffen_all),
+    "one spring": _of_network(faults.weaken_one_spring),
+    "boundary weights": _of_network(faults.stiffen_boundary),
+    "traction": faults.lump_tractions,
 }
 UNITS = {
     "stiffness of every spring": "relative",
@@ -84,16 +84,16 @@ COLUMNS = {
 Measure = Callable[[DisplacementSolver], float]
 
 
-def spoilt(
+def apply_fault(
     kind: str, size: float, problem: Problem, network: Network, answer: Answer = "linear"
 ) -> Array:
     """A candidate whose network has a fault."""
-    return springs(problem, KINDS[kind](problem, network, size), answer)
+    return solve_springs(problem, KINDS[kind](problem, network, size), answer)
 
 
 def candidate_with(kind: str, size: float) -> DisplacementSolver:
     """The spring network with a fault of some kind and size."""
-    return partial(spoilt, kind, size)
+    return partial(apply_fault, kind, size)
 
 
 def run(bodies: Bodies) -> Evidence:
@@ -126,7 +126,7 @@ def run(bodies: Bodies) -> Evidence:
 def smallest(kind: str, sign: float, measure: Measure, limit: float) -> float | str:
     """Smallest size of a fault that a quantity notices."""
     if limit == IDENTITY:
-        rounding = measure(springs)
+        rounding = measure(solve_springs)
         grown = measure(candidate_with(kind, sign * PROBE)) - rounding
         size = PROBE * limit / grown if grown > rounding else np.inf
         return float(size) if size <= 1 else "none"

@@ -19,7 +19,7 @@ PARTS = ("at_rest", "geometric", "boundary", "discretisation", "model_form")
 def convergence(tables: Tables) -> Figure:
     """Relative L2 difference to the homogenised body against the spacing, with its order."""
     cases = tables["cases"].drop_duplicates(["case", "lattice", "weights", "k1", "cells_y"])
-    figure, axes = figures.new(len(CASES), 1, size=(2.7, 3.0), sharey=True)
+    figure, axes = figures.new_figure(len(CASES), 1, size=(2.7, 3.0), sharey=True)
     for axis, case in zip(axes, CASES, strict=True):
         rows = cases[cases["case"] == case]
         groups = rows.groupby(["lattice", "k1", "weights"], sort=False)
@@ -53,14 +53,14 @@ def convergence(tables: Tables) -> Figure:
         axis.set_xticks(ticks, [f"1/{round(1 / t)}" for t in ticks])
         axis.set(title=case, xlabel="spacing over height (1)")
     axes[0].set_ylabel("relative L2 difference to FEM (1)")
-    figures.shared_legend(figure, axes, columns=4)
+    figures.add_shared_legend(figure, axes, columns=4)
     return figure
 
 
 def budget(tables: Tables) -> Figure:
     """Signed parts of the error at one probe, along the load, stacked, for the coarsest bodies."""
     cases = tables["cases"]
-    figure, axes = figures.new(2, 2, size=(5.2, 3.2))
+    figure, axes = figures.new_figure(2, 2, size=(5.2, 3.2))
     for axis, case in zip(axes, CASES, strict=True):
         rows = cases[(cases["case"] == case)]
         first = rows.groupby("lattice")["cells_y"].transform("min")
@@ -93,7 +93,7 @@ def budget(tables: Tables) -> Figure:
         axis.set_title(f"{case}: {rows['component'].iloc[0]} at '{rows['probe'].iloc[0]}'")
         axis.set_ylabel("part of |u_target| (%)")
         axis.set_xlabel("lattice, constants and weights, 6 particles on a side")
-    figures.shared_legend(figure, axes, columns=7)
+    figures.add_shared_legend(figure, axes, columns=7)
     return figure
 
 
@@ -101,7 +101,7 @@ def field(tables: Tables) -> Figure:
     """Where springs and homogenised body differ: length of the difference over the largest |u|."""
     table = tables["field"]
     lattices = list(dict.fromkeys(table["lattice"]))
-    figure, axes = figures.new(len(CASES), len(lattices), size=(3.0, 2.5))
+    figure, axes = figures.new_figure(len(CASES), len(lattices), size=(3.0, 2.5))
     for row, lattice in enumerate(lattices):
         for column, case in enumerate(CASES):
             axis = axes[row * len(CASES) + column]

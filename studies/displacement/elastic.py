@@ -66,7 +66,7 @@ Bodies = dict[tuple[str, Model, int], tuple[Elastic, Elastic]]
 """(case, model, fineness) -> the homogenised body and the target."""
 
 
-def solved(setting: Setting) -> Bodies:
+def solve_reference(setting: Setting) -> Bodies:
     """Solve every elastic body once, however many networks are compared with it."""
     asked: list[Question] = []
     wanted: dict[tuple[str, Model, int], tuple[int, int]] = {}
@@ -163,5 +163,7 @@ def singular_places(case: str, shape: Body) -> Array:
     if not isinstance(shape.domain, Polygon):
         raise TypeError("a box is graded towards its corners")
     asked = CASES[case]
-    ends = [shape.places[name].corners(shape.domain.span) for name in (*asked.loads, *asked.held)]
+    ends = [
+        shape.places[name].corners(shape.domain.span) for name in (*asked.loads, *asked.supports)
+    ]
     return np.unique(np.round(np.concatenate([shape.domain.reentrant, *ends]), 12), axis=0)

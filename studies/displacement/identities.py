@@ -18,8 +18,8 @@ import pandas as pd
 
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import Lattice, square
@@ -73,7 +73,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate with P1 elements, and with the closed form."""
     compared = setting.sweep(partial(against_p1, candidate), CASES, "P1 elements")
     p1 = pd.DataFrame(
@@ -104,10 +104,10 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
         for n in HEIGHTS
     )
     values = (
-        worst(p1["stiffness_difference"], 0.0),
-        worst(p1["displacement_difference"], 0.0),
-        worst(bending["EI_ratio"], bending["EI_formula"]),
-        worst(tension["tension_error"], 0.0),
+        farthest_value(p1["stiffness_difference"], 0.0),
+        farthest_value(p1["displacement_difference"], 0.0),
+        farthest_value(bending["EI_ratio"], bending["EI_formula"]),
+        farthest_value(tension["tension_error"], 0.0),
     )
     return Evidence(
         tables={"p1_identity": p1, "pure_bending": bending, "uniform_tension": tension},
@@ -128,7 +128,7 @@ def against_p1(candidate: DisplacementSolver, case: str) -> tuple[float, float]:
     grid = shape.grid()
     problem = load_cases.problem(case, shape, CAUCHY)
     network = lattice_network(problem, grid, TRIANGULAR.constants)
-    mesh = reference_fem.discretise(grid.points, counter_clockwise(grid), "P1")
+    mesh = reference_fem.make_discretisation(grid.points, counter_clockwise(grid), "P1")
     K = stiffness(mesh, CAUCHY)
     component_major = np.arange(grid.points.size).reshape(-1, 2).T.ravel()
     springs_K = tangent(network, network.points)[component_major][:, component_major]

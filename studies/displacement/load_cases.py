@@ -28,7 +28,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.problem.checks import whole
+from msvalidate.problem.checks import whole_number
 
 MODULUS = 1e5
 """Young's modulus (Pa) of the target; what the lattice's axial modulus is set to."""
@@ -50,13 +50,13 @@ replaces a material known to some percent: closer than that, nobody could tell t
 class LoadCase:
     """One load case, the same on every body.
 
-    `loads`: named part of the body -> total force (N) on it. `held`: named part -> components
+    `loads`: named part of the body -> total force (N) on it. `supports`: named part -> components
     held. `strain`: nominal strain.
     """
 
     name: str
     loads: dict[str, tuple[float, float]]
-    held: dict[str, tuple[bool, bool]]
+    supports: dict[str, tuple[bool, bool]]
     strain: float
     strain_is: str
 
@@ -172,7 +172,7 @@ def body(lattice: str, case: str, fineness: int) -> Body:
         raise ProblemError(f"lattice {lattice!r}: choose from {', '.join(LATTICES)}")
     if case not in CASES:
         raise ProblemError(f"load case {case!r}: choose from {', '.join(CASES)}")
-    if whole("fineness", fineness, 5) % 5:
+    if whole_number("fineness", fineness, 5) % 5:
         raise ProblemError(
             f"fineness: {fineness}; give a multiple of 5, so that loads and probes meet points"
         )
@@ -240,7 +240,7 @@ def problem(case: str, shape: Body, material: Material) -> Problem:
     asked = CASES[case]
     supports = tuple(
         Support(shape.places[name], tuple(0.0 if component else None for component in held))
-        for name, held in asked.held.items()
+        for name, held in asked.supports.items()
     )
     loads = []
     for name, force in asked.loads.items():
@@ -265,7 +265,7 @@ def table() -> pd.DataFrame:
                 row |= {"where": str(shape.places[name]), "force_x": force[0], "force_y": force[1]}
                 held = [
                     f"{part} {shape.places[part]}: {' and '.join(_named(components))}"
-                    for part, components in case.held.items()
+                    for part, components in case.supports.items()
                 ]
                 row |= {"held": "; ".join(held), "nominal_strain": case.strain}
                 rows.append(row | {"nominal_strain_is": case.strain_is, "band": BAND})

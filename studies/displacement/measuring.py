@@ -32,7 +32,7 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class Measurement:
     """Displacements (n, 2) in m of a block by (weights, answer), and its points (n, 2) in m."""
 
     points: Array
@@ -49,14 +49,14 @@ def sizes(setting: Setting, lattice: str) -> tuple[int, ...]:
     return (QUICK_SIZES if setting.quick else SIZES)[lattice]
 
 
-def all_measured(candidate: DisplacementSolver, setting: Setting) -> dict[Block, Measured]:
+def measure_all(candidate: DisplacementSolver, setting: Setting) -> dict[Block, Measurement]:
     """Every block of the study, measured."""
     todo = blocks(setting)
     found = setting.sweep(partial(measure, candidate), todo, "spring networks")
     return dict(zip(todo, found, strict=True))
 
 
-def measure(candidate: DisplacementSolver, block: Block) -> Measured:
+def measure(candidate: DisplacementSolver, block: Block) -> Measurement:
     """The candidate's answers for a block, under every boundary rule."""
     shape = load_cases.body(block.model.lattice, block.case, block.fineness)
     problem = load_cases.problem(block.case, shape, homogenised(block.model))
@@ -66,4 +66,4 @@ def measure(candidate: DisplacementSolver, block: Block) -> Measured:
         network = lattice_network(problem, grid, block.model.constants, weights=weights)
         for answer in ANSWERS:
             moves[weights, answer] = candidate(problem, network, answer)
-    return Measured(grid.points, moves)
+    return Measurement(grid.points, moves)

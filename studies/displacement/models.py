@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.stiffness import square_constants, triangular_constants
 from msvalidate.problem import Anisotropic, Isotropic
 
@@ -58,7 +58,7 @@ ISOTROPIC = MODELS[0]
 def homogenised(model: Model) -> Anisotropic:
     """The elastic body that the inside of the lattice is."""
     grid = load_cases.body(model.lattice, "pressure", 5).grid()
-    tensor = network_tensor(grid, model.constants, "shared") / THICKNESS
+    tensor = interior_tensor(grid, model.constants, "shared") / THICKNESS
     # Rounding is no anisotropy: what should be zero is.
     tensor[np.abs(tensor) < 1e-14 * tensor.max()] = 0.0
     return Anisotropic(tensor, density=DENSITY, thickness=THICKNESS)

@@ -29,7 +29,7 @@ edge of a triangular block has none: what angle it ends at depends on how near o
 BY = ["case", "lattice", "k1", "k2", "probe", "component"]
 
 
-def observed(cases: pd.DataFrame) -> pd.DataFrame:
+def observed_orders(cases: pd.DataFrame) -> pd.DataFrame:
     """Order of the discretisation error for every two sizes that follow each other."""
     rows = []
     shared = cases[cases["weights"] == "shared"]
@@ -67,7 +67,7 @@ def finest(table: pd.DataFrame) -> pd.DataFrame:
 
 def twice_exponent(case: str, model: Model) -> float | str:
     """Twice the displacement's exponent at the worst clamped corner: an energy's order there."""
-    held = CASES[case].held
+    held = CASES[case].supports
     if not {"left", "right"} & set(held):
         return "no clamp"
     kind = (model.lattice, "bar" if case == "bending" else "block")

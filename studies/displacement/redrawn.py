@@ -53,7 +53,7 @@ def figures_4_to_7(tables: Tables) -> Figure:
         axis.grid(visible=False)
         if case != bar:
             axis.set(xlim=(-0.2, 1.15), ylim=(-0.1, 1.33), xticks=np.arange(6) / 5)
-    figures.shared_legend(figure, list(axes.values()))
+    figures.add_shared_legend(figure, list(axes.values()))
     return figure
 
 
@@ -69,7 +69,7 @@ def draw_loads(axis: Axes, at: Array, load: Array) -> None:
 
 def bent_line(tables: Tables) -> Figure:
     """Deflection of the bar's lowest row at k2 = 2 k1, and by how much four curves miss it."""
-    figure, (axis, missed) = figures.new(columns=2, size=(4.6, 3.7))
+    figure, (axis, missed) = figures.new_figure(columns=2, size=(4.6, 3.7))
     lines = dict(list(tables["bent_line"].groupby("source")))
     springs = lines[SOURCES[0]]
     x, deflection = springs["x"], 1e3 * springs["uy"]
@@ -87,5 +87,5 @@ def bent_line(tables: Tables) -> Figure:
     axis.plot(x, deflection, "o", color=blue, mfc="white", ms=4, label="springs")
     axis.set(xlabel="x (m)", ylabel="deflection uy (mm)", title="Lowest row of the bar")
     missed.set(xlabel="x (m)", ylabel="springs - fit (% of height)", title="Misfit of the springs")
-    figures.shared_legend(figure, [axis])
+    figures.add_shared_legend(figure, [axis])
     return figure

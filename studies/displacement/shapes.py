@@ -22,7 +22,7 @@ import pandas as pd
 
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import Answer
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.problem import Array
 
@@ -44,7 +44,7 @@ from .claims import (
 )
 from .elastic import Bodies
 from .load_cases import CASES
-from .measuring import Block, Measured
+from .measuring import Block, Measurement
 from .models import MODELS, Model, homogenised
 
 FINENESS = 5
@@ -95,7 +95,7 @@ COLUMNS = {
 }
 
 
-def run(measured: Mapping[Block, Measured], bodies: Bodies) -> Evidence:
+def run(measured: Mapping[Block, Measurement], bodies: Bodies) -> Evidence:
     """Redraw the figures and put numbers to the words, from what the study has solved."""
 
     def moves(case: str, model: Model) -> tuple[Array, list[Array]]:
@@ -105,14 +105,14 @@ def run(measured: Mapping[Block, Measured], bodies: Bodies) -> Evidence:
 
     found = {(case, model): moves(case, model) for case in CASES for model in SQUARE}
     statements = pd.DataFrame(
-        row for (case, model), fields in found.items() for row in judged(case, model, *fields)
+        row for (case, model), fields in found.items() for row in judge_claims(case, model, *fields)
     )
-    springs = [deformed(case, found[case, DRAWN][1][0]) for case in CASES]
+    springs = [deformed_shapes(case, found[case, DRAWN][1][0]) for case in CASES]
     slightly = statements[statements["measured"] == SLIGHTLY]
-    away = [apart(*found["bending", model]) for model in SQUARE]
+    away = [distance_between(*found["bending", model]) for model in SQUARE]
     values = (
-        worst(slightly["in_springs"], slightly["in_homogenised"]),
-        worst(away, 0.0),
+        farthest_value(slightly["in_springs"], slightly["in_homogenised"]),
+        farthest_value(away, 0.0),
     )
     return Evidence(
         tables={
@@ -130,7 +130,9 @@ def run(measured: Mapping[Block, Measured], bodies: Bodies) -> Evidence:
     )
 
 
-def judged(case: str, model: Model, points: Array, moves: list[Array]) -> list[dict[str, object]]:
+def judge_claims(
+    case: str, model: Model, points: Array, moves: list[Array]
+) -> list[dict[str, object]]:
     """Rows of the statements about one figure, for one model."""
     rows = []
     for claim in CLAIMS[case]:
@@ -142,7 +144,7 @@ def judged(case: str, model: Model, points: Array, moves: list[Array]) -> list[d
     return rows
 
 
-def apart(points: Array, moves: list[Array]) -> float:
+def distance_between(points: Array, moves: list[Array]) -> float:
     """Distance (rms) of springs' and homogenised body's deflection lines, each over its height."""
     springs, body = (lower_row(points, move)[1] for move in moves[:2])
     return rms(springs / np.abs(springs).max() - body / np.abs(body).max())
@@ -158,7 +160,7 @@ def bent_lines(points: Array, moves: list[Array]) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True)
 
 
-def deformed(case: str, move: Array) -> tuple[pd.DataFrame, pd.DataFrame]:
+def deformed_shapes(case: str, move: Array) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Particles of a redrawn figure, and its springs."""
     shape = load_cases.body("square", case, FINENESS)
     problem = load_cases.problem(case, shape, homogenised(DRAWN))
@@ -177,7 +179,7 @@ def deformed(case: str, move: Array) -> tuple[pd.DataFrame, pd.DataFrame]:
     return pd.DataFrame(particles), pd.DataFrame({"case": case, "start": start, "end": end})
 
 
-def around(points: Array) -> Array:
+def outline_points(points: Array) -> Array:
     """Numbers of the points on a rectangle's edges, counter-clockwise from the origin."""
     (x, y), (width, height) = points.T, points.max(axis=0)
     sides = [np.isclose(y, 0), np.isclose(x, width), np.isclose(y, height), np.isclose(x, 0)]
@@ -194,7 +196,7 @@ def outlines(bodies: Bodies) -> pd.DataFrame:
     for case in CASES:
         finest = max(n for c, model, n in bodies if (c, model) == (case, DRAWN))
         points = load_cases.body("square", case, finest).grid().points
-        ring = around(points)
+        ring = outline_points(points)
         for source, body in zip(SOURCES[1:], bodies[case, DRAWN, finest], strict=True):
             (x, y), (ux, uy) = points[ring].T, body.at_points[finest][ring].T
             row = {"case": case, "source": source, "x": x, "y": y, "ux": ux, "uy": uy}
@@ -209,12 +211,13 @@ def findings(statements: pd.DataFrame) -> tuple[str, ...]:
     for figure, rows in told.groupby("figure"):
         parts = [
             f'"{row["statement"]}" {row["judgement"]} ({row["measured"]}: '
-            f"{_shown(row, 'in_springs')} in the springs, {_shown(row, 'in_homogenised')} in FEM)"
+            f"{_format_outline(row, 'in_springs')} in the springs, "
+            f"{_format_outline(row, 'in_homogenised')} in FEM)"
             for row in rows.to_dict("records")
         ]
         sentences.append(f"Figure {figure} at k2 = 2 k1: {'; '.join(parts)}.")
     return tuple(sentences)
 
 
-def _shown(row: Mapping[Hashable, Any], source: str) -> str:
+def _format_outline(row: Mapping[Hashable, Any], source: str) -> str:
     return f"{1e3 * row[source]:+.2f} mm" if row["unit"] == "m" else f"{row[source]:.3f}"

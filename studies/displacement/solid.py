@@ -22,8 +22,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_edge_exponent
 from msvalidate.judging.sweep import FULL, Setting
@@ -114,7 +114,7 @@ Key = tuple[str, str]
 """(load case, model)."""
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's cubes and bars with elastic bodies."""
     keys = list(QUICK_BODIES if setting.quick else [(c, m) for c in CASES for m in MODELS])
     asked = [(case, MODELS[model].tensor) for case, model in keys]
@@ -125,7 +125,7 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
     own, of_targets = dict(zip(keys, found, strict=False)), found[len(keys) :]
     todo = [(*key, n) for key in keys for n in sizes(setting, CASES[key[0]])]
     moved = dict(
-        zip(todo, setting.sweep(partial(measured, candidate), todo, "spring solids"), strict=True)
+        zip(todo, setting.sweep(partial(measure, candidate), todo, "spring solids"), strict=True)
     )
     table = pd.DataFrame([row for key in keys for row in rows(key, own[key], moved)])
     tables = {
@@ -154,7 +154,7 @@ def sizes(setting: Setting, case: SolidCase) -> tuple[int, ...]:
     return CUBE_SIZES if case.length == 1 else BAR_SIZES
 
 
-def measured(candidate: DisplacementSolver, asked: tuple[str, str, int]) -> Moved:
+def measure(candidate: DisplacementSolver, asked: tuple[str, str, int]) -> Moved:
     """One spring body: of a load case, a model, and cells through the height."""
     case, model, cells = asked
     return spring_body(candidate, MODELS[model], CASES[case], cells)
@@ -237,11 +237,11 @@ def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
     theory = tables["cantilever"].set_index("reckoned")["over_fem"]
     doubts = [*table["fem_uncertainty"], *tables["solid_target"]["fem_uncertainty"]]
     values = (
-        worst(_numbers(cubes["side_order"]), cubes["twice_edge_exponent"]),
-        worst((_numbers(bars["side_order"]) - twice) / (SMOOTH - twice), 0.5),
-        worst(eight["against_own_body"], 0.0),
-        worst(theory["beam theory, PL³/(3EI) + PL/(κGA)"], 0.0),
-        worst(doubts, 0.0),
+        farthest_value(_numbers(cubes["side_order"]), cubes["twice_edge_exponent"]),
+        farthest_value((_numbers(bars["side_order"]) - twice) / (SMOOTH - twice), 0.5),
+        farthest_value(eight["against_own_body"], 0.0),
+        farthest_value(theory["beam theory, PL³/(3EI) + PL/(κGA)"], 0.0),
+        farthest_value(doubts, 0.0),
     )
     return by_quantity(TOLERANCES, values)
 

@@ -14,7 +14,7 @@ from msvalidate.judging.singularity import clamped_edge_exponent
 from msvalidate.lattice import Constants, Pattern, PatternLattice, fill, patterns
 from msvalidate.problem import Anisotropic, Array, Box, Isotropic, Problem, Support, Traction
 from reference_fem.body import nodal_forces
-from reference_fem.extrapolation import extrapolated
+from reference_fem.extrapolation import extrapolate
 
 from .load_cases import MODULUS
 
@@ -204,7 +204,7 @@ def elastic_body(coarsest: int, asked: tuple[str, Array]) -> ElasticSolid:
         return along_load(nodal_forces(part, mesh), solution.displacement)
 
     order = 2 * clamped_edge_exponent(tensor)
-    found = extrapolated(mean, coarsest, (order, SMOOTH))
+    found = extrapolate(mean, coarsest, (order, SMOOTH))
     # Away from the edges a field falls with their order too; two meshes are enough to draw it.
     coarse, fine = fields
     field = sign * (fine + (fine - coarse) / (2**order - 1))

@@ -66,7 +66,7 @@ def deformed(tables: Tables) -> Figure:
 def convergence(tables: Tables) -> Figure:
     """Size of springs - own body against cells, the reference's uncertainty, and orders."""
     table = tables["solid"]
-    figure, axes = figures.new(len(CASES), size=(3.0, 3.1), sharey=True)
+    figure, axes = figures.new_figure(len(CASES), size=(3.0, 3.1), sharey=True)
     for axis, case in zip(axes, CASES, strict=True):
         here = table[table["case"] == case]
         for i, (lattice, rows) in enumerate(here.groupby("lattice", sort=False)):
@@ -86,5 +86,5 @@ def convergence(tables: Tables) -> Figure:
         axis.set_xticks(sizes, [str(n) for n in sizes])
         axis.set(title=case, xlabel="cells through the height (1)")
     axes[0].set_ylabel("springs - own body, loaded side (%)")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

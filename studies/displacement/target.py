@@ -19,8 +19,8 @@ import pandas as pd
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import moduli, square_tensor
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import FULL, Setting
@@ -87,7 +87,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate's tip with every target's."""
     bodies = [Anisotropic(TENSOR), *(in_plane(*constants) for constants in TARGETS.values())]
     own, *targets = setting.sweep(elastic_tip, bodies, "sheared squares")
@@ -121,7 +121,7 @@ def in_plane(E: float, nu: float) -> Material:
     return Anisotropic(C11 * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]]))
 
 
-def sheared(material: Material) -> Problem:
+def sheared_beam(material: Material) -> Problem:
     """Unit square, left edge clamped, shear along y on the right one."""
     load = Traction(BOX.side("right"), (0.0, SHEAR))
     support = Support(BOX.side("left"), (0.0, 0.0))
@@ -130,7 +130,7 @@ def sheared(material: Material) -> Problem:
 
 def elastic_tip(material: Material) -> tuple[Array, float]:
     """Displacements (m) of an elastic body by measure, and their relative uncertainty."""
-    problem = sheared(material)
+    problem = sheared_beam(material)
     edge = np.linspace(0, 1, 2001)
     points = np.column_stack([np.ones_like(edge), edge])
 
@@ -146,7 +146,7 @@ def elastic_tip(material: Material) -> tuple[Array, float]:
 
 def spring_tip(candidate: DisplacementSolver, cells: int) -> Array:
     """Displacements (m) of the candidate's network by measure."""
-    problem = sheared(Anisotropic(TENSOR))
+    problem = sheared_beam(Anisotropic(TENSOR))
     network = lattice_network(problem, square(BOX, cells), (K1, 2 * K1))
     move = candidate(problem, network, "linear")
     edge = network.points[:, 0] == 1
@@ -171,9 +171,9 @@ def observe(table: pd.DataFrame) -> dict[str, Observed]:
         1 / own["cells"].to_numpy()[-2:], own["against_own_body"].to_numpy()[-2:]
     )
     values = (
-        worst(away, 0.0),
+        farthest_value(away, 0.0),
         Observed(order, 2 * clamped_free_exponent(TENSOR, np.pi / 2)),
-        worst(table["uncertainty"], 0.0),
+        farthest_value(table["uncertainty"], 0.0),
     )
     return by_quantity(TOLERANCES, values)
 

@@ -24,8 +24,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.judging.candidate import of_kind
-from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.candidate import check_functions
+from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
 
 from . import (
@@ -66,6 +66,6 @@ def run(
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one candidate."""
-    candidate = of_kind(candidate, ChargeSolver)
+    candidate = check_functions(candidate, ChargeSolver)
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return answers(asked | {"controls": controls.run}, questions)
+    return gather_evidence(asked | {"controls": controls.run}, questions)

@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric import charges as electrostatics
-from msvalidate.dielectric.charges import Charges, Electrodes, Moments, chains, facing_strips, strip
+from msvalidate.dielectric.charges import (
+    Charges,
+    Electrodes,
+    Moments,
+    electrodes_of_chains,
+    facing_strips,
+    strip_points,
+)
 from msvalidate.dielectric.charges.dielectric import ChargesInAir, SlabInAir, forces_in_air
 from msvalidate.dielectric.charges.moments import Weighting
 from msvalidate.dielectric.charges.patches import patch_capacitance
@@ -105,7 +112,9 @@ def pair(shape: str, width: float, segments: int, *, grading: str = "cosine") ->
     """
     if shape == "flat":
         return facing_strips(width, 1.0, segments, grading=grading)
-    upper = strip(width, 1.0, segments, grading=grading)
+    upper = strip_points(width, 1.0, segments, grading=grading)
     x = upper[:, 0] / width
     upper[:, 1] += 0.2 * np.sin(15 * x + 0.4) + 0.15 * x
-    return chains(upper, strip(0.9 * width, 0.0, segments, grading=grading, centre=0.07 * width))
+    return electrodes_of_chains(
+        upper, strip_points(0.9 * width, 0.0, segments, grading=grading, centre=0.07 * width)
+    )

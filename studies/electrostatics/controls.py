@@ -20,17 +20,17 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges import Charges, Electrodes, Moments
-from msvalidate.dielectric.charges.moments import Weighting, complex_of
+from msvalidate.dielectric.charges.moments import Weighting, to_complex
 from msvalidate.dielectric.charges.patches import Patches
 from msvalidate.dielectric.charges.report_model import ReportModel
 from msvalidate.dielectric.kernels import charges as integrals
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.problem import Array
 
 from . import strips, virtual_work
 from .common import MOMENTS, VOLTAGES, ChargeSolver
-from .shortcuts import halves
+from .shortcuts import halve_to_ends
 
 PROBE = 0.01
 """Size of the fault from which the smallest noticed one is extrapolated."""
@@ -50,7 +50,7 @@ COLUMNS = {
 }
 
 
-def spoilt_potentials(
+def perturb_potentials(
     size: float,
     electrodes: Electrodes,
     voltages: Any = VOLTAGES,
@@ -61,8 +61,8 @@ def spoilt_potentials(
 ) -> Charges:
     """Charges whose own potential is wrong by the part `size`; without neutrality if so asked."""
     right = MOMENTS.charges(electrodes, voltages, permittivity=permittivity, weighting=weighting)
-    start, along = complex_of(electrodes.start), complex_of(electrodes.along)
-    seen_from = complex_of(electrodes.middle)
+    start, along = to_complex(electrodes.start), to_complex(electrodes.along)
+    seen_from = to_complex(electrodes.middle)
     mean = (
         integrals.means(start, along)
         if weighting == "galerkin"
@@ -81,7 +81,7 @@ def spoilt_potentials(
     return replace(right, charge=solved[:-1], floating=float(solved[-1]))
 
 
-def losing_edges(
+def drop_edge_forces(
     size: float, electrodes: Electrodes, voltages: Any = VOLTAGES, **how: Any
 ) -> Charges:
     """Charges without the part `size` of that on the first segment of every electrode."""
@@ -92,7 +92,7 @@ def losing_edges(
     return replace(right, charge=left)
 
 
-def between_middles(charges: Charges) -> Array:
+def collocate_middles(charges: Charges) -> Array:
     """Coulomb's law between middles of segments, half to each end."""
     electrodes = charges.moments.electrodes
     apart = electrodes.middle[:, None] - electrodes.middle
@@ -106,14 +106,14 @@ def between_middles(charges: Charges) -> Array:
     return total
 
 
-def partly(size: float, faulty: Callable[[Charges], Array], charges: Charges) -> Array:
+def interpolate_forces(size: float, faulty: Callable[[Charges], Array], charges: Charges) -> Array:
     """Forces that are the part `size` of a faulty way's, and right for the rest."""
     return (1 - size) * MOMENTS.forces(charges) + size * faulty(charges)
 
 
 def with_forces(faulty: Callable[[Charges], Array], size: float) -> ChargeSolver:
     """The method of moments with forces that are partly a faulty way's."""
-    return MOMENTS._replace(forces=partial(partly, size, faulty))
+    return MOMENTS._replace(forces=partial(interpolate_forces, size, faulty))
 
 
 def without_permittivity(charges: Charges) -> Array:
@@ -121,7 +121,7 @@ def without_permittivity(charges: Charges) -> Array:
     return MOMENTS.forces(charges) * charges.moments.permittivity
 
 
-def lopsided(charges: Charges) -> Array:
+def shift_forces(charges: Charges) -> Array:
     """The tangent with the rows of the first electrode twice as large."""
     tangent = MOMENTS.tangent(charges).copy()
     tangent[: 2 * len(tangent) // 4] *= 2
@@ -183,12 +183,12 @@ class TakenForSymmetric(ReportModel):
         return super().solve(potential)
 
 
-def in_space(electrodes: Electrodes, **how: Any) -> ReportModel:
+def use_space_kernel(electrodes: Electrodes, **how: Any) -> ReportModel:
     """The report's model with the kernel of space whatever is asked for."""
     return MOMENTS.report(electrodes, **{**how, "kernel": "report"})
 
 
-def left_behind(moments: Moments, points: Array) -> Charges:
+def keep_old_forces(moments: Moments, points: Array) -> Charges:
     """Charges as they were before the electrodes moved."""
     return moments.charges(VOLTAGES)
 
@@ -201,17 +201,17 @@ def by_another_factor(moments: Moments, points: Array) -> Charges:
 
 FAULTY: dict[str, tuple[str, dict[str, Any]]] = {
     "charges that need not add up to nothing": (
-        "strips", {"charges": partial(spoilt_potentials, 0.0, neutral=False)},
+        "strips", {"charges": partial(perturb_potentials, 0.0, neutral=False)},
     ),
-    "a segment's own potential 1 % off": ("strips", {"charges": partial(spoilt_potentials, 0.01)}),
+    "a segment's own potential 1 % off": ("strips", {"charges": partial(perturb_potentials, 0.01)}),
     "half of the charge lost at the first segment of an electrode": (
-        "edge", {"charges": partial(losing_edges, 0.5)},
+        "edge", {"charges": partial(drop_edge_forces, 0.5)},
     ),
     "potentials of patches 0.1 % too large": ("plates", {"plates": partial(plates_with, 1e-3)}),
-    "Coulomb's law between middles": ("virtual_work", {"forces": between_middles}),
-    "half of a segment's force to each end": ("virtual_work", {"forces": halves}),
+    "Coulomb's law between middles": ("virtual_work", {"forces": collocate_middles}),
+    "half of a segment's force to each end": ("virtual_work", {"forces": halve_to_ends}),
     "permittivity forgotten in the field": ("virtual_work", {"forces": without_permittivity}),
-    "tangent of one electrode doubled": ("virtual_work", {"tangent": lopsided}),
+    "tangent of one electrode doubled": ("virtual_work", {"tangent": shift_forces}),
     "collocation in Galerkin's place": (
         "virtual_work", {"charges": collocation, "tangent": galerkins_tangent},
     ),
@@ -219,13 +219,13 @@ FAULTY: dict[str, tuple[str, dict[str, Any]]] = {
     "a tenth of the permittivity's jump missing": ("field", {"in_air": partial(other_ratio, 0.1)}),
     "rectangles 1 % less deep": ("models", {"report": partial(other_depth, 0.01)}),
     "half of the charge lost at edges, on both faces": (
-        "shortcuts", {"charges": partial(losing_edges, 0.5)},
+        "shortcuts", {"charges": partial(drop_edge_forces, 0.5)},
     ),
     "segments seen as points": ("shortcuts", {"charges": of_points}),
-    "halves along half a strip": ("shortcuts", {"forces": halves}),
-    "the kernel of space in the plane's place": ("nodes", {"report": in_space}),
+    "halves along half a strip": ("shortcuts", {"forces": halve_to_ends}),
+    "the kernel of space in the plane's place": ("nodes", {"report": use_space_kernel}),
     "equations taken for symmetric": ("nodes", {"report": TakenForSymmetric}),
-    "charges left behind by a motion": ("scaling", {"moved": left_behind}),
+    "charges left behind by a motion": ("scaling", {"moved": keep_old_forces}),
     "the factor of electrodes a tenth as far apart": ("scaling", {"moved": by_another_factor}),
 }  # fmt: skip
 """Fault -> the question that notices it, and what of the solver has it."""
@@ -244,27 +244,27 @@ WAVY = ("wavy", "galerkin", 8)
 
 def capacitance_error(solver: ChargeSolver) -> float:
     """Of facing strips, over its tolerance."""
-    row = strips.found(solver, (RATIO, "cosine", "galerkin", SEGMENTS))
+    row = strips.strip_rows(solver, (RATIO, "cosine", "galerkin", SEGMENTS))
     return float(str(row["capacitance_error"])) / CAPACITANCE.limit
 
 
 def force_error(solver: ChargeSolver) -> float:
     """Of wavy electrodes, over its tolerance."""
-    row = virtual_work.held_to_energy(solver, WAVY)
+    row = virtual_work.compare_with_energy(solver, WAVY)
     return float(str(row["force_error"])) / DERIVATIVE.limit
 
 
 KINDS: dict[str, tuple[Callable[[float], ChargeSolver], Callable[[ChargeSolver], float], str]] = {
     "own potential of segments": (
-        lambda size: MOMENTS._replace(charges=partial(spoilt_potentials, size)),
+        lambda size: MOMENTS._replace(charges=partial(perturb_potentials, size)),
         capacitance_error,
         CAPACITANCE.quantity,
     ),
     **{
         name: (partial(with_forces, way), force_error, DERIVATIVE.quantity)
         for name, way in (
-            ("Coulomb's law between middles", between_middles),
-            ("halves of a segment's force to its ends", halves),
+            ("Coulomb's law between middles", collocate_middles),
+            ("halves of a segment's force to its ends", halve_to_ends),
             ("permittivity forgotten in the field", without_permittivity),
         )
     },
@@ -278,7 +278,7 @@ def run() -> Evidence:
     said = ", ".join(f"{row.fault} by {row.smallest_noticed:.1g}" for row in table.itertuples())
     return Evidence(
         tables={"resolution": table},
-        observed={TOLERANCES[0].quantity: worst(table["smallest_noticed"], 0.0)},
+        observed={TOLERANCES[0].quantity: farthest_value(table["smallest_noticed"], 0.0)},
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=(f"Smallest faults that this study notices, as parts: {said}.",),

@@ -23,10 +23,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.optimize import minimize_scalar
 
-from msvalidate.dielectric.charges import Electrodes, facing_strips, strip
+from msvalidate.dielectric.charges import Electrodes, facing_strips, strip_points
 from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.dielectric.charges.moments import WEIGHTINGS
-from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.compare import farthest_value, fitted_power
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -94,9 +94,9 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     finest = table[(table["segments"] == max(numbers)) & (table["weighting"] == "galerkin")]
     corners = pd.DataFrame([at_corner(candidate, ratio) for ratio in PERMITTIVITY_RATIOS])
     values = (
-        worst(finest["exponent"], -0.5),
-        worst(finest["charge_near_edge"], 1.0),
-        worst(corners["exponent"], corners["exponent_expected"]),
+        farthest_value(finest["exponent"], -0.5),
+        farthest_value(finest["charge_near_edge"], 1.0),
+        farthest_value(corners["exponent"], corners["exponent_expected"]),
     )
     return Evidence(
         tables={"edge": table, "edge_charge": lines[-1], "density": along, "corner": corners},
@@ -112,7 +112,7 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
 def alone(candidate: ChargeSolver, case: tuple[str, int]) -> pd.DataFrame:
     """Charge of a strip alone from its edge to its middle."""
     weighting, segments = case
-    line = strip(2.0, 0.0, segments)
+    line = strip_points(2.0, 0.0, segments)
     found = candidate.charges(in_a_circle(line), weighting=weighting)
     half = segments // 2
     charge = found.charge[:half]
@@ -224,7 +224,7 @@ def finding(table: pd.DataFrame, corners: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Density along facing strips, and near an edge."""
     along, near = tables["density"], tables["edge_charge"]
-    figure, (across, edge) = figures.new(2, size=(3.7, 3.2))
+    figure, (across, edge) = figures.new_figure(2, size=(3.7, 3.2))
     for place, (ratio, line) in enumerate(along.groupby("width_over_gap", sort=False)):
         colour, label = figures.COLOURS[place], f"facing strips, w/d = {ratio:g}"
         across.plot(line["place"], line["density"], color=colour, label=label)
@@ -244,5 +244,5 @@ def draw(tables: Tables) -> Figure:
     ends = np.array([middle.min(), 0.05])
     edge.loglog(ends, 0.8 * np.sqrt(0.1 / ends), ":", color="grey", label="exponent -1/2")
     edge.set(xlabel="distance from the edge over gap, or half width a (1)", ylabel="density (1)")
-    figures.shared_legend(figure, [across, edge], columns=3)
+    figures.add_shared_legend(figure, [across, edge], columns=3)
     return figure

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from msvalidate.dielectric.charges.faces import slab_faces
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -53,11 +53,13 @@ COLUMNS = {
 
 def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Look at the potential on a grid of points."""
-    table = pd.concat([looked_at(candidate, case) for case in CASES], ignore_index=True)
+    table = pd.concat([inspect_field(candidate, case) for case in CASES], ignore_index=True)
     del setting  # one size serves both forms: it is a picture
     return Evidence(
         tables={"field": table},
-        observed={TOLERANCES[0].quantity: worst(table["potential"], table["potential_elements"])},
+        observed={
+            TOLERANCES[0].quantity: farthest_value(table["potential"], table["potential_elements"])
+        },
         tolerances=TOLERANCES,
         figures={"field": draw},
         columns=COLUMNS,
@@ -65,7 +67,7 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     )
 
 
-def looked_at(candidate: ChargeSolver, case: Case) -> pd.DataFrame:
+def inspect_field(candidate: ChargeSolver, case: Case) -> pd.DataFrame:
     """Potential and field of one slab."""
     x, y = (np.linspace(*ends, n) for ends, n in zip((WIDE, HIGH), GRID, strict=True))
     points = np.column_stack([part.ravel() for part in np.meshgrid(x, y)])
@@ -89,7 +91,7 @@ def looked_at(candidate: ChargeSolver, case: Case) -> pd.DataFrame:
 def draw(tables: Tables) -> Figure:
     """Potential and field lines, equal axes."""
     table = tables["field"]
-    figure, axes = figures.new(1, 2, size=(6.4, 3.2), sharex=True)
+    figure, axes = figures.new_figure(1, 2, size=(6.4, 3.2), sharex=True)
     levels = np.linspace(-0.5, 0.5, 21)
     for axis, ratio in zip(axes, table["permittivity_ratio"].unique(), strict=True):
         rows = table[table["permittivity_ratio"] == ratio]

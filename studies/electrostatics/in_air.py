@@ -28,12 +28,12 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.dielectric.charges.faces import slab_faces
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
-from reference_fem.electric import FAR, Charged, Electrode, Far, Slab, charged, slab_mesh
+from reference_fem.electric import FAR, Charged, Electrode, Far, Slab, slab_mesh, solve_charges
 
 from . import common
 from .common import ChargeSolver
@@ -111,7 +111,9 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Both methods on every slab."""
     cases = [Case(*case) for case in product(COVERED, RATIOS)]
     size = (QUICK_SEGMENTS, QUICK_LAYERS) if setting.quick else (SEGMENTS, LAYERS)
-    table = pd.DataFrame(setting.sweep(partial(beside, candidate, *size), cases, "slab in air"))
+    table = pd.DataFrame(
+        setting.sweep(partial(compare_with_elements, candidate, *size), cases, "slab in air")
+    )
     box = partial(reference, Case(COVERED[0], 3.0), size[1] // 2)
     far = pd.DataFrame(
         {"reach": reach, "far": far, "capacitance_elements": float(box(far, reach).totals[0])}
@@ -120,12 +122,12 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     without = table[table["permittivity_ratio"] == 1].set_index("covered")["edge_work_elements"]
     scale = table["covered"].map(without)
     values = (
-        worst(table["capacitance_difference"], 0.0),
-        worst(table["boundary_error"], 0.0),
-        worst(table["elements_change"], 0.0),
-        worst(table["pull"] / table["pull_elements"], 1.0),
-        worst(table["edge_work"] / scale, table["edge_work_elements"] / scale),
-        worst(table["stretch"] / table["stretch_elements"], 1.0),
+        farthest_value(table["capacitance_difference"], 0.0),
+        farthest_value(table["boundary_error"], 0.0),
+        farthest_value(table["elements_change"], 0.0),
+        farthest_value(table["pull"] / table["pull_elements"], 1.0),
+        farthest_value(table["edge_work"] / scale, table["edge_work_elements"] / scale),
+        farthest_value(table["stretch"] / table["stretch_elements"], 1.0),
     )
     return Evidence(
         tables={"in_air": table, "far_boundary": far},
@@ -146,10 +148,12 @@ def reference(case: Case, layers: int, far: Far, reach: float = REACHES[-1]) -> 
     top = Electrode("top", LENGTH / 2 - half, LENGTH / 2 + half, VOLTAGES[0])
     bottom = Electrode("bottom", 0.0, LENGTH, VOLTAGES[1])
     slab = Slab(LENGTH, 1.0, (top, bottom), permittivity=1.0, air=1 / case.ratio)
-    return charged(slab_mesh(slab, layers, reach=reach * LENGTH), far=far)
+    return solve_charges(slab_mesh(slab, layers, reach=reach * LENGTH), far=far)
 
 
-def beside(candidate: ChargeSolver, segments: int, layers: int, case: Case) -> dict[str, object]:
+def compare_with_elements(
+    candidate: ChargeSolver, segments: int, layers: int, case: Case
+) -> dict[str, object]:
     """Row of one slab."""
     faces = slab_faces(LENGTH, 1.0, segments, covered=case.covered)
     found = candidate.in_air(faces, ratio=case.ratio).charges(VOLTAGES)
@@ -157,8 +161,8 @@ def beside(candidate: ChargeSolver, segments: int, layers: int, case: Case) -> d
     coarse = float(reference(case, layers // 2, FAR[0]).totals[0])
     natural, floating = (float(one.totals[0]) for one in fine)
     elements = (natural + floating) / 2
-    ours = summed(faces.points - (0.0, 1.0), candidate.forces_in_air(found), case)
-    theirs = summed(*on_nodes(fine), case)
+    ours = sum_forces(faces.points - (0.0, 1.0), candidate.forces_in_air(found), case)
+    theirs = sum_forces(*on_nodes(fine), case)
     return {
         "covered": case.covered,
         "permittivity_ratio": case.ratio,
@@ -180,15 +184,15 @@ def on_nodes(fields: list[Charged]) -> tuple[Array, Array]:
     return mesh.body.points[inner] - (LENGTH / 2, 1.0), force / len(fields)
 
 
-def summed(points: Array, forces: Array, case: Case) -> dict[str, float]:
+def sum_forces(points: Array, forces: Array, case: Case) -> dict[str, float]:
     """Pull on the top electrode, force along at its right edge, stretch of half, over wide plates'.
 
     Points (n, 2) are counted from the middle of the top.
     """
     half = 0.5 * case.covered * LENGTH
     beyond = np.abs(points[:, 0]) - half
-    near_top = tapered(np.hypot(np.maximum(beyond, 0.0), points[:, 1]))
-    near_edge = tapered(np.hypot(points[:, 0] - half, points[:, 1]))
+    near_top = taper_forces(np.hypot(np.maximum(beyond, 0.0), points[:, 1]))
+    near_edge = taper_forces(np.hypot(points[:, 0] - half, points[:, 1]))
     return {
         "pull": float(-forces[:, 1] @ near_top / (0.5 * 2 * half)),
         "edge_work": float(forces[:, 0] @ near_edge / 0.25),
@@ -196,7 +200,7 @@ def summed(points: Array, forces: Array, case: Case) -> dict[str, float]:
     }
 
 
-def tapered(distance: Array) -> Array:
+def taper_forces(distance: Array) -> Array:
     """1 at no distance, falling smoothly to 0 at `REACHED`."""
     return np.maximum(1 - (distance / REACHED) ** 2, 0.0) ** 2
 
@@ -220,7 +224,7 @@ def finding(table: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Capacitance, margin and stretch, and what the far boundary does."""
     table, far = tables["in_air"], tables["far_boundary"]
-    figure, axes = figures.new(2, 2, size=(3.6, 2.8))
+    figure, axes = figures.new_figure(2, 2, size=(3.6, 2.8))
     *compared, box = axes
     shown = (
         ("capacitance_in_air", "capacitance_elements", "capacitance per depth over ε (1)"),

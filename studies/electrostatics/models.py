@@ -29,7 +29,7 @@ from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.dielectric.charges.patches import Patches, conductors
 from msvalidate.dielectric.charges.plates import plate
 from msvalidate.dielectric.charges.report_model import report_forces
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
@@ -116,7 +116,7 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     values = (
         Observed(second + (second - first) * DEEP[0] / (DEEP[1] - DEEP[0]), 1.0),
         by_patches(candidate),
-        worst(
+        farthest_value(
             [air.charge / plane.charge, *(air.forces / np.abs(plane.forces).max()).ravel()],
             [1.0, *(plane.forces / np.abs(plane.forces).max()).ravel()],
         ),
@@ -234,7 +234,7 @@ def by_patches(candidate: ChargeSolver) -> Observed:
     for depth in DEPTHS:
         report = candidate.report(given, depth=depth).charges(VOLTAGES)
         found.append(float(report.totals[0]) * depth / candidate.plates(rectangles(given, depth)))
-    return worst(found, 1.0)
+    return farthest_value(found, 1.0)
 
 
 def rectangles(given: Electrodes, depth: float) -> Patches:

@@ -47,7 +47,7 @@ STYLES: dict[str, dict[str, Any]] = {
 
 def draw(tables: Tables) -> Figure:
     """Squeeze along the electrode, force along it near its edge, and totals."""
-    figure, (down, outward, totals) = figures.new(3, size=(3.5, 3.4))
+    figure, (down, outward, totals) = figures.new_figure(3, size=(3.5, 3.4))
     lines = tables["along_electrode"]
     for key, rows in lines.groupby(KEYS, sort=False):
         model = Model(*key)  # type: ignore[arg-type]
@@ -62,7 +62,7 @@ def draw(tables: Tables) -> Figure:
     for axis in (down, outward):
         axis.set_xlabel("place over half the width (1)")
     draw_totals(totals, tables["models"])
-    figures.shared_legend(figure, [down, outward], columns=4)
+    figures.add_shared_legend(figure, [down, outward], columns=4)
     return figure
 
 

@@ -28,7 +28,7 @@ from msvalidate.dielectric.charges.report_model import (
     consistent_forces,
     report_forces,
 )
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -78,8 +78,8 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Compare four ways."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(WAYS, numbers))
-    table = pd.DataFrame(setting.sweep(partial(flat, candidate), cases, "springs and nodes"))
-    own = pd.DataFrame([held_to_own(candidate, *way) for way in WAYS])
+    table = pd.DataFrame(setting.sweep(partial(flat_strips, candidate), cases, "springs and nodes"))
+    own = pd.DataFrame([compare_with_own_energy(candidate, *way) for way in WAYS])
     once = table[table["forces_by"] == "derivatives"]
     orders = pd.DataFrame(
         [
@@ -91,9 +91,9 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
         ]
     )
     values = (
-        worst(own[own["forces_by"] == "derivatives"]["own_error"], 0.0),
-        worst(orders["order"], 1.0),
-        worst([unit_of_length(candidate, *way) for way in WAYS], 0.0),
+        farthest_value(own[own["forces_by"] == "derivatives"]["own_error"], 0.0),
+        farthest_value(orders["order"], 1.0),
+        farthest_value([unit_of_length(candidate, *way) for way in WAYS], 0.0),
     )
     return Evidence(
         tables={"nodes": table, "nodes_own_energy": own, "nodes_orders": orders},
@@ -106,16 +106,16 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     )
 
 
-def charged(candidate: ChargeSolver, where: str, electrodes: object) -> ReportCharges:
+def charge_nodes(candidate: ChargeSolver, where: str, electrodes: object) -> ReportCharges:
     """Charges of a pair of electrodes."""
     return candidate.report(electrodes, kernel="plane", charges_on=where).charges(VOLTAGES)
 
 
-def flat(candidate: ChargeSolver, case: tuple[tuple[str, str], int]) -> dict[str, object]:
+def flat_strips(candidate: ChargeSolver, case: tuple[tuple[str, str], int]) -> dict[str, object]:
     """Row of two flat strips of even springs."""
     (where, how), segments = case
     electrodes = pair("flat", RATIO, segments, grading="uniform")
-    found = charged(candidate, where, electrodes)
+    found = charge_nodes(candidate, where, electrodes)
     force = FORCES[how](found)
     work = HALF * growth(RATIO) * RATIO
     return {
@@ -129,15 +129,15 @@ def flat(candidate: ChargeSolver, case: tuple[tuple[str, str], int]) -> dict[str
     }
 
 
-def held_to_own(candidate: ChargeSolver, where: str, how: str) -> dict[str, object]:
+def compare_with_own_energy(candidate: ChargeSolver, where: str, how: str) -> dict[str, object]:
     """Row of wavy electrodes."""
     electrodes = pair("wavy", WAVY_WIDTH, WAVY)
     points = electrodes.points
 
     def energy(x: Array) -> Array:
-        return np.array(charged(candidate, where, electrodes.moved(x.reshape(-1, 2))).energy)
+        return np.array(charge_nodes(candidate, where, electrodes.moved(x.reshape(-1, 2))).energy)
 
-    force = FORCES[how](charged(candidate, where, electrodes))
+    force = FORCES[how](charge_nodes(candidate, where, electrodes))
     exact = differences(energy, points.ravel(), steps_of(points)).reshape(-1, 2)
     moment = points[:, 0] @ force[:, 1] - points[:, 1] @ force[:, 0]
     sizes = np.hypot(*exact.T)
@@ -152,7 +152,7 @@ def held_to_own(candidate: ChargeSolver, where: str, how: str) -> dict[str, obje
 def unit_of_length(candidate: ChargeSolver, where: str, how: str) -> float:
     """Σx·F of wavy electrodes less that of the plane's law, over the sum of |F| times the width."""
     electrodes = pair("wavy", WAVY_WIDTH, WAVY)
-    found = charged(candidate, where, electrodes)
+    found = charge_nodes(candidate, where, electrodes)
     force = FORCES[how](found)
     alone = float((found.charge**2).sum()) / (4 * np.pi * found.moments.permittivity)
     expected = 0.0 if how == "derivatives" else -alone
@@ -179,7 +179,7 @@ def finding(table: pd.DataFrame, own: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Errors of charge and stretch against the number of springs."""
     table = tables["nodes"]
-    figure, (charge, stretch) = figures.new(2, size=(3.5, 3.1))
+    figure, (charge, stretch) = figures.new_figure(2, size=(3.5, 3.1))
     groups = table.groupby(["charges_on", "forces_by"], sort=False)
     for place, ((where, how), rows) in enumerate(groups):
         style, name = figures.numbered(place), f"on {where}, {how}"
@@ -192,5 +192,5 @@ def draw(tables: Tables) -> Figure:
         axis.set_xlabel("springs of each electrode (1)")
     charge.set_ylabel("relative error of the charge (1)")
     stretch.set_ylabel("relative error of w·dW/dw (1)")
-    figures.shared_legend(figure, [charge, stretch], columns=3)
+    figures.add_shared_legend(figure, [charge, stretch], columns=3)
     return figure

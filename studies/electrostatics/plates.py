@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.dielectric.charges import disc_capacitance, square_capacitance
 from msvalidate.dielectric.charges.plates import disc, plate
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -66,10 +66,13 @@ COLUMNS = {
 def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Capacitances of both bodies on several meshes."""
     cases = list(product(BODIES, QUICK_ACROSS if setting.quick else ACROSS))
-    table = pd.DataFrame(setting.sweep(partial(found, candidate), cases, "plates"))
+    table = pd.DataFrame(setting.sweep(partial(plate_rows, candidate), cases, "plates"))
     limits = pd.DataFrame([limit(str(body), rows) for body, rows in table.groupby("body")])
     by_body = limits.set_index("body")["extrapolated"]
-    values = (*(worst(by_body[body], 1.0) for body in BODIES), worst(limits["order"], ORDER))
+    values = (
+        *(farthest_value(by_body[body], 1.0) for body in BODIES),
+        farthest_value(limits["order"], ORDER),
+    )
     return Evidence(
         tables={"plates": table, "plate_limits": limits},
         observed=by_quantity(TOLERANCES, values),
@@ -81,7 +84,7 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     )
 
 
-def found(candidate: ChargeSolver, case: tuple[str, int]) -> dict[str, object]:
+def plate_rows(candidate: ChargeSolver, case: tuple[str, int]) -> dict[str, object]:
     """Row of one mesh."""
     body, across = case
     made, accepted = BODIES[body]
@@ -118,7 +121,7 @@ def draw(tables: Tables) -> Figure:
     """Errors against the number of patches along a side."""
     table = tables["plates"]
     table = table.assign(error=(table["capacitance_over_accepted"] - 1).abs())
-    figure, (axis,) = figures.new(size=(4.2, 3.3))
+    figure, (axis,) = figures.new_figure(size=(4.2, 3.3))
     for place, (body, rows) in enumerate(table.groupby("body", sort=False)):
         style = figures.numbered(place)
         axis.loglog(rows["patches_across"], rows["error"], label=str(body), **style)

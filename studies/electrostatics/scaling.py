@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from msvalidate.dielectric.charges import Moments
 from msvalidate.dielectric.charges.moments import coefficients
 from msvalidate.dielectric.charges.multipole import Multipole
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -74,14 +74,14 @@ COLUMNS = {
 def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Time and count, one after another whatever the workers."""
     sizes = QUICK_SEGMENTS if setting.quick else SEGMENTS
-    timed(candidate, sizes[0])  # compiles
-    times = pd.DataFrame([timed(candidate, n) for n in sizes])
+    time_solution(candidate, sizes[0])  # compiles
+    times = pd.DataFrame([time_solution(candidate, n) for n in sizes])
     larger = QUICK_MOVED if setting.quick else MOVED
     moves = pd.DataFrame([row for n in larger for row in moved(candidate, n)])
     small = moves[moves["motion_over_gap"] == MOTIONS[1]]["iterations"]
     # No steps at all would be those of a new factor, of which nothing is asked here.
     steps = float(small.max()) if (moves["iterations"] > 0).all() else math.nan
-    values = worst(moves["iterated_error"], 0.0), Observed(steps)
+    values = farthest_value(moves["iterated_error"], 0.0), Observed(steps)
     return Evidence(
         tables={"scaling": times, "motions": moves},
         observed=by_quantity(TOLERANCES, values),
@@ -93,7 +93,7 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     )
 
 
-def timed(candidate: ChargeSolver, segments: int) -> dict[str, object]:
+def time_solution(candidate: ChargeSolver, segments: int) -> dict[str, object]:
     """Row of one size, each act once."""
     electrodes = pair("wavy", WIDTH, segments)
     clock = [time.perf_counter()]
@@ -132,7 +132,7 @@ def moved(candidate: ChargeSolver, segments: int) -> list[dict[str, object]]:
     moments = Moments(electrodes)
     rows: list[dict[str, object]] = []
     for motion in MOTIONS:
-        points = dented(electrodes.points, motion)
+        points = dent_strip(electrodes.points, motion)
         start = time.perf_counter()
         found = candidate.moved(moments, points)
         seconds = time.perf_counter() - start
@@ -150,7 +150,7 @@ def moved(candidate: ChargeSolver, segments: int) -> list[dict[str, object]]:
     return rows
 
 
-def dented(points: Array, motion: float) -> Array:
+def dent_strip(points: Array, motion: float) -> Array:
     """Points with the upper strip lowered in waves, its edges too."""
     upper = points[:, 1] > 0.5
     x = points[:, 0] / WIDTH
@@ -175,7 +175,7 @@ def finding(times: pd.DataFrame, moves: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Seconds against charges, and steps against motion."""
     times, moves = tables["scaling"], tables["motions"]
-    figure, (seconds, steps) = figures.new(2, size=(3.5, 3.1))
+    figure, (seconds, steps) = figures.new_figure(2, size=(3.5, 3.1))
     drawn = {
         "integrals_seconds": "integrals",
         "factor_seconds": "integrals and factor",

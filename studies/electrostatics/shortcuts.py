@@ -24,7 +24,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.dielectric.charges import Charges, facing_strips
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -88,13 +88,15 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(DOUBLINGS, numbers))
     faces = pd.DataFrame(setting.sweep(partial(both_faces, candidate), cases, "both faces"))
-    growths = pd.DataFrame([growing(grading, rows) for grading, rows in by_grading(faces)])
+    growths = pd.DataFrame(
+        [growth_with_refinement(grading, rows) for grading, rows in by_grading(faces)]
+    )
     points = pd.DataFrame([point_sums(candidate, length) for length in LENGTHS])
     tips = pd.concat([tip(candidate, *case) for case in cases], ignore_index=True)
     values = (
-        worst(growths["growth_over_expected"], 1.0),
-        worst(points["points_over_exact"] / points["coth"], 1.0),
-        worst(half_strips(tips, max(numbers))["along"], 1.0),
+        farthest_value(growths["growth_over_expected"], 1.0),
+        farthest_value(points["points_over_exact"] / points["coth"], 1.0),
+        farthest_value(half_strips(tips, max(numbers))["along"], 1.0),
     )
     return Evidence(
         tables={
@@ -131,7 +133,7 @@ def both_faces(candidate: ChargeSolver, case: tuple[str, int]) -> dict[str, obje
     }
 
 
-def growing(grading: str, rows: pd.DataFrame) -> dict[str, object]:
+def growth_with_refinement(grading: str, rows: pd.DataFrame) -> dict[str, object]:
     """Row of the last doubling.
 
     The tip's force is dW/dw/2, for all four tips of the strips move by dw/2, so K²/ε is
@@ -161,7 +163,7 @@ def point_sums(candidate: ChargeSolver, length: float) -> dict[str, object]:
     }
 
 
-def halves(found: Charges) -> Array:
+def halve_to_ends(found: Charges) -> Array:
     """Force (n, 2) on points: half of what the field in its middle does to a segment, each end."""
     electrodes = found.moments.electrodes
     pulled = found.charge[:, None] * found.field(electrodes.middle)
@@ -180,7 +182,7 @@ def tip(candidate: ChargeSolver, grading: str, segments: int) -> pd.DataFrame:
         "segments": segments,
         "from_edge": [*range(NEAR), "half"],
     }
-    for name, force in (("", candidate.forces(found)), ("_halves", halves(found))):
+    for name, force in (("", candidate.forces(found)), ("_halves", halve_to_ends(found))):
         line = force[segments::-1][: segments // 2 + 1]
         whole = np.vstack([line[:NEAR], line[:-1].sum(axis=0) + 0.5 * line[-1]])
         columns[f"along{name}"] = whole[:, 0] / (0.5 * HALF * growth(RATIO))
@@ -225,7 +227,7 @@ def findings(faces: pd.DataFrame, points: pd.DataFrame, tips: pd.DataFrame) -> t
 def draw(tables: Tables) -> Figure:
     """The three, a panel each."""
     faces, points, tips = tables["both_faces"], tables["point_sums"], tables["halves"]
-    figure, (both, sums, tip_axis) = figures.new(3, size=(3.2, 3.0))
+    figure, (both, sums, tip_axis) = figures.new_figure(3, size=(3.2, 3.0))
     for place, (grading, rows) in enumerate(by_grading(faces)):
         style, n = figures.numbered(place), rows["segments"].to_numpy()
         pull = rows["faces_over_exact"].to_numpy()

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.dielectric.charges import facing_strips, facing_strips_capacitance
 from msvalidate.dielectric.charges.moments import WEIGHTINGS
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -83,12 +83,12 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Errors of both weightings with both gradings, and their orders."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(RATIOS, GRADINGS, WEIGHTINGS, numbers))
-    table = pd.DataFrame(setting.sweep(partial(found, candidate), cases, "facing strips"))
+    table = pd.DataFrame(setting.sweep(partial(strip_rows, candidate), cases, "facing strips"))
     keys = ["width_over_gap", "grading", "weighting"]
-    orders = pd.DataFrame([fitted(rows) for _, rows in table.groupby(keys, sort=False)])
+    orders = pd.DataFrame([fit_orders(rows) for _, rows in table.groupby(keys, sort=False)])
     return Evidence(
         tables={"strips": table, "strip_orders": orders, "closed_form": closed_form()},
-        observed=by_quantity(TOLERANCES, judged(candidate, table, orders)),
+        observed=by_quantity(TOLERANCES, judge(candidate, table, orders)),
         tolerances=TOLERANCES,
         figures={"strips": draw},
         columns=COLUMNS,
@@ -97,7 +97,7 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     )
 
 
-def found(candidate: ChargeSolver, case: tuple[float, str, str, int]) -> dict[str, object]:
+def strip_rows(candidate: ChargeSolver, case: tuple[float, str, str, int]) -> dict[str, object]:
     """Row of one pair of strips."""
     ratio, grading, weighting, segments = case
     charges = candidate.charges(
@@ -115,7 +115,7 @@ def found(candidate: ChargeSolver, case: tuple[float, str, str, int]) -> dict[st
     }
 
 
-def fitted(rows: pd.DataFrame) -> dict[str, object]:
+def fit_orders(rows: pd.DataFrame) -> dict[str, object]:
     """Row of orders."""
     case = rows.iloc[0]
     return {
@@ -143,7 +143,7 @@ def closed_form() -> pd.DataFrame:
     )
 
 
-def judged(candidate: ChargeSolver, table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
+def judge(candidate: ChargeSolver, table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
     """What `TOLERANCES` name, in their order."""
     finest = table[table["segments"] == table["segments"].max()].set_index(["grading", "weighting"])
     grouped = orders.set_index(["grading", "weighting"])
@@ -155,11 +155,11 @@ def judged(candidate: ChargeSolver, table: pd.DataFrame, orders: pd.DataFrame) -
     )
     return [
         *(
-            worst(finest.loc[[("cosine", weighting)], "capacitance_error"], 0.0)
+            farthest_value(finest.loc[[("cosine", weighting)], "capacitance_error"], 0.0)
             for weighting in WEIGHTINGS
         ),
         *(
-            worst(rows["order"], rows["order_expected"])
+            farthest_value(rows["order"], rows["order_expected"])
             for rows in (grouped.loc[[key]] for key in product(GRADINGS, WEIGHTINGS))
         ),
         Observed(max(0.0, float(galerkin.max()))),
@@ -187,7 +187,7 @@ def finding(table: pd.DataFrame, orders: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Errors against the number of segments, and the closed form."""
     table, form = tables["strips"], tables["closed_form"]
-    figure, axes = figures.new(3, size=(3.3, 3.2))
+    figure, axes = figures.new_figure(3, size=(3.3, 3.2))
     *errors, last = axes
     for axis, (grading, order) in zip(errors, GRADINGS.items(), strict=True):
         rows = table[table["grading"] == grading]
@@ -212,5 +212,5 @@ def draw(tables: Tables) -> Figure:
     last.loglog(met["width_over_gap"], met["capacitance"], "o", color=orange, label="moments")
     last.set(title="capacitance", xlabel="width over gap w/d (1)", ylabel="C/ε per depth (1)")
     last.legend(fontsize=7)
-    figures.shared_legend(figure, errors, columns=4)
+    figures.add_shared_legend(figure, errors, columns=4)
     return figure

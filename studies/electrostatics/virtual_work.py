@@ -25,7 +25,7 @@ from msvalidate.dielectric.charges import Charges, facing_strips
 from msvalidate.dielectric.charges.dielectric import ChargesInAir
 from msvalidate.dielectric.charges.faces import slab_faces
 from msvalidate.dielectric.charges.moments import WEIGHTINGS
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
@@ -124,13 +124,15 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     """Hold forces to the energy, and to closed forms."""
     numbers = QUICK_SEGMENTS if setting.quick else SEGMENTS
     cases = list(product(SHAPES, WEIGHTINGS, numbers))
-    table = pd.DataFrame(setting.sweep(partial(held_to_energy, candidate), cases, "virtual work"))
-    bends = pd.DataFrame([held_to_forces(candidate, shape, numbers[-1]) for shape in SHAPES])
+    table = pd.DataFrame(
+        setting.sweep(partial(compare_with_energy, candidate), cases, "virtual work")
+    )
+    bends = pd.DataFrame([compare_with_forces(candidate, shape, numbers[-1]) for shape in SHAPES])
     fine = list(product(WEIGHTINGS, QUICK_FINE if setting.quick else FINE))
-    flat = pd.DataFrame(setting.sweep(partial(held_to_form, candidate), fine, "flat strips"))
-    orders = pd.DataFrame([fitted(str(w), rows) for w, rows in flat.groupby("weighting")])
+    flat = pd.DataFrame(setting.sweep(partial(compare_with_form, candidate), fine, "flat strips"))
+    orders = pd.DataFrame([fit_orders(str(w), rows) for w, rows in flat.groupby("weighting")])
     ratios = QUICK_PERMITTIVITY_RATIOS if setting.quick else PERMITTIVITY_RATIOS
-    slabs = pd.DataFrame([outlined(candidate, ratio) for ratio in ratios])
+    slabs = pd.DataFrame([wavy_electrodes(candidate, ratio) for ratio in ratios])
     return Evidence(
         tables={
             "virtual_work": table,
@@ -139,8 +141,8 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
             "flat_orders": orders,
             "slab_in_air": slabs,
         },
-        observed=judged(table, bends, flat, orders)
-        | {TOLERANCES[-1].quantity: worst(slabs["outline_error"], 0.0)},
+        observed=judge(table, bends, flat, orders)
+        | {TOLERANCES[-1].quantity: farthest_value(slabs["outline_error"], 0.0)},
         tolerances=TOLERANCES,
         figures={"virtual_work": draw},
         columns=COLUMNS,
@@ -149,7 +151,7 @@ def run(candidate: ChargeSolver, setting: Setting) -> Evidence:
     )
 
 
-def held_to_energy(candidate: ChargeSolver, case: tuple[str, str, int]) -> dict[str, object]:
+def compare_with_energy(candidate: ChargeSolver, case: tuple[str, str, int]) -> dict[str, object]:
     """Row of one pair of electrodes."""
     shape, weighting, segments = case
     electrodes = pair(shape, WIDTH, segments)
@@ -177,7 +179,7 @@ def held_to_energy(candidate: ChargeSolver, case: tuple[str, str, int]) -> dict[
     }
 
 
-def held_to_forces(candidate: ChargeSolver, shape: str, segments: int) -> dict[str, object]:
+def compare_with_forces(candidate: ChargeSolver, shape: str, segments: int) -> dict[str, object]:
     """Row of one tangent."""
     electrodes = pair(shape, WIDTH, segments)
 
@@ -197,7 +199,7 @@ def held_to_forces(candidate: ChargeSolver, shape: str, segments: int) -> dict[s
     }
 
 
-def outlined(candidate: ChargeSolver, ratio: float) -> dict[str, object]:
+def wavy_electrodes(candidate: ChargeSolver, ratio: float) -> dict[str, object]:
     """Row of a slab in air, partly covered, whose surface is not straight."""
     flat = slab_faces(SLAB, 1.0, BOTTOM, covered=0.5)
     x, y = flat.points.T
@@ -219,7 +221,7 @@ def outlined(candidate: ChargeSolver, ratio: float) -> dict[str, object]:
     }
 
 
-def held_to_form(candidate: ChargeSolver, case: tuple[str, int]) -> dict[str, object]:
+def compare_with_form(candidate: ChargeSolver, case: tuple[str, int]) -> dict[str, object]:
     """Row of two flat strips."""
     weighting, segments = case
     electrodes = facing_strips(RATIO, 1.0, segments)
@@ -238,7 +240,7 @@ def held_to_form(candidate: ChargeSolver, case: tuple[str, int]) -> dict[str, ob
     }
 
 
-def fitted(weighting: str, rows: pd.DataFrame) -> dict[str, object]:
+def fit_orders(weighting: str, rows: pd.DataFrame) -> dict[str, object]:
     """Row of orders."""
     parts = 1 / rows["segments"]
     return {
@@ -248,7 +250,7 @@ def fitted(weighting: str, rows: pd.DataFrame) -> dict[str, object]:
     }
 
 
-def judged(
+def judge(
     table: pd.DataFrame, bends: pd.DataFrame, flat: pd.DataFrame, orders: pd.DataFrame
 ) -> dict[str, Observed]:
     """What `TOLERANCES` name."""
@@ -257,15 +259,15 @@ def judged(
     )
     finest = fine.iloc[-1]
     values = (
-        worst(galerkin["force_error"], 0.0),
-        worst(galerkin["edge_force_error"], 0.0),
-        worst(galerkin["net_force"], 0.0),
-        worst(galerkin["net_moment"], 0.0),
-        worst(bends["asymmetry"], 0.0),
-        worst(bends["tangent_error"], 0.0),
+        farthest_value(galerkin["force_error"], 0.0),
+        farthest_value(galerkin["edge_force_error"], 0.0),
+        farthest_value(galerkin["net_force"], 0.0),
+        farthest_value(galerkin["net_moment"], 0.0),
+        farthest_value(bends["asymmetry"], 0.0),
+        farthest_value(bends["tangent_error"], 0.0),
         Observed(float(finest["pull_error"])),
         Observed(float(finest["stretch_error"])),
-        worst(order[["pull_order", "stretch_order"]], 2.0),
+        farthest_value(order[["pull_order", "stretch_order"]], 2.0),
     )
     return by_quantity(TOLERANCES[:-1], values)
 

@@ -12,7 +12,7 @@ from msvalidate.output import figures
 def draw(tables: Tables) -> Figure:
     """Errors of forces against differences of the energy, and against the closed form."""
     table, flat = tables["virtual_work"], tables["flat_strips"]
-    figure, (points, closed) = figures.new(2, size=(3.6, 3.2))
+    figure, (points, closed) = figures.new_figure(2, size=(3.6, 3.2))
     pairs = table.groupby(["shape", "weighting"], sort=False)
     for place, ((shape, weighting), rows) in enumerate(pairs):
         name, style = f"{weighting}, {shape}", figures.numbered(place)

@@ -21,9 +21,9 @@ from __future__ import annotations
 
 from functools import cache, partial
 
-from msvalidate.constants.homogenise import homogenised
-from msvalidate.judging.candidate import DisplacementSolver, answering, springs
-from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.constants.homogenise import homogenise
+from msvalidate.judging.candidate import DisplacementSolver, check_displacements, solve_springs
+from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
 
 from . import choice, clamped, controls, cost, orthotropic, solids, uniform
@@ -62,18 +62,18 @@ that should notice."""
 
 
 def run(
-    candidate: DisplacementSolver = springs,
+    candidate: DisplacementSolver = solve_springs,
     setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
-    solid: Solid = homogenised,
+    solid: Solid = homogenise,
 ) -> Evidence:
     """All questions, or those named, for one candidate and one way to homogenise."""
-    candidate = answering(candidate)
-    endless = cache(partial(solids.found, solid, setting))
+    candidate = check_displacements(candidate)
+    endless = cache(partial(solids.solid_tables, solid, setting))
     stretched = cache(lambda: uniform.run(candidate, solid, setting))
     held = cache(lambda: clamped.run(candidate, solid, setting))
     rested = cache(lambda: cost.run(solid, setting, endless()[0]["solids"]))
-    return answers(
+    return gather_evidence(
         {
             "solids": lambda: solids.run(*endless()),
             "orthotropic": lambda: orthotropic.run(candidate, solid, setting),

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import eigsh
 
-from msvalidate.constants.homogenise import Homogenised, homogenised
+from msvalidate.constants.homogenise import Homogenised, homogenise
 from msvalidate.lattice import Constants, Lattice, Pattern, PatternLattice, fill, patterns
 from msvalidate.output import figures
 from msvalidate.problem import Anisotropic, Array, Box, ProblemError, SolverError
@@ -58,7 +58,7 @@ class Case(NamedTuple):
     @property
     def pattern(self) -> Pattern:
         """What repeats."""
-        known = patterns.known()
+        known = patterns.all_patterns()
         if self.lattice not in known:
             raise ProblemError(f"lattice: {self.lattice!r}; choose from {', '.join(known)}")
         return known[self.lattice]()
@@ -79,14 +79,14 @@ class Case(NamedTuple):
         return {"lattice": self.pattern.name, "rule": self.rule}
 
 
-def every() -> list[Case]:
+def all_cases() -> list[Case]:
     """Every known lattice under each of its rules, those of the plane first."""
-    found = [(make().dim, name, make().rules) for name, make in patterns.known().items()]
+    found = [(make().dim, name, make().rules) for name, make in patterns.all_patterns().items()]
     found.sort(key=lambda entry: entry[0])
     return [Case(name, rule) for _, name, rules in found for rule in rules]
 
 
-def resists(tensor: Array) -> str:
+def resists_shear(tensor: Array) -> str:
     """Whether every strain costs energy, in words."""
     values, modes = np.linalg.eigh(tensor)
     free = modes[:, values <= STIFF * max(values[-1], np.finfo(float).tiny)]
@@ -96,26 +96,26 @@ def resists(tensor: Array) -> str:
     return "gives way" if np.abs(free[:normal]).max() > STIFF else "shears freely"
 
 
-def stiff(solid: Solid = homogenised) -> list[Case]:
+def stiff(solid: Solid = homogenise) -> list[Case]:
     """The cases whose solid resists every strain and whose bodies stand."""
-    return [case for case in every() if body(solid, case) == STANDS]
+    return [case for case in all_cases() if body(solid, case) == STANDS]
 
 
 def body(solid: Solid, case: Case) -> str:
     """Whether a body can be made of a case and stands under a load, or why not, in words."""
-    if resists(tensor_of(solid, case)) != "every strain":
+    if resists_shear(tensor_of(solid, case)) != "every strain":
         return "no body"
     pattern = case.pattern
     if not (np.abs(pattern.points) <= STIFF * np.array(pattern.size)).all(axis=1).any():
         return "no corner point"
     try:
-        lattice = filled(case, TRIED[pattern.dim])
+        lattice = fill_box(case, TRIED[pattern.dim])
     except ProblemError:
         return "no box"
-    return STANDS if stands(case, lattice) else "mechanism"
+    return STANDS if is_stable(case, lattice) else "mechanism"
 
 
-def stands(case: Case, lattice: Lattice) -> bool:
+def is_stable(case: Case, lattice: Lattice) -> bool:
     """Whether a piece of lattice resists every motion but those of a rigid body."""
     m, (n, d) = len(lattice.springs), lattice.points.shape
     vector = lattice.vectors
@@ -136,7 +136,7 @@ def tensor_of(solid: Solid, case: Case, spacing: float = 1.0) -> Array:
     return solid(case.pattern, case.constants, spacing).tensor
 
 
-def filled(case: Case, across: int) -> PatternLattice:
+def fill_box(case: Case, across: int) -> PatternLattice:
     """A box of whole cells, nearly a unit square or cube, about so many cells along its edges."""
     pattern = case.pattern
     base = proportions(pattern.size)
@@ -193,12 +193,14 @@ def material(solid: Solid, case: Case, lattice: PatternLattice) -> Anisotropic:
         If some strain of it costs no energy.
     """
     tensor = tensor_of(solid, case, lattice.spacing)
-    if resists(tensor) != "every strain":
-        raise SolverError(f"{lattice.name}, {case.rule}: {resists(tensor)}; no body to compare")
+    if resists_shear(tensor) != "every strain":
+        raise SolverError(
+            f"{lattice.name}, {case.rule}: {resists_shear(tensor)}; no body to compare"
+        )
     return Anisotropic(tensor)
 
 
-def releases(solid: Solid, case: Case) -> bool:
+def support_releases(solid: Solid, case: Case) -> bool:
     """Whether points move inside a cell under uniform strain: less stiff than the affine bound."""
     found = solid(case.pattern, case.constants, 1.0)
     return bool(np.abs(found.affine - found.tensor).max() > MOVED * np.abs(found.affine).max())

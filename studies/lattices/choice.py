@@ -55,8 +55,8 @@ COLUMNS = {
 
 def run(tables: dict[str, pd.DataFrame]) -> Evidence:
     """One table of the tables `solids`, `uniform`, `clamped`, `clamped_order` and `cost`."""
-    found = pd.DataFrame([row(case, tables) for case in cases.every()])
-    missing = len(cases.every()) - len(found.drop_duplicates(["lattice", "rule"]))
+    found = pd.DataFrame([row(case, tables) for case in cases.all_cases()])
+    missing = len(cases.all_cases()) - len(found.drop_duplicates(["lattice", "rule"]))
     return Evidence(
         tables={"lattices": found},
         observed={TOLERANCES[0].quantity: Observed(float(missing))},
@@ -78,7 +78,7 @@ def row(case: Case, tables: dict[str, pd.DataFrame]) -> dict[str, object]:
     closed: tuple[float | str, ...] = ("none",) * 3
     if pattern.tensor is not None:
         tensor = pattern.tensor(case.constants)
-        closed = solids.constants(tensor, cases.resists(tensor))
+        closed = solids.constants(tensor, cases.resists_shear(tensor))
     body = one(tables["uniform"], case)
     if body:
         body["E_body"] = body["E_over"] * own["E"]

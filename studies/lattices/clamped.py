@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -78,11 +78,11 @@ COLUMNS = {
 
 def run(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> Evidence:
     """Load clamped bodies, and judge them."""
-    table = measured(candidate, solid, setting)
+    table = measure(candidate, solid, setting)
     orders = approach(table, solid)
     return Evidence(
         tables={"clamped": table, "clamped_order": orders},
-        observed=by_quantity(TOLERANCES, observed(table, orders)),
+        observed=by_quantity(TOLERANCES, observe(table, orders)),
         tolerances=TOLERANCES,
         figures={"clamped": draw},
         columns=COLUMNS,
@@ -92,7 +92,7 @@ def run(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> Eviden
     )
 
 
-def measured(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> pd.DataFrame:
+def measure(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> pd.DataFrame:
     """The table `clamped`."""
     wanted = QUICK if setting.quick else SIZES
     todo = [
@@ -105,7 +105,7 @@ def measured(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> p
     references = elastic.bodies(solid, setting)
     rows = []
     for (case, test, across), work in zip(todo, works, strict=True):
-        lattice = cases.filled(case, across)
+        lattice = cases.fill_box(case, across)
         reference = references[case][test]
         rows.append(
             case.head
@@ -125,7 +125,7 @@ def measured(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> p
 def lattice_work(candidate: DisplacementSolver, solid: Solid, todo: tuple[Case, str, int]) -> float:
     """Work of the load on a clamped lattice, over that on a free bar of the solid's modulus."""
     case, test, across = todo
-    lattice = cases.filled(case, across)
+    lattice = cases.fill_box(case, across)
     body = cases.material(solid, case, lattice)
     size = loading.STRAIN * loading.modulus(body.C)
     problem = loading.clamped(cases.box_of(lattice), body, test, size)
@@ -160,7 +160,7 @@ def order(pair: pd.DataFrame) -> float | str:
     return observed_order(pair["spacing"], gap)
 
 
-def observed(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
+def observe(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
     """What the tolerances judge, in their order."""
     away = pd.to_numeric(orders["clamped_order"], errors="coerce") - orders["clamped_expected"]
     known = orders["clamped_order"] != "not resolved"
@@ -169,7 +169,7 @@ def observed(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
     ends = table.merge(plain).groupby(["lattice", "rule", "test"])["difference"]
     first, last = ends.first().abs(), ends.last().abs()
     return [
-        worst(table["uncertainty"], 0.0),
+        farthest_value(table["uncertainty"], 0.0),
         _worst(away[known & ~crosses]),
         _worst(away[known & crosses & pulled]),
         Observed(float((last >= first).sum())),
@@ -178,7 +178,7 @@ def observed(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
 
 def _worst(away: pd.Series) -> Observed:
     """The farthest from 0; NaN, which fails, where none is left to judge."""
-    return worst(away, 0.0) if len(away) else Observed(math.nan)
+    return farthest_value(away, 0.0) if len(away) else Observed(math.nan)
 
 
 def findings(table: pd.DataFrame, orders: pd.DataFrame) -> tuple[str, ...]:
@@ -216,7 +216,7 @@ def draw(tables: Tables) -> Figure:
     table, orders = tables["clamped"], tables["clamped_order"]
     names = list(dict.fromkeys(zip(orders["lattice"], orders["rule"], strict=True)))
     dims = sorted(set(orders["axes"]))
-    figure, axes = figures.new(2, len(dims), size=(3.8, 3.0))
+    figure, axes = figures.new_figure(2, len(dims), size=(3.8, 3.0))
     places = [(dim, test) for dim in dims for test in loading.TESTS]
     for axis, (dim, test) in zip(axes, places, strict=True):
         part = orders[(orders["axes"] == dim) & (orders["test"] == test)]
@@ -244,5 +244,5 @@ def draw(tables: Tables) -> Figure:
         axis.set_ylabel("difference of the work (1)")
     axes[0].plot([], [], "o", color="black", mfc="white", label="too stiff")
     axes[0].plot([], [], "o", color="black", label="too soft")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

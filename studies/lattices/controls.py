@@ -17,9 +17,9 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.constants.homogenise import Homogenised, homogenised
-from msvalidate.judging.candidate import Answer, DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.constants.homogenise import Homogenised, homogenise
+from msvalidate.judging.candidate import Answer, DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.network import Network, faults
@@ -32,10 +32,10 @@ Fault = Callable[[Network, float], Network]
 PROBE = 1e-5
 """Size of the fault from which the smallest that is noticed is extrapolated."""
 BODIES: dict[str, Fault] = {
-    "stiffness of every spring": faults.every_spring,
-    "stiffness of the diagonals": faults.diagonals,
-    "one spring": faults.one_spring,
-    "boundary weights": faults.boundary_springs,
+    "stiffness of every spring": faults.stiffen_all,
+    "stiffness of the diagonals": faults.stiffen_diagonals,
+    "one spring": faults.weaken_one_spring,
+    "boundary weights": faults.stiffen_boundary,
 }
 SOLID = "stiffness of one direction"
 UNITS = {
@@ -60,36 +60,36 @@ COLUMNS = {
 }
 
 
-def spoilt(
+def apply_fault(
     fault: Fault, size: float, problem: Problem, network: Network, answer: Answer = "linear"
 ) -> Array:
     """A candidate whose network has a fault."""
-    return springs(problem, fault(network, size), answer)
+    return solve_springs(problem, fault(network, size), answer)
 
 
-def softened(size: float, pattern: Pattern, k: Constants, spacing: float = 1.0) -> Homogenised:
+def soften(size: float, pattern: Pattern, k: Constants, spacing: float = 1.0) -> Homogenised:
     """The solid of a lattice without a part of the springs along the direction of the first."""
     vectors = pattern.vectors / np.linalg.norm(pattern.vectors, axis=1, keepdims=True)
     same = np.abs(vectors @ vectors[0]) > 1 - cases.STIFF
     factor = np.where(same, 1 - size, 1.0) * pattern.factor
-    return homogenised(replace(pattern, factor=factor), k, spacing)
+    return homogenise(replace(pattern, factor=factor), k, spacing)
 
 
 def body_with(fault: str, size: float) -> DisplacementSolver:
     """The spring network with a fault of some kind and size."""
-    return partial(spoilt, BODIES[fault], size)
+    return partial(apply_fault, BODIES[fault], size)
 
 
 def solid_with(size: float) -> Solid:
     """The solid of patterns that lack a part of one direction."""
-    return partial(softened, size)
+    return partial(soften, size)
 
 
 def run() -> Evidence:
     """State the smallest fault of each kind that is noticed."""
     rows = [
         case.head | {"fault": fault, "fault_unit": UNITS[fault], "smallest_noticed": size}
-        for case in chosen()
+        for case in choose_faults()
         for fault, size in (
             *((fault, smallest(case, fault)) for fault in BODIES),
             (SOLID, smallest_of_solid(case)),
@@ -98,7 +98,7 @@ def run() -> Evidence:
     table = pd.DataFrame(rows)
     return Evidence(
         tables={"controls": table},
-        observed={TOLERANCES[0].quantity: worst(table["smallest_noticed"], 0.0)},
+        observed={TOLERANCES[0].quantity: farthest_value(table["smallest_noticed"], 0.0)},
         tolerances=TOLERANCES,
         columns=COLUMNS,
         rounding={"smallest_noticed": 1e-10},
@@ -115,14 +115,14 @@ def run() -> Evidence:
     )
 
 
-def chosen() -> list[Case]:
+def choose_faults() -> list[Case]:
     """One lattice of the plane and one of space whose bodies are exact."""
     return [Case("square", "isotropic"), Case("cubic18", "isotropic")]
 
 
 def smallest(case: Case, fault: str) -> float:
     """Smallest size of a body's fault that `uniform` notices."""
-    row = uniform.measure(body_with(fault, PROBE), homogenised, (case, ACROSS[case.pattern.dim]))
+    row = uniform.measure(body_with(fault, PROBE), homogenise, (case, ACROSS[case.pattern.dim]))
     errors = [abs(float(str(row[f"{name}_error"]))) for name in ("pull", "across", "shear")]
     return PROBE * uniform.EXACT / max(errors)
 

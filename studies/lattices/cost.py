@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import fill
@@ -74,10 +74,10 @@ COLUMNS = {
 
 def run(solid: Solid, setting: Setting, endless: pd.DataFrame) -> Evidence:
     """Count steps to rest, and judge them; `endless` is the table `solids`."""
-    table = measured(solid, setting, endless)
+    table = measure_costs(solid, setting, endless)
     whole = table[table["cell_over"] != "none"]
     values = (
-        worst(table["steps"] / table["steps_predicted"], 1.0),
+        farthest_value(table["steps"] / table["steps_predicted"], 1.0),
         Observed(
             max(0.0, float((whole["highest_over"] / whole["cell_over"].astype(float) - 1).max()))
         ),
@@ -111,7 +111,7 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
     return tuple(said)
 
 
-def measured(solid: Solid, setting: Setting, endless: pd.DataFrame) -> pd.DataFrame:
+def measure_costs(solid: Solid, setting: Setting, endless: pd.DataFrame) -> pd.DataFrame:
     """The table `cost`."""
     fastest = endless.set_index(["lattice", "rule"])["omega2_m"]
     todo = [(case, float(fastest[case.pattern.name, case.rule])) for case in cases.stiff(solid)]
@@ -121,7 +121,7 @@ def measured(solid: Solid, setting: Setting, endless: pd.DataFrame) -> pd.DataFr
 def measure(solid: Solid, todo: tuple[Case, float]) -> dict[str, object]:
     """One row of the table `cost`, of a case and its endless lattice's highest m·omega²."""
     case, fastest = todo
-    lattice = cases.filled(case, ACROSS[case.pattern.dim])
+    lattice = cases.fill_box(case, ACROSS[case.pattern.dim])
     body = cases.material(solid, case, lattice)
     size = loading.STRAIN * loading.modulus(body.C)
     problem = loading.clamped(cases.box_of(lattice), body, "shear", size)
@@ -150,7 +150,7 @@ def measure(solid: Solid, todo: tuple[Case, float]) -> dict[str, object]:
         if edges.crosses(case)
         else of_one_cell(case, body, lattice.spacing) / endless,
         "steps": found.steps,
-        "steps_predicted": predicted(high / low),
+        "steps_predicted": predict(high / low),
         "springs_a_point": springs,
         "work_a_point": found.steps * springs,
         "work_of_body": found.steps * int((network.stiffness > 0).sum()),
@@ -174,7 +174,7 @@ def near(rest: Array, run: Run) -> bool:
     return bool(abs(run.displacement - rest).max() <= ERROR * abs(rest).max())
 
 
-def predicted(root_kappa: float) -> int:
+def predict(root_kappa: float) -> int:
     """Steps after which the slowest mode, critically damped, is left with the error."""
     s = float(brentq(lambda s: math.log1p(s) - s - math.log(ERROR), 0.0, 100.0))
     return math.ceil(s * root_kappa / (2 * SAFETY))

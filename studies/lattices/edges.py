@@ -14,9 +14,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.linalg import lsmr
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.stiffness import voigt_directions
-from msvalidate.judging.candidate import springs
+from msvalidate.judging.candidate import solve_springs
 from msvalidate.lattice import Lattice, Pattern, PatternLattice, fill
 from msvalidate.network import tangent
 from msvalidate.problem import VOIGT, Array, Box, Index, Mask, SolverError
@@ -60,7 +60,7 @@ def near_sides(lattice: Lattice, cell: Array) -> Index:
     return np.asarray(near.sum(axis=1))
 
 
-def unbalanced(case: Case, solid: Solid, test: str) -> int | None:
+def unbalanced_force(case: Case, solid: Solid, test: str) -> int | None:
     """Along how many axes the places where uniform stress leaves forces are few; None: nowhere.
 
     Forces inside, where points of a cell move apart, are along none: 0.
@@ -80,24 +80,24 @@ def unbalanced(case: Case, solid: Solid, test: str) -> int | None:
     return int(near_sides(lattice, np.array(pattern.size))[at].min())
 
 
-def where(axes_few: int | None, dim: int) -> str:
+def locate_springs(axes_few: int | None, dim: int) -> str:
     """The same in words."""
     if axes_few is None:
         return "nowhere"
     return "corners" if axes_few == dim else ("inside", "sides", "edges")[axes_few]
 
 
-def rebuilt(case: Case) -> dict[str, object]:
+def rebuild_lattice(case: Case) -> dict[str, object]:
     """One row of the table `crossing`: what other weights of springs could do."""
     # Where points move inside a cell forces of uniform strain are no measure of what is cut off.
-    moves = cases.releases(homogenised, case)
+    moves = cases.support_releases(homogenise, case)
     return case.head | {
-        "left_over": "none" if moves else left_over(case),
+        "left_over": "none" if moves else unbalanced_rest(case),
         "pull_error_rewired": rewired_error(case),
     }
 
 
-def left_over(case: Case) -> float:
+def unbalanced_rest(case: Case) -> float:
     """Least force on points off the sides over all weights of springs near them, relative.
 
     Springs between points a cell or more from every side keep their weight; least in the sum of
@@ -140,19 +140,19 @@ def rewired_error(case: Case) -> float | str:
 
     Springs of their kind and direction that stay in a cell take over their stiffness.
     """
-    pattern = rewired(case)
+    pattern = rewire_edges(case)
     if pattern is None:
         return "none"
     lattice = piece(pattern, (2,) * pattern.dim)
-    body = cases.material(homogenised, case, lattice)
+    body = cases.material(homogenise, case, lattice)
     try:
-        S = loading.compliance(springs, lattice, case.constants, body)
+        S = loading.compliance(solve_springs, lattice, case.constants, body)
     except SolverError:  # the springs left do not hold its points
         return "mechanism"
     return float(S[0] * loading.modulus(body.C) - 1)
 
 
-def rewired(case: Case) -> Pattern | None:
+def rewire_edges(case: Case) -> Pattern | None:
     """The pattern without springs that cross, others like them stiffer; None: there are none."""
     pattern = case.pattern
     cross = crossing(pattern)

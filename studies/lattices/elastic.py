@@ -42,7 +42,7 @@ def bodies(solid: Solid, setting: Setting) -> dict[Case, dict[str, Reference]]:
     for case in cases.stiff(solid):
         tensor = cases.tensor_of(solid, case)
         tensor = tensor / loading.modulus(tensor)
-        box = cases.box_of(cases.filled(case, 2))
+        box = cases.box_of(cases.fill_box(case, 2))
         same = [
             n
             for n, (other, its_box, _) in enumerate(distinct)
@@ -51,11 +51,11 @@ def bodies(solid: Solid, setting: Setting) -> dict[Case, dict[str, Reference]]:
         number[case] = same[0] if same else len(distinct)
         if not same:
             distinct.append((tensor, box, meshes[case.pattern.dim]))
-    found = setting.sweep(solved, distinct, "finite elements")
+    found = setting.sweep(solve_reference, distinct, "finite elements")
     return {case: found[n] for case, n in number.items()}
 
 
-def solved(body: tuple[Array, Box, tuple[int, ...]]) -> dict[str, Reference]:
+def solve_reference(body: tuple[Array, Box, tuple[int, ...]]) -> dict[str, Reference]:
     """Both tests of an elastic body of modulus 1, on three meshes, each twice as fine."""
     tensor, box, meshes = body
     works: dict[str, list[float]] = {test: [] for test in loading.TESTS}
@@ -65,10 +65,10 @@ def solved(body: tuple[Array, Box, tuple[int, ...]]) -> dict[str, Reference]:
             problem = loading.clamped(box, Anisotropic(tensor), test, 1.0)
             move = reference_fem.solve_problem(problem, mesh).displacement
             found.append(float((nodal_forces(problem, mesh) * move).sum() / box.volume))
-    return {test: extrapolated(*found) for test, found in works.items()}
+    return {test: extrapolate(*found) for test, found in works.items()}
 
 
-def extrapolated(coarse: float, medium: float, fine: float) -> Reference:
+def extrapolate(coarse: float, medium: float, fine: float) -> Reference:
     """The limit that three meshes point to (Aitken), known to half of what that adds to the last.
 
     Changes that do not shrink are no sequence: then the last, known to three of them.

@@ -27,15 +27,15 @@ from msvalidate.constants.stiffness import (
     ALIKE,
     CAUCHY,
     cubic_part,
-    is_alike,
+    is_same_tensor,
     isotropic_part,
     moduli,
 )
 from msvalidate.constants.waves import highest_frequency
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
-from msvalidate.lattice import Constants, Pattern, repeated
+from msvalidate.lattice import Constants, Pattern, repeat_cell
 from msvalidate.problem import VOIGT, Array, ProblemError
 
 from . import cases, loading, surfaces, theory
@@ -119,7 +119,7 @@ def run(tables: dict[str, pd.DataFrame], above_bound: float) -> Evidence:
     drawn = set(solid["axes"][solid["strains"] == "every strain"])
     return Evidence(
         tables=tables,
-        observed=by_quantity(TOLERANCES, observed(solid, above_bound)),
+        observed=by_quantity(TOLERANCES, observe(solid, above_bound)),
         tolerances=TOLERANCES,
         figures={name: draw for axes, (name, draw) in surfaces.FIGURES.items() if axes in drawn},
         columns=COLUMNS,
@@ -129,9 +129,9 @@ def run(tables: dict[str, pd.DataFrame], above_bound: float) -> Evidence:
     )
 
 
-def found(solid: Solid, setting: Setting) -> tuple[dict[str, pd.DataFrame], float]:
+def solid_tables(solid: Solid, setting: Setting) -> tuple[dict[str, pd.DataFrame], float]:
     """The tables `solids` and `tensors`, and how far a tensor is above its bound, relative."""
-    all_found = setting.sweep(partial(measure, solid), cases.every(), "solids")
+    all_found = setting.sweep(partial(measure, solid), cases.all_cases(), "solids")
     tables = {
         "solids": pd.DataFrame([one.solid for one in all_found]),
         "tensors": pd.DataFrame([row for one in all_found for row in one.entries]),
@@ -142,12 +142,12 @@ def found(solid: Solid, setting: Setting) -> tuple[dict[str, pd.DataFrame], floa
 def measure(solid: Solid, case: Case) -> Found:
     """One lattice under one rule."""
     pattern, k = case.pattern, case.constants
-    cell = repeated(pattern, REPEATED[pattern.dim])
+    cell = repeat_cell(pattern, REPEATED[pattern.dim])
     numerical = solid(cell, k, 1.0)
     C, affine = numerical.tensor, numerical.affine
     closed = pattern.tensor(k) if pattern.tensor else None
     largest = float(np.abs(affine).max())
-    strains = cases.resists(C)
+    strains = cases.resists_shear(C)
     row = case.head | {
         "k": ", ".join(f"{value:.4g}" for value in k),
         "axes": pattern.dim,
@@ -194,13 +194,13 @@ def from_compliance(pulled: float, across: float, sheared: float) -> tuple[float
 
 def is_cubic(C: Array) -> bool:
     """Whether a tensor is that of a square or cubic lattice along the axes: three constants."""
-    return is_alike(C, cubic_part(C))
+    return is_same_tensor(C, cubic_part(C))
 
 
 def is_isotropic(C: Array) -> bool:
     """Whether a tensor is the isotropic one nearest to it."""
     try:
-        return is_alike(C, isotropic_part(C))
+        return is_same_tensor(C, isotropic_part(C))
     except ProblemError:  # some strain costs no energy
         return False
 
@@ -266,7 +266,7 @@ def least_energy(pattern: Pattern, k: Constants, strain: Array) -> float:
     return least / float(np.prod(pattern.size))
 
 
-def observed(solid: pd.DataFrame, above_bound: float) -> list[Observed]:
+def observe(solid: pd.DataFrame, above_bound: float) -> list[Observed]:
     """What the tolerances judge, in their order."""
     known = solid[solid["A_theory"] != "none"]
     isotropic = known["isotropic"] == "yes"
@@ -287,7 +287,7 @@ def observed(solid: pd.DataFrame, above_bound: float) -> list[Observed]:
 
 def _worst(values: pd.Series, references: pd.Series | float) -> Observed:
     """The farthest from its reference; NaN, which fails, where none is left to compare."""
-    return worst(values, references) if len(values) else Observed(math.nan)
+    return farthest_value(values, references) if len(values) else Observed(math.nan)
 
 
 def findings(solid: pd.DataFrame) -> tuple[str, ...]:

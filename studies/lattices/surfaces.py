@@ -46,7 +46,7 @@ def told(zener: float | str) -> str:
 def draw_plane(tables: Tables) -> Figure:
     """E by direction over E along x, a curve for each plane lattice."""
     axis: Any  # a polar one
-    figure, (axis,) = figures.new(size=(5.0, 4.4), subplot_kw={"projection": "polar"})
+    figure, (axis,) = figures.new_figure(size=(5.0, 4.4), subplot_kw={"projection": "polar"})
     angle = np.linspace(0, 2 * np.pi, ROUND)
     normal = np.column_stack([np.cos(angle), np.sin(angle)])
     dashes = ["-", "--", "-.", ":"]
@@ -60,7 +60,7 @@ def draw_plane(tables: Tables) -> Figure:
     axis.set_xlabel("direction of the pull to the x axis (degrees)")
     axis.set_ylabel("modulus over that along x (1)", labelpad=28)
     axis.set_rlabel_position(100)
-    figures.shared_legend(figure, [axis], columns=1)
+    figures.add_shared_legend(figure, [axis], columns=1)
     return figure
 
 
@@ -78,7 +78,9 @@ def draw_space(tables: Tables) -> Figure:
     scale = Normalize(min(r.min() for r in radius), max(r.max() for r in radius))
     columns = min(COLUMNS, len(drawn))
     rows = -(-len(drawn) // columns)
-    figure, axes = figures.new(columns, rows, size=(2.3, 2.5), subplot_kw={"projection": "3d"})
+    figure, axes = figures.new_figure(
+        columns, rows, size=(2.3, 2.5), subplot_kw={"projection": "3d"}
+    )
     colours = colormaps["cividis"]
     axis: Any  # of three axes, which the type of flat ones does not know
     for axis, (lattice, rule, zener, _), r in zip(axes, drawn, radius, strict=False):

@@ -40,12 +40,18 @@ cubic lattices, along (1, 1, 0) in BCC and (1, 1, 1) in FCC, by the edge of the 
 
 
 def zener(name: str, constants: Constants) -> float | str:
-    """Zener's ratio on paper, or "none"."""
+    """Zener's ratio on paper, or "none".
+
+    Source: [Zener1948].
+    """
     return float(ZENER[name](constants)) if name in ZENER else "none"
 
 
 def frequency(name: str, constants: Constants) -> float | str:
-    """m·omega_max² (N/m) on paper, or "none"."""
+    """m·omega_max² (N/m) on paper, or "none".
+
+    Source: [BornHuang1954].
+    """
     if name not in FREQUENCY:
         return "none"
     return float(sum(c * k for c, k in zip(FREQUENCY[name], constants, strict=True)))

@@ -23,7 +23,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -83,14 +83,14 @@ ROUNDED = ("pull_error", "across_error", "shear_error", "left_over", "pull_error
 
 def run(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> Evidence:
     """Stretch and shear bodies, and judge them."""
-    table = measured(candidate, solid, setting)
+    table = measure_bodies(candidate, solid, setting)
     orders = approach(table, solid)
     crossing = [case for case in cases.stiff(solid) if edges.crosses(case)]
-    mended = pd.DataFrame(setting.sweep(edges.rebuilt, crossing, "weights"))
+    mended = pd.DataFrame(setting.sweep(edges.rebuild_lattice, crossing, "weights"))
     return Evidence(
         tables={"uniform": table, "uniform_order": orders}
         | ({"crossing": mended} if len(mended) else {}),
-        observed=by_quantity(TOLERANCES, observed(table, orders)),
+        observed=by_quantity(TOLERANCES, observe(table, orders)),
         tolerances=TOLERANCES,
         figures={"uniform": draw},
         columns=COLUMNS,
@@ -99,7 +99,7 @@ def run(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> Eviden
     )
 
 
-def measured(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> pd.DataFrame:
+def measure_bodies(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> pd.DataFrame:
     """The table `uniform`."""
     wanted = QUICK if setting.quick else SIZES
     todo = [
@@ -115,7 +115,7 @@ def measure(
 ) -> dict[str, object]:
     """One row of the table `uniform`."""
     case, across = todo
-    lattice = cases.filled(case, across)
+    lattice = cases.fill_box(case, across)
     body = cases.material(solid, case, lattice)
     own = loading.compliances(body.C)
     S = loading.compliance(candidate, lattice, case.constants, body)
@@ -142,11 +142,14 @@ def approach(table: pd.DataFrame, solid: Solid) -> pd.DataFrame:
         mine = table[(table["lattice"] == pattern.name) & (table["rule"] == case.rule)]
         pair = mine.iloc[-2:]
         for test in loading.TESTS:
-            few = edges.unbalanced(case, solid, test)
+            few = edges.unbalanced_force(case, solid, test)
             expected = "exact" if few is None else few or "none"
             crosses = "yes" if edges.crosses(case) else "no"
             row: dict[str, object] = {"test": test, "springs_cross": crosses}
-            row |= {"unbalanced": edges.where(few, pattern.dim), "order_expected": expected}
+            row |= {
+                "unbalanced": edges.locate_springs(few, pattern.dim),
+                "order_expected": expected,
+            }
             error = pair[f"{test}_error"].to_numpy()
             rows.append(case.head | row | {"order": order(pair["spacing"], error)})
     return pd.DataFrame(rows)
@@ -157,7 +160,7 @@ def order(spacing: pd.Series, error: Array) -> float | str:
     return "exact" if np.abs(error).max() <= EXACT else observed_order(spacing, error)
 
 
-def observed(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
+def observe(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
     """What the tolerances judge, in their order."""
     exact = orders[orders["order_expected"] == "exact"]
     errors: list[float] = []
@@ -170,9 +173,9 @@ def observed(table: pd.DataFrame, orders: pd.DataFrame) -> list[Observed]:
     away = falling["order"].astype(float) - falling["order_expected"].astype(float)
     # NaN, which fails, where none is left to judge.
     return [
-        worst(errors, 0.0) if errors else Observed(math.nan),
+        farthest_value(errors, 0.0) if errors else Observed(math.nan),
         Observed(float(len(inexact) - len(falling))),
-        worst(away, 0.0) if len(away) else Observed(math.nan),
+        farthest_value(away, 0.0) if len(away) else Observed(math.nan),
     ]
 
 
@@ -233,7 +236,7 @@ def _orders(rows: pd.DataFrame) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Error of the strain against the number of cells, in a pull and in shear."""
-    figure, axes = figures.new(2, size=(3.6, 3.3), sharey=True)
+    figure, axes = figures.new_figure(2, size=(3.6, 3.3), sharey=True)
     table, orders = tables["uniform"], tables["uniform_order"]
     names = list(dict.fromkeys(zip(table["lattice"], table["rule"], strict=True)))
     for axis, test in zip(axes, loading.TESTS, strict=True):
@@ -254,5 +257,5 @@ def draw(tables: Tables) -> Figure:
         axis.set_xticks(cells, [f"{n:g}" for n in cells])
         axis.set(title=test, xlabel="cells along the body (1)")
     axes[0].set_ylabel("error of the strain, relative (1)")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

@@ -19,8 +19,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from msvalidate.judging.candidate import DisplacementSolver, answering, springs
-from msvalidate.judging.evidence import Evidence, merged
+from msvalidate.judging.candidate import DisplacementSolver, check_displacements, solve_springs
+from msvalidate.judging.evidence import Evidence, merge
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import faults
 
@@ -35,18 +35,26 @@ from . import (
 )
 
 FAULTS = {
-    "every spring 1 % stiffer": {"candidate": partial(controls.spoilt, faults.every_spring, 0.01)},
-    "diagonals 1 % stiffer": {"candidate": partial(controls.spoilt, faults.diagonals, 0.01)},
-    "one spring missing": {"candidate": partial(controls.spoilt, faults.one_spring, 1.0)},
-    "wrong boundary weights": {"candidate": partial(controls.spoilt, faults.boundary_springs, 1.0)},
+    "every spring 1 % stiffer": {
+        "candidate": partial(controls.apply_fault, faults.stiffen_all, 0.01)
+    },
+    "diagonals 1 % stiffer": {
+        "candidate": partial(controls.apply_fault, faults.stiffen_diagonals, 0.01)
+    },
+    "one spring missing": {
+        "candidate": partial(controls.apply_fault, faults.weaken_one_spring, 1.0)
+    },
+    "wrong boundary weights": {
+        "candidate": partial(controls.apply_fault, faults.stiffen_boundary, 1.0)
+    },
 }
 """Negative controls: arguments of `run` under which a tolerance must fail."""
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """All questions, for one candidate."""
-    candidate = answering(candidate)
-    return merged(
+    candidate = check_displacements(candidate)
+    return merge(
         finite_size.run(candidate, setting),
         direction.run(setting=setting),
         rotated.run(candidate, setting),

@@ -19,8 +19,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate import lattice
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
@@ -73,12 +73,12 @@ COLUMNS = {
 
 def run(
     relaxation: Callable[[Network], Relaxation] = algorithm1,
-    candidate: DisplacementSolver = springs,
+    candidate: DisplacementSolver = solve_springs,
     setting: Setting = FULL,
 ) -> Evidence:
     """Relax the report's block and compare it with Newton's method."""
     cases = list(product(CONSTANTS, STRAINS))
-    found = setting.sweep(partial(relaxed, relaxation, candidate), cases, "Algorithm 1")
+    found = setting.sweep(partial(relax_block, relaxation, candidate), cases, "Algorithm 1")
     table = pd.DataFrame([row for row, _ in found])
     last = found[-1][1]
     history = pd.DataFrame(last.history, columns=["step", "residual_N", "kinetic_energy_J"])
@@ -86,9 +86,9 @@ def run(
     drift = np.abs(table["nu_algorithm1"] - table["nu_linear"])
     report = table["k2"] == CONSTANTS[-1]
     values = (
-        worst(table["difference"], 0.0),
+        farthest_value(table["difference"], 0.0),
         Observed(observed_order(table["strain"][report], drift[report]), 1.0),
-        worst(drift / table["strain"], 0.0),
+        farthest_value(drift / table["strain"], 0.0),
     )
     return Evidence(
         tables={
@@ -104,7 +104,7 @@ def run(
     )
 
 
-def relaxed(
+def relax_block(
     relaxation: Callable[[Network], Relaxation],
     candidate: DisplacementSolver,
     case: tuple[float, float],
@@ -133,7 +133,7 @@ def relaxed(
 def draw(tables: Tables) -> Figure:
     """Residual and kinetic energy against the step: equal springs, k2 = 2 k1, strain 1 %."""
     rest = tables["rest"]
-    figure, (force, energy) = figures.new(2, size=(3.4, 2.8))
+    figure, (force, energy) = figures.new_figure(2, size=(3.4, 2.8))
     force.semilogy(rest["step"], rest["residual_N"], color=figures.COLOURS[0])
     force.set_ylabel("residual force (N)")
     moving = rest[rest["kinetic_energy_J"] > 0]
@@ -150,7 +150,7 @@ def draw_block(tables: Tables) -> Figure:
     moved = block_table[["x", "y"]].to_numpy()
     first = moved - block_table[["ux", "uy"]].to_numpy()
     shown = first + MAGNIFIED * (moved - first)
-    figure, (axis,) = figures.new(size=(3.8, 3.4))
+    figure, (axis,) = figures.new_figure(size=(3.8, 3.4))
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]) * block.SIDE
     axis.plot(*corners.T, "--", color="grey", lw=1, label="before")
     springs = lattice.square(block.BOX, CELLS).springs
@@ -162,5 +162,5 @@ def draw_block(tables: Tables) -> Figure:
     axis.set_title("equal springs, k2 = 2 k1, strain 1 %", fontsize=9)
     axis.set_xlabel(f"x (m), displacements x {MAGNIFIED}")
     axis.set_ylabel(f"y (m), displacements x {MAGNIFIED}")
-    figures.shared_legend(figure, [axis])
+    figures.add_shared_legend(figure, [axis])
     return figure

@@ -7,7 +7,7 @@ import numpy as np
 import reference_fem
 from msvalidate import lattice
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.judging.candidate import Answer
 from msvalidate.network import Network
 from msvalidate.problem import (
@@ -119,7 +119,7 @@ def spring_block(
     """The block as a problem, its material the tensor of the lattice's interior, and as springs."""
     grid = lattice.square(BOX, cells)
     constants = (K1, k2)
-    problem = loaded_block(loading, network_tensor(grid, constants, weights), strain)
+    problem = loaded_block(loading, interior_tensor(grid, constants, weights), strain)
     return problem, lattice_network(problem, grid, constants, weights=weights)
 
 

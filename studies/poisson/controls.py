@@ -15,8 +15,8 @@ from functools import partial
 
 import pandas as pd
 
-from msvalidate.judging.candidate import Answer, DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import Answer, DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem
@@ -49,17 +49,22 @@ UNITS = {
 FAULTS: dict[str, Fault] = dict(
     zip(
         UNITS,
-        (faults.every_spring, faults.diagonals, faults.one_spring, faults.boundary_springs),
+        (
+            faults.stiffen_all,
+            faults.stiffen_diagonals,
+            faults.weaken_one_spring,
+            faults.stiffen_boundary,
+        ),
         strict=True,
     )
 )
 
 
-def spoilt(
+def apply_fault(
     fault: Fault, size: float, problem: Problem, network: Network, answer: Answer = "linear"
 ) -> Array:
     """A candidate whose network has a fault."""
-    return springs(problem, fault(network, size), answer)
+    return solve_springs(problem, fault(network, size), answer)
 
 
 def run() -> Evidence:
@@ -67,7 +72,7 @@ def run() -> Evidence:
     table = pd.DataFrame([smallest(name) for name in FAULTS])
     return Evidence(
         tables={"resolution": table},
-        observed={TOLERANCES[0].quantity: worst(table["smallest_noticed"], 0.0)},
+        observed={TOLERANCES[0].quantity: farthest_value(table["smallest_noticed"], 0.0)},
         tolerances=TOLERANCES,
         columns=COLUMNS,
     )
@@ -75,7 +80,7 @@ def run() -> Evidence:
 
 def smallest(name: str) -> dict[str, object]:
     """The fault's smallest size that some identity of the report's block notices, and which."""
-    errors = identities(partial(spoilt, FAULTS[name], PROBE))
+    errors = identities(partial(apply_fault, FAULTS[name], PROBE))
     quantity = max(errors, key=lambda key: errors[key])
     return {
         "fault": name,
@@ -92,6 +97,6 @@ def identities(candidate: DisplacementSolver) -> dict[str, float]:
     body = finite_size.body_of(k2, "shared")
     uniform = [nu for (loading, _), nu in ratios.items() if loading != "clamped"]
     return {
-        "Poisson's ratio": worst(uniform, k2 / (block.K1 + k2)).error,
+        "Poisson's ratio": farthest_value(uniform, k2 / (block.K1 + k2)).error,
         "modulus": abs(modulus / ((block.K1 + k2) * (1 - body**2)) - 1),
     }

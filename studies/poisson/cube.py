@@ -21,8 +21,8 @@ from functools import partial
 import pandas as pd
 
 from msvalidate.constants.stiffness import moduli, pattern_tensor
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import patterns
@@ -106,7 +106,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate with tensors, closed forms and finite elements on every cube."""
     sizes = QUICK_CELLS if setting.quick else CELLS
     found = setting.sweep(partial(measure, candidate), cases(setting), "spring cubes")
@@ -226,14 +226,14 @@ def observe(tables: dict[str, pd.DataFrame]) -> dict[str, Observed]:
     cells_seen = [*isolated["nu_springs"], *cell["nu_springs"]]
     cells_due = [*isolated["nu_layers"], *cell["nu_cell_cube"]]
     values = (
-        worst(shared["nu_springs"], shared["nu_tensor"]),
-        worst(per_cell["nu_springs"], per_cell["nu_tensor"]),
-        worst(stiff["modulus_ratio"], 1.0),
-        worst(cells_seen, cells_due),
-        worst(work, 0.0),
-        worst(orders, 1.0),
-        worst(held["cells"] * (held["nu_springs"] - held["nu_fem"]), 0.0),
-        worst(held["nu_fem_uncertainty"], 0.0),
+        farthest_value(shared["nu_springs"], shared["nu_tensor"]),
+        farthest_value(per_cell["nu_springs"], per_cell["nu_tensor"]),
+        farthest_value(stiff["modulus_ratio"], 1.0),
+        farthest_value(cells_seen, cells_due),
+        farthest_value(work, 0.0),
+        farthest_value(orders, 1.0),
+        farthest_value(held["cells"] * (held["nu_springs"] - held["nu_fem"]), 0.0),
+        farthest_value(held["nu_fem_uncertainty"], 0.0),
     )
     return by_quantity(TOLERANCES, values)
 

@@ -7,7 +7,7 @@ import numpy as np
 import reference_fem
 from msvalidate import lattice
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.stiffness import moduli
 from msvalidate.lattice import Constants, Pattern, patterns
 from msvalidate.network import Network
@@ -22,7 +22,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from reference_fem.refinement import HIGHEST_ORDER, Estimate, richardson, thrice
+from reference_fem.refinement import HIGHEST_ORDER, Estimate, on_three_meshes, richardson
 
 SIDE = 1.0
 BOX = Box((SIDE,) * 3)
@@ -94,7 +94,7 @@ def spring_cube(
     pattern, usual = LATTICES[name]
     constants = constants or usual
     grid = lattice.fill(pattern, BOX, cells)
-    problem = loaded_cube(loading, network_tensor(grid, constants, weights))
+    problem = loaded_cube(loading, interior_tensor(grid, constants, weights))
     return problem, lattice_network(problem, grid, constants, weights=weights)
 
 
@@ -137,7 +137,7 @@ def clamped_reference(name: str, sizes: tuple[int, ...]) -> Estimate:
     """
     pattern, constants = LATTICES[name]
     grids = [lattice.fill(pattern, BOX, n) for n in sizes]
-    tensor = network_tensor(grids[0], constants, "shared")
+    tensor = interior_tensor(grids[0], constants, "shared")
     points = np.concatenate([grid.points for grid in grids])
     ends = np.cumsum([len(grid.points) for grid in grids])[:-1]
     away = points - SIDE / 2
@@ -156,7 +156,7 @@ def clamped_reference(name: str, sizes: tuple[int, ...]) -> Estimate:
             ]
         )
 
-    return richardson(*thrice(sampled, MESH), MESH, HIGHEST_ORDER)
+    return richardson(*on_three_meshes(sampled, MESH), MESH, HIGHEST_ORDER)
 
 
 def _clamped_eighth(tensor: Array) -> Problem:

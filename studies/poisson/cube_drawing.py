@@ -40,7 +40,7 @@ def ratios(tables: Tables) -> Figure:
     """Ratio against size, a panel a lattice: rules by colour, loadings by marker."""
     table = tables["cube"]
     names = list(dict.fromkeys(table["lattice"]))
-    figure, axes = figures.new(len(names), size=(2.3, 3.0), sharey=True)
+    figure, axes = figures.new_figure(len(names), size=(2.3, 3.0), sharey=True)
     for axis, name in zip(axes, names, strict=True):
         here = table[table["lattice"] == name]
         for rule, colour in zip(("shared", "equal", "per_cell"), figures.COLOURS, strict=False):
@@ -68,7 +68,7 @@ def ratios(tables: Tables) -> Figure:
         axis.set_xlim(0.85, 1.15 * sizes[-1])
         axis.set_xlabel("cells per side N (1)")
     axes[0].set_ylabel("Poisson's ratio (1)")
-    figures.shared_legend(figure, axes)
+    figures.add_shared_legend(figure, axes)
     return figure
 
 

@@ -20,9 +20,9 @@ from matplotlib.figure import Figure
 
 import reference_fem
 from msvalidate import lattice
-from msvalidate.constants.homogenise import network_tensor
-from msvalidate.constants.stiffness import directional_ratio, rotated
-from msvalidate.judging.compare import worst
+from msvalidate.constants.homogenise import interior_tensor
+from msvalidate.constants.stiffness import directional_ratio, rotate_tensor
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
@@ -56,14 +56,14 @@ COLUMNS = {
 
 def square_lattice(k2: float) -> Array:
     """The candidate: tensor (3, 3) in N/m of the square lattice with k1 = 1 N/m."""
-    return network_tensor(lattice.square(BOX, 1), (K1, k2), "shared")
+    return interior_tensor(lattice.square(BOX, 1), (K1, k2), "shared")
 
 
 def run(tensor: Callable[[float], Array] = square_lattice, setting: Setting = FULL) -> Evidence:
     """Compare the tensor's ratio with finite elements in every direction."""
     cases = list(product(RATIOS, QUICK_ANGLES if setting.quick else ANGLES))
     mesh = reference_fem.box_discretisation(BOX, MESH, "Q1")
-    ratios = setting.sweep(partial(both, tensor, mesh), cases, "directions")
+    ratios = setting.sweep(partial(ratio_two_ways, tensor, mesh), cases, "directions")
     table = pd.DataFrame(
         {
             "lattice": "square",
@@ -79,10 +79,10 @@ def run(tensor: Callable[[float], Array] = square_lattice, setting: Setting = FU
     isotropic = table[table["k2"] == K1 / 2]["nu_tensor"]
     diagonal = table[table["angle_deg"] == 45]
     values = (
-        worst(table["nu_tensor"], table["nu_fem"]),
-        worst(axes["nu_tensor"], axes["k2"] / (K1 + axes["k2"])),
+        farthest_value(table["nu_tensor"], table["nu_fem"]),
+        farthest_value(axes["nu_tensor"], axes["k2"] / (K1 + axes["k2"])),
         Observed(float(isotropic.max() - isotropic.min())),
-        worst(diagonal["nu_tensor"], K1 / (K1 + 4 * diagonal["k2"])),
+        farthest_value(diagonal["nu_tensor"], K1 / (K1 + 4 * diagonal["k2"])),
     )
     seen = table[table["k2"] == 2 * K1].set_index("angle_deg")["nu_tensor"]
     finding = (
@@ -100,7 +100,7 @@ def run(tensor: Callable[[float], Array] = square_lattice, setting: Setting = FU
     )
 
 
-def both(
+def ratio_two_ways(
     tensor: Callable[[float], Array],
     mesh: reference_fem.Discretisation,
     case: tuple[float, float],
@@ -110,14 +110,14 @@ def both(
     angle = np.deg2rad(degrees)
     C = tensor(k2)
     # Pulling the body at an angle is pulling the body, turned back by it, along x.
-    problem = block.loaded_block("traction", rotated(C, -angle))
+    problem = block.loaded_block("traction", rotate_tensor(C, -angle))
     move = reference_fem.solve_problem(problem, mesh).displacement
     return directional_ratio(C, angle), block.ratio(mesh.points, move, "edges")
 
 
 def draw(tables: Tables) -> Figure:
     """Ratio against the direction, a curve for each k2/k1."""
-    figure, (axis,) = figures.new(size=(4.6, 3.2))
+    figure, (axis,) = figures.new_figure(size=(4.6, 3.2))
     for (k2, rows), colour, marker in zip(
         tables["direction"].groupby("k2"), figures.COLOURS, figures.MARKERS, strict=False
     ):
@@ -130,5 +130,5 @@ def draw(tables: Tables) -> Figure:
     axis.set_ylabel("Poisson's ratio (1)")
     axis.set_xticks(range(0, 91, 15))
     axis.set_ylim(0, 0.72)
-    figures.shared_legend(figure, [axis], columns=3)
+    figures.add_shared_legend(figure, [axis], columns=3)
     return figure

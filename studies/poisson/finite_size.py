@@ -22,8 +22,8 @@ from matplotlib.figure import Figure
 
 from msvalidate import lattice
 from msvalidate.constants.stiffness import square_tensor
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import FULL, Setting
@@ -105,7 +105,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare the candidate with formulas and finite elements on every block."""
     ratios = QUICK_RATIOS if setting.quick else RATIOS
     cases = list(product(ratios, lattice.WEIGHTS, CELLS))
@@ -127,7 +127,7 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
     finite_size, modulus_table = pd.DataFrame(rows), pd.DataFrame(moduli)
     reference_table = pd.DataFrame([row for _, quality in found for row in quality])
     tables = {
-        "summary": summarised(finite_size),
+        "summary": summarise(finite_size),
         "finite_size": finite_size,
         "modulus": modulus_table,
         "reference": reference_table,
@@ -191,21 +191,21 @@ def observe(
     boundary = edges["slide"].loc[last].to_numpy() - 1 / 3
     order = 2 * clamped_free_exponent(square_tensor(K1, K1 / 2), np.pi / 2)
     values = (
-        worst(shared["nu_springs"], shared["nu_bulk_formula"]),
-        worst(per_cell["nu_springs"], per_cell["nu_cell_formula"]),
-        worst(consistent["nu_springs"], consistent["nu_fem"]),
-        worst(stiff["E_springs"] / stiff["E_fem"], 1.0),
-        worst(one_cell["nu_springs"], one_cell["nu_cell_formula"]),
-        worst([edges[at, n] for at, (n, _) in known], [nu for _, (_, nu) in known]),
+        farthest_value(shared["nu_springs"], shared["nu_bulk_formula"]),
+        farthest_value(per_cell["nu_springs"], per_cell["nu_cell_formula"]),
+        farthest_value(consistent["nu_springs"], consistent["nu_fem"]),
+        farthest_value(stiff["E_springs"] / stiff["E_fem"], 1.0),
+        farthest_value(one_cell["nu_springs"], one_cell["nu_cell_formula"]),
+        farthest_value([edges[at, n] for at, (n, _) in known], [nu for _, (_, nu) in known]),
         Observed(observed_order(spacing, boundary), 1.0),
         Observed(observed_order(spacing, away), order),
-        worst(away / spacing**order, 0.0),
+        farthest_value(away / spacing**order, 0.0),
         Observed(float(quality["uncertainty"].max())),
     )
     return by_quantity(TOLERANCES, values)
 
 
-def summarised(table: pd.DataFrame) -> pd.DataFrame:
+def summarise(table: pd.DataFrame) -> pd.DataFrame:
     """Ratio of the candidate's blocks at k2 = k1/2, one column per size."""
     chosen = table[table["k2"] == K1 / 2]
     keys = ["loading", "definition", "weights"]
@@ -241,7 +241,7 @@ def draw(tables: Tables) -> Figure:
     """Ratio against size at k1 = 1, k2 = 1/2; FEM is sampled at each network's points."""
     table = tables["finite_size"]
     table = table[table["k2"] == K1 / 2]
-    figure, axes = figures.new(len(LOADINGS), len(DEFINITIONS), sharex=True, sharey=True)
+    figure, axes = figures.new_figure(len(LOADINGS), len(DEFINITIONS), sharex=True, sharey=True)
     panels = product(DEFINITIONS, LOADINGS)
     for axis, (definition, loading) in zip(axes, panels, strict=True):
         panel = table[(table["definition"] == definition) & (table["loading"] == loading)]
@@ -266,5 +266,5 @@ def draw(tables: Tables) -> Figure:
         axis.set_xlabel("cells per side N")
     for axis in axes[:: len(LOADINGS)]:
         axis.set_ylabel("Poisson's ratio (1)")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

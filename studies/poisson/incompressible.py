@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from msvalidate.constants.stiffness import directional_ratio, moduli, square_tensor
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
@@ -65,10 +65,10 @@ COLUMNS = {
 }
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Say what incompressible asks for, and measure what the lattice gives."""
     cases = list(product(RATIOS, STRAINS))
-    found = setting.sweep(partial(stretched, candidate), cases, "finite strain")
+    found = setting.sweep(partial(stretch_block, candidate), cases, "finite strain")
     drift = pd.DataFrame(
         drift_row(k2, strain, nu) for (k2, strain), nu in zip(cases, found, strict=True)
     )
@@ -81,10 +81,10 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
     )
     smallest = drift[drift["strain"] == STRAINS[0]]
     values = (
-        worst(drift["nu_springs"], drift["nu_exact"]),
-        worst(smallest["drift_per_strain"], smallest["drift_predicted"]),
-        worst(readings["nu_springs"][2], 2 / 3),
-        worst(readings["nu_springs"][0], 1 / 2),
+        farthest_value(drift["nu_springs"], drift["nu_exact"]),
+        farthest_value(smallest["drift_per_strain"], smallest["drift_predicted"]),
+        farthest_value(readings["nu_springs"][2], 2 / 3),
+        farthest_value(readings["nu_springs"][0], 1 / 2),
     )
     return Evidence(
         tables={"incompressible": readings, "drift": drift},
@@ -96,7 +96,7 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
     )
 
 
-def stretched(candidate: DisplacementSolver, case: tuple[float, float]) -> float:
+def stretch_block(candidate: DisplacementSolver, case: tuple[float, float]) -> float:
     """Ratio of a block of shared springs, ends sliding, at a finite strain."""
     k2, strain = case
     problem, network = block.spring_block("slide", k2, CELLS, "shared", strain)
@@ -123,6 +123,8 @@ def exact_ratio(k2: float, strain: float) -> float:
 
     A cell has one spring's worth of k1 along x and along y and two diagonals:
     W = k1(a - 1)²/2 + k1(b - 1)²/2 + k2(√(a² + b²) - √2)²; the free stretch b makes ∂W/∂b = 0.
+
+    Source: closed form derived here.
     """
     a = 1 + strain
 
@@ -170,7 +172,7 @@ def findings(readings: pd.DataFrame) -> tuple[str, ...]:
 
 def draw(tables: Tables) -> Figure:
     """Drift of the ratio against strain: exact curves, first order, the candidate's points."""
-    figure, (axis,) = figures.new(size=(4.6, 3.4))
+    figure, (axis,) = figures.new_figure(size=(4.6, 3.4))
     strains = np.linspace(1e-4, 1.1 * STRAINS[-1], 40)
     for (_, rows), colour, marker in zip(
         tables["drift"].groupby("k2"), figures.COLOURS, figures.MARKERS, strict=False
@@ -185,5 +187,5 @@ def draw(tables: Tables) -> Figure:
     for style, label in (("-", "one cell, exact"), (":", "first order"), ("o", "springs")):
         axis.plot([], [], style, color="grey", mfc="white", label=label)
     axis.set(xlabel="axial strain (%)", ylabel="drift of the ratio (1)")
-    figures.shared_legend(figure, [axis], columns=2)
+    figures.add_shared_legend(figure, [axis], columns=2)
     return figure

@@ -25,10 +25,10 @@ from matplotlib.figure import Figure
 
 from msvalidate import lattice
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import network_tensor
-from msvalidate.constants.stiffness import directional_ratio, rotated
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.constants.homogenise import interior_tensor
+from msvalidate.constants.stiffness import directional_ratio, rotate_tensor
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
@@ -66,7 +66,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evidence:
+def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
     """Compare blocks cut along the lattice, and at an angle to it, with its tensor."""
     sizes = CELLS if setting.quick else (*CELLS, FINEST)
     ratios = QUICK_RATIOS if setting.quick else RATIOS
@@ -79,9 +79,9 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
     cut = pd.to_numeric(orders["order"][orders["angle_deg"] > 0], errors="coerce")
     finest = table[(table["angle_deg"] > 0) & (table["cells"] == sizes[-1])]
     values = (
-        worst(difference(table[table["angle_deg"] == 0]), 0.0),
-        worst(cut, 1.0),
-        worst(finest["cells"] * difference(finest), 0.0),
+        farthest_value(difference(table[table["angle_deg"] == 0]), 0.0),
+        farthest_value(cut, 1.0),
+        farthest_value(finest["cells"] * difference(finest), 0.0),
     )
     return Evidence(
         tables={"rotated": table, "rotated_order": orders},
@@ -94,12 +94,12 @@ def run(candidate: DisplacementSolver = springs, setting: Setting = FULL) -> Evi
 
 
 def measure(candidate: DisplacementSolver, case: tuple[str, float, int, int]) -> dict[str, object]:
-    """One row of the table `rotated`: of a lattice, k2 (N/m), the pull's direction, and N."""
+    """One row of the table `rotate_tensor`: of a lattice, k2 (N/m), the pull's direction, and N."""
     name, k2, degrees, cells = case
     angle = np.deg2rad(degrees)
     grid, constants, tensor = material(name, k2, angle, cells)
     # Pulling the body at an angle is pulling the body, turned back by it, along x.
-    problem = block.loaded_block("traction", rotated(tensor, -angle), body=grid.domain)
+    problem = block.loaded_block("traction", rotate_tensor(tensor, -angle), body=grid.domain)
     network = lattice_network(problem, grid, constants, weights="shared")
     move = candidate(problem, network, "linear")
     size = np.ptp(grid.domain.span, axis=1)  # measured by it, the body is the unit square
@@ -115,7 +115,7 @@ def material(
     if name == "triangular":
         outline = lattice.zigzag_block(SIDE, (6 * cells // 5, cells))  # nearly a square
         grid = lattice.triangular(outline, SIDE / cells)
-        return grid, (K1,), rotated(network_tensor(grid, (K1,), "shared"), angle)
+        return grid, (K1,), rotate_tensor(interior_tensor(grid, (K1,), "shared"), angle)
     cut = lattice.diagonal_square if angle else lattice.square
     return cut(BOX, cells), (K1, k2), direction.square_lattice(k2)
 
@@ -156,7 +156,7 @@ def finding(table: pd.DataFrame, order: pd.Series[float]) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Difference to the tensor's ratio against size; at 0 degrees it is rounding, not shown."""
-    figure, (axis,) = figures.new(size=(4.6, 3.4))
+    figure, (axis,) = figures.new_figure(size=(4.6, 3.4))
     table = tables["rotated"]
     blocks = table[table["angle_deg"] > 0].groupby(["lattice", "k2"])
     for ((name, k2), rows), colour, marker in zip(
@@ -168,5 +168,5 @@ def draw(tables: Tables) -> Figure:
     axis.loglog(sizes, 0.5 / sizes, "--", color="grey", label="0.5/N")
     axis.set_xticks(sizes, [str(n) for n in sizes])
     axis.set(xlabel="cells per side N (1)", ylabel="difference to the tensor's ratio (1)")
-    figures.shared_legend(figure, [axis], columns=2)
+    figures.add_shared_legend(figure, [axis], columns=2)
     return figure

@@ -15,8 +15,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.dielectric.actuator import Held, PulledIn, without_tips
-from msvalidate.judging.compare import worst
+from msvalidate.dielectric.actuator import ActuatorEquilibrium, PulledIn, fix_near_tips
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.network.residual import force_scale
@@ -62,13 +62,15 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     layers = QUICK_LAYERS if setting.quick else LAYERS
     parts = QUICK_ASKED if setting.quick else ASKED
     cases = [(body, layers, part) for body in BODIES for part in parts]
-    table = pd.DataFrame(setting.sweep(partial(asked, candidate), cases, "beyond pull-in"))
+    table = pd.DataFrame(
+        setting.sweep(partial(request_too_much, candidate), cases, "beyond pull-in")
+    )
     unclear = int(((table["says"] != "yes") | (table["lines"].astype(str) != "1")).sum())
     first = table.groupby("body")["last_over_pull_in"].transform("first")
     values = (
         Observed(float(unclear)),
-        worst(table["last_over_pull_in"] / first, 1.0),
-        worst(table["residual_over_forces"], 0.0),
+        farthest_value(table["last_over_pull_in"] / first, 1.0),
+        farthest_value(table["residual_over_forces"], 0.0),
     )
     return Evidence(
         tables={"beyond": table},
@@ -80,12 +82,12 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     )
 
 
-def asked(way: PullInSolver, case: tuple[str, int, float]) -> dict[str, object]:
+def request_too_much(way: PullInSolver, case: tuple[str, int, float]) -> dict[str, object]:
     """What is said, and what is kept."""
     body, layers, part = case
     actuator = sliding(layers) if body == BODIES[0] else bonded(layers)
     if body == BODIES[1]:
-        actuator = without_tips(actuator, 0.5 * REACH)
+        actuator = fix_near_tips(actuator, 0.5 * REACH)
     goal = part * PULL_IN.voltage
     said = ""
     try:
@@ -99,14 +101,14 @@ def asked(way: PullInSolver, case: tuple[str, int, float]) -> dict[str, object]:
         "layers": layers,
         "asked_over_pull_in": part,
         "last_over_pull_in": last.voltage / PULL_IN.voltage,
-        "residual_over_forces": left(last),
+        "residual_over_forces": relative_residual(last),
         "thickness_least": float(last.top[:, 1].min() / slab.HEIGHT),
         "lines": len(said.splitlines()) or "held",
         "says": "yes" if named else "no",
     }
 
 
-def left(held: Held) -> float:
+def relative_residual(held: ActuatorEquilibrium) -> float:
     """Residual over the forces that meet at a point; 0 where there are none."""
     met = force_scale(held.actuator.network, held.position)
     return held.residual / met if met else 0.0

@@ -18,11 +18,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from msvalidate.dielectric.actuator import Actuator, Held, PulledIn, uniform
+from msvalidate.dielectric.actuator import Actuator, ActuatorEquilibrium, PulledIn, uniform
 from msvalidate.problem import Array, SolverError
 
 from .slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN, REACH
-from .way import PullInSolver, bonded, last_held
+from .way import PullInSolver, bonded, last_equilibrium
 
 PARTS = (0.0, 0.25, 0.5, 0.7, 0.85, 0.95)
 """Of the critical voltage, at which the lowest eigenvalue is looked at, and at that voltage."""
@@ -50,7 +50,7 @@ class Branch(NamedTuple):
         (voltage (V), lowest eigenvalue (N/m)) at rising voltages, the critical one last.
     """
 
-    last: Held
+    last: ActuatorEquilibrium
     mode: Array
     seen: list[tuple[float, float]]
 
@@ -80,7 +80,7 @@ def edge_flat(way: PullInSolver, layers: int) -> Branch:
 def edge_followed(way: PullInSolver, layers: int) -> Branch:
     """Equilibria of the slab as it is, to the last that is held."""
     actuator = bonded(layers)
-    last, _ = last_held(way, actuator, PULL_IN.voltage, bracket=EDGE_BRACKET)
+    last, _ = last_equilibrium(way, actuator, PULL_IN.voltage, bracket=EDGE_BRACKET)
     held, seen = None, []
     for part in PARTS:
         held = way.at_voltage(actuator, part * last.voltage, start=held)
@@ -112,8 +112,8 @@ def inside(way: PullInSolver, layers: int) -> Branch:
 
 
 def pressed(
-    way: PullInSolver, actuator: Actuator, volts: float, near: Held | None = None
-) -> Held | None:
+    way: PullInSolver, actuator: Actuator, volts: float, near: ActuatorEquilibrium | None = None
+) -> ActuatorEquilibrium | None:
     """Equilibrium at a voltage (V) between ends pressed evenly; None where there is none.
 
     It is looked for from an equilibrium nearby, or from the state of an infinite slab.
@@ -128,7 +128,7 @@ def pressed(
     )
     place = evenly if near is None else near.displacement
     # As if at rest there at a voltage a hair below: the walk takes one step or none.
-    start = Held(gripped, volts * (1 - BRACKET), place, None, 0, 0.0)
+    start = ActuatorEquilibrium(gripped, volts * (1 - BRACKET), place, None, 0, 0.0)
     try:
         return way.at_voltage(gripped, volts, start=start, bracket=10 * BRACKET)
     except PulledIn:
@@ -143,7 +143,7 @@ FOLLOWED: dict[str, Callable[[PullInSolver, int], Branch]] = {
 """Branch -> what follows it with cells up the slab's height."""
 
 
-def wavelength(held: Held, mode: Array) -> float:
+def wavelength(held: ActuatorEquilibrium, mode: Array) -> float:
     """Wavelength (m) of a mode on the top electrode: where its Fourier integral is largest."""
     top = held.actuator.electrodes[0]
     x, up = held.actuator.network.points[top, 0], mode[top, 1]
@@ -163,7 +163,7 @@ def wavelength(held: Held, mode: Array) -> float:
     return float(2 * np.pi / found.x)
 
 
-def at_edge(held: Held, mode: Array) -> float:
+def at_edge(held: ActuatorEquilibrium, mode: Array) -> float:
     """Part of a mode's square within half of `REACH` of the top electrode's edges."""
     points, top = held.actuator.network.points, held.actuator.electrodes[0]
     away = np.linalg.norm(points[:, None] - points[top[[0, -1]]], axis=2).min(axis=1)

@@ -18,8 +18,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.dielectric.actuator import Actuator, Held, PulledIn, at_voltage, lowest_modes
-from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.dielectric.actuator import (
+    Actuator,
+    ActuatorEquilibrium,
+    PulledIn,
+    at_voltage,
+    lowest_modes,
+)
+from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.network import internal_force
 from msvalidate.problem import Array
@@ -27,7 +33,7 @@ from msvalidate.statics.equilibrium import equilibrium
 
 from . import film, pressed, sweep
 from .slab import PULL_IN
-from .way import SPRINGS, Laws, PullInSolver, last_held, sliding
+from .way import SPRINGS, Laws, PullInSolver, last_equilibrium, sliding
 
 PROBE = 1e-3
 """Size of the fault from which the smallest noticed one is extrapolated."""
@@ -46,8 +52,13 @@ COLUMNS = {
 
 
 def stronger(
-    size: float, actuator: Actuator, voltage: float, *, start: Held | None = None, **how: Any
-) -> Held:
+    size: float,
+    actuator: Actuator,
+    voltage: float,
+    *,
+    start: ActuatorEquilibrium | None = None,
+    **how: Any,
+) -> ActuatorEquilibrium:
     """Electric forces larger by the part `size`: those of a voltage √(1 + size) times as large."""
     times = float(np.sqrt(1 + size))
     before = None if start is None else replace(start, voltage=start.voltage * times)
@@ -60,8 +71,13 @@ def stronger(
 
 
 def stiffer(
-    size: float, actuator: Actuator, voltage: float, *, start: Held | None = None, **how: Any
-) -> Held:
+    size: float,
+    actuator: Actuator,
+    voltage: float,
+    *,
+    start: ActuatorEquilibrium | None = None,
+    **how: Any,
+) -> ActuatorEquilibrium:
     """Springs stiffer by the part `size`."""
     changed = replace(actuator, network=actuator.network.scaled(1 + size))
     try:
@@ -73,25 +89,27 @@ def stiffer(
 
 
 def gap_as_it_was(
-    actuator: Actuator, voltage: float, *, start: Held | None = None, **how: Any
-) -> Held:
+    actuator: Actuator, voltage: float, *, start: ActuatorEquilibrium | None = None, **how: Any
+) -> ActuatorEquilibrium:
     """Charges and their forces are those of the slab at rest, however far its surface has moved."""
     network = actuator.network
-    electric = electrified(actuator, network.start, voltage)
+    electric = charge_actuator(actuator, network.start, voltage)
     force = np.array(network.force)
     force[electric.loaded] += electric.forces()
     found = equilibrium(replace(network, force=force), "nonlinear")
     balance = internal_force(network, found.position) + force
     left = float(np.abs(balance[~network.held]).max())
-    return Held(actuator, voltage, found.displacement, electric.charges, found.iterations, left)
+    return ActuatorEquilibrium(
+        actuator, voltage, found.displacement, electric.charges, found.iterations, left
+    )
 
 
-def springs_alone(held: Held, count: int = 1) -> tuple[Array, Array]:
+def springs_alone(held: ActuatorEquilibrium, count: int = 1) -> tuple[Array, Array]:
     """Modes of K_mech: at no voltage there is no K_elec."""
     return lowest_modes(replace(held, voltage=0.0), count)
 
 
-def half_softened(held: Held, count: int = 1) -> tuple[Array, Array]:
+def half_softened(held: ActuatorEquilibrium, count: int = 1) -> tuple[Array, Array]:
     """Modes of K_mech - ½K_elec: K_elec goes with the square of the voltage."""
     return lowest_modes(replace(held, voltage=held.voltage / np.sqrt(2)), count)
 
@@ -105,7 +123,10 @@ def linear_sheet(first: float, second: float) -> float:
     return along**2 + across**2 + (along + across) ** 2
 
 
-KINDS: dict[str, Callable[..., Held]] = {"electric force": stronger, "springs": stiffer}
+KINDS: dict[str, Callable[..., ActuatorEquilibrium]] = {
+    "electric force": stronger,
+    "springs": stiffer,
+}
 """What may be wrong by a part of itself."""
 SOFTER = partial(film.field, ratio=0.49)
 FAULTS = {
@@ -152,4 +173,4 @@ def run() -> Evidence:
 def pulled_in(way: PullInSolver) -> float:
     """Pull-in voltage (V) of the slab between walls."""
     actuator = sliding(sweep.WALLED_LAYERS)
-    return last_held(way, actuator, 1.05 * PULL_IN.voltage, bracket=sweep.BRACKET)[0].voltage
+    return last_equilibrium(way, actuator, 1.05 * PULL_IN.voltage, bracket=sweep.BRACKET)[0].voltage

@@ -57,7 +57,10 @@ def free_sheet(thinning: float, law: Law = neo_hookean) -> float:
 def field(
     energy: Callable[[float], float], capacitance: Callable[[float], float], x: float
 ) -> float:
-    """Nominal field over √(μ/ε) that holds x, from W' = ½Ẽ²g'; 0 where none does."""
+    """Nominal field over √(μ/ε) that holds x, from W' = ½Ẽ²g'; 0 where none does.
+
+    Source: the energy of [ZhaoSuo2007], differentiated.
+    """
     slopes = [(f(x + STEP) - f(x - STEP)) / (2 * STEP) for f in (energy, capacitance)]
     return float(np.sqrt(max(2 * slopes[0] / slopes[1], 0.0)))
 
@@ -78,11 +81,17 @@ def pull_in(
 
 
 def free_pull_in(law: Law = neo_hookean) -> Found:
-    """Of a sheet free to widen along both axes: g = thinning squared."""
+    """Of a sheet free to widen along both axes: g = thinning squared.
+
+    Source: [ZhaoSuo2007].
+    """
     thinning, nominal = pull_in(partial(free_sheet, law=law), lambda a: a**2, (1.01, 4.0))
     return Found(1 / thinning, nominal, nominal * thinning)
 
 
 def plane_field(thinning: float, law: Law = neo_hookean) -> float:
-    """Nominal field over √(μ/ε) that thins a sheet so much which may widen along one axis alone."""
+    """Nominal field over √(μ/ε) that thins a sheet so much which may widen along one axis alone.
+
+    Source: closed form derived here.
+    """
     return field(lambda a: law(a, 1.0), lambda a: a**2, thinning)

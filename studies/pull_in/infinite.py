@@ -102,7 +102,7 @@ def adjoint(matrix: Complex) -> Complex:
     return np.conj(np.swapaxes(matrix, 1, 2))
 
 
-def softest(part: float, layers: int, q: Array) -> Array:
+def softest_wave(part: float, layers: int, q: Array) -> Array:
     """Smallest eigenvalue (w,) in N/m of K_mech - K_elec for waves of wavenumbers q (1/m)."""
     columns = Columns(np.full(len(q), part), HEIGHT / layers, q)
     inside, top, link = blocks(columns)

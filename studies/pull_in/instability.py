@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.dielectric.actuator import uniform
-from msvalidate.judging.compare import fitted_power, worst
+from msvalidate.judging.compare import farthest_value, fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
@@ -113,8 +113,8 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     """Follow every branch on every mesh."""
     layers = QUICK_LAYERS if setting.quick else LAYERS
     cases = [(branch, count) for branch in FOLLOWED for count in layers]
-    found = setting.sweep(partial(followed, candidate), cases, "instabilities")
-    table = told(pd.DataFrame([row for row, _, _ in found]))
+    found = setting.sweep(partial(follow_branch, candidate), cases, "instabilities")
+    table = label_mesh_dependence(pd.DataFrame([row for row, _, _ in found]))
     kept = [shape for (_, _, shape), (_, count) in zip(found, cases, strict=True)
             if count == layers[SHOWN]]  # fmt: skip
     finer = QUICK_FINER if setting.quick else FINER
@@ -122,9 +122,11 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     power = fitted_power(flat["spacing_m"], flat["critical_over_pull_in"])
     values = (
         Observed(power.exponent, 0.5),
-        worst(table["left"], 0.0),
-        worst(inside["critical_over_pull_in"] / inside["critical_infinite"].astype(float), 1.0),
-        worst(inside["at_edge"], 0.0),
+        farthest_value(table["left"], 0.0),
+        farthest_value(
+            inside["critical_over_pull_in"] / inside["critical_infinite"].astype(float), 1.0
+        ),
+        farthest_value(inside["at_edge"], 0.0),
     )
     limits = pd.DataFrame([softest_wave(count) for count in finer])
     return Evidence(
@@ -148,13 +150,13 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     )
 
 
-def followed(
+def follow_branch(
     way: PullInSolver, case: tuple[str, int]
 ) -> tuple[dict[str, object], list[dict[str, object]], pd.DataFrame]:
     """A branch on a mesh: its row, eigenvalues on the way, and the mode at its end."""
     name, layers = case
     branch = FOLLOWED[name](way, layers)
-    wave = waved(branch, layers) if name == "inside" else dict.fromkeys(WAVED, "none")
+    wave = wave_of_film(branch, layers) if name == "inside" else dict.fromkeys(WAVED, "none")
     last = branch.last
     edge_moved = np.linalg.norm(last.displacement[last.actuator.electrodes[0][-1]])
     row = {
@@ -181,7 +183,7 @@ def followed(
     return row, rows, shape(name, layers, branch)
 
 
-def waved(branch: Branch, layers: int) -> dict[str, object]:
+def wave_of_film(branch: Branch, layers: int) -> dict[str, object]:
     """A mode's wavelength beside that of an infinite slab."""
     length, soft = branches.wavelength(branch.last, branch.mode), softest_wave(layers)
     values = (
@@ -196,7 +198,7 @@ def waved(branch: Branch, layers: int) -> dict[str, object]:
 def infinite_softest(layers: int, volts: float) -> float:
     """Lowest eigenvalue (N/m) over waves that fit between the ends, at a voltage (V)."""
     q = 2 * np.pi / wavelengths(layers)
-    return float(infinite.softest(min(closed(volts), 1 - 1e-12), layers, q).min())
+    return float(infinite.softest_wave(min(closed(volts), 1 - 1e-12), layers, q).min())
 
 
 def wavelengths(layers: int) -> Array:
@@ -248,17 +250,17 @@ def softest_wave(layers: int) -> dict[str, float]:
     }
 
 
-def told(table: pd.DataFrame) -> pd.DataFrame:
+def label_mesh_dependence(table: pd.DataFrame) -> pd.DataFrame:
     """The table with a column that says what is the mesh's."""
     names = {"voltage": "critical_over_pull_in", "wavelength": "mode_wavelength_over_h"}
     said = {}
     for branch, own in table.groupby("branch", sort=False):
-        changed = [name for name, column in names.items() if moved(own[column]) > CHANGED]
+        changed = [name for name, column in names.items() if relative_change(own[column]) > CHANGED]
         said[branch] = " and ".join(changed) or "nothing"
     return table.assign(mesh_dependent=table["branch"].map(said))
 
 
-def moved(values: pd.Series) -> float:
+def relative_change(values: pd.Series) -> float:
     """Part by which the last differs from the first; 0 where there are words."""
     first, last = values.iloc[0], values.iloc[-1]
     return 0.0 if isinstance(first, str) else abs(float(last) / float(first) - 1)
@@ -273,16 +275,19 @@ def findings(table: pd.DataFrame, limits: pd.DataFrame) -> tuple[str, ...]:
     ]
     finest, coarsest = limits.iloc[-1], limits.iloc[0]
     at_edges = (
-        f"The electrode's edge goes first, at {listed(edge['critical_over_pull_in'])} of the "
-        f"uniform pull-in voltage with {listed(edge['layers'])} layers. It is the mesh's: on the "
+        f"The electrode's edge goes first, at {list_numbers(edge['critical_over_pull_in'])} of the "
+        f"uniform pull-in voltage with {list_numbers(edge['layers'])} layers. It is the mesh's: on "
+        f"the "
         f"flat slab the voltage goes as the spacing to the power {powers[0]:.3f} (1/2 as cells "
-        f"shrink); followed, the edge moves by {listed(edge['edge_moved_over_spacing'])} spacings "
+        f"shrink); followed, the edge moves by {list_numbers(edge['edge_moved_over_spacing'])} "
+        f"spacings "
         f"before it gives way, and the power is {powers[1]:.3f}."
     )
     within = (
-        f"Inside, the slab goes at {listed(inside['critical_over_pull_in'])} of it "
-        f"({listed(inside['critical_infinite'])} in an infinite slab of these cells), in waves of "
-        f"{listed(inside['mode_wavelength_over_h'])} heights. Mesh-dependent: "
+        f"Inside, the slab goes at {list_numbers(inside['critical_over_pull_in'])} of it "
+        f"({list_numbers(inside['critical_infinite'])} in an infinite slab of these cells), in "
+        f"waves of "
+        f"{list_numbers(inside['mode_wavelength_over_h'])} heights. Mesh-dependent: "
         f"{inside['mesh_dependent'].iloc[0]}."
     )
     without_end = (
@@ -295,6 +300,6 @@ def findings(table: pd.DataFrame, limits: pd.DataFrame) -> tuple[str, ...]:
     return at_edges, within, without_end
 
 
-def listed(values: pd.Series) -> str:
+def list_numbers(values: pd.Series) -> str:
     """Numbers in a sentence."""
     return ", ".join(f"{float(value):.3g}" for value in values)

@@ -25,7 +25,7 @@ TITLES = {
 def softest(tables: Tables) -> Figure:
     """The lowest eigenvalue against the voltage, on each mesh and branch."""
     table = tables["softest"]
-    figure, axes = figures.new(3, size=(3.3, 3.3), sharey=True)
+    figure, axes = figures.new_figure(3, size=(3.3, 3.3), sharey=True)
     for axis, (branch, title) in zip(axes, TITLES.items(), strict=True):
         for place, (layers, own) in enumerate(table[table["branch"] == branch].groupby("layers")):
             style, rest = figures.numbered(place), own["softest"].iloc[0]
@@ -87,7 +87,7 @@ def _slab(axis: Axes, own: pd.DataFrame, layers: int) -> LineCollection:
 
 def waves(tables: Tables) -> Figure:
     """Thresholds of waves of infinite slabs, and the wavelength that goes first on each mesh."""
-    figure, (threshold, length) = figures.new(2, size=(4.2, 4.1))
+    figure, (threshold, length) = figures.new_figure(2, size=(4.2, 4.1))
     table, limits = tables["waves"], tables["waves_softest"]
     inside = tables["instability"][tables["instability"]["branch"] == "inside"]
     for place, (layers, own) in enumerate(table.groupby("layers")):
@@ -107,5 +107,5 @@ def waves(tables: Tables) -> Figure:
     length.semilogx(inside["layers"], heights, ls="", label="slab: its mode", **style)
     length.set_xlabel("cells up the slab's height (1)")
     length.set_ylabel("height over the wavelength that goes first (1)")
-    figures.shared_legend(figure, [threshold, length], 4)
+    figures.add_shared_legend(figure, [threshold, length], 4)
     return figure

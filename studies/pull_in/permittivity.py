@@ -16,7 +16,7 @@ from dataclasses import replace
 import pandas as pd
 
 from msvalidate.dielectric.actuator import uniform
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from reference_fem.actuator import SoftSlab, equilibrium_at
@@ -82,7 +82,7 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     )
     top = uniform.pull_in(height=HEIGHT, axial=AXIAL, diagonal=DIAGONAL, permittivity=OTHER)
     values = (
-        worst(table["thickness"], table["thickness_scaled"]),
+        farthest_value(table["thickness"], table["thickness_scaled"]),
         Observed(top.voltage * OTHER**0.5 / PULL_IN.voltage, 1.0),
     )
     return Evidence(

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.lattice import square
 from msvalidate.problem import Anisotropic, Box, Problem, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
@@ -50,7 +50,7 @@ def springs(pressure: float, diagonal: float = DIAGONAL) -> float:
     sides = tuple(Support(box.side(name), (0.0, None)) for name in ("left", "right"))
     problem = Problem(
         box,
-        Anisotropic(network_tensor(grid, (AXIAL, DIAGONAL), "shared")),
+        Anisotropic(interior_tensor(grid, (AXIAL, DIAGONAL), "shared")),
         (Support(box.side("bottom"), (0.0, 0.0)), *sides),
         (Traction(box.side("top"), (0.0, -pressure)),),
         name="column of the slab",

@@ -24,12 +24,12 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 
-from msvalidate.dielectric.actuator import Held, uniform
+from msvalidate.dielectric.actuator import ActuatorEquilibrium, uniform
 from msvalidate.dielectric.actuator import sweep as raised
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
-from reference_fem.actuator import SoftSlab, equilibrium_at, turning
+from reference_fem.actuator import SoftSlab, equilibrium_at, turning_point
 from reference_fem.electric import facing_slab
 from reference_fem.large_strain import square_fibres
 
@@ -37,7 +37,7 @@ from . import branches, pressed, slab
 from .branches import closed
 from .slab import AXIAL, DIAGONAL, HEIGHT, LENGTH, PERMITTIVITY, PULL_IN
 from .sweep_drawing import draw
-from .way import PullInSolver, bonded, last_held, middle, sliding
+from .way import PullInSolver, bonded, last_equilibrium, middle, sliding
 
 PARTS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.96, 0.99, 0.999)
 """Voltages of the slab between walls, over the pull-in voltage."""
@@ -112,8 +112,8 @@ COLUMNS = {
 
 def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     """Sweep the voltage of both slabs."""
-    table = walled(candidate)
-    ends = pulled_in(candidate)
+    table = sweep_between_walls(candidate)
+    ends = pull_in_voltage(candidate)
     layers = QUICK_LAYERS if setting.quick else LAYERS
     found = setting.sweep(partial(bonded_slab, candidate), layers, "voltages")
     long = pd.DataFrame([row for rows in found for row in rows])
@@ -122,12 +122,14 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     free = long[long["body"] == "as it is"].groupby("length_over_h")
     added = free["squeeze_over_outer"].first() - 1
     values = (
-        worst(table["thickness"], table["thickness_exact"]),
-        worst(ends["pull_in_voltage"] / PULL_IN.voltage, 1.0),
-        worst(ends["pull_in_thickness"], PULL_IN.thickness),
-        worst(long["squeeze_over_outer"], 1.0),
+        farthest_value(table["thickness"], table["thickness_exact"]),
+        farthest_value(ends["pull_in_voltage"] / PULL_IN.voltage, 1.0),
+        farthest_value(ends["pull_in_thickness"], PULL_IN.thickness),
+        farthest_value(long["squeeze_over_outer"], 1.0),
         Observed(added.iloc[1] / added.iloc[0], float(np.exp(-DECAY * (LONG - LENGTH) / 2))),
-        worst((1 - told["thickness"]) / (1 - told["thickness_elements"].astype(float)), 1.0),
+        farthest_value(
+            (1 - told["thickness"]) / (1 - told["thickness_elements"].astype(float)), 1.0
+        ),
     )
     return Evidence(
         tables={"between_walls": table, "pull_in": ends, "bonded": long, "sweep_cost": costs},
@@ -142,7 +144,7 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
     )
 
 
-def walled(way: PullInSolver) -> pd.DataFrame:
+def sweep_between_walls(way: PullInSolver) -> pd.DataFrame:
     """The slab between walls, voltage by voltage."""
     actuator, plates = sliding(WALLED_LAYERS), between_plates()
     rows, held, soft = [], None, None
@@ -170,12 +172,14 @@ def between_plates() -> SoftSlab:
     return SoftSlab(question, law, layers=2, around="plates", element="Q1")
 
 
-def pulled_in(way: PullInSolver) -> pd.DataFrame:
+def pull_in_voltage(way: PullInSolver) -> pd.DataFrame:
     """Pull-in by every route."""
     near = way.at_voltage(sliding(WALLED_LAYERS), 0.95 * PULL_IN.voltage)
-    held, _ = last_held(way, near.actuator, 1.05 * PULL_IN.voltage, start=near, bracket=BRACKET)
+    held, _ = last_equilibrium(
+        way, near.actuator, 1.05 * PULL_IN.voltage, start=near, bracket=BRACKET
+    )
     plates = between_plates()
-    top = turning(plates, equilibrium_at(plates, 0.95 * PULL_IN.voltage))
+    top = turning_point(plates, equilibrium_at(plates, 0.95 * PULL_IN.voltage))
     charged = pressed.pull_in(pressed.springs)
     routes = {
         "springs, voltage by voltage": (held.voltage, middle(held)),
@@ -211,7 +215,7 @@ def bonded_slab(way: PullInSolver, layers: int) -> list[dict[str, object]]:
     return rows
 
 
-def bonded_row(body: str, layers: int, held: Held) -> dict[str, object]:
+def bonded_row(body: str, layers: int, held: ActuatorEquilibrium) -> dict[str, object]:
     """What a bonded slab shows in its middle."""
     length = float(np.ptp(held.actuator.network.points[:, 0]))
     less = outer(held.voltage, length)
@@ -259,7 +263,7 @@ def cost(layers: int) -> dict[str, object]:
         "segments": sum(len(line) - 1 for line in actuator.electrodes),
         "steps": STEPS,
         "voltage_over_pull_in": found.last.voltage / PULL_IN.voltage,
-        "iterations": sum(held.iterations for held in found.held),
+        "iterations": sum(held.iterations for held in found.equilibria),
         "sweep_seconds": perf_counter() - start,
     }
 

@@ -18,7 +18,7 @@ from .slab import HEIGHT, PULL_IN
 
 def draw(tables: Tables) -> Figure:
     """Thickness against voltage, and how it comes to pull-in."""
-    figure, (whole, near) = figures.new(2, size=(4.3, 3.5))
+    figure, (whole, near) = figures.new_figure(2, size=(4.3, 3.5))
     parts = np.linspace(0.45, 0.9999, 300)
     volts = np.array([uniform.voltage(part, height=HEIGHT) for part in parts])
     stable = parts >= PULL_IN.thickness

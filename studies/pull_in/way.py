@@ -8,7 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from msvalidate.dielectric.actuator import Actuator, Held, PulledIn, at_voltage, lowest_modes, slab
+from msvalidate.dielectric.actuator import (
+    Actuator,
+    ActuatorEquilibrium,
+    PulledIn,
+    at_voltage,
+    lowest_modes,
+    slab,
+)
 from msvalidate.problem import Array
 
 from . import film, homogeneous, pressed
@@ -42,7 +49,8 @@ class PullInSolver(NamedTuple):
     Parameters
     ----------
     at_voltage
-        (actuator, voltage, start=, bracket=) -> `Held`: stable rest at a voltage (V), walked to
+        (actuator, voltage, start=, bracket=) -> `ActuatorEquilibrium`: stable rest at a voltage
+        (V), walked to
         from an equilibrium; raises `PulledIn` where there is none.
     modes
         (held, count) -> eigenvalues (count,) in N/m and shapes (count, n, 2) of K_mech - K_elec.
@@ -50,7 +58,7 @@ class PullInSolver(NamedTuple):
         Of the films that are computed beside closed forms.
     """
 
-    at_voltage: Callable[..., Held] = at_voltage
+    at_voltage: Callable[..., ActuatorEquilibrium] = at_voltage
     modes: Callable[..., tuple[Array, Array]] = lowest_modes
     laws: Laws = Laws()
 
@@ -78,14 +86,14 @@ def bonded(layers: int, length: float = LENGTH) -> Actuator:
     return slab(length, HEIGHT, layers, axial=AXIAL, diagonal=DIAGONAL, permittivity=PERMITTIVITY)
 
 
-def last_held(
+def last_equilibrium(
     way: PullInSolver,
     actuator: Actuator,
     beyond: float,
     *,
-    start: Held | None = None,
+    start: ActuatorEquilibrium | None = None,
     bracket: float,
-) -> tuple[Held, float]:
+) -> tuple[ActuatorEquilibrium, float]:
     """The last equilibrium on the way to a voltage (V), and one a small step on that is not held.
 
     Where all are held, that at `beyond` and `beyond`.
@@ -96,7 +104,7 @@ def last_held(
         return error.last, error.beyond
 
 
-def middle(held: Held) -> float:
+def middle(held: ActuatorEquilibrium) -> float:
     """Thickness in the middle of the top electrode, over that at no voltage (1)."""
     top = held.actuator.electrodes[0]
     height = held.actuator.network.start[top, 1]

@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.dielectric.actuator import uniform
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 
@@ -98,7 +98,7 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
         }
         for kappa in (QUICK_WAVES if setting.quick else WAVES)
     )
-    table = pd.DataFrame([*thinned(laws), *sheets(laws), *bonded(waves.iloc[-1])])
+    table = pd.DataFrame([*thin_films(laws), *sheets(laws), *bonded(waves.iloc[-1])])
     sharp = table[table["computed_by"].str.contains("springs|elements with|minimised")]
     ratios = [
         float(row[f"{name}_found"]) / float(row[f"{name}_theory"])
@@ -107,9 +107,9 @@ def run(candidate: PullInSolver, setting: Setting) -> Evidence:
         if isinstance(row[f"{name}_theory"], float) and isinstance(row[f"{name}_found"], float)
     ]
     values = (
-        worst(ratios, 1.0),
-        worst(plane["field_found"] / plane["field_theory"], 1.0),
-        worst(waves["field_found"] / waves["field_theory"], 1.0),
+        farthest_value(ratios, 1.0),
+        farthest_value(plane["field_found"] / plane["field_theory"], 1.0),
+        farthest_value(waves["field_found"] / waves["field_theory"], 1.0),
     )
     return Evidence(
         tables={"which": table, "sheet_in_plane_strain": plane, "waves_of_a_film": waves},
@@ -140,7 +140,7 @@ def fields(thickness: float, voltage: float, unit: float) -> tuple[float, float,
     return thickness, nominal, nominal / thickness
 
 
-def thinned(laws: Laws) -> list[dict[str, object]]:
+def thin_films(laws: Laws) -> list[dict[str, object]]:
     """Films whose area is held, pressed charge by charge."""
     modulus = float(np.sqrt(slab.AXIAL / slab.PERMITTIVITY))
     line = uniform.linear_stress_pull_in(slab.AXIAL, slab.HEIGHT, slab.PERMITTIVITY)

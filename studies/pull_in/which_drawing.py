@@ -16,7 +16,7 @@ from . import slab
 
 def draw(tables: Tables) -> Figure:
     """Voltages that hold a thickness, and fields that let a wave grow."""
-    figure, (thin, wave) = figures.new(2, size=(4.4, 3.5))
+    figure, (thin, wave) = figures.new_figure(2, size=(4.4, 3.5))
     parts = np.linspace(0.35, 0.9999, 200)
     net = [uniform.voltage(part) / slab.HEIGHT / slab.NATURAL for part in parts]
     wide = parts**-0.5

@@ -24,8 +24,8 @@ from dataclasses import replace
 from functools import partial
 
 from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
-from msvalidate.judging.candidate import named
-from msvalidate.judging.evidence import Evidence, answers
+from msvalidate.judging.candidate import check_table
+from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import Setting
 
 from . import (
@@ -94,6 +94,6 @@ def run(
 ) -> Evidence:
     """All questions, or those named, for one table of schemes."""
     setting = setting or Setting()
-    candidate = named(candidate, Integrator, {})
+    candidate = check_table(candidate, Integrator, {})
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
-    return answers(asked | {"controls": partial(controls.run, setting)}, questions)
+    return gather_evidence(asked | {"controls": partial(controls.run, setting)}, questions)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.dynamics.integrators import Integrator, Moving
+from msvalidate.dynamics.integrators import Integrator, MotionState
 from msvalidate.problem import Array, Mask
 
 from .networks import Linear
@@ -78,7 +78,7 @@ def grows(scheme: Integrator, body: Linear, h: Array, c: Array, chunks: int, see
     growing = np.zeros(len(h), dtype=bool)
     running = np.arange(len(h))
     x = np.repeat(body.start(seed), len(h), axis=1)
-    now = Moving(x, np.zeros_like(x), body.acceleration(x))
+    now = MotionState(x, np.zeros_like(x), body.acceleration(x))
     peaks = np.zeros((chunks, len(h)))
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows has grown
         for chunk in range(chunks):
@@ -91,7 +91,7 @@ def grows(scheme: Integrator, body: Linear, h: Array, c: Array, chunks: int, see
             if not len(running):
                 return growing
             if not keep.all():
-                now = Moving(*(value[:, keep] for value in now))
+                now = MotionState(*(value[:, keep] for value in now))
     middle, late = (slice(int(a * chunks), int(b * chunks)) for a, b in ((0.4, 0.6), (0.8, 1.0)))
     enough = np.where(c > 0, GROWN, GROWN_UNDAMPED)
     risen = peaks[late].max(axis=0) > enough * peaks[middle].max(axis=0)
@@ -100,8 +100,8 @@ def grows(scheme: Integrator, body: Linear, h: Array, c: Array, chunks: int, see
 
 
 def _peak(
-    scheme: Integrator, body: Linear, now: Moving, h: Array, c: Array
-) -> tuple[Moving, Array]:
+    scheme: Integrator, body: Linear, now: MotionState, h: Array, c: Array
+) -> tuple[MotionState, Array]:
     """State after a chunk of steps, and the largest energy (J) on the way, a column."""
     peak = np.zeros(len(h))
     for _ in range(CHUNK // 2):
@@ -112,7 +112,7 @@ def _peak(
     return now, peak
 
 
-def energy(body: Linear, now: Moving) -> Array:
+def energy(body: Linear, now: MotionState) -> Array:
     """Kinetic and elastic energy (columns,) in J."""
     # a = -K x / m, so that x·K x needs no product of its own.
     return np.asarray(0.5 * (body.inertia @ (now.v**2 - now.x * now.a)))

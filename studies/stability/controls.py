@@ -20,8 +20,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.dynamics.integrators import INTEGRATORS, Acceleration, Integrator, Moving, Step
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.dynamics.integrators import INTEGRATORS, Acceleration, Integrator, MotionState, Step
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
@@ -48,18 +48,23 @@ COLUMNS = {
 
 
 def weak_kick(
-    size: float, acceleration: Acceleration, now: Moving, h: float, c: Array | float
-) -> Moving:
+    size: float, acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
     """Velocity Verlet whose second half kick lacks the part `size`."""
     half = now.v + 0.5 * h * (now.a - c * now.v)
     x = now.x + h * half
     a = acceleration(x)
-    return Moving(x, half + (1 - size) * 0.5 * h * (a - c * half), a)
+    return MotionState(x, half + (1 - size) * 0.5 * h * (a - c * half), a)
 
 
 def weak_damping(
-    step: Step, size: float, acceleration: Acceleration, now: Moving, h: float, c: Array | float
-) -> Moving:
+    step: Step,
+    size: float,
+    acceleration: Acceleration,
+    now: MotionState,
+    h: float,
+    c: Array | float,
+) -> MotionState:
     """A step whose damping lacks the part `size`."""
     return step(acceleration, now, h, (1 - size) * c)
 
@@ -75,7 +80,7 @@ def with_weak_damping(name: str, size: float) -> Integrator:
     return replace(scheme, step=partial(weak_damping, scheme.step, size))
 
 
-def leading(scheme: Integrator) -> float:
+def leading_error(scheme: Integrator) -> float:
     """Error of Verlet's leading term, over its tolerance."""
     steps = cost.JUDGED
     power, coefficient = cost.LEADING[scheme.name]
@@ -86,15 +91,15 @@ def leading(scheme: Integrator) -> float:
 def damped_order(scheme: Integrator) -> float:
     """Error of the order under damping, over its tolerance."""
     ratio, steps = order.RATIOS[1], np.array(order.QUICK_STEPS)
-    exact = order.swung(1.0, ratio)
+    exact = order.exact_swing(1.0, ratio)
     errors = [oscillator.swing(scheme, int(n), order.ANGLE, ratio) - exact for n in steps]
     expected = order.on_paper(scheme.name, ratio, steps)
-    limit = order.within(scheme.name, ratio, steps)
+    limit = order.order_uncertainty(scheme.name, ratio, steps)
     return abs(observed_order(order.ANGLE / steps, errors) - expected) / limit
 
 
 FAULTS: dict[str, tuple[Callable[[float], Integrator], Callable[[Integrator], float], str]] = {
-    "velocity Verlet's second kick": (with_weak_kick, leading, "leading term of the error"),
+    "velocity Verlet's second kick": (with_weak_kick, leading_error, "leading term of the error"),
     "Euler-Cromer's damping": (
         partial(with_weak_damping, "euler_cromer"),
         damped_order,
@@ -116,7 +121,7 @@ def run(setting: Setting | None = None) -> Evidence:
     said = ", ".join(f"{row.fault} by {row.smallest_noticed:.1g}" for row in table.itertuples())
     return Evidence(
         tables={"resolution": table},
-        observed={TOLERANCES[0].quantity: worst(table["smallest_noticed"], 0.0)},
+        observed={TOLERANCES[0].quantity: farthest_value(table["smallest_noticed"], 0.0)},
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=(f"Smallest faults that this study notices, as parts: {said}.",),

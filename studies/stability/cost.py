@@ -19,7 +19,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -99,14 +99,16 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     numbers = QUICK_EVALUATIONS if setting.quick else EVALUATIONS
     schemes = common.chosen(candidate)
     cases = list(product(schemes.items(), numbers))
-    table = pd.DataFrame(setting.sweep(measured, cases, "cost"))
-    needed = pd.DataFrame([need(table, name, w) for name, w in product(schemes, WANTED)])
+    table = pd.DataFrame(setting.sweep(measure, cases, "cost"))
+    needed = pd.DataFrame(
+        [evaluations_needed(table, name, w) for name, w in product(schemes, WANTED)]
+    )
     finest = table[table["evaluations"] == JUDGED].set_index("scheme")
     ratio = finest["error"] / finest["leading"]
     return Evidence(
         tables={"cost": table, "cost_needed": needed},
         observed={
-            t.quantity: worst(ratio[name], 1.0)
+            t.quantity: farthest_value(ratio[name], 1.0)
             for t, name in zip(TOLERANCES, common.REPORTED, strict=True)
         },
         tolerances=TOLERANCES,
@@ -117,7 +119,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     )
 
 
-def measured(case: tuple[tuple[str, Integrator], int]) -> dict[str, object]:
+def measure(case: tuple[tuple[str, Integrator], int]) -> dict[str, object]:
     """Row of one scheme at one number of evaluations."""
     (name, scheme), steps = case
     power, coefficient = LEADING[name]
@@ -130,7 +132,7 @@ def measured(case: tuple[tuple[str, Integrator], int]) -> dict[str, object]:
     }
 
 
-def need(table: pd.DataFrame, name: str, wanted: float) -> dict[str, object]:
+def evaluations_needed(table: pd.DataFrame, name: str, wanted: float) -> dict[str, object]:
     """Row of a scheme and an error that is wanted."""
     rows = table[table["scheme"] == name]
     error = np.log(rows["error"].to_numpy())
@@ -165,7 +167,7 @@ def finding(needed: pd.DataFrame, wanted: float) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Error against evaluations, with the leading terms."""
-    figure, (axis,) = figures.new(size=(4.8, 3.8))
+    figure, (axis,) = figures.new_figure(size=(4.8, 3.8))
     for name, rows in tables["cost"].groupby("scheme", sort=False):
         scheme = str(name)
         axis.loglog(
@@ -185,5 +187,5 @@ def draw(tables: Tables) -> Figure:
     axis.set(xlabel="force evaluations for 20 rad", ylabel="error over amplitude (1)")
     axis.set_ylim(1e-8, 10)
     axis.set_xticks([100, 1000, 10000, 100000], ["100", "1000", "10000", "100000"])
-    figures.shared_legend(figure, [axis], columns=3)
+    figures.add_shared_legend(figure, [axis], columns=3)
     return figure

@@ -122,7 +122,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     fluctuation = pd.DataFrame(
         [fluctuation_row(name, schemes[name], steps) for name in KEPT for steps in FINENESS]
     )
-    powers = pd.DataFrame([fitted(name, fluctuation) for name in KEPT])
+    powers = pd.DataFrame([fit_powers(name, fluctuation) for name in KEPT])
     areas = pd.DataFrame([area(name, scheme) for name, scheme in candidate.items()])
     drifts = table.set_index("scheme")["drift"]
     euler = table[table["scheme"] == "explicit_euler"].iloc[0]
@@ -136,8 +136,10 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     return Evidence(
         tables={
             "drift": table,
-            "energy": pd.concat([shown(name, mean) for name, mean in means.items()]),
-            "energy_in_a_period": pd.concat([within(name, s) for name, s in schemes.items()]),
+            "energy": pd.concat([energy_lines(name, mean) for name, mean in means.items()]),
+            "energy_in_a_period": pd.concat(
+                [energy_in_period(name, s) for name, s in schemes.items()]
+            ),
             "fluctuation": fluctuation,
             "fluctuation_powers": powers,
             "areas": areas,
@@ -188,14 +190,14 @@ def drift_row(name: str, means: Array) -> dict[str, object]:
     }
 
 
-def shown(name: str, means: Array) -> pd.DataFrame:
+def energy_lines(name: str, means: Array) -> pd.DataFrame:
     """Lines of the figure: change of the mean energy, some periods of many."""
     at = np.unique(np.geomspace(1, len(means), SHOWN).round().astype(int)) - 1
     change = means[at] / means[0] - 1
     return pd.DataFrame({"scheme": name, "period": at + 1, "energy_change": change})
 
 
-def within(name: str, scheme: Integrator) -> pd.DataFrame:
+def energy_in_period(name: str, scheme: Integrator) -> pd.DataFrame:
     """Energy step by step through the first period."""
     energy = energies(scheme, STEPS_A_PERIOD, 1)[0]
     change = {"step": np.arange(len(energy)), "energy_over_first": energy / energy[0]}
@@ -213,7 +215,7 @@ def fluctuation_row(name: str, scheme: Integrator, steps: int) -> dict[str, obje
     }
 
 
-def fitted(name: str, fluctuation: pd.DataFrame) -> dict[str, object]:
+def fit_powers(name: str, fluctuation: pd.DataFrame) -> dict[str, object]:
     """Row of the fitted exponents."""
     rows = fluctuation[fluctuation["scheme"] == name]
     power = fitted_power(rows["h_omega"], rows["fluctuation"])
@@ -259,7 +261,7 @@ def finding(table: pd.DataFrame, powers: pd.DataFrame) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Mean energy against time, energy within a period, and its fluctuation against the step."""
-    figure, (mean, inside, falls) = figures.new(3, size=(3.4, 3.0))
+    figure, (mean, inside, falls) = figures.new_figure(3, size=(3.4, 3.0))
     for axis, name, x, y in (
         (mean, "energy", "period", "energy_change"),
         (inside, "energy_in_a_period", "step", "energy_over_first"),
@@ -283,5 +285,5 @@ def draw(tables: Tables) -> Figure:
     ticks = sorted(set(tables["fluctuation"]["h_omega"]))
     falls.set_xticks(ticks, [f"{tick:.2g}" for tick in ticks])
     falls.set(xlabel="h·ω (rad)", ylabel="fluctuation of the energy (1)", title="against the step")
-    figures.shared_legend(figure, [mean])
+    figures.add_shared_legend(figure, [mean])
     return figure

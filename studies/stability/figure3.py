@@ -84,7 +84,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     schemes = common.chosen(candidate)
     parts = QUICK_PARTS if setting.quick else PARTS
     cases = list(product(parts, schemes.items()))
-    block = pulled()
+    block = pulled_block()
     fine = displacement(block, INTEGRATORS["velocity_verlet"], FINE)[:2]
     found = setting.sweep(partial(curve, block, fine), cases, "Figure 3")
     table = pd.DataFrame([row for row, _ in found])
@@ -108,7 +108,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     )
 
 
-class Pulled(NamedTuple):
+class PulledBlock(NamedTuple):
     """What is run, and which particle of it is followed.
 
     `period` (s) is that of the lowest mode, `damping` in 1/s, `at_rest` (m) the largest
@@ -126,29 +126,29 @@ class Pulled(NamedTuple):
         return stability_limit(scheme, *extreme_frequencies(self.network), self.damping)
 
 
-def pulled() -> Pulled:
+def pulled_block() -> PulledBlock:
     """The report's block, with the middle particle of the side that is pulled."""
     _, network = runs.block(TRACTION)
     lowest, _ = extreme_frequencies(network)
     at_rest = float(np.abs(equilibrium(network).displacement).max())
     right = np.flatnonzero(network.points[:, 0] == network.points[:, 0].max())
     middle = int(right[len(right) // 2])
-    return Pulled(network, 2 * np.pi / lowest, 2 * DAMPING * lowest, at_rest, middle)
+    return PulledBlock(network, 2 * np.pi / lowest, 2 * DAMPING * lowest, at_rest, middle)
 
 
-def displacement(block: Pulled, scheme: Integrator, part: float) -> tuple[Array, Array, int]:
+def displacement(block: PulledBlock, scheme: Integrator, part: float) -> tuple[Array, Array, int]:
     """Times in periods and displacements (m) of the particle; the step that leaves, or 0."""
     dt = part * block.limit(INTEGRATORS["euler_cromer"])
     steps = int(PERIODS * block.period / dt)
     reach = REACH * block.at_rest
-    found = runs.released(block.network, scheme, dt, steps, block.damping, reach)
+    found = runs.release_network(block.network, scheme, dt, steps, block.damping, reach)
     x = found.positions[:, block.particle, 0] - block.network.points[block.particle, 0]
     time = np.arange(len(x)) * (dt / block.period)
     return np.asarray(time), np.asarray(x), found.left
 
 
 def curve(
-    block: Pulled, fine: tuple[Array, Array], case: tuple[float, tuple[str, Integrator]]
+    block: PulledBlock, fine: tuple[Array, Array], case: tuple[float, tuple[str, Integrator]]
 ) -> tuple[dict[str, object], pd.DataFrame]:
     """Row of a scheme at a step, and its curve; `fine` is the reference's."""
     part, (name, scheme) = case
@@ -217,7 +217,7 @@ def finding(table: pd.DataFrame, apart: float) -> str:
 def draw(tables: Tables) -> Figure:
     """The report's Figure 3 redrawn: one particle under all schemes, below and above the limit."""
     curves = tables["figure3_curves"]
-    figure, axes = figures.new(2, size=(4.4, 3.2), sharey=True)
+    figure, axes = figures.new_figure(2, size=(4.4, 3.2), sharey=True)
     top = 1.5 * curves[curves["scheme"].isin(OTHERS)]["x"].abs().quantile(0.98)
     for axis, part in zip(axes, DRAWN, strict=True):
         for name, line in curves[curves["step_over_limit"] == part].groupby("scheme", sort=False):
@@ -236,5 +236,5 @@ def draw(tables: Tables) -> Figure:
         axis.set(xlabel="time (periods of the lowest mode)", ylim=(-0.3 * top, top))
         axis.set_title(f"step {part:g} of Euler-Cromer's limit")
     axes[0].set_ylabel("displacement x of a particle (m)")
-    figures.shared_legend(figure, axes)
+    figures.add_shared_legend(figure, axes)
     return figure

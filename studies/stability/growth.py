@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from msvalidate.dynamics.integrators import INTEGRATORS, Integrator, Moving
-from msvalidate.judging.compare import worst
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator, MotionState
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
@@ -70,7 +70,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     table = pd.DataFrame(rows)
     claimed = max(scheme.limit(0.0) for scheme in schemes.values())
     values = (
-        worst(table["growth_measured"] / table["growth_predicted"], 1.0),
+        farthest_value(table["growth_measured"] / table["growth_predicted"], 1.0),
         Observed(claimed if (table["growth_measured"] > 0).all() else np.nan),
     )
     return Evidence(
@@ -86,7 +86,7 @@ def growth_factors(scheme: Integrator, sizes: Array) -> Array:
     """Factors (n,) by which the amplitude of an undamped oscillator grows in a step of h·ω (n,)."""
     body = linear(OSCILLATOR)
     x = np.ones((1, len(sizes)))
-    now = Moving(x, np.zeros_like(x), body.acceleration(x))
+    now = MotionState(x, np.zeros_like(x), body.acceleration(x))
     history = [energy(body, now)]
     for _ in range(STEPS):
         now = scheme.step(body.acceleration, now, sizes, 0.0)  # type: ignore[arg-type]

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from msvalidate.dynamics.integrators import INTEGRATORS, Integrator, stability_limit
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -81,7 +81,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     return Evidence(
         tables={"limits": table, "limit_curves": curves(candidate)},
         observed={
-            quantity(name): worst(1 + table["limit_error"][table["scheme"] == name], 1.0)
+            quantity(name): farthest_value(1 + table["limit_error"][table["scheme"] == name], 1.0)
             for name in candidate
         },
         tolerances=tuple(Tolerance(quantity(name), LIMIT, "1", because) for name in candidate),
@@ -173,7 +173,7 @@ def draw(tables: Tables) -> Figure:
     """Stability atlas: the largest stable step against the damping ratio, a panel a scheme."""
     table, closed = tables["limits"], tables["limit_curves"]
     names = list(dict.fromkeys(table["scheme"]))
-    figure, axes = figures.new(4, -(-(len(names) + 1) // 4), size=(2.9, 2.6))
+    figure, axes = figures.new_figure(4, -(-(len(names) + 1) // 4), size=(2.9, 2.6))
     for axis, name in zip(axes, names, strict=False):
         rows = table[table["scheme"] == name]
         _curve(axis, closed, name, "black", "closed form, one oscillator")
@@ -194,7 +194,7 @@ def draw(tables: Tables) -> Figure:
         axis.set(xlabel="damping ratio ζ = c/(2ω) (1)", ylabel="largest h·ω (rad)", ylim=(0, 4.2))
     for axis in unused:
         figure.delaxes(axis)
-    figures.shared_legend(figure, axes[: len(names)], columns=5)
+    figures.add_shared_legend(figure, axes[: len(names)], columns=5)
     return figure
 
 

@@ -72,7 +72,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
             "compared_with": "explicit Euler, step for step",
             "damping_ratio": ratio,
             "steps": STEPS,
-            "difference": apart(euler, printed, ratio),
+            "difference": distance_between_motions(euler, printed, ratio),
             "difference_expected": 0.0,
         }
         for ratio in RATIOS
@@ -109,7 +109,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     )
 
 
-def apart(one: Integrator, other: Integrator, ratio: float) -> float:
+def distance_between_motions(one: Integrator, other: Integrator, ratio: float) -> float:
     """Largest distance between two schemes' motions of a network, over the largest displacement."""
     body = Body("square", 6)
     _, network = clamped(body, REPORTED, weights="equal")

@@ -15,7 +15,7 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import eigsh
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.lattice import Lattice, square, triangular, zigzag_block
 from msvalidate.network import Network, tangent
@@ -116,7 +116,7 @@ def clamped(
     width = domain.span[0][1]
     problem = Problem(
         domain,
-        Anisotropic(network_tensor(grid, k, "shared")),
+        Anisotropic(interior_tensor(grid, k, "shared")),
         (Support(Segment((0.0, 1.0), (0.0, 0.0)), (0.0, 0.0)),),
         (Traction(Segment((width, 0.0), (width, 1.0)), traction),) if any(traction) else (),
         name=f"{body.lattice}, clamped on the left",

@@ -2,7 +2,7 @@
 
 Question   Order of accuracy of each scheme on a smooth motion, without and with damping.
 Candidate  `integrate.motion` on a network of 6 x 6 points that swings in its lowest mode, so little
-           that it is linear; leapfrog starts from `staggered`.
+           that it is linear; leapfrog starts from `stagger_velocity`.
 Reference  The mode's motion in closed form, and each scheme's step as a matrix on paper, whose
            powers say what order is to be seen over these very steps. As printed, Verlet follows
            half of all forces: see `misprints`.
@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.dynamics.integrate import State, motion, staggered
+from msvalidate.dynamics.integrate import State, motion, stagger_velocity
 from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
 from msvalidate.judging.compare import fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
@@ -117,12 +117,12 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     cases = list(product(candidate.items(), RATIOS))
     found = setting.sweep(partial(errors, numbers), cases, "orders")
     table = pd.DataFrame([row for rows in found for row in rows])
-    orders = pd.DataFrame([fitted(name, ratio, table, candidate) for (name, _), ratio in cases])
+    orders = pd.DataFrame([fit_orders(name, ratio, table, candidate) for (name, _), ratio in cases])
     judged, tolerances = {}, []
     for row in orders.to_dict("records"):
         name = quantity(row["scheme"], row["damping_ratio"])
         judged[name] = Observed(row["order"], row["order_on_paper"])
-        limit = within(row["scheme"], row["damping_ratio"], np.array(numbers))
+        limit = order_uncertainty(row["scheme"], row["damping_ratio"], np.array(numbers))
         tolerances.append(Tolerance(name, limit, "1", BECAUSE))
     return Evidence(
         tables={"errors": table, "orders": orders},
@@ -141,7 +141,7 @@ def errors(
     """Rows of one scheme at one damping ratio."""
     (name, scheme), ratio = case
     share = 0.5 if name == "verlet_as_printed" else 1.0
-    exact, moving = swung(share, ratio), lowest_mode()
+    exact, moving = exact_swing(share, ratio), lowest_mode()
     return [
         {
             "scheme": name,
@@ -155,8 +155,11 @@ def errors(
     ]
 
 
-def swung(share: float, ratio: float) -> float:
-    """Exact motion from 1 at rest, under a share of all forces, viscous too: 2 rad later."""
+def exact_swing(share: float, ratio: float) -> float:
+    """Exact motion from 1 at rest, under a share of all forces, viscous too: 2 rad later.
+
+    Source: free vibration of one degree of freedom, [Rayleigh1877].
+    """
     # Roots of s² + 2·decay·s + share, in units of ω.
     decay = share * ratio
     root = np.sqrt(share - decay**2)
@@ -188,13 +191,13 @@ def swing(moving: Mode, scheme: Integrator, steps: int, ratio: float = 0.0) -> f
     dt, damping = ANGLE / steps / omega, 2 * ratio * omega
     state = State(network.points + AMPLITUDE * shape, np.zeros_like(shape))
     if scheme.staggered:
-        state = staggered(network, state, dt, damping)
+        state = stagger_velocity(network, state, dt, damping)
     end = motion(network, state, scheme, dt, steps, damping, warn=False)
     moved = (end.position - network.points) / AMPLITUDE
     return float((moved * shape).sum() / (shape**2).sum())
 
 
-def fitted(name: str, ratio: float, table: pd.DataFrame, schemes: Schemes) -> dict[str, object]:
+def fit_orders(name: str, ratio: float, table: pd.DataFrame, schemes: Schemes) -> dict[str, object]:
     """Row of orders."""
     rows = table[(table["scheme"] == name) & (table["damping_ratio"] == ratio)]
     power = fitted_power(rows["h_omega"], rows["mode_error"])
@@ -216,7 +219,7 @@ def on_paper(name: str, ratio: float, numbers: Index) -> float:
     return float(fitted_power(ANGLE / numbers, errors_on_paper(name, ratio, numbers)).exponent)
 
 
-def within(name: str, ratio: float, numbers: Index) -> float:
+def order_uncertainty(name: str, ratio: float, numbers: Index) -> float:
     """How far `LEFT` on every error moves the fitted order at most."""
     size = np.log(ANGLE / numbers)
     weight = np.abs(size - size.mean()) / ((size - size.mean()) ** 2).sum()
@@ -226,7 +229,7 @@ def within(name: str, ratio: float, numbers: Index) -> float:
 def errors_on_paper(name: str, ratio: float, numbers: Index) -> Array:
     """Errors (n,) of the matrix's powers after `ANGLE`, over the amplitude."""
     share = 0.5 if name == "verlet_as_printed" else 1.0
-    exact, sizes, left = swung(share, ratio), ANGLE / numbers, []
+    exact, sizes, left = exact_swing(share, ratio), ANGLE / numbers, []
     for h, steps in zip(sizes, numbers, strict=True):
         # A staggered velocity is half a step back, where the mean of two around the start is zero.
         start = np.array([1.0, h / 2 if name == "leapfrog" else 0.0])
@@ -252,7 +255,7 @@ def finding(orders: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Error against the step, without and with damping."""
     table = tables["errors"]
-    figure, axes = figures.new(2, size=(3.6, 3.2), sharey=True)
+    figure, axes = figures.new_figure(2, size=(3.6, 3.2), sharey=True)
     for axis, ratio in zip(axes, RATIOS, strict=True):
         rows = table[table["damping_ratio"] == ratio]
         for name, line in rows.groupby("scheme", sort=False):
@@ -275,5 +278,5 @@ def draw(tables: Tables) -> Figure:
         ticks = sorted(set(rows["h_omega"]))
         axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes[0].set_ylabel("error over amplitude (1)")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

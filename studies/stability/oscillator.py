@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
-from msvalidate.dynamics.integrators import Integrator, Moving
+from msvalidate.dynamics.integrators import Integrator, MotionState
 
 
 def states(scheme: Integrator, h: float, damping: float = 0.0) -> Iterator[tuple[float, float]]:
@@ -18,7 +18,7 @@ def states(scheme: Integrator, h: float, damping: float = 0.0) -> Iterator[tuple
     def acceleration(x: float) -> float:
         return -x
 
-    now = Moving(1.0, 0.5 * h if scheme.staggered else 0.0, -1.0)  # type: ignore[arg-type]
+    now = MotionState(1.0, 0.5 * h if scheme.staggered else 0.0, -1.0)  # type: ignore[arg-type]
     step = scheme.step
     while True:
         after = step(acceleration, now, h, damping)  # type: ignore[arg-type]

@@ -82,7 +82,9 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     parts = QUICK_PARTS if setting.quick else PARTS
     scheme = common.chosen(candidate, ("euler_cromer",))["euler_cromer"]
     cases = list(product(loads, dampings, parts))
-    table = pd.DataFrame(setting.sweep(partial(counted, scheme), cases, "particles that pass"))
+    table = pd.DataFrame(
+        setting.sweep(partial(count_inverted, scheme), cases, "particles that pass")
+    )
     grows = table["cells_inverted"] == "grows"
     calm = table[~grows & (table["c_over_critical"] > 1)]
     values = (
@@ -109,7 +111,7 @@ def areas(grid: Lattice, position: Array) -> Array:
     return np.asarray(0.5 * (rising[..., 0] * falling[..., 1] - rising[..., 1] * falling[..., 0]))
 
 
-def counted(scheme: Integrator, case: tuple[float, float, float]) -> dict[str, object]:
+def count_inverted(scheme: Integrator, case: tuple[float, float, float]) -> dict[str, object]:
     """Row of one load, damping and step."""
     load, over_critical, part = case
     grid, network = runs.block((0.0, load))
@@ -117,7 +119,7 @@ def counted(scheme: Integrator, case: tuple[float, float, float]) -> dict[str, o
     damping = 2 * over_critical * omega[0]
     dt = part * stability_limit(scheme, *omega, damping)
     steps = int(PERIODS * 2 * np.pi / omega[0] / dt)
-    done = runs.released(network, scheme, dt, steps, damping, REACH)
+    done = runs.release_network(network, scheme, dt, steps, damping, REACH)
     static = equilibrium(network)
     at_rest = np.linalg.norm(static.displacement, axis=1).max()
     farthest = np.linalg.norm(done.positions - network.points, axis=2).max()
@@ -152,7 +154,7 @@ def draw(tables: Tables) -> Figure:
     """Cells turned inside out against damping, a line a step, a panel a load."""
     table = tables["passing"]
     loads = sorted(set(table["traction"]))
-    figure, axes = figures.new(len(loads), size=(3.3, 3.0), sharey=True)
+    figure, axes = figures.new_figure(len(loads), size=(3.3, 3.0), sharey=True)
     for axis, load in zip(axes, loads, strict=True):
         rows = table[(table["traction"] == load) & (table["cells_inverted"] != "grows")]
         for i, (part, line) in enumerate(rows.groupby("step_over_limit")):
@@ -167,5 +169,5 @@ def draw(tables: Tables) -> Figure:
         axis.axvline(1, color="grey", lw=0.8, ls="--", label="critical damping")
         axis.set(title=f"traction {load:g} N/m²", xlabel="damping over critical (1)")
     axes[0].set_ylabel("cells inside out, of 25")
-    figures.shared_legend(figure, axes, columns=5)
+    figures.add_shared_legend(figure, axes, columns=5)
     return figure

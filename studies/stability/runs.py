@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.dynamics.integrate import State, motion, staggered
+from msvalidate.dynamics.integrate import State, motion, stagger_velocity
 from msvalidate.dynamics.integrators import Integrator
 from msvalidate.lattice import Lattice
 from msvalidate.network import Network
@@ -33,7 +33,7 @@ def block(traction: tuple[float, float]) -> tuple[Lattice, Network]:
     return clamped(BODY, REPORTED, weights="equal", traction=traction)
 
 
-def released(
+def release_network(
     network: Network, scheme: Integrator, dt: float, steps: int, damping: float, reach: float
 ) -> Run:
     """Motion from rest under the network's load until a point is farther away than `reach` (m)."""
@@ -46,7 +46,7 @@ def released(
         seen.append(now.position)
 
     if scheme.staggered:
-        start = staggered(network, start, dt, damping)
+        start = stagger_velocity(network, start, dt, damping)
     try:
         motion(network, start, scheme, dt, steps, damping, watch, warn=False)
     except (

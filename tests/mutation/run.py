@@ -377,12 +377,12 @@ def asked_of_questions(one: Mutant, module: str, tree: Path, out: Path) -> tuple
 
 def _question(study: str, questions: tuple[str, ...]) -> int:
     from msvalidate.judging import catalogue  # noqa: PLC0415
-    from msvalidate.judging.evidence import held, judge  # noqa: PLC0415
+    from msvalidate.judging.evidence import all_passed, judge  # noqa: PLC0415
     from msvalidate.judging.sweep import Setting  # noqa: PLC0415
 
     given = {"questions": questions} if questions else {}
     evidence = catalogue.load(study).run(setting=Setting(quick=True), **given)
-    return 0 if held(judge(evidence)) else 1
+    return 0 if all_passed(judge(evidence)) else 1
 
 
 def latest(results: Path) -> dict[str, dict]:

@@ -360,7 +360,7 @@ def test_traction_on_cells_that_are_slanted_and_tiny(grading):
     top = Traction(Segment((0.5, 1.0), (1.5, 1.0)), (1.0, -2.0))
     held = Support(Segment((0.0, 0.0), (1.0, 0.0)), (0.0, 0.0))
     points = grid.points @ np.array([[1.0, 0.0], [0.5, 1.0]])
-    mesh = reference_fem.discretise(points, grid.cells, "Q1")
+    mesh = reference_fem.make_discretisation(points, grid.cells, "Q1")
     problem = Problem(outline, MATERIALS["plane_stress"], (held,), (top,))
     force = nodal_forces(problem, mesh)
     assert force.sum(axis=0) == pytest.approx(THICKNESS * np.array([1.0, -2.0]), rel=1e-12)

@@ -122,7 +122,7 @@ def test_patch(name, element):
 def test_patch_needs_the_force_that_macneal_and_harder_state(element):
     # Their stress under this displacement, plane stress, E = 1e6, nu = 1/4: 1333, 1333 and 400.
     points, cells = patch(element)
-    body = reference_fem.discretise(points, cells, element)
+    body = reference_fem.make_discretisation(points, cells, element)
     K = stiffness(body, MATERIALS["plane stress"])
     force = (K @ affine(points).T.ravel()).reshape(2, -1).T
     right, top = np.isclose(points[:, 0], 0.24), np.isclose(points[:, 1], 0.12)
@@ -138,7 +138,9 @@ def test_patch_needs_the_force_that_macneal_and_harder_state(element):
 @pytest.mark.parametrize("name", MATERIALS)
 def test_stiffness_is_symmetric_and_only_rigid_motions_are_free(name, element):
     points, cells = patch(element)
-    K = stiffness(reference_fem.discretise(points, cells, element), MATERIALS[name]).toarray()
+    K = stiffness(
+        reference_fem.make_discretisation(points, cells, element), MATERIALS[name]
+    ).toarray()
     assert np.abs(K - K.T).max() <= ROUNDING * np.abs(K).max()
     energies = np.linalg.eigvalsh(K)
     # Rigid motions are three; reduced integration would show as a fourth (an hourglass).
@@ -392,7 +394,7 @@ def test_bad_input_is_named(change, fragments):
 def test_displaced_middle_node_bends_the_cell_and_the_patch_still_holds(element, node):
     points, cells = patch(element)
     points[node] += 1e-3  # a hundredth of an edge
-    assert reference_fem.discretise(points, cells, element).curved
+    assert reference_fem.make_discretisation(points, cells, element).curved
     fixed = held_on_boundary(patch(element)[0], affine(points))
     found = reference_fem.solve(points, cells, element, MATERIALS["plane stress"], fixed, [])
     assert np.abs(found - affine(points)).max() <= ROUNDING * np.abs(affine(points)).max()

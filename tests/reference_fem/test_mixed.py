@@ -22,7 +22,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from reference_fem.mesh import Facets, discretise
+from reference_fem.mesh import Facets, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.mixed import TAYLOR_HOOD, solve_mixed_on
 from tests.table import table
@@ -251,7 +251,7 @@ def cylinder(nu, element, mixed, n=4):
     flat = reference_fem.box_discretisation(Box((1.0, 1.0)), (n, 2 * n), element)
     radius, angle = 1 + flat.points[:, 0], np.pi / 2 * flat.points[:, 1]
     points = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-    body = discretise(points, flat.cells, element)
+    body = make_discretisation(points, flat.cells, element)
     inner = (flat.points[body.surface][:, :, 0] == 0).all(axis=1)
     facets = Facets(body, body.surface[inner])
     force = facets.integrated(-facets.normals)

@@ -14,7 +14,7 @@ import pytest
 
 import reference_fem
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, SolverError, Support, Traction
-from reference_fem.elasticity import solver_of, stiffness
+from reference_fem.elasticity import make_solver, stiffness
 from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.systems import Solver
 
@@ -228,7 +228,7 @@ def drawn(seed, ordinary, element=None):
         material = Isotropic(10 ** rng.uniform(0, 9), nu, state, thickness=0.2)
     else:
         material = Isotropic(10 ** rng.uniform(0, 9), nu, "solid")
-    body = reference_fem.discretise(points, made.cells, element)
+    body = reference_fem.make_discretisation(points, made.cells, element)
     x = body.points[:, 0]
     held = np.zeros(points.shape, dtype=bool)
     held[x == x.min()] = True
@@ -245,7 +245,7 @@ def stated_and_true(seed, ordinary, element=None):
     """Stated and true error of one body, relative to its largest displacement."""
     try:
         body, material, held, moved, force = drawn(seed, ordinary, element)
-        solver = solver_of(body, material, held, allow_locked=True)
+        solver = make_solver(body, material, held, allow_locked=True)
         found, how = solver.solve(moved, force)
     except (SolverError, ProblemError):
         return REFUSED
@@ -367,7 +367,7 @@ def test_a_solver_without_its_tensor_refuses_what_entries_cannot_tell():
     force[short.body.points[:, 0] == 37, 1] = 1e-6
     K = stiffness(short.body, short.material)
     u, how = Solver(short.body, K, held).solve(np.zeros(held.shape), force)
-    v, better = solver_of(short.body, short.material, held).solve(np.zeros(held.shape), force)
+    v, better = make_solver(short.body, short.material, held).solve(np.zeros(held.shape), force)
     assert better.error < how.error < 1e-7
     assert np.abs(u - v).max() <= how.error * np.abs(v).max()
 

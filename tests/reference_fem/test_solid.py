@@ -26,7 +26,7 @@ from msvalidate.problem import (
 )
 from reference_fem.body import nodal_forces
 from reference_fem.elasticity import elastic_tensor, full_tensor, stiffness
-from reference_fem.mesh import ELEMENTS, discretise
+from reference_fem.mesh import ELEMENTS, make_discretisation
 from reference_fem.mesh.elements import CUBE, of_dimension
 from tests.table import table
 
@@ -114,7 +114,7 @@ def test_patch(name, mesh):
     found = reference_fem.solve(points, cells, element, MATERIALS[name], fixed, [])
     assert np.abs(found - exact).max() <= ROUNDING * np.abs(exact).max()
     # Uniform stress: no force inside, and the energy of one strain over the whole volume.
-    K = stiffness(discretise(points, cells, element), MATERIALS[name])
+    K = stiffness(make_discretisation(points, cells, element), MATERIALS[name])
     u = found.T.ravel()
     force = (K @ u).reshape(3, -1).T
     assert np.abs(force[~outside]).max() <= ROUNDING * np.abs(force).max()
@@ -126,7 +126,7 @@ def test_patch_needs_the_stress_that_macneal_and_harder_state():
     # Under this displacement with E = 1e6 and nu = 1/4: 2000 along each axis, 400 in each shear.
     points, cells = SEVEN
     u = 1e-3 * points @ (np.ones((3, 3)) + np.eye(3)) / 2
-    K = stiffness(discretise(points, cells, "H1"), Isotropic(1e6, 0.25, "solid"))
+    K = stiffness(make_discretisation(points, cells, "H1"), Isotropic(1e6, 0.25, "solid"))
     force = (K @ u.T.ravel()).reshape(3, -1).T
     for axis in range(3):
         total = force[points[:, axis] == 1].sum(axis=0)
@@ -184,7 +184,7 @@ def test_stiffness_is_symmetric_and_only_rigid_motions_are_free(name, mesh):
     element, points, cells = MESHES[mesh.removeprefix("one ")]
     if mesh.startswith("one"):  # what makes a body whose cells hang together by faces no mechanism
         points, cells = points[cells[0]], np.arange(len(cells[0]))[None]
-    K = stiffness(discretise(points, cells, element), MATERIALS[name]).toarray()
+    K = stiffness(make_discretisation(points, cells, element), MATERIALS[name]).toarray()
     assert np.abs(K - K.T).max() <= ROUNDING * np.abs(K).max()
     energies = np.linalg.eigvalsh(K)
     assert np.abs(energies[:6]).max() <= ROUNDING * energies[-1]
@@ -500,7 +500,7 @@ def test_interpolation_holds_its_degree_and_nothing_higher(mesh):
     new = np.random.default_rng(2).permutation(len(points))
     moved = np.empty_like(points)
     moved[new] = points
-    body = discretise(moved, new[cells], element)
+    body = make_discretisation(moved, new[cells], element)
     places = np.random.default_rng(3).random((300, 3)) * points.max(axis=0)
     matrix = body.interpolation(places)
     assert np.abs(matrix @ moved - places).max() <= ROUNDING
@@ -527,13 +527,13 @@ def test_interpolation_of_many_points_in_graded_cells(element, grading, monkeypa
 @pytest.mark.parametrize("place", [(1.21, 0.5, 0.5), (0.5, -0.01, 0.5), (0.5, 0.5, 2.0)])
 @solids
 def test_point_outside_is_refused(element, place):
-    body = discretise(*distorted(element), element)
+    body = make_discretisation(*distorted(element), element)
     with pytest.raises(ProblemError, match="must lie in the body"):
         body.interpolation(np.array([[0.5, 0.5, 0.5], place]))
 
 
 def test_hexahedra_are_integrated_by_two_points_a_direction():
-    body = discretise(*SEVEN, "H1")
+    body = make_discretisation(*SEVEN, "H1")
     assert body.basis.dx.shape == (7, 8)
     points = np.sort(np.unique(np.round(body.basis.X, 12)))
     assert points == pytest.approx((1 + np.array([-1, 1]) / np.sqrt(3)) / 2)
@@ -603,14 +603,14 @@ BAD = {
 
 
 def test_good_meshes_are_good():
-    assert discretise(CUBES, TWO, "H1").basis.dx.sum() == pytest.approx(2)
-    assert discretise(TETS, PAIR, "T1").basis.dx.sum() == pytest.approx(1 / 6 + 1 / 3)
+    assert make_discretisation(CUBES, TWO, "H1").basis.dx.sum() == pytest.approx(2)
+    assert make_discretisation(TETS, PAIR, "T1").basis.dx.sum() == pytest.approx(1 / 6 + 1 / 3)
 
 
 @pytest.mark.parametrize(("arguments", "message"), BAD.values(), ids=BAD)
 def test_bad_mesh_is_named(arguments, message):
     with pytest.raises(ProblemError, match=re.escape(message)):
-        discretise(*arguments)
+        make_discretisation(*arguments)
 
 
 def test_a_cell_folded_between_its_corners_is_refused():
@@ -623,7 +623,7 @@ def test_a_cell_folded_between_its_corners_is_refused():
     corners = body.mapping().detDF(body.elem.doflocs.T)
     assert corners.min() > 0
     with pytest.raises(ProblemError, match="cell 0 is inverted, flat or folded"):
-        discretise(points, [range(8)], "H1")
+        make_discretisation(points, [range(8)], "H1")
 
 
 # --- bodies that the residual alone would pass ----------------------------------------------------

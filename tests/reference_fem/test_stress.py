@@ -9,7 +9,7 @@ import reference_fem
 from msvalidate.problem import SIDES, Anisotropic, Box, Isotropic, Problem, ProblemError, Support
 from reference_fem.body import Solution
 from reference_fem.elasticity import solve_on
-from reference_fem.mesh import ELEMENTS, Facets, discretise
+from reference_fem.mesh import ELEMENTS, Facets, make_discretisation
 
 # A library's warning on the way to an answer is a failure here.
 pytestmark = pytest.mark.filterwarnings("error")
@@ -31,7 +31,7 @@ def distorted(element, n=3, seed=0, bent=False):
     if not bent:
         means = np.einsum("ik,ckd->cid", kind.means, points[flat.cells[:, : kind.corners]])
         points[flat.cells] = means
-    return discretise(points, flat.cells, element)
+    return make_discretisation(points, flat.cells, element)
 
 
 def places(d, number=60, seed=1):
@@ -128,7 +128,7 @@ def test_order_of_the_stress_is_that_of_the_gradient(element, bent):
 
     def error(n):
         box = reference_fem.box_discretisation(Box((1.2, 0.8, 1.0)[:d]), n, element)
-        body = discretise(vaulted(box.points), box.cells, element) if bent else box
+        body = make_discretisation(vaulted(box.points), box.cells, element) if bent else box
         assert body.curved == (bent and ELEMENTS[element].degree == 2)
         nodal = np.sin(body.points @ k)[:, None] * direction
         return np.sqrt(((Solution(body, nodal, law).stress(x) - wanted) ** 2).mean())
@@ -139,7 +139,7 @@ def test_order_of_the_stress_is_that_of_the_gradient(element, bent):
 def test_where_cells_meet_the_stress_is_their_mean():
     # Three triangles about (1, 1), two of them about (1, 0): strains εxx of 1, 2 and 6 by hand.
     points = [[0, 0], [1, 0], [1, 1], [0, 1], [2, 0]]
-    body = discretise(points, [[0, 1, 2], [0, 2, 3], [1, 4, 2]], "P1")
+    body = make_discretisation(points, [[0, 1, 2], [0, 2, 3], [1, 4, 2]], "P1")
     u = np.zeros((5, 2))
     u[:, 0] = [0, 1, 2, 0, 7]  # εxx: 1 in the first, 2 in the second, 6 in the third
     found = Solution(body, u, Isotropic(1.0, 0.0))
@@ -214,7 +214,7 @@ def elliptic_membrane(element, n):
     angle = np.pi / 2 * t
     points = np.column_stack([(2 + 1.25 * s) * np.cos(angle), (1 + 1.75 * s) * np.sin(angle)])
     points[t == 1, 0] = 0.0
-    body = discretise(points, flat.cells, element)
+    body = make_discretisation(points, flat.cells, element)
     outer = (flat.points[body.surface][:, :, 0] == 1).all(axis=1)
     facets = Facets(body, body.surface[outer])
     law = Isotropic(210e9, 0.3, thickness=0.1)

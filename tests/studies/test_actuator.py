@@ -16,7 +16,7 @@ from msvalidate.studies.actuator import (
 )
 
 import reference_fem
-from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Box, Isotropic, SolverError
 from msvalidate.studies import actuator
@@ -27,7 +27,7 @@ QUICK = Setting(quick=True)
 @pytest.fixture(scope="module")
 def solids():
     """Upper faces that finite elements put in the springs' place, on another mesh."""
-    return profile.asked(partial(bodies.elastic, 16), QUICK, ("partial",))
+    return profile.solve_faces(partial(bodies.elastic, 16), QUICK, ("partial",))
 
 
 def test_material_of_the_plane():
@@ -48,7 +48,7 @@ def test_two_ways_to_the_springs_agree():
     """Newton on all at once, and one linear solve under the forces at the first places."""
     slab = bodies.body("partial", 5)
     whole = bodies.springs(slab, profile.VOLTAGE)
-    linear = bodies.responding(None, slab, profile.VOLTAGE)
+    linear = bodies.linear_response(None, slab, profile.VOLTAGE)
     assert whole == pytest.approx(linear, abs=1e-4 * np.abs(linear).max())
 
 
@@ -96,7 +96,7 @@ def test_limits_of_growth(grown, limit):
 def test_faults_are_mixed_as_they_are(name, size):
     """The resolution's shortcut is the faulty candidate itself."""
     kind, slab = controls.KINDS[name], bodies.body("partial", 3)
-    right = bodies.responding(None, slab, 1.0)
+    right = bodies.linear_response(None, slab, 1.0)
     wrong = kind.spoilt(1.0)(slab, 1.0)
     there = kind.spoilt(size)(slab, 1.0)
     assert kind.mixed(size, right, wrong) == pytest.approx(there, abs=1e-12)
@@ -105,7 +105,7 @@ def test_faults_are_mixed_as_they_are(name, size):
 def seen(shape, voltage=1.0, inner=0.4):
     x = np.linspace(0, 60, 61)
     move = np.column_stack([np.zeros(61), -shape(x)])
-    return models.Seen(voltage, x, move, np.ones(61, dtype=bool), inner)
+    return models.Observation(voltage, x, move, np.ones(61, dtype=bool), inner)
 
 
 def test_measures_of_known_faces():
@@ -113,16 +113,16 @@ def test_measures_of_known_faces():
     bowl = seen(lambda x: 1 + ((x - 30) / 30) ** 2)
     assert figure8_statements.middle(bowl) == -1.0
     assert figure8_statements.margin(bowl) == -2.0
-    assert figure8_statements.beside(bowl) == pytest.approx(-(1 + (28 / 30) ** 2))
-    assert figure8_statements.dips(bowl) == 2
-    assert figure8_statements.dips(seen(lambda x: 2 - np.cos(2 * np.pi * x / 20))) == 3
-    assert figure8_statements.dips(seen(lambda x: 1 + 0.001 * np.cos(x))) == 1, (
+    assert figure8_statements.deflection(bowl) == pytest.approx(-(1 + (28 / 30) ** 2))
+    assert figure8_statements.count_dips(bowl) == 2
+    assert figure8_statements.count_dips(seen(lambda x: 2 - np.cos(2 * np.pi * x / 20))) == 3
+    assert figure8_statements.count_dips(seen(lambda x: 1 + 0.001 * np.cos(x))) == 1, (
         "ripples are no dips"
     )
     flat = seen(lambda x: 0 * x)
-    assert figure8_statements.fastest(flat, bowl, "full") == 0.0
+    assert figure8_statements.fastest_growth(flat, bowl, "full") == 0.0
     bump = seen(lambda x: np.exp(-((x - 25) ** 2)))
-    assert figure8_statements.fastest(flat, bump, "partial") == 5.0
+    assert figure8_statements.fastest_growth(flat, bump, "partial") == 5.0
 
 
 def test_a_voltage_that_was_not_held_is_named():
@@ -197,7 +197,9 @@ def test_every_statement_can_come_to_anything(statement, faces):
         ((True, True, True, False), "open: springs and FEM do not agree"),
     ):
         shown = (faces[0] if way else faces[1] for way in ways)
-        row = figure8_statements.judged(statement, dict(zip(models.SOURCES, shown, strict=True)))
+        row = figure8_statements.judge_statement(
+            statement, dict(zip(models.SOURCES, shown, strict=True))
+        )
         assert row["verdict_on_statement"] == words
         judgement = [source for source, way in zip(models.SOURCES, ways, strict=True) if way]
         assert row["judgement"] == (" and ".join(judgement) or "none")
@@ -216,9 +218,9 @@ def test_figure8_notices_its_faults(fault, noticing, disputed):
 
 def test_part_that_is_alike():
     x = np.linspace(0, 10, 1001)
-    assert prestretched.alike(x, np.ones_like(x)) == 1.0
+    assert prestretched.similar_fraction(x, np.ones_like(x)) == 1.0
     tent = 1 + 0.1 * np.abs(x - 5)  # 5 % at half a metre from the middle
-    assert prestretched.alike(x, tent) == pytest.approx(0.1, abs=1e-9)
+    assert prestretched.similar_fraction(x, tent) == pytest.approx(0.1, abs=1e-9)
 
 
 def test_stretched_law_is_the_law_of_the_stretched_body():
@@ -254,4 +256,4 @@ def test_questions_join():
 
 def test_a_fault_is_noticed_by_the_profile_alone():
     fault = actuator.FAULTS["springs 2 % softer"]
-    assert not held(judge(actuator.run(**fault, setting=QUICK)))
+    assert not all_passed(judge(actuator.run(**fault, setting=QUICK)))

@@ -18,7 +18,7 @@ from scipy.integrate import quad
 from scipy.special import ellipe
 
 import reference_fem
-from msvalidate.judging.candidate import springs
+from msvalidate.judging.candidate import solve_springs
 from msvalidate.problem import Isotropic, Problem, Support
 from reference_fem.elasticity import stiffness
 
@@ -62,8 +62,8 @@ def test_patches_of_the_strip_share_their_nodes():
 
 
 def test_halving_lines_leaves_the_others():
-    assert shapes.halved(shapes.even(2), 0.5, 1).tolist() == [0, 0.25, 0.5, 0.75, 1]
-    assert shapes.halved(shapes.even(2), 1.0, 2).tolist() == [0, 0.5, 0.75, 0.875, 1]
+    assert shapes.halve_cells(shapes.even_lines(2), 0.5, 1).tolist() == [0, 0.25, 0.5, 0.75, 1]
+    assert shapes.halve_cells(shapes.even_lines(2), 1.0, 2).tolist() == [0, 0.5, 0.75, 0.875, 1]
 
 
 @pytest.mark.parametrize("make", [shapes.elliptic_quarter, shapes.elliptic_plate])
@@ -97,7 +97,7 @@ def test_potentials_give_a_pressed_ring_the_stress_of_lame():
         potentials.Side(turn, angle, np.zeros(40)),
         potentials.Side(2 * turn, angle, np.ones(40)),
     )
-    found = potentials.solved(potentials.plain, sides, 4, np.array([1.0, 2.0]))
+    found = potentials.solve_potentials(potentials.plain, sides, 4, np.array([1.0, 2.0]))
     assert found.missed < 1e-12
     assert found.sum(1.0) == pytest.approx(8 / 3, rel=1e-12)
 
@@ -176,10 +176,10 @@ def test_pull_on_the_membrane_adds_up_to_its_pressure():
 
 
 def test_a_place_next_to_the_right_one_is_another_stress():
-    right = ellipse.spring_tip(springs, 0.3, 16)["quartic"]
-    wrong = ellipse.spring_tip(lambda *asked: controls.elsewhere(1 / 16, *asked), 0.3, 16)[
-        "quartic"
-    ]
+    right = ellipse.spring_tip(solve_springs, 0.3, 16)["quartic"]
+    wrong = ellipse.spring_tip(
+        lambda *asked: controls.shift_displacements(1 / 16, *asked), 0.3, 16
+    )["quartic"]
     assert abs(wrong / right - 1) > 0.05
 
 
@@ -202,18 +202,18 @@ def test_the_line_sinks_by_kelvins_force():
 def test_a_pushed_rim_bears_the_plate():
     """The one node that is held bears nothing: with another held the stress is the same."""
     meshed = shapes.elliptic_plate(2)
-    body = reference_fem.discretise(meshed.points, meshed.cells, "H2")
-    plate = thick_plate.told(thick_plate.solved(thick_plate.SPREAD, meshed, body))
+    body = reference_fem.make_discretisation(meshed.points, meshed.cells, "H2")
+    plate = thick_plate.read_solution(thick_plate.solve_plate(thick_plate.SPREAD, meshed, body))
     turned = meshed._replace(boundaries=meshed.boundaries | {"rim": meshed.boundaries["rim"][::-1]})
-    again = thick_plate.told(thick_plate.solved(thick_plate.SPREAD, turned, body))
+    again = thick_plate.read_solution(thick_plate.solve_plate(thick_plate.SPREAD, turned, body))
     assert again.stress == pytest.approx(plate.stress, rel=1e-9)
 
 
 def test_the_plates_reaction_is_near_a_uniform_one():
     """What bounds the factor between the plate's sinking and Kelvin's, uniform, line force."""
     meshed = shapes.elliptic_plate(2, 1)
-    body = reference_fem.discretise(meshed.points, meshed.cells, "H2")
-    found = thick_plate.solved(thick_plate.LINE, meshed, body)
+    body = reference_fem.make_discretisation(meshed.points, meshed.cells, "H2")
+    found = thick_plate.solve_plate(thick_plate.LINE, meshed, body)
     force = stiffness(body, found.material) @ found.displacement.T.ravel()
     rim = np.unique(meshed.boundaries["rim"])
     line = rim[np.abs(body.points[rim, 2] - shapes.THICKNESS / 2) < 1e-9]

@@ -18,7 +18,7 @@ from scipy.sparse import csr_matrix
 from msvalidate.judging import counting
 from msvalidate.judging.evidence import UNGATED
 from msvalidate.judging.sweep import Setting
-from msvalidate.output.baseline import files
+from msvalidate.output.baseline import baseline_files
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from reference_fem.systems.dissection import node_order
@@ -65,9 +65,9 @@ def test_predicted_steps_are_those_of_a_critically_damped_oscillator():
 
 def test_counts_are_first_times_below_the_threshold():
     """Kinetic damping counted again, step by step."""
-    rows = steps.counted((RELAXATIONS["kinetic_damping"], "plate", 8))
+    rows = steps.count_steps((RELAXATIONS["kinetic_damping"], "plate", 8))
     (row,) = [row for row in rows if row["threshold"] == 1e-3]
-    network, rest = bodies.network("plate", 8), bodies.at_rest("plate", 8)
+    network, rest = bodies.network("plate", 8), bodies.rest_displacement("plate", 8)
     errors = []
 
     def watch(run):
@@ -103,7 +103,7 @@ def test_growth_of_a_power():
 
 @pytest.mark.slow
 def test_counts_that_hang_on_rounding_are_told_and_not_gated(evidence):
-    kept = files(evidence)
+    kept = baseline_files(evidence)
     heading = kept["steps_here.csv"].decode().splitlines()[0].split(",")
     assert "outcome" in heading
     assert not {"steps_here", "evaluations_here"} & set(heading)
@@ -115,16 +115,16 @@ def test_reproduced_counts_do_not_hang_on_the_last_digits(monkeypatch):
     network = bodies.network("beam", 4)
     for method in steps.REPRODUCED:
         case = (RELAXATIONS[method], "beam", 4)
-        plain = [row["steps"] for row in steps.counted(case)]
+        plain = [row["steps"] for row in steps.count_steps(case)]
         factor = 1 + 1e-14 * np.random.default_rng(1).normal(size=len(network.springs))
         monkeypatch.setattr(bodies, "network", lambda *_, f=factor: network.scaled(f))
-        assert [row["steps"] for row in steps.counted(case)] == plain
+        assert [row["steps"] for row in steps.count_steps(case)] == plain
         monkeypatch.undo()
 
 
 @pytest.mark.slow
 def test_seconds_are_told_and_not_gated(evidence):
-    kept = files(evidence)
+    kept = baseline_files(evidence)
     for name in ("times", "growth_of_times", "frontier"):
         heading = kept[f"{name}.csv"].decode().splitlines()[0].split(",")
         assert not [column for column in heading if column.endswith(UNGATED)]
@@ -135,9 +135,9 @@ def test_seconds_are_told_and_not_gated(evidence):
 
 def test_a_method_that_fails_is_a_row_that_says_so():
     lagged = spoilt.FAULTS["a lagged force"][1]["viscous_leapfrog"]
-    rows = steps.counted((lagged, "plate", 8))
+    rows = steps.count_steps((lagged, "plate", 8))
     assert [row["outcome"] for row in rows] == ["failed", "failed"]
-    row = dynamic_relaxation.counted(lagged, 8)
+    row = dynamic_relaxation.count_steps(lagged, 8)
     assert (row["outcome"], row["steps"]) == ("failed", 0)
 
 
@@ -145,13 +145,13 @@ def test_probes_lie_on_every_lattice():
     for body in bodies.PLANE:
         coarse = frontier.probes(body)
         fine = bodies.network(body, 2 * frontier.COARSEST[body])
-        answer, nodes = frontier.by_springs(
+        answer, nodes = frontier.solve_springs(
             RELAXATIONS["newton"], body, 2 * frontier.COARSEST[body]
         )
         assert nodes == len(fine.points)
         at = [np.flatnonzero(np.isclose(fine.points, p).all(axis=1))[0] for p in coarse]
         np.testing.assert_allclose(
-            answer, bodies.at_rest(body, 2 * frontier.COARSEST[body])[at], atol=1e-9
+            answer, bodies.rest_displacement(body, 2 * frontier.COARSEST[body])[at], atol=1e-9
         )
 
 
@@ -173,7 +173,7 @@ def test_damping_that_follows_the_spacing_is_seen_in_space(tables):
     spoilt_rows = [
         row
         for edge in steps.QUICK["cube"]
-        for row in steps.counted((spoilt.BY_SPACING, "cube", edge))
+        for row in steps.count_steps((spoilt.BY_SPACING, "cube", edge))
     ]
     spoilt_growth = steps.growth(pd.DataFrame(spoilt_rows))
     kept = table[(table["body"] != "cube") | (table["method"] != "viscous_leapfrog")]
@@ -202,9 +202,9 @@ def test_counted_factor_is_that_of_dense_elimination():
         pattern[np.ix_(below, below)] = True
     columns = np.tril(pattern).sum(axis=0).astype(float)
     assert space.in_order(mesh, node_order(mesh)) == (columns.sum(), (columns**2).sum())
-    every, nodes = elimination.full(len(pattern)), len(pattern) // 3
+    every, nodes = elimination.count_full(len(pattern)), len(pattern) // 3
     whole = csr_matrix(np.ones((nodes, nodes)))
-    assert every == elimination.counted(whole, np.arange(nodes), 3)
+    assert every == elimination.count_factor(whole, np.arange(nodes), 3)
 
 
 def test_elimination_in_layers_is_told_from_nested_dissection(monkeypatch):
@@ -212,7 +212,7 @@ def test_elimination_in_layers_is_told_from_nested_dissection(monkeypatch):
     limits = {t.quantity: t.limit for t in space.TOLERANCES}
     by_layers = [np.lexsort(space.cube_of_elements(n).points.T) for n in space.QUICK_EDGES]
     monkeypatch.setattr(space, "node_order", lambda _: by_layers.pop(0))
-    factors = pd.DataFrame([row for n in space.QUICK_EDGES for row in space.eliminated(n)])
+    factors = pd.DataFrame([row for n in space.QUICK_EDGES for row in space.count_elimination(n)])
     fits = space.growth(factors).set_index(["way", "quantity"])
     for quantity in ("entries", "products"):
         fit = fits.loc[(space.DISSECTED, quantity)]

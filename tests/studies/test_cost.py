@@ -31,11 +31,11 @@ from msvalidate.studies.cost.target_list import Target
 from msvalidate.studies.cost.timing import ABSENT, SINGLE
 
 from msvalidate import kernels
-from msvalidate.judging.evidence import UNGATED, held, judge
+from msvalidate.judging.evidence import UNGATED, all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import internal_force
-from msvalidate.output.baseline import compare_tables, files
-from msvalidate.output.stored import csv, read_csv
+from msvalidate.output.baseline import baseline_files, compare_tables
+from msvalidate.output.stored import csv_bytes, read_csv
 from msvalidate.studies import cost
 
 QUICK = Setting(quick=True)
@@ -44,8 +44,8 @@ QUICK = Setting(quick=True)
 @pytest.fixture(scope="module")
 def timed():
     """Rows of the smallest lattice and of one body of elements."""
-    rows = kernel.timed(cost.OURS.motion, 10_000, "lattice", 200)
-    elements, choice = fem.timed(cost.OURS.elements["auto"], 2, 6)
+    rows = kernel.time_kernel(cost.OURS.motion, 10_000, "lattice", 200)
+    elements, choice = fem.time_solution(cost.OURS.elements["auto"], 2, 6)
     return pd.DataFrame(rows), pd.DataFrame(elements), choice
 
 
@@ -122,7 +122,7 @@ def test_a_step_a_pass_makes_the_same_motion():
     for way in (kernel.OURS["general"], None):
         u, v = bodies.start(net)
         motion = (
-            kernel.moving(cost.OURS.motion, net, way)
+            kernel.motion_function(cost.OURS.motion, net, way)
             if way
             else kernels.Motion(net, path="general", waves=1)
         )
@@ -224,7 +224,7 @@ def test_ngsolve_does_the_same_work_on_a_sheared_cube():
     work = {name: peer(name) for name in ngsolve_peer.SOLVERS}
     true, none = work[ngsolve_peer.CHOLESKY]
     net = bodies.cube(343)
-    ours = np.vdot(net.force, solvers.solved(net, "auto").displacement)
+    ours = np.vdot(net.force, solvers.solve_refined(net, "auto").displacement)
     assert none == 0
     assert ours == pytest.approx(true, rel=0.05)
     # Multigrid is on tetrahedra, which are stiffer than cubes.
@@ -248,10 +248,10 @@ def test_absent_peers_are_told_and_change_nothing_that_is_gated(timed):
     here, elements, _ = timed
     assert lammps_peer.stepping(bodies.network("lattice", 100), 1) is None
     assert ngsolve_peer.version() is None
-    rows = pd.DataFrame(kernel.timed(cost.OURS.motion, 10_000, "lattice", 200))
+    rows = pd.DataFrame(kernel.time_kernel(cost.OURS.motion, 10_000, "lattice", 200))
     assert set(rows["ns_here"][rows["way"] == "LAMMPS"]) == {ABSENT}
     assert not compared(here, rows)
-    without = pd.DataFrame(fem.timed(cost.OURS.elements["auto"], 2, 6)[0])
+    without = pd.DataFrame(fem.time_solution(cost.OURS.elements["auto"], 2, 6)[0])
     assert set(without["cpu_seconds"][without["program"] == "NGSolve"]) == {ABSENT}
     assert not compared(elements, without)
     said = kernel.findings(timing.summary(rows.drop(columns="wall_ns_here"), "ns_here"))[0]
@@ -267,7 +267,7 @@ def test_where_nothing_more_is_installed_every_word_is_described(monkeypatch, qu
     monkeypatch.setattr(fem_ways, "has_cholmod", lambda: False)
     evidence = cost.run(setting=QUICK, questions=(question,))  # evidence refuses other words
     assert (evidence.tables[table] == ABSENT).any(axis=None)
-    assert held(judge(evidence)) or not evidence.tolerances
+    assert all_passed(judge(evidence)) or not evidence.tolerances
 
 
 def compared(one, other):
@@ -278,7 +278,7 @@ def compared(one, other):
 
 
 def as_text(table):
-    return read_csv(io.BytesIO(csv(table)))
+    return read_csv(io.BytesIO(csv_bytes(table)))
 
 
 def test_machine_names_its_parts_wherever_it_is(monkeypatch):
@@ -295,10 +295,10 @@ def test_a_renumbered_network_is_the_same_body():
     """Of a soft core in a lattice: springs that went astray would move it otherwise."""
     net = bodies.with_core(200, 1e-6)
     order = np.random.default_rng(3).permutation(len(net.points))
-    shuffled = solvers.renumbered(net, order)
+    shuffled = solvers.renumber(net, order)
     assert not np.array_equal(shuffled.points, net.points)
-    found = solvers.solved(net, "direct").displacement
-    again = solvers.solved(shuffled, "direct").displacement
+    found = solvers.solve_refined(net, "direct").displacement
+    again = solvers.solve_refined(shuffled, "direct").displacement
     np.testing.assert_allclose(again, found[order], rtol=0, atol=1e-15 * np.abs(found).max())
 
 
@@ -314,7 +314,7 @@ def test_bodies_have_the_shape_that_is_said():
 
 def test_where_a_factor_is_dear_points_in_another_order_answer(monkeypatch):
     monkeypatch.setattr(solvers, "FACTORED", {2: 0, 3: 0})
-    row = solvers.measured(solvers.solved, solvers.steps, 1, ("random tetrahedra", 1_000))
+    row = solvers.measure(solvers.solve_refined, solvers.steps, 1, ("random tetrahedra", 1_000))
     assert (row["solver"], row["beside"]) == ("multigrid", "multigrid, in random order")
     assert 0 < row["from_beside_here"] <= row["stated_here"] + row["beside_stated_here"]
 
@@ -323,11 +323,11 @@ def test_an_answer_that_is_worse_than_it_says_is_seen():
     """The displacement is off by 1e-12 of itself, and 1e-16 is stated."""
 
     def off(net, solver):
-        found = solvers.solved(net, solver)
+        found = solvers.solve_refined(net, solver)
         times = 1 + 1e-12 * (solver == "auto")
         return replace(found, displacement=found.displacement * times)
 
-    row = solvers.measured(off, lambda _: 10, 1, ("plate", 300))
+    row = solvers.measure(off, lambda _: 10, 1, ("plate", 300))
     both = row["stated_here"] + row["beside_stated_here"]
     assert row["from_beside_here"] == pytest.approx(1e-12, rel=0.01)
     assert row["from_beside_here"] > 1e3 * both
@@ -422,8 +422,8 @@ def test_a_fresh_process_that_fails_is_told():
 
 def test_seconds_are_told_and_not_gated():
     evidence = cost.run(setting=QUICK, questions=("agreement", "fem", "machine"))
-    assert held(judge(evidence))
-    for name, made in files(evidence).items():
+    assert all_passed(judge(evidence))
+    for name, made in baseline_files(evidence).items():
         heading = made.decode().splitlines()[0].split(",")
         assert heading != [""], name
         assert not [column for column in heading if column.endswith(UNGATED)]
@@ -439,6 +439,6 @@ def test_another_plain_form_in_the_place_of_the_candidate_agrees():
             plain.advance(self.net, plain.by_bincount(self.net), u, v, keep, push, dt, steps)
             return steps, float(0.5 * (self.net.mass[:, None] * v**2).sum()), False
 
-    (row, *_) = agreement.compared(Plain, "random triangles")
+    (row, *_) = agreement.compare_paths(Plain, "random triangles")
     assert row["apart_here"] < 1e-12
     assert (row["diverged"], row["nan"]) == ("noticed", "noticed")

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from msvalidate.studies.poisson import controls, cube, cube_block, cube_layers
 
 import reference_fem
-from msvalidate.judging.candidate import springs
+from msvalidate.judging.candidate import solve_springs
 from msvalidate.judging.evidence import judge
 from msvalidate.judging.singularity import clamped_edge_exponent
 from msvalidate.judging.sweep import Setting
@@ -16,7 +16,7 @@ from msvalidate.network import faults
 from msvalidate.output import figures
 from msvalidate.problem import ProblemError
 from msvalidate.studies import poisson
-from reference_fem.extrapolation import extrapolated
+from reference_fem.extrapolation import extrapolate
 
 QUICK = Setting(quick=True)
 
@@ -63,9 +63,11 @@ def test_layers_by_counting_springs(constants, cells):
 @pytest.mark.parametrize("k2", [0.25, 1.0, 3.0])
 def test_one_cell_of_cubic_18(k2):
     """k2/(2 k1 + 3 k2): the cell formula in space, for an isolated cell and summed cell by cell."""
-    assert cube.one_cell(springs, k2)["nu_springs"] == pytest.approx(k2 / (2 + 3 * k2), abs=1e-12)
+    assert cube.one_cell(solve_springs, k2)["nu_springs"] == pytest.approx(
+        k2 / (2 + 3 * k2), abs=1e-12
+    )
     problem, network = cube_block.spring_cube("cubic 18", "per_cell", "traction", 3, (1.0, k2))
-    nu = cube_block.ratio(network.points, springs(problem, network))
+    nu = cube_block.ratio(network.points, solve_springs(problem, network))
     assert nu == pytest.approx(k2 / (2 + 3 * k2), abs=1e-12)
 
 
@@ -74,7 +76,9 @@ def test_equal_springs_tend_to_the_bulk_in_first_order():
     away = []
     for cells in (6, 12):
         problem, network = cube_block.spring_cube("cubic 18", "equal", "slide", cells)
-        away.append(cells * (0.25 - cube_block.ratio(network.points, springs(problem, network))))
+        away.append(
+            cells * (0.25 - cube_block.ratio(network.points, solve_springs(problem, network)))
+        )
     assert away == pytest.approx([1 / 16, 1 / 16], rel=0.05)
     assert abs(away[1] - 1 / 16) < abs(away[0] - 1 / 16)
 
@@ -137,7 +141,7 @@ def test_clamped_reference_by_even_meshes_of_linear_elements():
         move *= np.where(away < 0, -1, 1)
         return [cube_block.ratio(network.points, move, at) for at in cube_block.LATERAL]
 
-    limit = extrapolated(sampled, 2, (2 * clamped_edge_exponent(problem.material.C), 2.0))
+    limit = extrapolate(sampled, 2, (2 * clamped_edge_exponent(problem.material.C), 2.0))
     fem = cube_block.clamped_reference("cubic 18", (2,))
     assert (np.abs(fem.value - limit.value) < fem.uncertainty).all()
     assert (fem.uncertainty < 1e-3).all()
@@ -148,8 +152,8 @@ def test_wrong_weights_in_space_are_equal_ones():
     _, shared = cube_block.spring_cube("cubic 18", "shared", "slide", 3)
     _, equal = cube_block.spring_cube("cubic 18", "equal", "slide", 3)
     assert set(shared.stiffness) == {0.25, 0.5, 1.0}
-    np.testing.assert_array_equal(faults.boundary_springs(shared, 1.0).stiffness, equal.stiffness)
-    half = faults.boundary_springs(shared, 0.5).stiffness
+    np.testing.assert_array_equal(faults.stiffen_boundary(shared, 1.0).stiffness, equal.stiffness)
+    half = faults.stiffen_boundary(shared, 0.5).stiffness
     np.testing.assert_allclose(half, (shared.stiffness + equal.stiffness) / 2)
 
 
@@ -164,8 +168,8 @@ def test_a_fault_under_clamped_ends_alone_is_caught():
 
     def faulty(problem, network, answer):
         if problem.name.endswith("clamped"):
-            network = faults.boundary_springs(network, 1.0)
-        return springs(problem, network, answer)
+            network = faults.stiffen_boundary(network, 1.0)
+        return solve_springs(problem, network, answer)
 
     verdict = judge(cube.run(faulty, QUICK)).set_index("quantity")["verdict"]
     failed = set(verdict.index[verdict == "fail"])
@@ -173,7 +177,7 @@ def test_a_fault_under_clamped_ends_alone_is_caught():
 
 
 def test_a_small_fault_of_the_diagonals_is_caught():
-    candidate = partial(controls.spoilt, faults.diagonals, 1e-7)
+    candidate = partial(controls.apply_fault, faults.stiffen_diagonals, 1e-7)
     row, stiff = cube.measure(candidate, ("cubic 18", "shared", "traction", 2))
     assert abs(row["nu_springs"] - 0.25) > cube.EXACT
     assert abs(stiff["modulus_ratio"] - 1) > cube.EXACT
@@ -190,7 +194,7 @@ def test_faces_of_a_grid_of_points():
 
 
 def test_drawings_show_what_the_tables_hold():
-    drawn = cube.cube_drawing.shape(springs, 2)
+    drawn = cube.cube_drawing.shape(solve_springs, 2)
     assert len(drawn) == 26
     figure = cube.cube_drawing.deformed({"cube_shape": drawn})
     assert isinstance(figure, Figure)

@@ -157,7 +157,7 @@ def test_steps_are_counted_to_the_look(plate):
     omega = float(plate.frequencies[0])
     c, look = 2 * omega, 3
     dt = plate.time_step(c)
-    found = rest.counted(euler_cromer, plate, c, dt, look, (1e-2,))[1e-2]
+    found = rest.count_steps(euler_cromer, plate, c, dt, look, (1e-2,))[1e-2]
     state = euler_cromer(plate.network, plate.start, dt, found, c)
     before = euler_cromer(plate.network, plate.start, dt, found - look, c)
     assert plate.error(state) <= 1e-2 < plate.error(before)
@@ -169,7 +169,7 @@ def test_a_run_that_never_rests_is_refused(plate):
         return state
 
     with pytest.raises(SolverError, match="no rest"):
-        rest.counted(frozen, plate, 1.0, 0.01, 1000, (1e-2,))
+        rest.count_steps(frozen, plate, 1.0, 0.01, 1000, (1e-2,))
 
 
 def test_optimum_follows_the_excited_mode(tables):
@@ -202,7 +202,7 @@ def test_overshoots_in_theory():
 
 
 def test_printed_loop_never_starts(plate):
-    assert stop_rule.as_printed(euler_cromer, plate, 0.01, 1.0, 1e-9) == 0
+    assert stop_rule.printed_rule(euler_cromer, plate, 0.01, 1.0, 1e-9) == 0
 
 
 def test_stops_of_modes_are_those_of_the_run(plate):
@@ -217,7 +217,7 @@ def test_stops_of_modes_are_those_of_the_run(plate):
 
 
 def test_stop_step_notices_another_damping():
-    faulty = stop_rule.run(controls.spoilt("damping", 0.05), QUICK)
+    faulty = stop_rule.run(controls.apply_fault("damping", 0.05), QUICK)
     quantity = stop_rule.TOLERANCES[0].quantity
     assert faulty.observed[quantity].error > stop_rule.TOLERANCES[0].limit
 
@@ -314,7 +314,7 @@ def test_wave_returns_inverted(tables):
 def test_new_velocity_is_what_it_says(plate):
     dt, c = 0.01, 3.0
     kicked = State(plate.network.points, 1e-6 * (1.0 - plate.network.held))
-    found = controls.spoilt("viscous force from the new velocity", 1.0)(
+    found = controls.apply_fault("viscous force from the new velocity", 1.0)(
         plate.network, kicked, dt, 1, c
     )
     undamped = motion(plate.network, kicked, INTEGRATORS["euler_cromer"], dt, 1, 0.0)
@@ -324,7 +324,7 @@ def test_new_velocity_is_what_it_says(plate):
 
 
 def test_other_kick_is_lighter_masses(plate):
-    found = controls.spoilt("kick", 0.2)(plate.network, plate.start, 0.02, 7, 0.5)
+    found = controls.apply_fault("kick", 0.2)(plate.network, plate.start, 0.02, 7, 0.5)
     lighter = replace(plate.network, mass=plate.network.mass / 1.2)
     wanted = euler_cromer(lighter, plate.start, 0.02, 7, 0.5)
     assert found.position - plate.network.points == pytest.approx(
@@ -338,7 +338,7 @@ def test_stated_resolution_is_the_real_one(kind):
     noticed = controls.smallest(kind)["smallest_noticed"]
 
     def largest(size):
-        return max(controls.excesses(controls.spoilt(kind, size)).values())
+        return max(controls.excesses(controls.apply_fault(kind, size)).values())
 
     # Rounding is a tenth of a limit: what the extrapolation from a large fault cannot know.
     assert largest(1.3 * noticed) > 1
@@ -364,7 +364,7 @@ def test_free_pair_moves_as_one():
 
 
 def test_seed_changes_the_random_start_only():
-    rows = [direction.tried(euler_cromer, seed, ("plate", 0.5)) for seed in (0, 1)]
+    rows = [direction.try_direction(euler_cromer, seed, ("plate", 0.5)) for seed in (0, 1)]
     assert rows[0]["factor"] != rows[1]["factor"]
     for row in rows:
         assert row["factor"] == pytest.approx(row["factor_predicted"], rel=1e-7)
@@ -374,7 +374,7 @@ def test_energy_rises_in_steps_but_not_in_the_mean(tables):
     table = tables["cycles"]
     assert (table["single_rises"] > 0).tolist()[0]
     assert (table["mean_rises"] == 0).all()
-    assert cycles.rises(np.array([1.0, 0.5, 0.6, 0.6, 0.7])) == 2
+    assert cycles.count_rises(np.array([1.0, 0.5, 0.6, 0.6, 0.7])) == 2
 
 
 def test_numbers_do_not_depend_on_workers():

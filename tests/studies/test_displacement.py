@@ -8,11 +8,11 @@ import pytest
 from msvalidate.studies.displacement import budget, controls, load_cases, measuring, orders, target
 from msvalidate.studies.displacement.drawing import PARTS
 from msvalidate.studies.displacement.load_cases import CASES
-from msvalidate.studies.displacement.measuring import WEIGHTS, Block, Measured
+from msvalidate.studies.displacement.measuring import WEIGHTS, Block, Measurement
 from msvalidate.studies.displacement.models import ISOTROPIC, MODELS, homogenised
 
-from msvalidate.judging.candidate import springs
-from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.candidate import solve_springs
+from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
@@ -56,7 +56,7 @@ def rows():
         for size, doubt in ((FEM, DOUBT), (TARGET, 2 * DOUBT))
     ]
     moves = {key: uniform(size, points) for key, size in SHIFTS.items()}
-    found = budget.rows(BLOCK, Measured(points, moves), {("shear", ISOTROPIC, 5): tuple(solid)})
+    found = budget.rows(BLOCK, Measurement(points, moves), {("shear", ISOTROPIC, 5): tuple(solid)})
     return pd.DataFrame(found)
 
 
@@ -189,7 +189,7 @@ def test_the_blunter_corner_decides():
 
 
 def test_target_judges_by_an_independent_program():
-    assert held(judge(target.run(springs, QUICK)))
+    assert all_passed(judge(target.run(solve_springs, QUICK)))
     stiffer = controls.candidate_with("stiffness of every spring", 0.02)
     failed = judge(target.run(stiffer, QUICK)).query("verdict == 'fail'")["quantity"]
     assert "sheared square, k2 = 2 k1: an independent program, in its last digits" in set(failed)

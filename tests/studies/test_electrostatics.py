@@ -25,9 +25,9 @@ from msvalidate.dielectric.charges import (
     capacitance,
     facing_strips,
     facing_strips_capacitance,
-    strip,
+    strip_points,
 )
-from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
 from msvalidate.studies import electrostatics
@@ -149,7 +149,7 @@ def test_growth_of_the_closed_form(ratio):
 
 
 def test_circle_does_not_change_how_a_strip_shares_its_charge():
-    line = strip(2.0, 0.0, 20)
+    line = strip_points(2.0, 0.0, 20)
     shares = []
     for radius in (30.0, edge.RADIUS):
         electrodes = edge.in_a_circle(line)
@@ -211,7 +211,7 @@ def test_expected_growth_of_both_faces_by_another_route(tables):
 def test_halves_lose_nothing_of_the_pull():
     found = common.charges(facing_strips(4.0, 1.0, 40))
     halves, right = (
-        part[:41].sum(axis=0) for part in (shortcuts.halves(found), MOMENTS.forces(found))
+        part[:41].sum(axis=0) for part in (shortcuts.halve_to_ends(found), MOMENTS.forces(found))
     )
     assert halves == pytest.approx(right, rel=1e-3, abs=1e-12)
 
@@ -219,7 +219,7 @@ def test_halves_lose_nothing_of_the_pull():
 def test_forces_count_less_away_from_the_electrode():
     points = np.array([[1.0, 0.0], [1.25, 0.0], [0.5, 0.0], [-0.5, 0.0], [0.0, -0.6]])
     forces = np.array([[1.0, -2.0], [10.0, -4.0], [3.0, -4.0], [5.0, -6.0], [7.0, 7.0]])
-    found = in_air.summed(points, forces, in_air.Case(1 / 3, 1.0))
+    found = in_air.sum_forces(points, forces, in_air.Case(1 / 3, 1.0))
     share = (1 - 0.5**2) ** 2
     assert found["pull"] == pytest.approx(2 + 4 * share + 4 + 6)
     assert found["edge_work"] == pytest.approx((1 + 10 * share) / 0.25)
@@ -252,13 +252,15 @@ def test_plates_by_their_own_size():
 
 def test_charges_on_nodes_are_as_many_as_points():
     electrodes = common.pair("flat", 6.0, 10, grading="uniform")
-    assert len(nodes.charged(MOMENTS, "nodes", electrodes).charge) == len(electrodes.points)
-    assert len(nodes.charged(MOMENTS, "springs", electrodes).charge) == len(electrodes.segments)
+    assert len(nodes.charge_nodes(MOMENTS, "nodes", electrodes).charge) == len(electrodes.points)
+    assert len(nodes.charge_nodes(MOMENTS, "springs", electrodes).charge) == len(
+        electrodes.segments
+    )
 
 
 def test_dent_moves_one_electrode_by_what_it_says():
     electrodes = common.pair("flat", scaling.WIDTH, 100)
-    down = electrodes.points - scaling.dented(electrodes.points, 0.1)
+    down = electrodes.points - scaling.dent_strip(electrodes.points, 0.1)
     assert (down[101:] == 0).all()
     assert down[:101, 1].max() == pytest.approx(0.1, rel=1e-2)
 
@@ -288,7 +290,7 @@ def test_each_tolerance_of_a_table_notices_a_fault(fault, noticing):
 def test_sums_over_points_times_their_places(shape):
     """Σx·F of charges in the plane is Σqq'/(2πε) over pairs, wherever they are."""
     given = common.pair(shape, 4.0, 5)
-    found = nodes.charged(MOMENTS, "springs", given)
+    found = nodes.charge_nodes(MOMENTS, "springs", given)
     q = found.charge
     pairs = sum(q[i] * q[j] for i in range(len(q)) for j in range(i)) / (2 * np.pi)
     assert pairs == pytest.approx(-(q**2).sum() / (4 * np.pi), rel=1e-12)
@@ -310,18 +312,18 @@ def test_no_fault_is_the_solver_itself():
     electrodes = common.pair("wavy", 4.0, 10)
     for weighting in ("galerkin", "collocation"):
         right = MOMENTS.charges(electrodes, weighting=weighting)
-        same = controls.spoilt_potentials(0.0, electrodes, weighting=weighting)
+        same = controls.perturb_potentials(0.0, electrodes, weighting=weighting)
         assert same.charge == pytest.approx(right.charge, rel=1e-9)
         assert same.floating == pytest.approx(right.floating, rel=1e-9)
     assert MOMENTS.charges(electrodes).totals.sum() == pytest.approx(0, abs=1e-12)
-    alone = controls.spoilt_potentials(0.0, electrodes, neutral=False)
+    alone = controls.perturb_potentials(0.0, electrodes, neutral=False)
     assert abs(alone.totals.sum()) > 1e-2
 
 
 def test_without_neutrality_the_unit_of_length_matters():
     def found(unit):
         electrodes = facing_strips(6.0 * unit, unit, 20)
-        return controls.spoilt_potentials(0.0, electrodes, neutral=False).totals[0]
+        return controls.perturb_potentials(0.0, electrodes, neutral=False).totals[0]
 
     assert abs(found(1000.0) / found(1.0) - 1) > 0.01
     small, large = (capacitance(facing_strips(6.0 * u, u, 20)) for u in (1.0, 1000.0))
@@ -344,4 +346,4 @@ def test_a_users_own_solver_is_judged():
         return replace(right, charge=2 * right.charge)
 
     found = electrostatics.run(MOMENTS._replace(charges=doubled), QUICK, ("strips",))
-    assert not held(judge(found))
+    assert not all_passed(judge(found))

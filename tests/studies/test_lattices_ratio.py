@@ -25,12 +25,12 @@ from msvalidate.studies.lattices.ratio.stretch import Block
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.waves import highest_frequency
-from msvalidate.judging.candidate import springs
+from msvalidate.judging.candidate import solve_springs
 from msvalidate.judging.compare import observed_order
-from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import patterns
-from msvalidate.network.faults import every_spring
+from msvalidate.network.faults import stiffen_all
 from msvalidate.problem import Isotropic
 from msvalidate.studies import lattices
 
@@ -45,7 +45,7 @@ def found(question):
 @pytest.mark.parametrize("question", ["any_ratio", "rubber"])
 def test_both_questions_hold(question):
     verdict = judge(found(question))
-    assert held(verdict), verdict[verdict["verdict"] == "fail"].to_string()
+    assert all_passed(verdict), verdict[verdict["verdict"] == "fail"].to_string()
 
 
 def test_every_ratio_of_the_plane_and_of_space_is_stretched():
@@ -59,7 +59,7 @@ def test_every_ratio_of_the_plane_and_of_space_is_stretched():
 @pytest.mark.parametrize("name", ["square", "triangular", "cubic18", "bcc"])
 def test_a_points_own_row_has_the_waves_of_the_pattern(name):
     pattern = getattr(patterns, name)()
-    found_ = routes.calibrated(Way(name, "springs"), 1 / (pattern.dim + 1))
+    found_ = routes.calibrate_way(Way(name, "springs"), 1 / (pattern.dim + 1))
     mine = waves.highest(routes.wave_stiffness(pattern, found_))
     assert mine == pytest.approx(highest_frequency(pattern, found_.constants), rel=1e-9)
 
@@ -67,7 +67,7 @@ def test_a_points_own_row_has_the_waves_of_the_pattern(name):
 def test_long_waves_feel_the_moduli():
     # Along x they cost λ + 2μ (compression) and μ (shear), times the square of the phase.
     pattern = patterns.square()
-    found_ = routes.calibrated(Way("square", "volume energy"), 0.45)
+    found_ = routes.calibrate_way(Way("square", "volume energy"), 0.45)
     K = routes.wave_stiffness(pattern, found_).stiffness(np.array([[1e-3, 0.0]]))[0].real / 1e-6
     mu, lam = 1 / 2.9, 0.45 / (1 - 0.45**2)
     np.testing.assert_allclose(K, np.diag([lam + 2 * mu, mu]), atol=1e-6)
@@ -76,15 +76,15 @@ def test_long_waves_feel_the_moduli():
 @pytest.mark.parametrize(("route", "coupled"), [("volume energy", 8), ("shear springs", 48)])
 def test_a_point_of_squares_is_coupled_with(route, coupled):
     way = Way("square", route)
-    stencil = routes.wave_stiffness(way.pattern, routes.calibrated(way, 0.45))
+    stencil = routes.wave_stiffness(way.pattern, routes.calibrate_way(way, 0.45))
     assert stencil.coupled == coupled
 
 
 def test_ratios_that_a_part_leaves_open():
     square, cube = Way("square", "volume energy"), Way("cubic18", "shear springs")
-    assert routes.reached(square, -1.0) == (0.0, 1.0)
-    assert routes.reached(square, -2.5) == (-1.0, 1.0)
-    assert routes.reached(cube, -2 / 3) == pytest.approx((-1.0, 0.5))
+    assert routes.reachable_ratios(square, -1.0) == (0.0, 1.0)
+    assert routes.reachable_ratios(square, -2.5) == (-1.0, 1.0)
+    assert routes.reachable_ratios(cube, -2 / 3) == pytest.approx((-1.0, 0.5))
 
 
 def test_a_rigid_motion_stretches_no_block():
@@ -107,7 +107,7 @@ def test_one_volume_of_one_cell_is_less_than_all():
     lattice = stretch.body("square")
     material = Isotropic(1.0, 0.45)
     network = lattice_network(
-        stretch.pulled(lattice, material), lattice, calibrate(1.0, 0.45, lattice)
+        stretch.pull_loads(lattice, material), lattice, calibrate(1.0, 0.45, lattice)
     )
     kappa = network.volumes.stiffness
     lacking = faults.one_volume(network, 1.0).volumes.stiffness
@@ -116,13 +116,13 @@ def test_one_volume_of_one_cell_is_less_than_all():
 
 
 def test_halves_of_cells_keep_the_area_and_lock():
-    problem = bent.bent("plane_strain", 0.4999)
+    problem = bent.bend_block("plane_strain", 0.4999)
     network = bent.springs_of(problem, "square", (4, 2))
     halves = bent.springs_of(problem, bent.HALVES, (4, 2))
     assert len(halves.volumes.cells) == 2 * len(network.volumes.cells)
     assert halves.volumes.rest_volume.sum() == pytest.approx(2.0)
     whole, split, q1 = (
-        bent.deflection(springs, Bent("plane_strain", 0.4999, model, 8))
+        bent.deflection(solve_springs, Bent("plane_strain", 0.4999, model, 8))
         for model in ("square", bent.HALVES, "Q1")
     )
     assert max(split, q1) < 0.3 * whole
@@ -136,7 +136,7 @@ def test_volumes_lose_little_where_elements_lock():
 
 @pytest.mark.parametrize(("size", "low"), [(0.01, True), (-0.01, False)])
 def test_springs_wrong_by_1_percent_have_orders_out_of_bounds(size, low):
-    candidate = faults.with_fault(every_spring, size)
+    candidate = faults.with_fault(stiffen_all, size)
     pair = [bent.deflection(candidate, Bent("plane_strain", 0.499, "square", n)) for n in (8, 16)]
     table = found("rubber").tables["rubber"]
     mine = table[(table["state"] == "plane_strain") & (table["nu_rubber"] == 0.499)]
@@ -177,12 +177,12 @@ def test_the_clamped_ends_order_near_half():
 
 
 def test_black_against_white_pushes_nothing():
-    assert pressure.push(("all round", 5))["silent"] == 2
-    assert pressure.push(("left", 5))["silent"] == 0
+    assert pressure.push_row(("all round", 5))["silent"] == 2
+    assert pressure.push_row(("left", 5))["silent"] == 0
 
 
 def test_pressures_of_a_uniform_swelling():
-    problem = bent.bent("plane_strain", 0.4)
+    problem = bent.bend_block("plane_strain", 0.4)
     network = bent.springs_of(problem, "square", (4, 2))
     swollen = pressure.dilatation(network, 0.3 * network.points)
     np.testing.assert_allclose(swollen, 0.6, rtol=1e-10)

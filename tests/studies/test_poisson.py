@@ -16,7 +16,7 @@ from msvalidate.studies.poisson import (
 
 import reference_fem
 from msvalidate.constants.stiffness import square_tensor
-from msvalidate.judging.candidate import springs
+from msvalidate.judging.candidate import solve_springs
 from msvalidate.judging.evidence import judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import faults
@@ -80,7 +80,7 @@ def test_stated_resolution_is_the_real_one(name):
     noticed = controls.smallest(name)["smallest_noticed"]
 
     def largest(size):
-        faulty = partial(controls.spoilt, controls.FAULTS[name], size)
+        faulty = partial(controls.apply_fault, controls.FAULTS[name], size)
         return max(controls.identities(faulty).values())
 
     assert largest(1.1 * noticed) > finite_size.IDENTITY
@@ -181,7 +181,7 @@ def ratio_by_hand(n, k2):
 
 
 def test_a_block_at_45_degrees_by_hand():
-    row = rotated.measure(springs, ("square", 2.0, 45, 5))
+    row = rotated.measure(solve_springs, ("square", 2.0, 45, 5))
     assert row["nu_springs"] == pytest.approx(ratio_by_hand(5, 2.0), abs=1e-12)
 
 
@@ -195,7 +195,7 @@ def test_triangles_are_linear_elements():
 
     for cells in (5, 10):  # half the strips odd, even
         case = ("triangular", 0.0, 90, cells)
-        network, fem = (rotated.measure(c, case)["nu_springs"] for c in (springs, elements))
+        network, fem = (rotated.measure(c, case)["nu_springs"] for c in (solve_springs, elements))
         assert network == pytest.approx(fem, abs=1e-9)
 
 
@@ -205,7 +205,7 @@ def test_an_elastic_block_has_no_direction_of_its_lattice():
         row = rotated.measure(block.finite_elements, ("square", 2.0, degrees, cells))
         assert row["nu_springs"] == pytest.approx(row["nu_tensor"], abs=1e-9)
     case = ("triangular", 0.0, 90, 5)
-    solid, network = (rotated.measure(c, case) for c in (block.finite_elements, springs))
+    solid, network = (rotated.measure(c, case) for c in (block.finite_elements, solve_springs))
     assert solid["nu_springs"] < network["nu_springs"] < 1 / 3, (
         "a zigzag edge is no lattice's fault"
     )
@@ -223,8 +223,8 @@ def test_a_fault_of_the_cut_blocks_alone_is_caught():
 
     def faulty(problem, network, answer):
         aligned = np.ptp(network.points[network.springs[0], 1]) == 0
-        spoilt = network if aligned else faults.diagonals(network, 0.02)
-        return springs(problem, spoilt, answer)
+        spoilt = network if aligned else faults.stiffen_diagonals(network, 0.02)
+        return solve_springs(problem, spoilt, answer)
 
     verdict = judge(rotated.run(faulty, QUICK)).set_index("quantity")["verdict"]
     assert verdict["square at 0 degrees: the tensor's ratio"] == "pass"

@@ -15,8 +15,8 @@ from msvalidate.studies.benchmarks import (
     spring_meshes,
 )
 
-from msvalidate.judging.candidate import springs
-from msvalidate.judging.evidence import Evidence, held, judge
+from msvalidate.judging.candidate import solve_springs
+from msvalidate.judging.evidence import Evidence, all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import faults
 from msvalidate.problem import Box, SolverError
@@ -29,7 +29,7 @@ def evidence() -> Evidence:
 
 
 def test_printed_table_is_found_again(evidence: Evidence) -> None:
-    assert held(judge(evidence))
+    assert all_passed(judge(evidence))
     table = evidence.tables["published"]
     assert list(table["cells"]) == [n for n in spring_meshes.PRINTED if n <= published.QUICK]
     assert np.abs(table["from_printed"]).max() < 1e-12
@@ -59,14 +59,14 @@ def test_closed_form_of_one_cell_by_hand() -> None:
     move = 2 * d / (a * d - b * c)  # of the work 2u's slope, 2, by Cramer's rule
     stiffness = 1 / (2 * move)
     assert stiffness == Fraction(4) * chi * (chi + 1) / (2 * chi + 1)
-    assert spring_meshes.apparent_stiffness(springs, 1, float(chi)) == pytest.approx(
+    assert spring_meshes.apparent_stiffness(solve_springs, 1, float(chi)) == pytest.approx(
         float(stiffness), rel=1e-13
     )
 
 
 def test_springs_a_little_stiffer_are_noticed() -> None:
     verdict = judge(
-        published.run(controls.body_with(faults.every_spring, 1e-9), Setting(quick=True))
+        published.run(controls.body_with(faults.stiffen_all, 1e-9), Setting(quick=True))
     )
     failed = set(verdict["quantity"][verdict["verdict"] == "fail"])
     assert any("from the printed" in quantity for quantity in failed)
@@ -109,7 +109,7 @@ def test_sources_say_what_was_not_had() -> None:
     assert list(table["used"]).count("row by row") == 1
     missing = published_sources.without_numbers()
     assert len(missing) == (table["used"] == "none").sum() > 0
-    assert all(name in published.not_had() for name in missing)
+    assert all(name in published.describe_missing() for name in missing)
 
 
 def test_random_membranes_soften(evidence: Evidence) -> None:

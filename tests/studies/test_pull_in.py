@@ -24,7 +24,7 @@ from msvalidate.studies.pull_in.way import SPRINGS, PullInSolver, bonded, slidin
 
 from msvalidate.dielectric.actuator import PulledIn, at_voltage, uniform
 from msvalidate.dielectric.charges import Moments, facing_strips, tangent
-from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import tangent as springs_tangent
 from msvalidate.problem import ProblemError
@@ -174,7 +174,7 @@ def test_elimination_finds_where_the_lowest_eigenvalue_is_zero(wave):
     q = np.array([2 * np.pi / wave])
     for shift, sign in ((1e-6, 1), (-1e-6, -1)):
         if parts[0] > PULL_IN.thickness + 1e-5:
-            assert np.sign(infinite.softest(parts[0] + shift, 5, q))[0] == sign
+            assert np.sign(infinite.softest_wave(parts[0] + shift, 5, q))[0] == sign
 
 
 # --- other routes ---------------------------------------------------------------------------------
@@ -225,10 +225,10 @@ def test_what_is_the_meshs_is_read_off_the_table():
             "mode_wavelength_over_h": ["none", "none", 0.8, 0.4],
         }
     )
-    said = instability.told(table)["mesh_dependent"]
+    said = instability.label_mesh_dependence(table)["mesh_dependent"]
     assert list(said) == ["voltage", "voltage", "wavelength", "wavelength"]
     calm = table.assign(critical_over_pull_in=0.5, mode_wavelength_over_h=0.8)
-    assert set(instability.told(calm)["mesh_dependent"]) == {"nothing"}
+    assert set(instability.label_mesh_dependence(calm)["mesh_dependent"]) == {"nothing"}
 
 
 def test_modes_stand_where_they_should(tables):
@@ -275,11 +275,11 @@ def test_half_the_softening_is_between():
 
 def test_a_held_voltage_beyond_pull_in_is_noticed():
     found = beyond.run(PullInSolver(controls.gap_as_it_was), QUICK)
-    assert not held(judge(found))
+    assert not all_passed(judge(found))
 
 
 def test_thresholds_by_the_right_laws_hold():
-    assert held(judge(which.run(SPRINGS, QUICK)))
+    assert all_passed(judge(which.run(SPRINGS, QUICK)))
 
 
 @pytest.mark.parametrize(

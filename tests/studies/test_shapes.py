@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from msvalidate.studies.displacement import claims, load_cases, shapes
 from msvalidate.studies.displacement.load_cases import CASES
-from msvalidate.studies.displacement.measuring import Block, Measured
+from msvalidate.studies.displacement.measuring import Block, Measurement
 
-from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.problem import SolverError
 
 FINER = 10
@@ -42,7 +42,7 @@ def asked(springs=1.0, homogenised=1.0, target=1.0):
         points = grids[shapes.FINENESS]
         for model in shapes.SQUARE:
             moves = {shapes.SETTING: springs * field(case, points)}
-            measured[Block(case, model, shapes.FINENESS)] = Measured(points, moves)
+            measured[Block(case, model, shapes.FINENESS)] = Measurement(points, moves)
             bodies |= {(case, model, n): tuple(solids) for n in grids}
     return measured, bodies
 
@@ -58,7 +58,7 @@ def judgements(found, figure):
 
 
 def test_same_shapes_pass(evidence):
-    assert held(judge(evidence))
+    assert all_passed(judge(evidence))
     assert all(judgements(evidence, figure) == {"holds"} for figure in (4, 5, 6))
 
 

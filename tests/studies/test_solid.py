@@ -7,12 +7,12 @@ from msvalidate.studies.displacement.solid_bodies import CASES, MODELS
 
 import reference_fem
 from msvalidate.constants.stiffness import moduli
-from msvalidate.judging.candidate import springs
-from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.candidate import solve_springs
+from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.singularity import clamped_edge_exponent, clamped_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
-from reference_fem.extrapolation import extrapolated
+from reference_fem.extrapolation import extrapolate
 
 QUICK = Setting(quick=True)
 
@@ -70,7 +70,7 @@ def test_springs_of_a_cube_by_hand():
         for many, k, stretch in springs_of_side:
             stiff += many * k * np.outer(stretch, stretch)
     move = np.linalg.solve(stiff, (case.traction[0], 0.0, 0.0))
-    seen = solid_bodies.spring_body(springs, model, case, 1)
+    seen = solid_bodies.spring_body(solve_springs, model, case, 1)
     assert seen.mean == pytest.approx(move[0], rel=1e-12)
 
 
@@ -89,7 +89,7 @@ def test_a_section_may_move_more_freely_than_its_bound():
 
 
 def test_extrapolation_finds_the_limit_of_two_powers():
-    found = extrapolated(lambda n: [1 + 3 * n**-1.5 - n**-2.0, 2.0], 3, (1.5, 2.0))
+    found = extrapolate(lambda n: [1 + 3 * n**-1.5 - n**-2.0, 2.0], 3, (1.5, 2.0))
     assert found.value == pytest.approx([1.0, 2.0], abs=1e-12)
     assert found.uncertainty == pytest.approx([0.0, 0.0], abs=1e-12)
     assert found.cells == 24
@@ -97,20 +97,20 @@ def test_extrapolation_finds_the_limit_of_two_powers():
 
 @pytest.mark.parametrize("power", [1.75, 2.5, 3.0, 4.0])
 def test_extrapolation_owns_to_what_it_leaves_out(power):
-    found = extrapolated(lambda n: 1 + n**-1.5 + n**-2.0 + n**-power, 2, (2.0, 1.5))
+    found = extrapolate(lambda n: 1 + n**-1.5 + n**-2.0 + n**-power, 2, (2.0, 1.5))
     assert 0 < abs(found.value[0] - 1) <= found.uncertainty[0]
 
 
 @pytest.mark.parametrize("orders", [(2.0, 2.0), (0.0, 2.0), (1.0,), (1.0, np.nan)])
 def test_orders_that_tell_nothing(orders):
     with pytest.raises(ProblemError, match="orders"):
-        extrapolated(lambda n: 1 / n, 2, orders)
+        extrapolate(lambda n: 1 / n, 2, orders)
 
 
 def test_the_bar_notices_small_faults():
     for kind, size in (("stiffness of every spring", 1e-7), ("boundary weights", 1e-7)):
         verdict = judge(bent_bar.run(controls.candidate_with(kind, size), QUICK))
-        assert not held(verdict), kind
+        assert not all_passed(verdict), kind
 
 
 def test_elements_of_a_quarter_are_as_many_through_the_height():
@@ -128,7 +128,7 @@ def test_solids_against_fem_of_any_answer():
 
     own = solid_bodies.elastic_body(2, (case.name, model.tensor))
     solid_mean, spring_mean = (
-        solid_bodies.spring_body(c, model, case, 8).mean for c in (elements, springs)
+        solid_bodies.spring_body(c, model, case, 8).mean for c in (elements, solve_springs)
     )
     assert abs(solid_mean / own.mean - 1) < abs(spring_mean / own.mean - 1)
     assert own.uncertainty / own.mean < solid.CONVERGED

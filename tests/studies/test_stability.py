@@ -25,9 +25,9 @@ from msvalidate.studies.stability import (
 )
 from msvalidate.studies.stability.networks import OSCILLATOR, Body, clamped, linear
 
-from msvalidate.dynamics.integrators import INTEGRATORS, Moving, growth
+from msvalidate.dynamics.integrators import INTEGRATORS, MotionState, growth_factor
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import tangent
 from msvalidate.problem import ProblemError
@@ -115,7 +115,9 @@ def test_same_numbers_whatever_the_workers():
 def test_seed_changes_the_start_and_no_limit():
     body = linear(Body("square", 6))
     assert (body.start(0) != body.start(1)).any()
-    assert held(judge(stability.run(setting=Setting(quick=True, seed=1), questions=("limits",))))
+    assert all_passed(
+        judge(stability.run(setting=Setting(quick=True, seed=1), questions=("limits",)))
+    )
 
 
 @pytest.mark.parametrize("questions", [(), ("limit",), ("limits", "all")])
@@ -136,7 +138,7 @@ def test_another_scheme_is_held_to_its_claims():
     boastful = replace(mine, limit=lambda _: 2.1)
     for scheme, passes in ((mine, True), (boastful, False)):
         found = stability.run(INTEGRATORS | {"mine": scheme}, QUICK, ("limits",))
-        assert held(judge(found)) == passes
+        assert all_passed(judge(found)) == passes
         assert found.figures["atlas"](found.tables)
 
 
@@ -152,7 +154,7 @@ def test_search_finds_the_limit_from_any_bracket(name):
         found = bounded.measured_limit(scheme, body, 2 * zetas, search, 0)
         np.testing.assert_allclose(found, expected, rtol=4 * search.resolution)
         for h, zeta in zip(found, zetas, strict=True):
-            assert growth(scheme, 1.0, 1.01 * h, 2 * zeta) > 1
+            assert growth_factor(scheme, 1.0, 1.01 * h, 2 * zeta) > 1
 
 
 def test_search_ends_at_its_bracket_when_nothing_or_everything_grows():
@@ -184,7 +186,7 @@ def test_linear_motion_is_the_networks(lattice):
         np.testing.assert_allclose(
             moving.acceleration(mode), -(omega**2) * mode, atol=1e-6 * np.abs(mode).max()
         )
-        still = Moving(mode, np.zeros_like(mode), moving.acceleration(mode))
+        still = MotionState(mode, np.zeros_like(mode), moving.acceleration(mode))
         assert bounded.energy(moving, still)[0] == pytest.approx(1.0)
 
 
@@ -209,7 +211,7 @@ def test_exact_motion(share, ratio):
     scheme = INTEGRATORS["leapfrog"]
     root = np.sqrt(share)
     found = oscillator.swing(scheme, 20_000, order.ANGLE * root, ratio * root)
-    assert order.swung(share, ratio) == pytest.approx(found, abs=1e-7)
+    assert order.exact_swing(share, ratio) == pytest.approx(found, abs=1e-7)
 
 
 def test_verlet_loses_its_order_under_damping_and_leapfrog_keeps_it(tables):
@@ -258,10 +260,10 @@ def test_areas_are_signed():
 def test_a_run_ends_where_it_leaves():
     _, network = runs.block((0.1, 0.0))
     scheme = INTEGRATORS["explicit_euler"]
-    gone = runs.released(network, scheme, 2.0, 500, 0.0, 0.5)
+    gone = runs.release_network(network, scheme, 2.0, 500, 0.0, 0.5)
     assert 0 < gone.left == len(gone.positions) < 500
     assert np.abs(gone.positions - network.points).max() <= 0.5
-    calm = runs.released(network, INTEGRATORS["leapfrog"], 0.5, 20, 0.0, 0.5)
+    calm = runs.release_network(network, INTEGRATORS["leapfrog"], 0.5, 20, 0.0, 0.5)
     assert calm.left == 0
     assert len(calm.positions) == 21
 
@@ -292,7 +294,7 @@ def test_no_number_is_missing_where_schemes_leave():
     printed = replace(INTEGRATORS["euler_cromer"], step=INTEGRATORS["euler_cromer_as_printed"].step)
     for question in ("figure3", "passing"):
         found = stability.run(INTEGRATORS | {"euler_cromer": printed}, QUICK, (question,))
-        assert not held(judge(found))
+        assert not all_passed(judge(found))
         for draw in found.figures.values():
             assert draw(found.tables)
 
@@ -308,7 +310,7 @@ def test_stated_resolution_is_the_real_one(name):
     for part, passes in ((1 + apart, False), (1 - apart, True)):
         scheme = controls.FAULTS[name][0](part * noticed)
         found = question.run(INTEGRATORS | {scheme.name: scheme}, QUICK)
-        assert held(judge(found)) == passes
+        assert all_passed(judge(found)) == passes
 
 
 def test_no_fault_is_the_scheme_itself():
@@ -325,7 +327,7 @@ def test_no_fault_is_the_scheme_itself():
 
 def test_reference_of_figure_3_is_fine():
     scheme = INTEGRATORS["velocity_verlet"]
-    block = figure3.pulled()
+    block = figure3.pulled_block()
     time, x, _ = figure3.displacement(block, scheme, figure3.FINE)
     finer_time, finer, _ = figure3.displacement(block, scheme, figure3.FINE / 2)
     assert np.abs(x - np.interp(time, finer_time, finer)).max() < 2e-3 * np.ptp(x)

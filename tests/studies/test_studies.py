@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from msvalidate.judging import catalogue
-from msvalidate.judging.evidence import held, judge
+from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import ProblemError
 
@@ -60,7 +60,7 @@ def evidence(name, small_form):
 @pytest.mark.slow
 def test_passes_in_its_small_form(evidence):
     verdict = judge(evidence)
-    assert held(verdict), verdict[verdict["verdict"] == "fail"].to_string()
+    assert all_passed(verdict), verdict[verdict["verdict"] == "fail"].to_string()
 
 
 @pytest.mark.slow
@@ -98,7 +98,7 @@ def test_telling_faults_are_those_of_studies():
 def test_fails_under_a_known_fault(name, fault):
     study = catalogue.load(name)
     verdict = judge(study.run(**study.FAULTS[fault], setting=QUICK))
-    assert not held(verdict)
+    assert not all_passed(verdict)
 
 
 def test_a_candidate_that_is_none_is_refused_in_one_line(study):

@@ -49,7 +49,7 @@ def tangent_with_a_wrong_sign(patch):
 
     def blocks(net, position):
         # A network at rest as it lies has the elastic part alone.
-        length = network.stretched(net, position)[1]
+        length = network.spring_vectors(net, position)[1]
         return 2 * true(replace(net, rest_length=length), position) - true(net, position)
 
     everywhere(patch, true, blocks)
@@ -85,7 +85,7 @@ def elements_take_the_ratio_without_its_sign(patch):
 
 
 def springs_take_the_ratio_without_its_sign(patch):
-    true = stiffness.in_plane
+    true = stiffness.in_plane_moduli
     everywhere(patch, true, lambda law: true(replace(law, nu=abs(law.nu))))
 
 
@@ -122,7 +122,7 @@ def longer_diagonals(patch):
 
 
 def modulus_of_plane_stress_in_plane_strain(patch):
-    true = stiffness.in_plane
+    true = stiffness.in_plane_moduli
 
     def plane(law):
         E, nu = true(law)

@@ -13,21 +13,21 @@ say what charges do to it. `balance`, `ways`, `equilibria` and `continuation` fi
 
 from msvalidate.dielectric.actuator.continuation import Sweep, sweep
 from msvalidate.dielectric.actuator.device import Actuator
-from msvalidate.dielectric.actuator.equilibria import Held, PulledIn, at_voltage
-from msvalidate.dielectric.actuator.films import slab, without_tips
+from msvalidate.dielectric.actuator.equilibria import ActuatorEquilibrium, PulledIn, at_voltage
+from msvalidate.dielectric.actuator.films import fix_near_tips, slab
 from msvalidate.dielectric.actuator.modes import lowest_modes
-from msvalidate.dielectric.actuator.motion import Moved, moving
+from msvalidate.dielectric.actuator.motion import RelaxedActuator, relax_actuator
 
 __all__ = [
     "Actuator",
-    "Held",
-    "Moved",
+    "ActuatorEquilibrium",
     "PulledIn",
+    "RelaxedActuator",
     "Sweep",
     "at_voltage",
+    "fix_near_tips",
     "lowest_modes",
-    "moving",
+    "relax_actuator",
     "slab",
     "sweep",
-    "without_tips",
 ]

@@ -10,12 +10,12 @@ from scipy.sparse import coo_array, csr_array
 
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.models import Electric
-from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorised
+from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorise
 from msvalidate.network import internal_force, tangent
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array
-from msvalidate.statics.polish import balance
-from msvalidate.statics.tangents import LARGEST_TURN, largest_turn
+from msvalidate.statics.polish import out_of_balance_force
+from msvalidate.statics.tangents import LARGEST_TURN, largest_rotation
 
 ITERATIONS = 25
 """Newton steps to one voltage: several times what quadratic convergence needs."""
@@ -24,24 +24,24 @@ BESIDE_LOADS = 1e-8
 tolerance alone would take a start under a small voltage for rest."""
 
 
-class Found(NamedTuple):
-    """Where a search came to rest: displacement (n, 2) in m, charges there, linear solves made."""
+class BalancedState(NamedTuple):
+    """Result of an equilibrium search: displacement (n, 2) in m, charges, linear solves."""
 
     displacement: Array
     electric: Electric
     solves: int
 
 
-def out_of_balance(actuator: Actuator, x: Array, electric: Electric) -> Array:
+def unbalanced_force(actuator: Actuator, x: Array, electric: Electric) -> Array:
     """Force (n, 2) in N of springs, loads and charges at positions (n, 2) in m."""
     force = internal_force(actuator.network, x) + actuator.network.force
     force[electric.loaded] += electric.forces()
     return force
 
 
-def left_over(actuator: Actuator, displacement: Array, electric: Electric) -> Array:
-    """`out_of_balance` at a displacement (n, 2) in m: positions far away would lose its digits."""
-    force = balance(actuator.network, displacement)
+def residual_force(actuator: Actuator, displacement: Array, electric: Electric) -> Array:
+    """`unbalanced_force` at a displacement (n, 2) in m, without the rounding of far positions."""
+    force = out_of_balance_force(actuator.network, displacement)
     force[electric.loaded] += electric.forces()
     return force
 
@@ -64,7 +64,7 @@ def stiffness(actuator: Actuator, x: Array, electric: Electric) -> csr_array:
 def factor_at(actuator: Actuator, x: Array, electric: Electric) -> Factor | None:
     """Factor of `stiffness` where it is positive; None where a motion meets no stiffness."""
     try:
-        factor = factorised(stiffness(actuator, x, electric))
+        factor = factorise(stiffness(actuator, x, electric))
     except NoMemoryError:
         raise
     except RuntimeError:  # a pivot of zero
@@ -72,7 +72,9 @@ def factor_at(actuator: Actuator, x: Array, electric: Electric) -> Factor | None
     return None if factor.negative else factor
 
 
-def is_small(actuator: Actuator, displacement: Array, electric: Electric, tolerance: float) -> bool:
+def is_balanced(
+    actuator: Actuator, displacement: Array, electric: Electric, tolerance: float
+) -> bool:
     """Whether what is out of balance is small beside the forces that meet and the free loads.
 
     Or rounding: an eps of the displacement, whatever the coordinates are.
@@ -89,13 +91,13 @@ def is_small(actuator: Actuator, displacement: Array, electric: Electric, tolera
         allowed = min(allowed, max(tolerance, BESIDE_LOADS) * load)
     a_metre = 4 * (force_roundoff(network, 1.0) - force_roundoff(network, 0.0))
     rounding = a_metre * float(np.abs(displacement).max(initial=0.0))
-    left = np.abs(left_over(actuator, displacement, electric))
+    left = np.abs(residual_force(actuator, displacement, electric))
     return bool((left <= allowed + rounding)[free].all())
 
 
-def balanced(
+def find_equilibrium(
     actuator: Actuator, u: Array, charged: Callable[[Array], Electric], tolerance: float
-) -> Found | None:
+) -> BalancedState | None:
     """Stable balance near a displacement u (n, 2) in m by Newton's method; None if there is none.
 
     `charged` is a function of positions. From a stable place towards another the stiffness stays
@@ -108,11 +110,11 @@ def balanced(
         factor = factor_at(actuator, x, electric)
         if factor is None:
             return None
-        if is_small(actuator, u, electric, tolerance):
-            return Found(u, electric, solves)
+        if is_balanced(actuator, u, electric, tolerance):
+            return BalancedState(u, electric, solves)
         move = np.zeros(u.shape)
-        move[free] = factor.solve(left_over(actuator, u, electric)[free])
-        if largest_turn(network, x, move) > LARGEST_TURN:
+        move[free] = factor.solve(residual_force(actuator, u, electric)[free])
+        if largest_rotation(network, x, move) > LARGEST_TURN:
             return None
         u = u + move
     return None

@@ -8,10 +8,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.actuator.device import Actuator
-from msvalidate.dielectric.actuator.equilibria import BRACKET, TOLERANCE, Held, PulledIn, at_voltage
+from msvalidate.dielectric.actuator.equilibria import (
+    BRACKET,
+    TOLERANCE,
+    ActuatorEquilibrium,
+    PulledIn,
+    at_voltage,
+)
 from msvalidate.dielectric.actuator.ways import Way
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import finite, instance, positive, shown, whole
+from msvalidate.problem.checks import (
+    finite,
+    format_value,
+    positive_number,
+    require_type,
+    whole_number,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,25 +32,25 @@ class Sweep:
 
     Parameters
     ----------
-    held
+    equilibria
         At 0 V, at each voltage that was reached, and at the last one before pull-in.
     pull_in
         The last voltage held and one a small step further without a stable equilibrium (V); None
         if it was not met.
     """
 
-    held: tuple[Held, ...]
+    equilibria: tuple[ActuatorEquilibrium, ...]
     pull_in: tuple[float, float] | None
 
     @property
     def voltages(self) -> Array:
         """(k,) in V."""
-        return np.array([one.voltage for one in self.held])
+        return np.array([one.voltage for one in self.equilibria])
 
     @property
-    def last(self) -> Held:
+    def last(self) -> ActuatorEquilibrium:
         """The equilibrium at the highest voltage."""
-        return self.held[-1]
+        return self.equilibria[-1]
 
 
 def sweep(
@@ -71,8 +83,8 @@ def sweep(
     SolverError
         If the actuator is not stable at 0 V. Pull-in is no error: the sweep ends there.
     """
-    instance("actuator", actuator, Actuator)
-    asked = _asked(voltages, to, steps)
+    require_type("actuator", actuator, Actuator)
+    asked = _check_voltages(voltages, to, steps)
     held = [at_voltage(actuator, 0.0, method=method, tolerance=tolerance)]
     for voltage in asked:
         try:
@@ -92,13 +104,15 @@ def sweep(
     return Sweep(tuple(held), None)
 
 
-def _asked(voltages: ArrayLike | None, to: float | None, steps: int) -> list[float]:
+def _check_voltages(voltages: ArrayLike | None, to: float | None, steps: int) -> list[float]:
     if (voltages is None) == (to is None):
         raise ProblemError("voltages: give either a list of them, or the highest one as `to`")
     if to is not None:
-        count = whole("steps", steps, 1)
-        return [positive("to", to, "V") * (i + 1) / count for i in range(count)]
+        count = whole_number("steps", steps, 1)
+        return [positive_number("to", to, "V") * (i + 1) / count for i in range(count)]
     given = finite("voltages", voltages)  # type: ignore[arg-type]
     if given.ndim != 1 or not len(given) or given[0] <= 0 or (np.diff(given) <= 0).any():
-        raise ProblemError(f"voltages: {shown(voltages)}; give a list that rises from above 0 V")
+        raise ProblemError(
+            f"voltages: {format_value(voltages)}; give a list that rises from above 0 V"
+        )
     return [float(one) for one in given]

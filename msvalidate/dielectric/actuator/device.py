@@ -8,11 +8,18 @@ from functools import cached_property
 import numpy as np
 
 from msvalidate.dielectric.actuator.models import MODELS
-from msvalidate.dielectric.actuator.surface import off_surface, outline
-from msvalidate.dielectric.charges import Electrodes, chains
+from msvalidate.dielectric.actuator.surface import is_off_surface, outline
+from msvalidate.dielectric.charges import Electrodes, electrodes_of_chains
 from msvalidate.network import Network
 from msvalidate.problem import Array, Index, ProblemError, refuse_free_motions
-from msvalidate.problem.checks import chosen, indices, instance, positive, shaped, shown
+from msvalidate.problem.checks import (
+    format_value,
+    indices,
+    positive_number,
+    require_one_of,
+    require_type,
+    shaped,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,22 +64,24 @@ class Actuator:
     charged: Electrodes = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        instance("network", self.network, Network)
+        require_type("network", self.network, Network)
         if self.network.dim != 2:
             raise ProblemError("network: one in space; an actuator's is in the plane")
-        positive("permittivity", self.permittivity, "F/m")
-        positive("depth", self.depth, "m")
-        positive("permittivity ratio", self.permittivity_ratio)
-        chosen("model", self.model, MODELS)
+        positive_number("permittivity", self.permittivity, "F/m")
+        positive_number("depth", self.depth, "m")
+        positive_number("permittivity ratio", self.permittivity_ratio)
+        require_one_of("model", self.model, MODELS)
         refuse_free_motions("network", self.network.points, self.network.held)
         given = self.electrodes
         if not isinstance(given, tuple | list) or len(given) != 2:
             raise ProblemError(
-                f"electrodes: {shown(given)}; give two chains of points, the top one first"
+                f"electrodes: {format_value(given)}; give two chains of points, the top one first"
             )
         kept = tuple(_chain(f"electrode {i}", line, self.network) for i, line in enumerate(given))
         object.__setattr__(self, "electrodes", kept)
-        object.__setattr__(self, "charged", chains(*(self.network.start[line] for line in kept)))
+        object.__setattr__(
+            self, "charged", electrodes_of_chains(*(self.network.start[line] for line in kept))
+        )
         for i, line in enumerate(kept):
             _refuse_inside(f"electrode {i}", line, self.network)
         MODELS[self.model].refuse(self)
@@ -126,7 +135,7 @@ def _sorted_pairs(line: Index) -> Index:
 def _refuse_inside(name: str, line: Index, network: Network) -> None:
     """Raise unless every segment of a chain has the body on one side only."""
     pairs = _sorted_pairs(line)
-    inside = off_surface(network, pairs)
+    inside = is_off_surface(network, pairs)
     if len(inside):
         i, j = pairs[inside[0]]
         raise ProblemError(

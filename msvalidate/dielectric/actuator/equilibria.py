@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from msvalidate.dielectric.actuator.balance import Found, balanced, left_over
+from msvalidate.dielectric.actuator.balance import BalancedState, find_equilibrium, residual_force
 from msvalidate.dielectric.actuator.device import Actuator
-from msvalidate.dielectric.actuator.models import electrified
-from msvalidate.dielectric.actuator.ways import WAYS, Frozen, Way
+from msvalidate.dielectric.actuator.models import charge_actuator
+from msvalidate.dielectric.actuator.ways import WAYS, FrozenCharges, Way
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import chosen, instance, number
+from msvalidate.problem.checks import finite_number, require_one_of, require_type
 from msvalidate.statics.following import SMALLEST_INCREMENT
 
 TOLERANCE = 1e-10
@@ -31,7 +31,7 @@ goes with the root of what is missing."""
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class ActuatorEquilibrium:
     """An actuator at rest at a voltage, stable by the signs of its tangent's pivots.
 
     Parameters
@@ -79,7 +79,7 @@ class PulledIn(SolverError):  # noqa: N818  # it says what happened
         A voltage (V) a small step further at which none was found.
     """
 
-    def __init__(self, message: str, last: Held, beyond: float) -> None:
+    def __init__(self, message: str, last: ActuatorEquilibrium, beyond: float) -> None:
         super().__init__(message)
         self.last, self.beyond = last, beyond
 
@@ -88,12 +88,12 @@ def at_voltage(
     actuator: Actuator,
     voltage: float,
     *,
-    start: Held | None = None,
+    start: ActuatorEquilibrium | None = None,
     method: Way = "newton",
     tolerance: float = TOLERANCE,
     bracket: float = BRACKET,
-) -> Held:
-    """Stable equilibrium at a voltage, on the branch that leads there.
+) -> ActuatorEquilibrium:
+    """Stable equilibrium at a voltage, on the branch that starts at zero voltage.
 
     Parameters
     ----------
@@ -117,19 +117,19 @@ def at_voltage(
     PulledIn
         A `SolverError` that names the voltage and the last one held, and keeps that equilibrium.
     """
-    instance("actuator", actuator, Actuator)
-    goal = number("voltage", voltage)
-    chosen("method", method, WAYS)
-    number("tolerance", tolerance, above=0, most=LOOSEST)
-    number("bracket", bracket, above=0, most=LOOSEST)
-    held = _begun(actuator, start)
+    require_type("actuator", actuator, Actuator)
+    goal = finite_number("voltage", voltage)
+    require_one_of("method", method, WAYS)
+    finite_number("tolerance", tolerance, above=0, most=LOOSEST)
+    finite_number("bracket", bracket, above=0, most=LOOSEST)
+    held = _starting_point(actuator, start)
     if goal == held.voltage:
         return held if start is None else _near(actuator, held, goal, method, tolerance)
     step, easy = goal - held.voltage, False
     while held.voltage != goal:
         last = abs(goal - held.voltage) <= abs(step)
         target = goal if last else held.voltage + step
-        found = _reached(actuator, held, target, method, tolerance)
+        found = _step_to_voltage(actuator, held, target, method, tolerance)
         if found is not None:
             # Once a step was refused, twice as long a one is tried after two that were not.
             held = replace(found, iterations=held.iterations + found.iterations)
@@ -146,17 +146,17 @@ def at_voltage(
     return held
 
 
-def _begun(actuator: Actuator, start: Held | None) -> Held:
+def _starting_point(actuator: Actuator, start: ActuatorEquilibrium | None) -> ActuatorEquilibrium:
     """Where a walk begins: what was given, or rest without charges."""
     if start is None:
-        return _at_rest(actuator)
-    refuse_other(actuator, start)
+        return _rest_without_charge(actuator)
+    refuse_other_network(actuator, start)
     return replace(start, iterations=0)
 
 
-def refuse_other(actuator: Actuator, start: Held) -> None:
+def refuse_other_network(actuator: Actuator, start: ActuatorEquilibrium) -> None:
     """Raise `ProblemError` unless `start` is of a network of as many points as the actuator's."""
-    instance("start", start, Held)
+    require_type("start", start, ActuatorEquilibrium)
     if start.displacement.shape != actuator.network.points.shape:
         raise ProblemError(
             f"start: displacements {start.displacement.shape} of another network; this one has "
@@ -164,14 +164,14 @@ def refuse_other(actuator: Actuator, start: Held) -> None:
         )
 
 
-def _at_rest(actuator: Actuator) -> Held:
+def _rest_without_charge(actuator: Actuator) -> ActuatorEquilibrium:
     """Rest without charges; loads, supports and prestress are let in together, in parts if need be.
 
     Without any the network rests as it is.
     """
     network = actuator.network
     tension = network.rest_length - np.linalg.norm(network.vector, axis=1)
-    uncharged = Frozen(None, actuator.loaded, np.zeros((len(actuator.loaded), 2)))
+    uncharged = FrozenCharges(None, actuator.loaded, np.zeros((len(actuator.loaded), 2)))
     u, reached, step, solves = np.zeros(network.points.shape), 0.0, 1.0, 0
     while reached < 1:
         target = min(1.0, reached + step)
@@ -183,7 +183,7 @@ def _at_rest(actuator: Actuator) -> Held:
         )
         place = np.where(network.held, partly.displacement, u)
         part = replace(actuator, network=partly)
-        found = balanced(part, place, lambda _: uncharged, TOLERANCE)
+        found = find_equilibrium(part, place, lambda _: uncharged, TOLERANCE)
         if found is not None:
             u, reached, step, solves = found.displacement, target, 2 * step, solves + found.solves
             continue
@@ -193,12 +193,14 @@ def _at_rest(actuator: Actuator) -> Held:
                 "actuator: no stable equilibrium at 0 V; lower its loads or prestress, or hold it "
                 "better"
             )
-    electric = electrified(actuator, network.points + u, 0.0)
-    return held_at(actuator, 0.0, Found(u, electric, solves))
+    electric = charge_actuator(actuator, network.points + u, 0.0)
+    return make_equilibrium(actuator, 0.0, BalancedState(u, electric, solves))
 
 
-def _near(actuator: Actuator, held: Held, voltage: float, method: Way, tolerance: float) -> Held:
-    found = _reached(actuator, held, voltage, method, tolerance)
+def _near(
+    actuator: Actuator, held: ActuatorEquilibrium, voltage: float, method: Way, tolerance: float
+) -> ActuatorEquilibrium:
+    found = _step_to_voltage(actuator, held, voltage, method, tolerance)
     if found is None:
         raise SolverError(
             f"actuator: no stable equilibrium near the start at {voltage:.6g} V; start at a lower "
@@ -207,9 +209,9 @@ def _near(actuator: Actuator, held: Held, voltage: float, method: Way, tolerance
     return found
 
 
-def _reached(
-    actuator: Actuator, held: Held, voltage: float, method: Way, tolerance: float
-) -> Held | None:
+def _step_to_voltage(
+    actuator: Actuator, held: ActuatorEquilibrium, voltage: float, method: Way, tolerance: float
+) -> ActuatorEquilibrium | None:
     """Stable equilibrium at a voltage near that of `held`, None if none is found."""
     network = actuator.network
     u = np.where(network.held, network.displacement, held.displacement)
@@ -218,13 +220,15 @@ def _reached(
             found = WAYS[method](actuator, u, voltage, tolerance)
     except (ProblemError, SolverError):  # electrodes touch, or springs have no length
         return None
-    return None if found is None else held_at(actuator, voltage, found)
+    return None if found is None else make_equilibrium(actuator, voltage, found)
 
 
-def held_at(actuator: Actuator, voltage: float, found: Found) -> Held:
+def make_equilibrium(
+    actuator: Actuator, voltage: float, found: BalancedState
+) -> ActuatorEquilibrium:
     """What is held at a voltage where a search came to rest."""
     displacement, electric, solves = found
-    balance = left_over(actuator, displacement, electric)[~actuator.network.held]
+    balance = residual_force(actuator, displacement, electric)[~actuator.network.held]
     displacement.setflags(write=False)
     residual = float(np.abs(balance).max(initial=0.0))
-    return Held(actuator, voltage, displacement, electric.charges, solves, residual)
+    return ActuatorEquilibrium(actuator, voltage, displacement, electric.charges, solves, residual)

@@ -11,7 +11,15 @@ from msvalidate.dielectric.actuator.uniform import relaxed_thickness
 from msvalidate.lattice import Lattice, boundary_weights, square
 from msvalidate.network import Network, spring_network
 from msvalidate.problem import Array, Box, Index, Mask, ProblemError
-from msvalidate.problem.checks import chosen, instance, metres, number, positive, shown, whole
+from msvalidate.problem.checks import (
+    finite_number,
+    format_value,
+    length_in_metres,
+    positive_number,
+    require_one_of,
+    require_type,
+    whole_number,
+)
 
 SIDES = ("free", "sliding")
 WHOLE = 1e-6
@@ -68,20 +76,25 @@ def slab(
         If cells are no squares, the top electrode does not end at points, or a value is out of
         range.
     """
-    width, tall = metres("length", length), metres("height", height)
-    layers = whole("cells", cells, 1)
-    chosen("sides", sides, SIDES)
+    width, tall = length_in_metres("length", length), length_in_metres("height", height)
+    layers = whole_number("cells", cells, 1)
+    require_one_of("sides", sides, SIDES)
     columns = _counted("length", width * layers / tall, "a whole multiple of height/cells")
     lattice = square(Box((width, tall)), (columns, layers))
-    k = np.array([positive("axial", axial, "Pa"), positive("diagonal", diagonal, "Pa")])
-    stretched, deep = positive("prestretch", prestretch), positive("depth", depth, "m")
-    mass = deep * positive("density", density, "kg/m³")
-    network = _bonded(lattice, k, deep, mass, stretched, sliding=sides == "sliding")
-    facing = _facing(lattice, _bare_columns(covered, columns))
+    k = np.array(
+        [positive_number("axial", axial, "Pa"), positive_number("diagonal", diagonal, "Pa")]
+    )
+    stretched, deep = (
+        positive_number("prestretch", prestretch),
+        positive_number("depth", depth, "m"),
+    )
+    mass = deep * positive_number("density", density, "kg/m³")
+    network = _bonded_film(lattice, k, deep, mass, stretched, sliding=sides == "sliding")
+    facing = _electrode_chains(lattice, _bare_columns(covered, columns))
     return Actuator(network, facing, permittivity, model, deep, permittivity_ratio)
 
 
-def without_tips(actuator: Actuator, within: float) -> Actuator:
+def fix_near_tips(actuator: Actuator, within: float) -> Actuator:
     """The same actuator with all points near an edge of its top electrode held where they start.
 
     The field is endless at an edge, so the last points are pulled in first, at a voltage that
@@ -99,16 +112,16 @@ def without_tips(actuator: Actuator, within: float) -> Actuator:
     ProblemError
         If the distance is below zero, or nothing is left to move.
     """
-    near = near_tips(actuator, within)[:, None]
+    near = points_near_tips(actuator, within)[:, None]
     network = actuator.network
     held = network.held | near
     return replace(actuator, network=replace(network, held=held))
 
 
-def near_tips(actuator: Actuator, within: float) -> Mask:
+def points_near_tips(actuator: Actuator, within: float) -> Mask:
     """Points (n,) within a distance (m) of an edge of the top electrode, at the start."""
-    instance("actuator", actuator, Actuator)
-    distance = number("distance from a tip", within, least=0, unit="m")
+    require_type("actuator", actuator, Actuator)
+    distance = finite_number("distance from a tip", within, least=0, unit="m")
     start, top = actuator.network.start, actuator.electrodes[0]
     away = np.linalg.norm(start[:, None] - start[top[[0, -1]]], axis=2).min(axis=1)
     size = float(np.ptp(start, axis=0).max())
@@ -118,7 +131,7 @@ def near_tips(actuator: Actuator, within: float) -> Mask:
     return near
 
 
-def _bonded(
+def _bonded_film(
     lattice: Lattice, k: Array, deep: float, mass: float, stretched: float, *, sliding: bool
 ) -> Network:
     """The film pre-stretched and held: rest lengths are those of the lattice without stretch.
@@ -133,14 +146,14 @@ def _bonded(
         deep * k[lattice.kind] * boundary_weights(lattice, "shared"),
         rest_length=np.linalg.norm(lattice.vectors, axis=1),
         mass=mass * lattice.point_volume,
-        held=_held(x, y, x.max() if sliding else np.nan),
+        held=_fixed_components(x, y, x.max() if sliding else np.nan),
     )
 
 
-def _facing(lattice: Lattice, bare: int) -> tuple[Index, Index]:
+def _electrode_chains(lattice: Lattice, bare: int) -> tuple[Index, Index]:
     """Chains of points of the top electrode, with bare cells on either side, and of the bottom."""
     x, y = lattice.points.T
-    top, bottom = (_along(x, y, level) for level in (y.max(), 0.0))
+    top, bottom = (_points_at_height(x, y, level) for level in (y.max(), 0.0))
     return top[bare : len(top) - bare], bottom
 
 
@@ -153,9 +166,11 @@ def _counted(name: str, count: float, remedy: str) -> int:
 
 def _bare_columns(covered: float, columns: int) -> int:
     """Cells on either side of the top electrode."""
-    part = positive("covered", covered)
+    part = positive_number("covered", covered)
     if part > 1:
-        raise ProblemError(f"covered: {shown(covered)}; give a part of the length, at most 1")
+        raise ProblemError(
+            f"covered: {format_value(covered)}; give a part of the length, at most 1"
+        )
     bare = 0.5 * (1 - part) * columns
     if abs(bare - round(bare)) > WHOLE or 2 * round(bare) >= columns:
         ends = columns - 2 * np.clip(round(bare), 0, (columns - 1) // 2)
@@ -165,14 +180,14 @@ def _bare_columns(covered: float, columns: int) -> int:
     return round(bare)
 
 
-def _held(x: Array, y: Array, width: float) -> Mask:
+def _fixed_components(x: Array, y: Array, width: float) -> Mask:
     """Components (n, 2) held: the bottom, and the sides along x where a width is given."""
     bonded = y == 0
     gripped = ((x == 0) | (x == width)) if np.isfinite(width) else np.zeros(len(x), dtype=bool)
     return np.column_stack([bonded | gripped, bonded])
 
 
-def _along(x: Array, y: Array, level: float) -> Index:
+def _points_at_height(x: Array, y: Array, level: float) -> Index:
     """Points at a height, from left to right."""
     (there,) = np.nonzero(y == level)
     return there[np.argsort(x[there], kind="stable")]

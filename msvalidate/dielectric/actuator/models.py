@@ -208,7 +208,7 @@ def _plates(device: Device, position: Array, voltage: float) -> ParallelPlates:
     top, bottom = device.electrodes
     x, y = position[top].T
     gap = y - position[bottom[0], 1]
-    spread = _spread(len(top)) * (1.0 if x[-1] > x[0] else -1.0)
+    spread = _trapezoidal_weights(len(top)) * (1.0 if x[-1] > x[0] else -1.0)
     width = spread @ x
     if not (gap > 0).all() or not (width > 0).all():
         raise ProblemError("electrodes: they cross or touch; leave a gap")
@@ -216,7 +216,7 @@ def _plates(device: Device, position: Array, voltage: float) -> ParallelPlates:
     return ParallelPlates(charges, top, device.depth, spread)
 
 
-def _spread(k: int) -> Array:
+def _trapezoidal_weights(k: int) -> Array:
     """Matrix (k, k) of half the distance between a point's neighbours; ends stand for one."""
     places = np.eye(k)
     longer = np.concatenate([places[:1], places, places[-1:]])
@@ -342,7 +342,7 @@ MODELS: Mapping[str, Model] = {
 """Name -> model."""
 
 
-def electrified(device: Device, position: Array, voltage: float) -> Electric:
+def charge_actuator(device: Device, position: Array, voltage: float) -> Electric:
     """Charges of an actuator's own model at positions (n, 2) in m and a voltage (V).
 
     Raises

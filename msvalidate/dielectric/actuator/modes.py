@@ -8,13 +8,13 @@ from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from msvalidate.dielectric.actuator.balance import stiffness
-from msvalidate.dielectric.actuator.equilibria import Held
-from msvalidate.dielectric.actuator.films import near_tips
-from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.dielectric.actuator.equilibria import ActuatorEquilibrium
+from msvalidate.dielectric.actuator.films import points_near_tips
+from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.lattice.ties import TIE
-from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorised
+from msvalidate.linear_algebra.factor import Factor, NoMemoryError, factorise
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import instance, whole
+from msvalidate.problem.checks import require_type, whole_number
 
 DENSE = 400
 """Free components up to which a dense solver is the faster one."""
@@ -22,7 +22,9 @@ FIRST_SHIFT, LONGEST_SHIFT = 1e-6, 10.0
 """Shifts below zero, over the largest stiffness, tried tenfold until no mode lies below."""
 
 
-def lowest_modes(held: Held, count: int = 1, *, without_tips: float = 0.0) -> tuple[Array, Array]:
+def lowest_modes(
+    held: ActuatorEquilibrium, count: int = 1, *, without_tips: float = 0.0
+) -> tuple[Array, Array]:
     """Smallest eigenvalues (N/m) of K_mech - K_elec, charges free to follow, and their modes.
 
     The first is above zero where the actuator is stable, and falls to zero at pull-in. Modes have
@@ -52,15 +54,15 @@ def lowest_modes(held: Held, count: int = 1, *, without_tips: float = 0.0) -> tu
     SolverError
         If the iteration fails.
     """
-    instance("held", held, Held)
+    require_type("held", held, ActuatorEquilibrium)
     actuator, n = held.actuator, len(held.displacement)
-    electric = electrified(actuator, held.position, held.voltage)
+    electric = charge_actuator(actuator, held.position, held.voltage)
     K = stiffness(actuator, held.position, electric)
     free = np.flatnonzero(~actuator.network.held.ravel())
     if without_tips:
-        away = ~np.repeat(near_tips(actuator, without_tips), 2)[free]
+        away = ~np.repeat(points_near_tips(actuator, without_tips), 2)[free]
         K, free = csr_array(K[away][:, away]), free[away]
-    if whole("count", count, 1) > len(free):
+    if whole_number("count", count, 1) > len(free):
         raise ProblemError(f"count: {count} modes; the actuator has {len(free)} free components")
     values, vectors = _smallest(csr_array(0.5 * (K + K.T)), count)
     modes = np.zeros((count, 2 * n))
@@ -77,7 +79,7 @@ def _smallest(K: csr_array, count: int) -> tuple[Array, Array]:
     if size <= max(DENSE, 4 * count):
         values, vectors = eigh(K.toarray(), subset_by_index=(0, count - 1))
         return values, vectors
-    shift, factor = _below(K)
+    shift, factor = _shifted_factor(K)
     start = np.random.default_rng(0).normal(size=size)  # fixed: the last digits stay the same
     inverse = LinearOperator(K.shape, factor.solve)
     try:
@@ -88,14 +90,14 @@ def _smallest(K: csr_array, count: int) -> tuple[Array, Array]:
     return values[order], vectors[:, order]
 
 
-def _below(K: csr_array) -> tuple[float, Factor]:
+def _shifted_factor(K: csr_array) -> tuple[float, Factor]:
     """A shift that no eigenvalue lies below, and the factor of K shifted by it."""
     scale = float(K.diagonal().max())
     part = FIRST_SHIFT
     while part <= LONGEST_SHIFT:
         shift = -part * scale
         try:
-            factor = factorised(csr_array(K - shift * eye_array(K.shape[0])))
+            factor = factorise(csr_array(K - shift * eye_array(K.shape[0])))
         except NoMemoryError:
             raise
         except RuntimeError:  # a pivot of zero

@@ -8,28 +8,32 @@ from dataclasses import dataclass
 import numpy as np
 
 from msvalidate import kernels
-from msvalidate.dielectric.actuator.balance import Found, factor_at, is_small
+from msvalidate.dielectric.actuator.balance import BalancedState, factor_at, is_balanced
 from msvalidate.dielectric.actuator.device import Actuator
-from msvalidate.dielectric.actuator.equilibria import Held, held_at, refuse_other
-from msvalidate.dielectric.actuator.models import Electric, electrified
+from msvalidate.dielectric.actuator.equilibria import (
+    ActuatorEquilibrium,
+    make_equilibrium,
+    refuse_other_network,
+)
+from msvalidate.dielectric.actuator.models import Electric, charge_actuator
 from msvalidate.dynamics.integrate import SPECTRUM_ERROR
-from msvalidate.dynamics.integrators import EULER_CROMER, factors_of, stability_limit
+from msvalidate.dynamics.integrators import EULER_CROMER, stability_limit, step_factors
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError
-from msvalidate.problem.checks import instance, number, positive, whole
+from msvalidate.problem.checks import finite_number, positive_number, require_type, whole_number
 from msvalidate.relaxation.monitor import DIVERGED
 from msvalidate.relaxation.relax import LOOSEST
-from msvalidate.relaxation.run import LOOK_EVERY, SAFETY, patiently
+from msvalidate.relaxation.run import LOOK_EVERY, SAFETY, step_limit
 
 
 @dataclass(frozen=True, eq=False)
-class Moved:
+class RelaxedActuator:
     """A motion that came to rest.
 
     Parameters
     ----------
-    held
+    equilibrium
         Where; its iterations are the steps taken.
     dt, damping
         Time step (s) and damping rate (1/s).
@@ -39,24 +43,24 @@ class Moved:
         Times that charges were solved for.
     """
 
-    held: Held
+    equilibrium: ActuatorEquilibrium
     dt: float
     damping: float
     history: Array
     charged: int
 
 
-def moving(
+def relax_actuator(
     actuator: Actuator,
     voltage: float,
     *,
-    start: Held | None = None,
+    start: ActuatorEquilibrium | None = None,
     dt: float | None = None,
     damping: float | None = None,
     charges_every: int = 1,
     tolerance: float = 1e-8,
     max_steps: int | None = None,
-) -> Moved:
+) -> RelaxedActuator:
     """Rest at a voltage by Euler-Cromer with virtual viscosity, the report's Algorithm 1.
 
     The voltage is switched on at once, on a network that has not moved, or at `start`.
@@ -88,11 +92,11 @@ def moving(
         If electrodes touch, the motion diverges, is not at rest within `max_steps`, or rests where
         it is unstable; the message names the voltage.
     """
-    instance("actuator", actuator, Actuator)
-    volts = number("voltage", voltage)
-    number("tolerance", tolerance, above=0, most=LOOSEST)
-    every = whole("charges_every", charges_every, 1)
-    step, rate, patience = _pace(actuator.network, dt, damping, tolerance, max_steps)
+    require_type("actuator", actuator, Actuator)
+    volts = finite_number("voltage", voltage)
+    finite_number("tolerance", tolerance, above=0, most=LOOSEST)
+    every = whole_number("charges_every", charges_every, 1)
+    step, rate, patience = _time_stepping(actuator.network, dt, damping, tolerance, max_steps)
     run, looks = _Run(actuator, volts, start, step, rate), []
     for count in range(patience + 1):
         look = count % LOOK_EVERY == 0
@@ -101,12 +105,12 @@ def moving(
         if look:
             looks.append(run.look(count))
             if run.resting(looks[-1], tolerance):
-                return Moved(run.held(count), step, rate, np.array(looks), run.charged)
+                return RelaxedActuator(run.held(count), step, rate, np.array(looks), run.charged)
         run.advance()
     raise SolverError(run.unfinished(looks[-1], patience))
 
 
-def _pace(
+def _time_stepping(
     network: Network,
     dt: float | None,
     damping: float | None,
@@ -115,29 +119,34 @@ def _pace(
 ) -> tuple[float, float, int]:
     """Time step (s), damping rate (1/s) and most steps; by default what suits it uncharged."""
     lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
-    rate = 2 * lowest if damping is None else positive("damping", damping, "1/s")
+    rate = 2 * lowest if damping is None else positive_number("damping", damping, "1/s")
     limit = stability_limit(EULER_CROMER, lowest, highest, rate)
-    step = SAFETY * limit if dt is None else positive("time step dt", dt, "s")
+    step = SAFETY * limit if dt is None else positive_number("time step dt", dt, "s")
     if max_steps is not None:
-        return step, rate, whole("max_steps", max_steps, 1)
+        return step, rate, whole_number("max_steps", max_steps, 1)
     decay = min(0.5 * rate, lowest**2 / rate) if rate > lowest else 0.5 * rate
-    return step, rate, patiently(-math.log(tolerance) / (decay * step))
+    return step, rate, step_limit(-math.log(tolerance) / (decay * step))
 
 
 class _Run:
-    """What moves: displacement, velocity and the charges of the moment."""
+    """State of the motion: displacement, velocity and present charges."""
 
     def __init__(
-        self, actuator: Actuator, voltage: float, start: Held | None, dt: float, rate: float
+        self,
+        actuator: Actuator,
+        voltage: float,
+        start: ActuatorEquilibrium | None,
+        dt: float,
+        rate: float,
     ) -> None:
         network = actuator.network
         self.actuator, self.voltage, self.dt = actuator, voltage, dt
-        self.keep, self.push = (float(f) for f in factors_of(EULER_CROMER)(dt, np.asarray(rate)))
+        self.keep, self.push = (float(f) for f in step_factors(EULER_CROMER)(dt, np.asarray(rate)))
         self.name = f"actuator moving at {voltage:.6g} V"
         self.motion = kernels.Motion(network)
         moved = np.array(network.displacement)
         if start is not None:
-            refuse_other(actuator, start)
+            refuse_other_network(actuator, start)
             moved = np.where(network.held, moved, start.displacement)
         self.displacement, self.velocity = moved, np.zeros_like(moved)
         self.free, self.inertia = ~network.held, network.mass[:, None]
@@ -155,7 +164,7 @@ class _Run:
         self.refuse_diverged(step)
         try:
             with np.errstate(over="ignore", invalid="ignore"):  # refused as coordinates
-                self.electric = electrified(self.actuator, self.position, self.voltage)
+                self.electric = charge_actuator(self.actuator, self.position, self.voltage)
         except (ProblemError, SolverError) as error:
             raise SolverError(
                 f"{self.name}: pulled in by step {step}, {error}; or stay at a lower voltage"
@@ -191,7 +200,7 @@ class _Run:
     def resting(self, look: tuple[int, float, float, float], tolerance: float) -> bool:
         if look[2] > tolerance**2 * self.stored or self.electric is None:
             return False
-        return is_small(self.actuator, self.displacement, self.electric, tolerance)
+        return is_balanced(self.actuator, self.displacement, self.electric, tolerance)
 
     def unfinished(self, look: tuple[int, float, float, float], steps: int) -> str:
         """Message for a run that is not at rest after so many steps."""
@@ -200,7 +209,7 @@ class _Run:
             f"kinetic energy {look[2]:.3g} J; raise max_steps, or stay below pull-in"
         )
 
-    def held(self, steps: int) -> Held:
+    def held(self, steps: int) -> ActuatorEquilibrium:
         """Where it rests, if that is stable."""
         assert self.electric is not None  # noqa: S101  # charged before any look
         if factor_at(self.actuator, self.position, self.electric) is None:
@@ -208,4 +217,6 @@ class _Run:
                 f"{self.name} came to rest after {steps} steps where it is unstable; disturb the "
                 "symmetry or lower the voltage"
             )
-        return held_at(self.actuator, self.voltage, Found(self.displacement, self.electric, steps))
+        return make_equilibrium(
+            self.actuator, self.voltage, BalancedState(self.displacement, self.electric, steps)
+        )

@@ -15,7 +15,7 @@ SAME_PLACE = 1e-9
 coordinates is 1e-16, and what is not on the surface is a good part of a segment away."""
 
 
-def off_surface(network: Network, pairs: Index) -> Index:
+def is_off_surface(network: Network, pairs: Index) -> Index:
     """Which of some springs, pairs of points (s, 2), have the body on both sides or on neither.
 
     Faces between springs, as these cross, are found among springs up to two away.
@@ -23,7 +23,7 @@ def off_surface(network: Network, pairs: Index) -> Index:
     near = np.zeros(len(network.points), dtype=bool)
     near[pairs] = True
     near[network.springs[near[network.springs].any(axis=1)]] = True
-    body = _covered(network, np.asarray(near[network.springs].any(axis=1)))
+    body = _enclosed_shape(network, np.asarray(near[network.springs].any(axis=1)))
     ends = network.points[pairs]
     away = shapely.distance(shapely.boundary(body), shapely.points(ends.mean(axis=1)))
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
@@ -39,7 +39,7 @@ def outline(network: Network) -> Index:
     ProblemError
         If the body is in parts, or springs cross at the surface where there is no point.
     """
-    body = _covered(network, np.ones(len(network.springs), dtype=bool))
+    body = _enclosed_shape(network, np.ones(len(network.springs), dtype=bool))
     if body.geom_type != "Polygon":
         raise ProblemError("network: its springs enclose no body in one part; join them by points")
     corners = shapely.get_coordinates(shapely.orient_polygons(body).exterior)[:-1]
@@ -54,7 +54,7 @@ def outline(network: Network) -> Index:
     return np.asarray(found, dtype=np.intp)
 
 
-def _covered(network: Network, which: Mask) -> Any:
+def _enclosed_shape(network: Network, which: Mask) -> Any:
     """What some springs (mask, m) enclose between them, as a shape."""
     lines = shapely.linestrings(network.points[network.springs[which]])
     faces = shapely.get_parts(shapely.polygonize([shapely.unary_union(lines)]))

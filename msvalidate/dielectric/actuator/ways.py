@@ -8,9 +8,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from msvalidate.dielectric.actuator.balance import Found, balanced, factor_at, is_small
+from msvalidate.dielectric.actuator.balance import (
+    BalancedState,
+    factor_at,
+    find_equilibrium,
+    is_balanced,
+)
 from msvalidate.dielectric.actuator.device import Actuator
-from msvalidate.dielectric.actuator.models import Electric, electrified
+from msvalidate.dielectric.actuator.models import Electric, charge_actuator
 from msvalidate.problem import Array, Index
 
 Way = Literal["newton", "staggered"]
@@ -21,16 +26,20 @@ LEAST, MOST = 0.1, 50.0
 """Part of a round's move that is made."""
 
 
-def newton(actuator: Actuator, u: Array, voltage: float, tolerance: float) -> Found | None:
+def solve_newton(
+    actuator: Actuator, u: Array, voltage: float, tolerance: float
+) -> BalancedState | None:
     """Stable equilibrium near a displacement (n, 2) in m: charges follow within each step."""
 
     def charged(place: Array) -> Electric:
-        return electrified(actuator, place, voltage)
+        return charge_actuator(actuator, place, voltage)
 
-    return balanced(actuator, u, charged, tolerance)
+    return find_equilibrium(actuator, u, charged, tolerance)
 
 
-def staggered(actuator: Actuator, u: Array, voltage: float, tolerance: float) -> Found | None:
+def solve_staggered(
+    actuator: Actuator, u: Array, voltage: float, tolerance: float
+) -> BalancedState | None:
     """The same in turns: the network rests under the forces it has, then is charged anew.
 
     A round leaves the part λ(K_mech⁻¹·K_elec) of an error, which is 1 at pull-in; Aitken's factor
@@ -39,13 +48,13 @@ def staggered(actuator: Actuator, u: Array, voltage: float, tolerance: float) ->
     solves, part, before = 0, 1.0, None
     for _ in range(ROUNDS):
         x = actuator.network.points + u
-        electric = electrified(actuator, x, voltage)
-        if is_small(actuator, u, electric, tolerance):
+        electric = charge_actuator(actuator, x, voltage)
+        if is_balanced(actuator, u, electric, tolerance):
             stable = factor_at(actuator, x, electric) is not None
-            return Found(u, electric, solves) if stable else None
-        frozen = Frozen(electric.charges, electric.loaded, electric.forces())
+            return BalancedState(u, electric, solves) if stable else None
+        frozen = FrozenCharges(electric.charges, electric.loaded, electric.forces())
         # Below the tolerance of the whole: what is left in a round ends up in the next.
-        rest = balanced(actuator, u, lambda _, kept=frozen: kept, 0.1 * tolerance)  # type: ignore[misc]
+        rest = find_equilibrium(actuator, u, lambda _, kept=frozen: kept, 0.1 * tolerance)  # type: ignore[misc]
         if rest is None:
             return None
         move, solves = rest.displacement - u, solves + rest.solves
@@ -57,15 +66,15 @@ def staggered(actuator: Actuator, u: Array, voltage: float, tolerance: float) ->
     return None
 
 
-WAYS: dict[Way, Callable[[Actuator, Array, float, float], Found | None]] = {
-    "newton": newton,
-    "staggered": staggered,
+WAYS: dict[Way, Callable[[Actuator, Array, float, float], BalancedState | None]] = {
+    "newton": solve_newton,
+    "staggered": solve_staggered,
 }
 """Name -> what looks for a stable equilibrium near a displacement (n, 2) in m at a voltage (V)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Frozen:
+class FrozenCharges:
     """Charges that stay as they are, and push with the forces they had."""
 
     charges: Any

@@ -14,7 +14,12 @@ from msvalidate.dielectric.charges.dielectric import (
     capacitance_in_air,
     forces_in_air,
 )
-from msvalidate.dielectric.charges.electrodes import Electrodes, chains, facing_strips, strip
+from msvalidate.dielectric.charges.electrodes import (
+    Electrodes,
+    electrodes_of_chains,
+    facing_strips,
+    strip_points,
+)
 from msvalidate.dielectric.charges.exact import (
     disc_capacitance,
     facing_strips_capacitance,
@@ -56,11 +61,11 @@ __all__ = [
     "SlabInAir",
     "capacitance",
     "capacitance_in_air",
-    "chains",
     "conductors",
     "consistent_forces",
     "disc",
     "disc_capacitance",
+    "electrodes_of_chains",
     "faces_of",
     "facing_strips",
     "facing_strips_capacitance",
@@ -72,7 +77,7 @@ __all__ = [
     "report_tangent",
     "slab_faces",
     "square_capacitance",
-    "strip",
+    "strip_points",
     "tangent",
     "tangent_in_air",
 ]

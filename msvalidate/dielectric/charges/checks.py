@@ -7,7 +7,13 @@ from numpy.typing import ArrayLike
 from scipy.linalg import lapack
 
 from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError
-from msvalidate.problem.checks import coordinates, finite, integers, positive, shown
+from msvalidate.problem.checks import (
+    finite,
+    finite_coordinates,
+    format_value,
+    integers,
+    positive_number,
+)
 
 MOST_DENSE = 30_000
 """Segments or patches beyond which no matrix is made of all pairs: it would take 7 GB or more."""
@@ -28,17 +34,17 @@ def refuse_dense(what: str, count: int) -> None:
         )
 
 
-def in_plane(name: str, points: ArrayLike, *, least: int = 0) -> Array:
+def check_plane_points(name: str, points: ArrayLike, *, least: int = 0) -> Array:
     """Return points (n, 2) in m; raise `ProblemError` unless they are such, `least` or more."""
-    return coordinates(name, points, f"n>{least - 1}" if least else "n", 2)
+    return finite_coordinates(name, points, f"n>{least - 1}" if least else "n", 2)
 
 
-def moved_points(name: str, points: ArrayLike, shape: tuple[int, ...]) -> Array:
+def check_moved_points(name: str, points: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Return points (n, 2) in m; raise `ProblemError` unless as many as there were."""
-    return coordinates(name, points, *shape, need=f"give {shape}, as there were")
+    return finite_coordinates(name, points, *shape, need=f"give {shape}, as there were")
 
 
-def owners(name: str, numbers: ArrayLike, count: int) -> Index:
+def check_owners(name: str, numbers: ArrayLike, count: int) -> Index:
     """Return numbers of electrodes or conductors; raise `ProblemError` unless one for each part."""
     return integers(name, numbers, count)
 
@@ -48,11 +54,11 @@ def refuse_gaps(name: str, numbers: Index) -> None:
     known = np.unique(numbers)
     if not np.array_equal(known, np.arange(len(known))):
         raise ProblemError(
-            f"{name}: {shown(known)}; numbers are left out, count {name}s 0, 1, 2 and so on"
+            f"{name}: {format_value(known)}; numbers are left out, count {name}s 0, 1, 2 and so on"
         )
 
 
-def voltages_of(owner: str, count: int, voltages: ArrayLike) -> Array:
+def check_voltages(owner: str, count: int, voltages: ArrayLike) -> Array:
     """Return voltages (count,) in V; raise `ProblemError` unless there is one an `owner`."""
     given = finite("voltages", voltages, count, need=f"give ({count},), one {owner}")
     for value in given[given != 0]:
@@ -60,29 +66,31 @@ def voltages_of(owner: str, count: int, voltages: ArrayLike) -> Array:
     return given
 
 
-def permittivity_of(value: float) -> float:
+def check_permittivity(value: float) -> float:
     """Return a permittivity (F/m); raise `ProblemError` unless it is an ordinary number above 0."""
-    given = positive("permittivity", value, "F/m")
+    given = positive_number("permittivity", value, "F/m")
     _refuse_extreme("permittivity", given, "F/m")
     return given
 
 
-def ratio_of(value: float) -> float:
+def check_ratio(value: float) -> float:
     """Return a ratio of permittivities; raise `ProblemError` unless it is an ordinary number."""
-    given = positive("ratio", value)
+    given = positive_number("ratio", value)
     _refuse_extreme("ratio", given, "")
     return given
 
 
-def condition_of(factor: Array, norm: float, *, symmetric: bool) -> float:
+def condition_number(factor: Array, norm: float, *, symmetric: bool) -> float:
     """Condition number in the 1-norm, as LAPACK estimates it from a factor for a few solutions.
+
+    Source: [Higham2002], chapter 15.
 
     Parameters
     ----------
     factor
         (m, m) of Cholesky, lower, or of Gauss.
     norm
-        The matrix's 1-norm, `norm_of` it.
+        The matrix's 1-norm, `one_norm` it.
     """
     if symmetric:
         inverse, _ = lapack.dpocon(factor, norm, uplo="L")
@@ -91,7 +99,7 @@ def condition_of(factor: Array, norm: float, *, symmetric: bool) -> float:
     return 1 / float(inverse) if inverse > 0 else np.inf
 
 
-def rounded(extent: float) -> float:
+def logarithm_error(extent: float) -> float:
     """Error of mean logarithms of distances (m) in electrodes of an extent (m), over their spread.
 
     A unit far from their size makes all logarithms large, and differences of them are what counts.
@@ -99,12 +107,12 @@ def rounded(extent: float) -> float:
     return ROUNDED * (1 + abs(float(np.log(extent))))
 
 
-def norm_of(matrix: Array) -> float:
+def one_norm(matrix: Array) -> float:
     """The 1-norm of a matrix in the order of columns, without a copy."""
     return float(lapack.dlange("1", matrix))
 
 
-def known(error: float) -> float:
+def check_error(error: float) -> float:
     """Return an error of charges, over their size; raise `SolverError` where it leaves no digits.
 
     Raises

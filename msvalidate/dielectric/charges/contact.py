@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
-from msvalidate.problem.checks import shown
+from msvalidate.problem.checks import format_value
 
 BARE = -1
 """In the place of an electrode's number: none."""
@@ -37,7 +37,7 @@ def refuse_contact(points: Array, segments: Index, electrode: Index) -> None:
             f"near ({x:g}, {y:g}) m; leave a gap"
         )
     shared = (segments[first][:, :, None] == segments[second][:, None, :]).any(axis=(1, 2))
-    crossed = ~shared | _folded(points, segments[first], segments[second])
+    crossed = ~shared | _lie_on_each_other(points, segments[first], segments[second])
     if crossed.any():
         i, j = first[crossed][0], second[crossed][0]
         x, y = points[segments[i]].mean(axis=0)
@@ -47,7 +47,7 @@ def refuse_contact(points: Array, segments: Index, electrode: Index) -> None:
         )
 
 
-def _folded(points: Array, one: Index, other: Index) -> Array:
+def _lie_on_each_other(points: Array, one: Index, other: Index) -> Array:
     """Whether two segments with a shared point lie on each other."""
     u, v = (points[pair[:, 1]] - points[pair[:, 0]] for pair in (one, other))
     swap = (one[:, 0] == other[:, 0]) | (one[:, 1] == other[:, 1])
@@ -79,7 +79,8 @@ def refuse_electrodes(electrode: Index) -> None:
     known = np.unique(electrode)
     if not np.array_equal(known[known != BARE], np.arange(max(2, known[-1] + 1))):
         raise ProblemError(
-            f"electrode: {shown(known)}; give at least 0 and 1, and leave out none; -1 where the "
+            f"electrode: {format_value(known)}; give at least 0 and 1, and leave out none; -1 "
+            f"where the "
             "face is bare"
         )
     after = np.roll(electrode, -1)

@@ -27,22 +27,22 @@ from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
 from msvalidate.dielectric.charges.checks import (
-    condition_of,
-    known,
-    norm_of,
-    permittivity_of,
-    ratio_of,
+    check_error,
+    check_permittivity,
+    check_ratio,
+    check_voltages,
+    condition_number,
+    logarithm_error,
+    one_norm,
     refuse_dense,
-    rounded,
-    voltages_of,
 )
 from msvalidate.dielectric.charges.faces import Faces
-from msvalidate.dielectric.charges.moments import Complex, complex_of, places
-from msvalidate.dielectric.charges.neutral import levelled
+from msvalidate.dielectric.charges.moments import Complex, check_points, to_complex
+from msvalidate.dielectric.charges.neutral import subtract_middle
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.dielectric.kernels import fluxes
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import instance, positive
+from msvalidate.problem.checks import positive_number, require_type
 
 
 class SlabInAir:
@@ -64,16 +64,16 @@ class SlabInAir:
     """
 
     def __init__(self, faces: Faces, *, ratio: float = 1.0, permittivity: float = 1.0) -> None:
-        instance("faces", faces, Faces)
+        require_type("faces", faces, Faces)
         refuse_dense("segments", len(faces.points))
         self.faces = faces
-        self.ratio = ratio_of(ratio)
-        self.permittivity = permittivity_of(permittivity)
+        self.ratio = check_ratio(ratio)
+        self.permittivity = check_permittivity(permittivity)
         self._passed = fluxes.crossed(*self.lines()) / (2 * np.pi)
         equations = np.asfortranarray(self._equations())
-        norm = norm_of(equations)
+        norm = one_norm(equations)
         self._factor = lu_factor(equations, overwrite_a=True)
-        self._condition = condition_of(self._factor[0], norm, symmetric=False)
+        self._condition = condition_number(self._factor[0], norm, symmetric=False)
 
     @property
     def air(self) -> float:
@@ -104,13 +104,15 @@ class SlabInAir:
 
     def charges(self, voltages: ArrayLike) -> ChargesInAir:
         """Charges at potentials (k,) in V, one for each electrode."""
-        given = voltages_of("an electrode", self.faces.count, voltages)
-        level, middle = levelled(given)
+        given = check_voltages("an electrode", self.faces.count, voltages)
+        level, middle = subtract_middle(given)
         solved = self.solve(self.air * np.where(self.faces.bare, 0.0, level[self.faces.electrode]))
         constant = float(solved[-1]) / self.air + middle
-        rounding = rounded(float(np.ptp(self.faces.points, axis=0).max()))
-        found = ChargesInAir(self, given, solved[:-1], constant, known(rounding * self._condition))
-        return replace(found, error=found.error * _lost(found))
+        rounding = logarithm_error(float(np.ptp(self.faces.points, axis=0).max()))
+        found = ChargesInAir(
+            self, given, solved[:-1], constant, check_error(rounding * self._condition)
+        )
+        return replace(found, error=found.error * _cancellation(found))
 
     def solve(self, right: Array, *, adjoint: bool = False) -> Array:
         """Solution (n + 1, ...) for n rows of the equations; `adjoint` transposes them."""
@@ -130,7 +132,7 @@ class SlabInAir:
 
     def lines(self) -> tuple[Complex, Complex]:
         """Starts and vectors (n,) of segments, complex, as `kernels.charges` takes them."""
-        return complex_of(self.faces.points), complex_of(self.faces.along)
+        return to_complex(self.faces.points), to_complex(self.faces.along)
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,19 +221,19 @@ class ChargesInAir:
 
     def potential(self, points: ArrayLike) -> Array:
         """Potential (k,) in V at points (k, 2) in m, inside the body and out."""
-        seen = integrals.seen(places(points), *self.moments.lines())
+        seen = integrals.seen(check_points(points), *self.moments.lines())
         at: Array = self.floating - seen @ self.charge / (2 * np.pi * self.moments.air)
         return at
 
     def field(self, points: ArrayLike) -> Array:
         """Field (k, 2) in V/m at points (k, 2) in m; on the surface the mean of its two sides."""
-        seen = integrals.fields(places(points), *self.moments.lines())
+        seen = integrals.fields(check_points(points), *self.moments.lines())
         turned = np.conj(seen @ self.charge) / (2 * np.pi * self.moments.air)
         return np.column_stack([turned.real, turned.imag])
 
 
-def _lost(charges: ChargesInAir) -> float:
-    """How much more of itself the free charge is off than charge in all, being a difference."""
+def _cancellation(charges: ChargesInAir) -> float:
+    """Factor by which the free charge loses relative accuracy, being a difference."""
     ratio = charges.moments.ratio
     taken, free = float(np.abs(charges.charge).sum()), float(np.abs(charges.free).sum())
     return max(1.0, (1 + ratio) * taken / free) if free else 1.0
@@ -252,9 +254,9 @@ def forces_in_air(charges: ChargesInAir) -> Array:
     1: inwards on the electrode, outwards beside it. Together they have a limit, each alone has
     none: sums over a finer and finer electrode without its neighbourhood do not converge.
     """
-    instance("charges", charges, ChargesInAir)
+    require_type("charges", charges, ChargesInAir)
     moments = charges.moments
-    on_covered, weight = adjoint_of(charges)
+    on_covered, weight = adjoint_weights(charges)
     lines = *moments.lines(), moments.faces.segments
     n, charge = len(weight), charges.charge
     more, less = (integrals.pulled(*lines, on_covered + s * charge, n) for s in (1, -1))
@@ -264,7 +266,7 @@ def forces_in_air(charges: ChargesInAir) -> Array:
     return np.column_stack([total.real, -total.imag])
 
 
-def adjoint_of(charges: ChargesInAir) -> tuple[Array, Array]:
+def adjoint_weights(charges: ChargesInAir) -> tuple[Array, Array]:
     """The weights (n,) of (dP)q, times the air's permittivity, and of (dΦ)q in `forces_in_air`."""
     moments = charges.moments
     faces, ratio = moments.faces, moments.ratio
@@ -284,8 +286,10 @@ def covered_edge_exponent(ratio: float) -> float:
     the edge go like r^(2λ-1), so for ε_r = 1 a pull remains at the electrode's very end, and for
     greater ratios none does: it is on the bare face, and a mesh's end point holds less of it the
     finer the mesh.
+
+    Source: closed form derived here, by matching sin λθ at the bare face.
     """
-    given = positive("ratio", ratio)
+    given = positive_number("ratio", ratio)
     return float(2 / np.pi * np.arctan(np.sqrt((3 * given + 1) / (given + 3))))
 
 
@@ -297,7 +301,7 @@ def capacitance_in_air(faces: Faces, *, ratio: float = 1.0, permittivity: float 
     ProblemError
         If there are not two, or as `SlabInAir`.
     """
-    instance("faces", faces, Faces)
+    require_type("faces", faces, Faces)
     if faces.count != 2:
         raise ProblemError(f"electrodes: {faces.count}; a capacitance is of two")
     moments = SlabInAir(faces, ratio=ratio, permittivity=permittivity)

@@ -8,10 +8,23 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.dielectric.charges.checks import freeze, in_plane, moved_points, owners, refuse_gaps
+from msvalidate.dielectric.charges.checks import (
+    check_moved_points,
+    check_owners,
+    check_plane_points,
+    freeze,
+    refuse_gaps,
+)
 from msvalidate.dielectric.charges.contact import refuse_contact
 from msvalidate.problem import Array, Index, ProblemError
-from msvalidate.problem.checks import chosen, indices, metres, number, refuse_too_many, whole
+from msvalidate.problem.checks import (
+    finite_number,
+    indices,
+    length_in_metres,
+    refuse_too_many,
+    require_one_of,
+    whole_number,
+)
 
 GRADINGS = ("uniform", "cosine")
 
@@ -41,9 +54,9 @@ class Electrodes:
     electrode: Index
 
     def __post_init__(self) -> None:
-        points = in_plane("points of electrodes", self.points)
+        points = check_plane_points("points of electrodes", self.points)
         segments = indices("segments", self.segments, len(points), "m>0", 2)
-        electrode = owners("electrode", self.electrode, len(segments))
+        electrode = check_owners("electrode", self.electrode, len(segments))
         refuse_gaps("electrode", electrode)
         refuse_contact(points, segments, electrode)
         freeze(self, points=points, segments=segments, electrode=electrode)
@@ -80,13 +93,13 @@ class Electrodes:
 
     def moved(self, points: ArrayLike) -> Electrodes:
         """The same electrodes with their points (n, 2) elsewhere (m)."""
-        later = moved_points("points of electrodes", points, self.points.shape)
+        later = check_moved_points("points of electrodes", points, self.points.shape)
         return Electrodes(later, self.segments, self.electrode)
 
 
-def chains(*lines: ArrayLike) -> Electrodes:
+def electrodes_of_chains(*lines: ArrayLike) -> Electrodes:
     """Electrodes, one from each chain of points (n, 2) in m."""
-    given = [in_plane("points of electrodes", line, least=2) for line in lines]
+    given = [check_plane_points("points of electrodes", line, least=2) for line in lines]
     if not given:
         raise ProblemError("points of electrodes: none; give a chain of points for each electrode")
     firsts = np.cumsum([0, *map(len, given)])
@@ -99,7 +112,7 @@ def chains(*lines: ArrayLike) -> Electrodes:
     )
 
 
-def strip(
+def strip_points(
     width: float, height: float, segments: int, *, grading: str = "cosine", centre: float = 0.0
 ) -> Array:
     """Points (segments + 1, 2) in m of a flat electrode, from left to right.
@@ -107,11 +120,11 @@ def strip(
     `cosine` puts them where equal angles of a half circle project: charge that grows like the
     inverse root of the distance from an edge is then spread evenly over the segments.
     """
-    half, level = 0.5 * metres("width", width), number("height", height)
-    middle = number("centre", centre)
-    refuse_too_many("segments", whole("segments", segments, 1), what="segments")
+    half, level = 0.5 * length_in_metres("width", width), finite_number("height", height)
+    middle = finite_number("centre", centre)
+    refuse_too_many("segments", whole_number("segments", segments, 1), what="segments")
     part = np.linspace(-1.0, 1.0, segments + 1)
-    chosen("grading", grading, GRADINGS)
+    require_one_of("grading", grading, GRADINGS)
     if grading == "cosine":
         part = np.sin(0.5 * np.pi * part)
     return np.column_stack([middle + half * part, np.full(len(part), level)])
@@ -121,7 +134,8 @@ def facing_strips(
     width: float, gap: float, segments: int, *, grading: str = "cosine"
 ) -> Electrodes:
     """Two strips of one width (m), one above the other: electrode 0 at height gap (m), 1 at 0."""
-    metres("gap", gap)
-    return chains(
-        strip(width, gap, segments, grading=grading), strip(width, 0.0, segments, grading=grading)
+    length_in_metres("gap", gap)
+    return electrodes_of_chains(
+        strip_points(width, gap, segments, grading=grading),
+        strip_points(width, 0.0, segments, grading=grading),
     )

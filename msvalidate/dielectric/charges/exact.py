@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipkinc, ellipkm1
 
 from msvalidate.problem import ProblemError
-from msvalidate.problem.checks import positive
+from msvalidate.problem.checks import positive_number
 
 NARROWEST, WIDEST = 0.1, 50.0
 """Widths over the gap for which the closed form is held against its limits on both ends, and within
@@ -35,7 +35,7 @@ def facing_strips_capacitance(ratio: float) -> float:
     ProblemError
         If the ratio is out of this range.
     """
-    if not NARROWEST <= positive("width over gap", ratio) <= WIDEST:
+    if not NARROWEST <= positive_number("width over gap", ratio) <= WIDEST:
         raise ProblemError(
             f"width over gap: {ratio:g}; give {NARROWEST:g} to {WIDEST:g}, or take a wire pair "
             "below and a parallel-plate capacitor above"
@@ -54,10 +54,13 @@ def facing_strips_capacitance(ratio: float) -> float:
 
 
 def disc_capacitance(radius: float) -> float:
-    """Capacitance over the permittivity (m) of a thin disc alone in space: 8a."""
-    return 8.0 * positive("radius", radius, "m")
+    """Capacitance over the permittivity (m) of a thin disc alone in space: 8a.
+
+    Source: [Maxwell1873].
+    """
+    return 8.0 * positive_number("radius", radius, "m")
 
 
 def square_capacitance(side: float) -> float:
     """Capacitance over the permittivity (m) of a thin square plate alone in space."""
-    return 4 * np.pi * UNIT_SQUARE * positive("side", side, "m")
+    return 4 * np.pi * UNIT_SQUARE * positive_number("side", side, "m")

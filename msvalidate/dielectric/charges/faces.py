@@ -8,19 +8,24 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.dielectric.charges.checks import freeze, in_plane, moved_points, owners
+from msvalidate.dielectric.charges.checks import (
+    check_moved_points,
+    check_owners,
+    check_plane_points,
+    freeze,
+)
 from msvalidate.dielectric.charges.contact import BARE, refuse_electrodes, refuse_outline
-from msvalidate.dielectric.charges.electrodes import GRADINGS, strip
+from msvalidate.dielectric.charges.electrodes import GRADINGS, strip_points
 from msvalidate.problem import PLACEMENT, Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
-    chosen,
-    coordinates,
+    finite_coordinates,
+    finite_number,
+    format_value,
     indices,
     integers,
-    metres,
-    number,
-    shown,
-    whole,
+    length_in_metres,
+    require_one_of,
+    whole_number,
 )
 
 
@@ -47,8 +52,8 @@ class Faces:
     electrode: Index
 
     def __post_init__(self) -> None:
-        points = in_plane("points of faces", self.points, least=3)
-        electrode = owners("electrode", self.electrode, len(points))
+        points = check_plane_points("points of faces", self.points, least=3)
+        electrode = check_owners("electrode", self.electrode, len(points))
         refuse_outline(points)
         refuse_electrodes(electrode)
         freeze(self, points=points, electrode=electrode)
@@ -93,7 +98,9 @@ class Faces:
 
     def moved(self, points: ArrayLike) -> Faces:
         """The same faces with their points (n, 2) elsewhere (m)."""
-        return Faces(moved_points("points of faces", points, self.points.shape), self.electrode)
+        return Faces(
+            check_moved_points("points of faces", points, self.points.shape), self.electrode
+        )
 
 
 def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike, ...]) -> Faces:
@@ -113,7 +120,7 @@ def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike,
     ProblemError
         If a chain leaves the outline, or as `Faces`.
     """
-    given = coordinates("points", points, "n", 2)
+    given = finite_coordinates("points", points, "n", 2)
     around = indices("outline", outline, len(given), "m>0")
     segment = {
         frozenset(pair): i
@@ -121,7 +128,9 @@ def faces_of(points: ArrayLike, outline: ArrayLike, electrodes: tuple[ArrayLike,
     }
     electrode = np.full(len(around), BARE)
     if not isinstance(electrodes, tuple | list):
-        raise ProblemError(f"electrodes: {shown(electrodes)}; give a tuple of chains of numbers")
+        raise ProblemError(
+            f"electrodes: {format_value(electrodes)}; give a tuple of chains of numbers"
+        )
     for k, chain in enumerate(electrodes):
         numbers = integers(f"electrode {k}", chain, "m")
         for pair in pairwise(numbers.tolist()):
@@ -159,17 +168,17 @@ def slab_faces(
     covered
         Part of the top's length that its electrode covers.
     grading
-        Of every straight part, as for `strip`.
+        Of every straight part, as for `strip_points`.
 
     Raises
     ------
     ProblemError
         If an argument is out of range.
     """
-    chosen("grading", grading, GRADINGS)
-    whole("segments", segments, 1)
-    part = number("covered", covered, above=0, most=1)
-    half, top = 0.5 * metres("length", length), metres("height", height)
+    require_one_of("grading", grading, GRADINGS)
+    whole_number("segments", segments, 1)
+    part = finite_number("covered", covered, above=0, most=1)
+    half, top = 0.5 * length_in_metres("length", length), length_in_metres("height", height)
     edge = half * part
     stops = [(-half, 0.0), (half, 0.0), (half, top), (edge, top), (-edge, top), (-half, top)]
     kinds = [1, BARE, BARE, 0, BARE, BARE]
@@ -181,7 +190,7 @@ def slab_faces(
         reach = float(np.hypot(*step)) / length
         # The first cosine segment goes like the length over the square of the number.
         count = max(2, round(segments * (np.sqrt(reach) if grading == "cosine" else reach)))
-        share = 0.5 + strip(1.0, 0.0, count, grading=grading)[:-1, :1]
+        share = 0.5 + strip_points(1.0, 0.0, count, grading=grading)[:-1, :1]
         points.append(start + share * step)
         electrode += [kind] * count
     return Faces(np.concatenate(points), np.array(electrode))

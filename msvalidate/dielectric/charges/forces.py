@@ -14,19 +14,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.dielectric.charges.moments import Charges, complex_of
+from msvalidate.dielectric.charges.moments import Charges, to_complex
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import instance
+from msvalidate.problem.checks import require_type
 
 
 def forces(charges: Charges) -> Array:
     """Force (n, 2) per depth (N/m) on each point of the electrodes."""
-    instance("charges", charges, Charges)
+    require_type("charges", charges, Charges)
     electrodes = charges.moments.electrodes
     total = integrals.pulled(
-        complex_of(electrodes.start),
-        complex_of(electrodes.along),
+        to_complex(electrodes.start),
+        to_complex(electrodes.along),
         electrodes.segments,
         charges.charge,
         len(electrodes.points),
@@ -45,7 +45,7 @@ def tangent(charges: Charges) -> Array:
     ProblemError
         If charges are those of collocation, whose forces are no energy's derivative.
     """
-    instance("charges", charges, Charges)
+    require_type("charges", charges, Charges)
     moments = charges.moments
     if moments.weighting != "galerkin":
         raise ProblemError(
@@ -53,8 +53,8 @@ def tangent(charges: Charges) -> Array:
         )
     electrodes, scale = moments.electrodes, 1 / (2 * np.pi * moments.permittivity)
     first, second = integrals.turned(
-        complex_of(electrodes.start),
-        complex_of(electrodes.along),
+        to_complex(electrodes.start),
+        to_complex(electrodes.along),
         electrodes.segments,
         charges.charge,
         len(electrodes.points),

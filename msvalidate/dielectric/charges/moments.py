@@ -24,18 +24,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.dielectric.charges.checks import (
-    in_plane,
-    known,
-    permittivity_of,
+    check_error,
+    check_permittivity,
+    check_plane_points,
+    check_voltages,
+    logarithm_error,
     refuse_dense,
-    rounded,
-    voltages_of,
 )
 from msvalidate.dielectric.charges.electrodes import Electrodes
-from msvalidate.dielectric.charges.neutral import Neutral, factorised, levelled, neutral_gmres
+from msvalidate.dielectric.charges.neutral import Neutral, factorise, neutral_gmres, subtract_middle
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import chosen, instance
+from msvalidate.problem.checks import require_one_of, require_type
 
 Weighting = Literal["galerkin", "collocation"]
 WEIGHTINGS: tuple[Weighting, ...] = ("galerkin", "collocation")
@@ -49,23 +49,23 @@ MOST_STEPS = 25
 Complex = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
 
 
-def complex_of(points: Array) -> Complex:
+def to_complex(points: Array) -> Complex:
     """Points or vectors (n, 2) as complex numbers (n,), as `kernels.charges` takes them."""
     return np.ascontiguousarray(points).view(np.complex128)[..., 0]
 
 
-def places(points: ArrayLike) -> Complex:
+def check_points(points: ArrayLike) -> Complex:
     """Given points (n, 2) in m as complex numbers (n,); raise `ProblemError` unless they are."""
-    return complex_of(in_plane("points", points))
+    return to_complex(check_plane_points("points", points))
 
 
-def lines(electrodes: Electrodes) -> tuple[Complex, Complex]:
+def segment_lines(electrodes: Electrodes) -> tuple[Complex, Complex]:
     """Starts and vectors (m,) of segments as complex numbers."""
-    return complex_of(electrodes.start), complex_of(electrodes.along)
+    return to_complex(electrodes.start), to_complex(electrodes.along)
 
 
 class Equations(Protocol):
-    """What can be solved for charges: `Moments`, or `multipole.Multipole`."""
+    """Equations for charges: `Moments`, or `multipole.Multipole`."""
 
     electrodes: Electrodes
     permittivity: float
@@ -126,7 +126,7 @@ class Charges:
 
     def potential(self, points: ArrayLike) -> Array:
         """Potential (n,) in V at points (n, 2) in m."""
-        seen = integrals.seen(places(points), *lines(self.moments.electrodes))
+        seen = integrals.seen(check_points(points), *segment_lines(self.moments.electrodes))
         charge = self.charge / (2 * np.pi * self.moments.permittivity)
         return np.asarray(self.floating - seen @ charge)
 
@@ -136,13 +136,15 @@ class Charges:
         On an electrode the mean of its two faces. At the ends of segments, where densities jump, it
         is infinite, and NaN is returned.
         """
-        seen = integrals.fields(places(points), *lines(self.moments.electrodes))
+        seen = integrals.fields(check_points(points), *segment_lines(self.moments.electrodes))
         turned = np.conj(seen @ self.charge) / (2 * np.pi * self.moments.permittivity)
         return np.column_stack([turned.real, turned.imag])
 
 
 class Moments:
     """Electrodes with the factor of their equations, made once for any voltages.
+
+    Source: the method of moments, [Harrington1968].
 
     Parameters
     ----------
@@ -174,11 +176,11 @@ class Moments:
         self._own: Neutral | None = self._factorised()
 
     def _state(self, electrodes: Electrodes, permittivity: float, weighting: Weighting) -> None:
-        self.electrodes = more_than_one(electrodes)
-        chosen("weighting", weighting, WEIGHTINGS)
+        self.electrodes = check_electrodes(electrodes)
+        require_one_of("weighting", weighting, WEIGHTINGS)
         refuse_dense("segments", len(electrodes.segments))
         self.weighting: Weighting = weighting
-        self.permittivity = permittivity_of(permittivity)
+        self.permittivity = check_permittivity(permittivity)
         self._matrix: Array | None = None
 
     def moved(self, points: ArrayLike) -> Moments:
@@ -197,11 +199,11 @@ class Moments:
 
     def charges(self, voltages: ArrayLike) -> Charges:
         """Charges at potentials (k,) in V, one for each electrode."""
-        given = voltages_of("an electrode", self.electrodes.count, voltages)
-        level, middle = levelled(given)
+        given = check_voltages("an electrode", self.electrodes.count, voltages)
+        level, middle = subtract_middle(given)
         solved, steps, error = self._solved(level[self.electrodes.electrode])
         constant = float(solved[-1]) + middle
-        return Charges(self, given, solved[:-1], constant, known(error), steps)
+        return Charges(self, given, solved[:-1], constant, check_error(error), steps)
 
     def solve(self, potential: Array) -> Array:
         """Charges (m,) or (m, k) in C/m at potentials of segments (V), neutral together."""
@@ -221,7 +223,7 @@ class Moments:
         """The solution by a factor, for which the matrix is given up."""
         matrix = self._coefficients()
         self._matrix = None
-        solve, condition = factorised(matrix, symmetric=self.weighting == "galerkin")
+        solve, condition = factorise(matrix, symmetric=self.weighting == "galerkin")
         return Neutral(solve, len(matrix), condition)
 
     def _iterated(self, potential: Array) -> tuple[Array, int, float] | None:
@@ -246,7 +248,7 @@ class Moments:
 
     @property
     def _rounding(self) -> float:
-        return rounded(self.electrodes.extent)
+        return logarithm_error(self.electrodes.extent)
 
     def _coefficients(self) -> Array:
         if self._matrix is not None:
@@ -259,20 +261,22 @@ def coefficients(electrodes: Electrodes, permittivity: float, weighting: Weighti
 
     They are zero at a distance of the electrodes' extent from a short segment: which distance it is
     makes no difference to charges that add up to nothing.
+
+    Source: coefficients of potential [Maxwell1873]; weighting as in [Harrington1968].
     """
-    start, along = lines(electrodes)
+    start, along = segment_lines(electrodes)
     if weighting == "galerkin":
         mean: Array = integrals.means(start, along)
     else:
-        mean = integrals.seen(complex_of(electrodes.middle), start, along)
+        mean = integrals.seen(to_complex(electrodes.middle), start, along)
     mean -= np.log(electrodes.extent)
     mean /= -2 * np.pi * permittivity
     return mean
 
 
-def more_than_one(electrodes: Electrodes) -> Electrodes:
+def check_electrodes(electrodes: Electrodes) -> Electrodes:
     """Return electrodes; raise `ProblemError` unless they are two or more."""
-    instance("electrodes", electrodes, Electrodes)
+    require_type("electrodes", electrodes, Electrodes)
     if electrodes.count < 2:
         raise ProblemError(
             "electrodes: one alone holds no charge in the plane, where all charges add up to "
@@ -289,7 +293,7 @@ def capacitance(electrodes: Electrodes, **how: object) -> float:
     ProblemError
         If there are not two.
     """
-    instance("electrodes", electrodes, Electrodes)
+    require_type("electrodes", electrodes, Electrodes)
     if electrodes.count != 2:
         raise ProblemError(f"electrodes: {electrodes.count}; a capacitance is of two")
     return float(Moments(electrodes, **how).charges((1.0, 0.0)).totals[0])  # type: ignore[arg-type]

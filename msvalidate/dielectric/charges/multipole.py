@@ -18,10 +18,16 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from msvalidate.dielectric.charges.checks import known, permittivity_of, voltages_of
+from msvalidate.dielectric.charges.checks import check_error, check_permittivity, check_voltages
 from msvalidate.dielectric.charges.electrodes import Electrodes
-from msvalidate.dielectric.charges.moments import Charges, Complex, Weighting, lines, more_than_one
-from msvalidate.dielectric.charges.neutral import Iterated, levelled, neutral_gmres
+from msvalidate.dielectric.charges.moments import (
+    Charges,
+    Complex,
+    Weighting,
+    check_electrodes,
+    segment_lines,
+)
+from msvalidate.dielectric.charges.neutral import Iterated, neutral_gmres, subtract_middle
 from msvalidate.dielectric.charges.two_levels import TwoLevels
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.problem import Array, Index, ProblemError, SolverError
@@ -48,6 +54,8 @@ class Multipole:
     that `Moments` is quicker up to some 10,000. `forces` of the charges look at all pairs, without
     a matrix; `tangent` needs one.
 
+    Source: [GreengardRokhlin1987], by the library pyfmmlib.
+
     Parameters
     ----------
     electrodes
@@ -64,10 +72,10 @@ class Multipole:
 
     def __init__(self, electrodes: Electrodes, *, permittivity: float = 1.0) -> None:
         self._library = _library()
-        self.electrodes = more_than_one(electrodes)
-        self.permittivity = permittivity_of(permittivity)
+        self.electrodes = check_electrodes(electrodes)
+        self.permittivity = check_permittivity(permittivity)
         self.weighting: Weighting = "galerkin"
-        start, along = lines(electrodes)
+        start, along = segment_lines(electrodes)
         self._points = (start[:, None] + along[:, None] * NODES).ravel()
         self._near = _corrections(start, along)
         self._unit = float(np.log(electrodes.extent))
@@ -81,10 +89,10 @@ class Multipole:
         SolverError
             If GMRES does not converge.
         """
-        given = voltages_of("an electrode", self.electrodes.count, voltages)
-        level, middle = levelled(given)
+        given = check_voltages("an electrode", self.electrodes.count, voltages)
+        level, middle = subtract_middle(given)
         found = self._solved(level[self.electrodes.electrode])
-        error = known(found.error + SUMMED) if level.any() else 0.0
+        error = check_error(found.error + SUMMED) if level.any() else 0.0
         constant = float(found.solved[-1]) + middle
         return Charges(self, given, found.solved[:-1], constant, error, found.steps)
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, lu_factor, lu_solve
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from msvalidate.dielectric.charges.checks import condition_of, norm_of
+from msvalidate.dielectric.charges.checks import condition_number, one_norm
 from msvalidate.problem import Array, SolverError
 
 RESTARTS = 3
@@ -48,7 +48,7 @@ class Neutral:
         return np.concatenate([charge - np.multiply.outer(self._even, constant), [constant]])
 
 
-def factorised(matrix: Array, *, symmetric: bool) -> tuple[Solve, float]:
+def factorise(matrix: Array, *, symmetric: bool) -> tuple[Solve, float]:
     """The inverse of P (m, m), whose memory its factor takes, and the condition number of P.
 
     Raises
@@ -57,7 +57,7 @@ def factorised(matrix: Array, *, symmetric: bool) -> tuple[Solve, float]:
         If it has none, or is to be positive definite and is not.
     """
     # Transposed it is in the order of columns that LAPACK works in without a copy.
-    norm = norm_of(matrix.T)
+    norm = one_norm(matrix.T)
     try:
         factor = (
             cho_factor(matrix.T, lower=True, overwrite_a=True, check_finite=False)
@@ -69,7 +69,7 @@ def factorised(matrix: Array, *, symmetric: bool) -> tuple[Solve, float]:
             "electrodes: to rounding, some of their segments lie on each other; move them apart, "
             "or take longer ones"
         ) from error
-    condition = condition_of(factor[0], norm, symmetric=symmetric)
+    condition = condition_number(factor[0], norm, symmetric=symmetric)
     if symmetric:
         return lambda potential: cho_solve(factor, potential, check_finite=False), condition
     return lambda potential: lu_solve(factor, potential, trans=1, check_finite=False), condition
@@ -94,6 +94,8 @@ def neutral_gmres(
     """Charges and constant by GMRES, preconditioned by `nearly`.
 
     None if `most` steps leave more than `residual` of the potentials.
+
+    Source: [SaadSchultz1986].
     """
     count = 0
     right = np.append(potential, 0.0)
@@ -116,16 +118,16 @@ def neutral_gmres(
     if failed:
         return None
     left = nearly(right - bordered(solved))
-    return Iterated(solved, count, FOLLOWED * relative(left[:-1], solved[:-1]))
+    return Iterated(solved, count, FOLLOWED * relative_change(left[:-1], solved[:-1]))
 
 
-def relative(change: Array, charge: Array) -> float:
+def relative_change(change: Array, charge: Array) -> float:
     """Sum of the sizes of a change of charges, over that of the charges; 0 where there is none."""
     off, size = float(np.abs(change).sum()), float(np.abs(charge).sum())
     return off / size if size else (0.0 if off == 0 else np.inf)
 
 
-def levelled(voltages: Array) -> tuple[Array, float]:
+def subtract_middle(voltages: Array) -> tuple[Array, float]:
     """Voltages less the middle of them, which makes no charge but would cost digits, and that."""
     middle = 0.5 * float(voltages.max()) + 0.5 * float(voltages.min())
     return voltages - middle, middle

@@ -20,20 +20,20 @@ from scipy.linalg import lu_factor, lu_solve
 
 from msvalidate.dielectric.charges.checks import (
     ROUNDED,
-    condition_of,
+    check_error,
+    check_owners,
+    check_permittivity,
+    check_voltages,
+    condition_number,
     freeze,
-    known,
-    norm_of,
-    owners,
-    permittivity_of,
+    one_norm,
     refuse_dense,
     refuse_gaps,
-    voltages_of,
 )
 from msvalidate.dielectric.charges.contact import areas, refuse_overlap, refuse_tilted
 from msvalidate.dielectric.kernels import polygons
 from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
-from msvalidate.problem.checks import coordinates, instance
+from msvalidate.problem.checks import finite_coordinates, require_type
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,9 +63,9 @@ class Patches:
 
     def __post_init__(self) -> None:
         need = "give (n, c, 3), c above 2"
-        corners = coordinates("corners of patches", self.corners, "n>0", "c>2", 3, need=need)
-        middle = coordinates("middles of patches", self.middle, len(corners), 3)
-        conductor = owners("conductor", self.conductor, len(corners))
+        corners = finite_coordinates("corners of patches", self.corners, "n>0", "c>2", 3, need=need)
+        middle = finite_coordinates("middles of patches", self.middle, len(corners), 3)
+        conductor = check_owners("conductor", self.conductor, len(corners))
         refuse_gaps("conductor", conductor)
         corners = np.where((areas(corners) < 0)[:, None, None], corners[:, ::-1], corners)
         near = PLACEMENT * float(np.ptp(corners.reshape(-1, 3), axis=0).max())
@@ -101,21 +101,21 @@ class PatchMoments:
     """
 
     def __init__(self, patches: Patches, *, permittivity: float = 1.0) -> None:
-        instance("patches", patches, Patches)
+        require_type("patches", patches, Patches)
         refuse_dense("patches", len(patches.corners))
         self.patches = patches
-        self.permittivity = permittivity_of(permittivity)
+        self.permittivity = check_permittivity(permittivity)
         mean = polygons.seen(patches.middle, patches.corners) / patches.area
         equations = np.asfortranarray(mean / (4 * np.pi * self.permittivity))
-        norm = norm_of(equations)
+        norm = one_norm(equations)
         self._factor = lu_factor(equations, overwrite_a=True)
-        self._condition = condition_of(self._factor[0], norm, symmetric=False)
+        self._condition = condition_number(self._factor[0], norm, symmetric=False)
 
     def charges(self, voltages: ArrayLike) -> PatchCharges:
         """Charges at potentials (k,) in V, one for each conductor, over that far away."""
-        given = voltages_of("a conductor", self.patches.count, voltages)
+        given = check_voltages("a conductor", self.patches.count, voltages)
         charge = lu_solve(self._factor, given[self.patches.conductor])
-        error = known(ROUNDED * self._condition)
+        error = check_error(ROUNDED * self._condition)
         return PatchCharges(self, given, charge, error)
 
 
@@ -163,7 +163,7 @@ class PatchCharges:
 
     def potential(self, points: ArrayLike) -> Array:
         """Potential (k,) in V at points (k, 3) in m."""
-        at = coordinates("points", points, "k", 3)
+        at = finite_coordinates("points", points, "k", 3)
         seen = polygons.seen(at, self.moments.patches.corners)
         total: Array = seen @ self.density / (4 * np.pi * self.moments.permittivity)
         return total
@@ -187,7 +187,7 @@ def patch_capacitance(patches: Patches, *, permittivity: float = 1.0) -> float:
 def conductors(*bodies: Patches) -> Patches:
     """The patches of several bodies together; conductors are numbered in the order given."""
     for body in bodies:
-        instance("bodies", body, Patches)
+        require_type("bodies", body, Patches)
     if not bodies:
         raise ProblemError("bodies: none; give the patches of each")
     most = max(body.corners.shape[1] for body in bodies)

@@ -26,21 +26,21 @@ from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
 from msvalidate.dielectric.charges.checks import (
-    condition_of,
-    in_plane,
-    known,
-    norm_of,
-    permittivity_of,
+    check_error,
+    check_permittivity,
+    check_plane_points,
+    check_voltages,
+    condition_number,
+    logarithm_error,
+    one_norm,
     refuse_dense,
-    rounded,
-    voltages_of,
 )
 from msvalidate.dielectric.charges.electrodes import Electrodes
-from msvalidate.dielectric.charges.moments import more_than_one
+from msvalidate.dielectric.charges.moments import check_electrodes
 from msvalidate.dielectric.charges.pieces import PLACES, Place, pieces
 from msvalidate.dielectric.charges.views import KERNELS, Kernel, Views, views_of
 from msvalidate.problem import Array, Index
-from msvalidate.problem.checks import chosen, instance, metres
+from msvalidate.problem.checks import length_in_metres, require_one_of, require_type
 
 
 class ReportModel:
@@ -72,17 +72,17 @@ class ReportModel:
         kernel: Kernel = "report",
         charges_on: Place = "springs",
     ) -> None:
-        instance("electrodes", electrodes, Electrodes)
+        require_type("electrodes", electrodes, Electrodes)
         refuse_dense("segments", len(electrodes.segments))
-        chosen("kernel", kernel, KERNELS)
-        chosen("charges_on", charges_on, PLACES)
+        require_one_of("kernel", kernel, KERNELS)
+        require_one_of("charges_on", charges_on, PLACES)
         if kernel == "plane":
-            more_than_one(electrodes)
+            check_electrodes(electrodes)
         self.electrodes = electrodes
         self.kernel: Kernel = kernel
         self.charges_on: Place = charges_on
-        self.permittivity = permittivity_of(permittivity)
-        self.depth = metres("depth", depth)
+        self.permittivity = check_permittivity(permittivity)
+        self.depth = length_in_metres("depth", depth)
         self.pieces = pieces(electrodes, charges_on)
         coefficients = self.views().mean @ self.spread()
         if kernel == "plane":
@@ -91,9 +91,9 @@ class ReportModel:
             coefficients = np.pad(coefficients, (0, 1), constant_values=border)
             coefficients[-1, -1] = 0.0
         equations = np.asfortranarray(coefficients)
-        norm = norm_of(equations)
+        norm = one_norm(equations)
         self._factor = lu_factor(equations, overwrite_a=True)
-        self._condition = condition_of(self._factor[0], norm, symmetric=False)
+        self._condition = condition_number(self._factor[0], norm, symmetric=False)
 
     def moved(self, points: ArrayLike) -> ReportModel:
         """The same electrodes with their points (n, 2) elsewhere (m)."""
@@ -110,10 +110,13 @@ class ReportModel:
 
         With the report's kernel these count from far away, and a common part of them matters.
         """
-        given = voltages_of("an electrode", self.electrodes.count, voltages)
+        given = check_voltages("an electrode", self.electrodes.count, voltages)
         charge = self.solve(given[self.pieces.electrode])
         return ReportCharges(
-            self, given, charge, known(rounded(self.electrodes.extent) * self._condition)
+            self,
+            given,
+            charge,
+            check_error(logarithm_error(self.electrodes.extent) * self._condition),
         )
 
     def solve(self, potential: Array, *, adjoint: bool = False) -> Array:
@@ -207,7 +210,7 @@ class ReportCharges:
         """Potential (n,) in V at points (n, 2) in m, at half the depth."""
         moments = self.moments
         spread = moments.spread() @ self.charge
-        at: Array = moments.views(in_plane("points", points)).mean @ spread
+        at: Array = moments.views(check_plane_points("points", points)).mean @ spread
         if moments.kernel == "report":
             return at
         first = moments.views().mean[0] @ spread  # the plane's potentials lack a constant
@@ -223,11 +226,11 @@ def report_forces(charges: ReportCharges) -> Array:
     point however deep it is: between wide electrodes of springs shorter than the gap, the sums are
     depth/(πh) times the force of even charge.
     """
-    instance("charges", charges, ReportCharges)
+    require_type("charges", charges, ReportCharges)
     moments = charges.moments
-    apart, law, _ = _law(moments, charges.places)
+    apart, law, _ = _kernel_of_depth(moments, charges.places)
     force = (law * np.outer(charges.charge, charges.charge))[..., None] * apart
-    return _gathered(moments, moments.pieces.seat, force.sum(axis=1))
+    return _sum_to_points(moments, moments.pieces.seat, force.sum(axis=1))
 
 
 def consistent_forces(charges: ReportCharges) -> Array:
@@ -235,7 +238,7 @@ def consistent_forces(charges: ReportCharges) -> Array:
 
     W = ½v'q with P q = v, so dW = -½ p'(dP)q with P'p = v: P is not symmetric.
     """
-    instance("charges", charges, ReportCharges)
+    require_type("charges", charges, ReportCharges)
     moments = charges.moments
     adjoint = moments.solve(charges.voltages[moments.pieces.electrode], adjoint=True)
     force: Array = -0.5 * np.einsum("i,inc->nc", adjoint, potential_slopes(charges))
@@ -269,10 +272,10 @@ def report_tangent(charges: ReportCharges) -> Array:
 
     Not symmetric: the point sums are no energy's derivative. Components of a point stand together.
     """
-    instance("charges", charges, ReportCharges)
+    require_type("charges", charges, ReportCharges)
     moments, at, charge = charges.moments, charges.places, charges.charge
     count = len(at)
-    apart, law, power = _law(moments, at)
+    apart, law, power = _kernel_of_depth(moments, at)
     product = law * np.outer(charge, charge)
     toward = apart / np.sqrt((apart**2).sum(axis=-1) + np.eye(count))[..., None]
     bend = product[..., None, None] * (
@@ -292,7 +295,7 @@ def report_tangent(charges: ReportCharges) -> Array:
     return total
 
 
-def _law(model: ReportModel, at: Array) -> tuple[Array, Array, float]:
+def _kernel_of_depth(model: ReportModel, at: Array) -> tuple[Array, Array, float]:
     """Vectors (k, k, 2) between points, Coulomb's law over them, and the power of r in it."""
     apart = at[:, None] - at[None, :]
     square = (apart**2).sum(axis=-1)
@@ -302,7 +305,7 @@ def _law(model: ReportModel, at: Array) -> tuple[Array, Array, float]:
     return apart, model.depth / (4 * np.pi * model.permittivity * square**1.5), 3.0
 
 
-def _gathered(model: ReportModel, joints: Index, force: Array) -> Array:
+def _sum_to_points(model: ReportModel, joints: Index, force: Array) -> Array:
     """Forces on joints as forces (n, 2) on the points that they are sums of."""
     at = np.zeros((model.pieces.joints.shape[0], 2))
     np.add.at(at, joints, force)

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.dielectric.charges.dielectric import ChargesInAir, adjoint_of
+from msvalidate.dielectric.charges.dielectric import ChargesInAir, adjoint_weights
 from msvalidate.dielectric.charges.moments import Complex
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.dielectric.kernels import fluxes
 from msvalidate.problem import Array
-from msvalidate.problem.checks import instance
+from msvalidate.problem.checks import require_type
 
 
 def tangent_in_air(charges: ChargesInAir) -> Array:
@@ -25,10 +25,10 @@ def tangent_in_air(charges: ChargesInAir) -> Array:
 
     Symmetric, being of a second derivative. Components of a point stand together.
     """
-    instance("charges", charges, ChargesInAir)
+    require_type("charges", charges, ChargesInAir)
     moments = charges.moments
     faces, charge = moments.faces, charges.charge
-    on_covered, weight = adjoint_of(charges)
+    on_covered, weight = adjoint_weights(charges)
     lines, n = (*moments.lines(), faces.segments), len(weight)
     # Sums and differences of two vectors tell of a form of both.
     more_first, more_second = integrals.turned(*lines, on_covered + charge, n)

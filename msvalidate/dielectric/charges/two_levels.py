@@ -70,15 +70,15 @@ class TwoLevels:
         m = len(start)
         patches = [
             _patch(segments, start[segments], along[segments], electrode[segments], unit)
-            for segments in _bisected(start + 0.5 * along)
+            for segments in _bisect_segments(start + 0.5 * along)
         ]
         self._at = np.full((len(patches), PATCH), m)  # m: room that is not used
         self._inside = np.zeros((len(patches), PATCH, PATCH))
         for patch, at, inside in zip(patches, self._at, self._inside, strict=True):
             n = len(patch.segments)
             at[:n], inside[:n, :n] = patch.segments, patch.inside
-        self._spread = _side_by_side(patches, m)
-        self._totals = lu_factor(_among(patches, unit))
+        self._spread = _block_diagonal(patches, m)
+        self._totals = lu_factor(_pairs_among(patches, unit))
 
     def __call__(self, x: Array) -> Array:
         """Both levels, added up."""
@@ -91,7 +91,7 @@ class TwoLevels:
         return charge
 
 
-def _bisected(middle: Complex) -> list[Index]:
+def _bisect_segments(middle: Complex) -> list[Index]:
     """Numbers of the segments of each patch: halves of halves, across the longer side."""
     waiting, done = [np.arange(len(middle))], []
     while waiting:
@@ -130,7 +130,7 @@ def _patch(segments: Index, start: Complex, along: Complex, electrode: Index, un
     )
 
 
-def _side_by_side(patches: list[Patch], m: int) -> csr_array:
+def _block_diagonal(patches: list[Patch], m: int) -> csr_array:
     """(m, k) how the unit charges of all patches lie."""
     count = np.cumsum([0, *(len(patch.own) for patch in patches)])
     rows = [np.repeat(patch.segments, len(patch.own)) for patch in patches]
@@ -143,7 +143,7 @@ def _side_by_side(patches: list[Patch], m: int) -> csr_array:
     return csr_array((np.concatenate(values), index), shape=(m, count[-1]))
 
 
-def _among(patches: list[Patch], unit: float) -> Array:
+def _pairs_among(patches: list[Patch], unit: float) -> Array:
     """The bordered equations (k + 1, k + 1) of patches' charges."""
     places = [one for patch in patches for one in patch.places]
     held = [one for patch in patches for one in patch.held]

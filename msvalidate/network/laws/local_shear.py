@@ -32,9 +32,9 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_array, eye_array, kron
 
-from msvalidate.network.checks import pairs_of
+from msvalidate.network.checks import check_springs
 from msvalidate.problem import LONGEST, VOIGT, Array, Index, ProblemError
-from msvalidate.problem.checks import coordinates, finite, instance, positive
+from msvalidate.problem.checks import finite, finite_coordinates, positive_number, require_type
 
 SPAN = 1e-9
 """Least eigenvalue of a point's Σ w DDᵀ, relative to the largest, above which its springs span."""
@@ -43,6 +43,8 @@ SPAN = 1e-9
 @dataclass(frozen=True, eq=False)
 class LocalShear:
     """Springs that resist the shear of their direction. Arrays are made read-only.
+
+    Source: [ZhaoFangZhao2011] for small turns; at finite turns derived above.
 
     Parameters
     ----------
@@ -69,8 +71,8 @@ class LocalShear:
     weights: Array
 
     def __post_init__(self) -> None:
-        points = coordinates("shear springs: points", self.points, "n", (2, 3))
-        pairs = pairs_of(self.springs, len(points), "shear springs")
+        points = finite_coordinates("shear springs: points", self.points, "n", (2, 3))
+        pairs = check_springs(self.springs, len(points), "shear springs")
         arrays = {"points": points, "springs": pairs}
         for name in ("stiffness", "weights"):
             arrays[name] = finite(f"shear springs: {name}", getattr(self, name), len(pairs))
@@ -139,7 +141,7 @@ class LocalShear:
 
 def energy(shear: LocalShear, position: Array) -> float:
     """Energy (J) stored in the shear springs at `position` (n, d) in m."""
-    shift = _shift(shear, _gradients(shear, position))
+    shift = _shear_of_springs(shear, _gradients(shear, position))
     return float(0.5 * shear.stiffness @ (shift**2).sum(axis=1))
 
 
@@ -149,7 +151,7 @@ def force(shear: LocalShear, position: Array) -> Array:
     Σ_s k_t s·∂s/∂E is a moment M_i (N·m) at each point; of it Gᵀ(F M), G the gradient.
     """
     F = _gradients(shear, position)
-    pull = np.einsum("nac,ncb->nba", F, _moments(shear, _shift(shear, F)))
+    pull = np.einsum("nac,ncb->nba", F, _moments(shear, _shear_of_springs(shear, F)))
     return np.asarray(-(shear.gradient.T @ pull.reshape(-1, shear.dim)))
 
 
@@ -160,7 +162,7 @@ def tangent(shear: LocalShear, position: Array) -> csr_array:
     """
     F = _gradients(shear, position)
     n, d = position.shape
-    moments = _moments(shear, _shift(shear, F))
+    moments = _moments(shear, _shear_of_springs(shear, F))
     G, one = shear.gradient, eye_array(d)
     row = np.arange(n)
     at = (np.repeat(d * row[:, None] + np.arange(d), d), np.repeat(d * row, d * d))
@@ -177,7 +179,7 @@ def mode_energy(shear: LocalShear, position: Array, motion: Array) -> float:
     Springs with a shear of less than 1e-12 of their length count as unstressed.
     """
     F = _gradients(shear, position)
-    shift = _shift(shear, F)
+    shift = _shear_of_springs(shear, F)
     length = np.linalg.norm(shear.vector, axis=1)
     shift[np.linalg.norm(shift, axis=1) < 1e-12 * length] = 0.0
     way = (shear.gradient @ motion).reshape(F.shape)
@@ -186,24 +188,26 @@ def mode_energy(shear: LocalShear, position: Array, motion: Array) -> float:
     return float(shear.stiffness @ (change**2).sum(axis=1) + bent)
 
 
-def force_met(shear: LocalShear, position: Array) -> Array:
+def force_magnitudes(shear: LocalShear, position: Array) -> Array:
     """Sum (n,) of the magnitudes of the forces (N) that shear springs bring about at each point."""
-    shift = np.linalg.norm(_shift(shear, _gradients(shear, position)), axis=1)
-    return _spread(shear, shift)
+    shift = np.linalg.norm(_shear_of_springs(shear, _gradients(shear, position)), axis=1)
+    return _point_forces(shear, shift)
 
 
-def roundoff_met(shear: LocalShear, reach: float) -> Array:
+def roundoff_magnitudes(shear: LocalShear, reach: float) -> Array:
     """Sum (n,) of the forces (N) of springs sheared by `reach` (m) and their own length.
 
     An eps of it is the rounding of a force: see `residual.force_roundoff`.
     """
-    return _spread(shear, reach + np.linalg.norm(shear.vector, axis=1))
+    return _point_forces(shear, reach + np.linalg.norm(shear.vector, axis=1))
 
 
 def shear_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
     """Tensor, (3, 3) in N/m or (6, 6) in Pa, of shear springs in a uniform strain, each once.
 
     C = (1/V) Σ k_t L² NᵀPN: N takes a Voigt strain to εn, and P takes its part along n away.
+
+    Source: the energy of `LocalShear` in a uniform strain, differentiated twice.
 
     Parameters
     ----------
@@ -217,7 +221,7 @@ def shear_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
     ProblemError
         If an array does not fit, a vector has no length, or a value is not finite.
     """
-    D = coordinates("vectors", vectors, "m", (2, 3))
+    D = finite_coordinates("vectors", vectors, "m", (2, 3))
     k = finite("stiffness", stiffness, len(D))
     if not D.any(axis=1).all():
         raise ProblemError("shear tensor: a vector of no length; leave it out")
@@ -229,7 +233,7 @@ def shear_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
         N[:, a, column] += unit[:, b] / 2  # engineering shear: half of it each way
         N[:, b, column] += unit[:, a] / 2
     shift = np.linalg.norm(D, axis=1)[:, None, None] * (across @ N)
-    V = positive("volume", volume, f"m^{d}")
+    V = positive_number("volume", volume, f"m^{d}")
     with np.errstate(over="ignore", invalid="ignore"):  # what is infinite is refused
         return finite("shear tensor", np.einsum("m,mav,maw->vw", k, shift, shift) / V)
 
@@ -242,13 +246,13 @@ def _directions(vector: Array) -> tuple[Array, Array]:
 
 def _gradients(shear: LocalShear, position: Array) -> Array:
     """Deformation gradients (n, d, d), F_ab = ∂x_a/∂X_b."""
-    instance("shear", shear, LocalShear)
-    x = coordinates("position", position, *shear.points.shape)
+    require_type("shear", shear, LocalShear)
+    x = finite_coordinates("position", position, *shear.points.shape)
     n, d = x.shape
     return np.asarray((shear.gradient @ x).reshape(n, d, d).transpose(0, 2, 1))
 
 
-def _shift(shear: LocalShear, F: Array) -> Array:
+def _shear_of_springs(shear: LocalShear, F: Array) -> Array:
     """Shear s (m, d) in m of each spring, the mean of what its two ends see."""
     strain = (F.transpose(0, 2, 1) @ F - np.eye(shear.dim)) / 2
     i, j = shear.springs.T
@@ -266,7 +270,7 @@ def _moments(shear: LocalShear, shift: Array) -> Array:
     return moments
 
 
-def _spread(shear: LocalShear, shift: Array) -> Array:
+def _point_forces(shear: LocalShear, shift: Array) -> Array:
     """Force (n,) in N at the points, all signs up, of springs sheared by `shift` (m,) in m."""
     size = np.abs(shear.stiffness) * shift * np.linalg.norm(shear.vector, axis=1) / 2
     n, d = shear.points.shape

@@ -24,9 +24,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from msvalidate.network.checks import corners_of
+from msvalidate.network.checks import check_cells
 from msvalidate.problem import Array, Index, ProblemError
-from msvalidate.problem.checks import coordinates, finite, instance, integers, shaped
+from msvalidate.problem.checks import finite, finite_coordinates, integers, require_type, shaped
 
 _HEXAHEDRON = (
     (0, 3, 2, 1),
@@ -66,6 +66,8 @@ LARGEST = 1e300
 class Volumes:
     """Cells of a network that resist a change of volume. Arrays are made read-only.
 
+    Source: the energy at the head of this file; such energies beside springs are in [Golec2020].
+
     Parameters
     ----------
     points
@@ -89,9 +91,9 @@ class Volumes:
 
     def __post_init__(self) -> None:
         need = "the points of cells are (n, 2) or (n, 3)"
-        points = coordinates("points", self.points, "n", (2, 3), need=need)
+        points = finite_coordinates("points", self.points, "n", (2, 3), need=need)
         n, d = points.shape
-        cells = corners_of(self.cells, n, d)
+        cells = check_cells(self.cells, n, d)
         count = len(shaped("cells", cells, "c>0", cells.shape[1]))
         need = f"these cells need ({count},)"
         kappa = finite("stiffness of volumes", self.stiffness, count, need=need)
@@ -106,7 +108,7 @@ class Volumes:
                 "counter-clockwise, in space in VTK order"
             )
         with np.errstate(over="ignore"):
-            met = stiffness_met(self)
+            met = stiffness_magnitudes(self)
         if not (met <= LARGEST).all():
             raise ProblemError(
                 f"stiffness of volumes: {np.abs(met).max():g} N/m meet at a point; choose units "
@@ -140,12 +142,12 @@ def cell_volumes(points: ArrayLike, cells: ArrayLike) -> Array:
         As for `Volumes`.
     """
     t = integers("cells", cells)
-    return Volumes(coordinates("points", points), t, np.zeros(t.shape[:1])).rest_volume
+    return Volumes(finite_coordinates("points", points), t, np.zeros(t.shape[:1])).rest_volume
 
 
-def growth(volumes: Volumes, displacement: Array, *, linear: bool = False) -> Array:
+def dilatation(volumes: Volumes, displacement: Array, *, linear: bool = False) -> Array:
     """V/V0 - 1 (c,) of the cells under a displacement (n, d) in m, or what is linear in it."""
-    u = _fitting("displacement", volumes, displacement)
+    u = _check_shape("displacement", volumes, displacement)
     if not linear:
         return _dilatation(volumes, volumes.points + u)
     slope = _gradient(volumes, volumes.points)
@@ -161,7 +163,7 @@ def energy(volumes: Volumes, position: Array) -> float:
 
 def force(volumes: Volumes, position: Array) -> Array:
     """Force (n, d) in N of the cells on the points at `position` (n, d) in m."""
-    pull = _pull(volumes, position)
+    pull = _corner_forces(volumes, position)
     out = np.zeros(position.shape)
     for axis in range(volumes.dim):
         weights = pull[:, :, axis].ravel()
@@ -169,14 +171,14 @@ def force(volumes: Volumes, position: Array) -> Array:
     return out
 
 
-def force_met(volumes: Volumes, position: Array) -> Array:
+def force_magnitudes(volumes: Volumes, position: Array) -> Array:
     """Sum (n,) of the magnitudes of the forces (N) that cells exert on each point."""
-    size = np.linalg.norm(_pull(volumes, position), axis=2)
+    size = np.linalg.norm(_corner_forces(volumes, position), axis=2)
     return np.asarray(np.bincount(volumes.cells.ravel(), size.ravel(), len(position)), dtype=float)
 
 
-def stiffness_met(volumes: Volumes) -> Array:
-    """Sum (n,) of |κ| |∂V/∂x|²/V0 (N/m) at each point: what its cells resist its own moves with."""
+def stiffness_magnitudes(volumes: Volumes) -> Array:
+    """Sum (n,) of |κ| |∂V/∂x|²/V0 (N/m) at each point: its cells' own stiffness."""
     g = _gradient(volumes, volumes.points)
     root = np.sqrt(np.abs(volumes.stiffness)) / np.sqrt(volumes.rest_volume)
     own = ((root[:, None, None] * g) ** 2).sum(axis=2)
@@ -185,7 +187,7 @@ def stiffness_met(volumes: Volumes) -> Array:
     )
 
 
-def roundoff_met(volumes: Volumes, reach: float) -> Array:
+def roundoff_magnitudes(volumes: Volumes, reach: float) -> Array:
     """Sum (n,) of the forces (N) of a cell whose corners move by `reach` (m) and its own size.
 
     An eps of it is the rounding of a force: see `residual.force_roundoff`.
@@ -203,6 +205,8 @@ def tangent(volumes: Volumes, position: Array) -> csr_array:
     """Tangent stiffness (n·d, n·d) in N/m, row n·d of point-major components.
 
     A cell's block is (κ/V0) g gᵀ + κ (V/V0 - 1) H, with V's gradient g and its second derivatives.
+
+    Source: the energy at the head of this file, differentiated twice.
     """
     c, corners = volumes.cells.shape
     d, size = volumes.dim, corners * volumes.dim
@@ -210,7 +214,9 @@ def tangent(volumes: Volumes, position: Array) -> csr_array:
     g = _gradient(volumes, position).reshape(c, size)
     block = (kappa / volumes.rest_volume)[:, None, None] * g[:, :, None] * g[:, None, :]
     if j.any():
-        block += (kappa * j)[:, None, None] * _second(volumes, position).reshape(c, size, size)
+        block += (kappa * j)[:, None, None] * _second_derivative(volumes, position).reshape(
+            c, size, size
+        )
     dof = (volumes.cells[:, :, None] * d + np.arange(d)).reshape(c, size)
     row = np.broadcast_to(dof[:, :, None], block.shape).ravel()
     column = np.broadcast_to(dof[:, None, :], block.shape).ravel()
@@ -223,24 +229,24 @@ def mode_energy(volumes: Volumes, position: Array, motion: Array) -> float:
     Cells within 1e-12 of their rest volume count as unstressed, as springs do.
     """
     j = _dilatation(volumes, position)
-    w = _fitting("motion", volumes, motion)[volumes.cells]
+    w = _check_shape("motion", volumes, motion)[volumes.cells]
     change = (_gradient(volumes, position) * w).sum(axis=(1, 2))
     j[np.abs(j) < 1e-12] = 0.0
     stretched = volumes.stiffness / volumes.rest_volume @ change**2
     if not j.any():
         return float(stretched)
-    bent = np.einsum("cia,ciajb,cjb->c", w, _second(volumes, position), w)
+    bent = np.einsum("cia,ciajb,cjb->c", w, _second_derivative(volumes, position), w)
     return float(stretched + (volumes.stiffness * j) @ bent)
 
 
-def _fitting(name: str, volumes: Volumes, values: Array) -> Array:
+def _check_shape(name: str, volumes: Volumes, values: Array) -> Array:
     """Values (n, d) of the network's points, refused unless there is one for each."""
-    instance("volumes", volumes, Volumes)
+    require_type("volumes", volumes, Volumes)
     shape = volumes.points.shape
     return finite(name, values, *shape, need=f"give an array {shape}")
 
 
-def _padded(volumes: Volumes, values: Array, normal: float) -> Array:
+def _corner_values(volumes: Volumes, values: Array, normal: float) -> Array:
     """Values (n, d) at the corners (c, k, 3), from the first of each on; the normal as one more.
 
     From the first corner on: differences keep the digits that far-away coordinates have lost.
@@ -256,7 +262,7 @@ def _padded(volumes: Volumes, values: Array, normal: float) -> Array:
 
 
 def _volume(volumes: Volumes, position: Array) -> Array:
-    x = _padded(volumes, position, 1.0)
+    x = _corner_values(volumes, position, 1.0)
     triangles, part = volumes.surface
     a, b, c = (x[:, corner] for corner in triangles.T)
     return np.asarray(part * (a * np.cross(b, c)).sum(axis=(1, 2)))
@@ -264,8 +270,8 @@ def _volume(volumes: Volumes, position: Array) -> Array:
 
 def _dilatation(volumes: Volumes, position: Array) -> Array:
     """V/V0 - 1 (c,) from the moves of the corners, without the digits that V and V0 share."""
-    X = _padded(volumes, volumes.points, 1.0)
-    u = _padded(volumes, _fitting("position", volumes, position) - volumes.points, 0.0)
+    X = _corner_values(volumes, volumes.points, 1.0)
+    u = _corner_values(volumes, _check_shape("position", volumes, position) - volumes.points, 0.0)
     x = X + u
     triangles, part = volumes.surface
     p, q, r = triangles.T
@@ -277,7 +283,7 @@ def _dilatation(volumes: Volumes, position: Array) -> Array:
 
 def _gradient(volumes: Volumes, position: Array) -> Array:
     """∂V/∂x (c, corners, d) in m or m²."""
-    x = _padded(volumes, position, 1.0)
+    x = _corner_values(volumes, position, 1.0)
     triangles, part = volumes.surface
     g = np.zeros(x.shape)
     for p, q, r in triangles:
@@ -287,15 +293,15 @@ def _gradient(volumes: Volumes, position: Array) -> Array:
     return np.asarray(part * g[:, : volumes.cells.shape[1], : volumes.dim])
 
 
-def _pull(volumes: Volumes, position: Array) -> Array:
+def _corner_forces(volumes: Volumes, position: Array) -> Array:
     """Force (c, corners, d) in N of each cell on its corners."""
     pressure = volumes.stiffness * _dilatation(volumes, position)
     return np.asarray(-pressure[:, None, None] * _gradient(volumes, position))
 
 
-def _second(volumes: Volumes, position: Array) -> Array:
+def _second_derivative(volumes: Volumes, position: Array) -> Array:
     """∂²V/∂x∂x (c, corners, d, corners, d): ∂²det/∂p_a∂q_b = ε_abc r_c, and so on round."""
-    x = _padded(volumes, position, 1.0)
+    x = _corner_values(volumes, position, 1.0)
     triangles, part = volumes.surface
     epsilon = np.zeros((3, 3, 3))
     for order in permutations(range(3)):

@@ -14,7 +14,7 @@
 from __future__ import annotations
 
 from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.evidence import Evidence, merged
+from msvalidate.judging.evidence import Evidence, merge
 from msvalidate.judging.sweep import Setting
 
 from . import (
@@ -31,7 +31,7 @@ from . import (
 
 def any_ratio(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     """Is any ratio reached, by which route, and at what price?"""
-    return merged(
+    return merge(
         stretch.run(candidate, setting),
         routes.run(setting),
         bodies.run(candidate, setting),
@@ -42,7 +42,7 @@ def any_ratio(candidate: DisplacementSolver, setting: Setting) -> Evidence:
 
 def near_half(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     """Do springs with the volume energy lock, alternate or crawl as nu goes to 1/2?"""
-    return merged(
+    return merge(
         rubber.run(candidate, setting),
         pressure.run(candidate, setting),
         resting.run(setting),

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 import reference_fem
-from msvalidate.bodies.calibrate import calibrated
+from msvalidate.bodies.calibrate import calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.lattice import fill, patterns
 from msvalidate.network import Network
 from msvalidate.network.laws.volumes import Volumes
-from msvalidate.problem import Box, Isotropic, Problem, ProblemError, prescribed
+from msvalidate.problem import Box, Isotropic, Problem, ProblemError, prescribed_displacements
 from msvalidate.problem.material import State
 from reference_fem.body import nodal_forces
 from reference_fem.mixed import solve_mixed_on
@@ -46,7 +46,7 @@ class Bent(NamedTuple):
     cells: int
 
 
-def bent(state: State, nu: float) -> Problem:
+def bend_block(state: State, nu: float) -> Problem:
     """A block held at its left side and loaded along y at its right one: 1 Pa each."""
     box = Box(BOX[3 if state == "solid" else 2])
     return loading.clamped(box, Isotropic(1.0, nu, state), "shear", 1.0)
@@ -68,7 +68,7 @@ def reference(
     meshes: Mapping[int, tuple[int, ...]], kind: tuple[State, float]
 ) -> elastic.Reference:
     """Deflection of the elastic body on three meshes, and extrapolated."""
-    problem = bent(*kind)
+    problem = bend_block(*kind)
     d = problem.domain.dim
     found = []
     for cells in meshes[d]:
@@ -79,15 +79,15 @@ def reference(
         if kind[0] == "plane_stress":
             move = reference_fem.solve_problem(problem, mesh).displacement
         else:
-            held, moved = prescribed(problem, mesh.points)
+            held, moved = prescribed_displacements(problem, mesh.points)
             move, _ = solve_mixed_on(mesh, problem.material, held, moved, force)
         found.append(float((force * move).sum() / force.sum()))
-    return elastic.extrapolated(*found)
+    return elastic.extrapolate(*found)
 
 
 def deflection(candidate: DisplacementSolver, block: Bent) -> float:
     """Mean displacement (m) of the loaded side along the load."""
-    problem = bent(block.state, block.nu)
+    problem = bend_block(block.state, block.nu)
     box = box_of(problem)
     cells = counts(box, block.cells)
     if block.model in ELEMENTS[box.dim]:
@@ -107,7 +107,7 @@ def springs_of(problem: Problem, model: str, cells: tuple[int, ...]) -> Network:
     if not isinstance(material, Isotropic):
         raise ProblemError(f"{problem.name}: an anisotropic material; give an isotropic one")
     lattice = fill(getattr(patterns, model.split(",", maxsplit=1)[0])(), box, cells)
-    network = lattice_network(problem, lattice, calibrated(material, lattice))
+    network = lattice_network(problem, lattice, calibrate_material(material, lattice))
     return split(network) if model == HALVES else network
 
 

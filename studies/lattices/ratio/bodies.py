@@ -24,7 +24,7 @@ from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.routes import ROUTES
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice
@@ -108,12 +108,14 @@ def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     rest = orders[orders["block_order_expected"] != "exact"]
     kept = table.merge(exact[KEY])
     errors = kept[["stretch_error", "across_error_of_ratio", "uneven"]].to_numpy()
-    observed = {TOLERANCES[0].quantity: worst(errors, 0.0)}
+    observed = {TOLERANCES[0].quantity: farthest_value(errors, 0.0)}
     flat = rest["lattice"].isin(PLANE)
     for tolerance, part in zip(TOLERANCES[1:], (rest[flat], rest[~flat]), strict=True):
         if len(part):
             orders_found, expected = part["block_order"], part["block_order_expected"]
-            observed[tolerance.quantity] = worst(orders_found.astype(float), expected.astype(float))
+            observed[tolerance.quantity] = farthest_value(
+                orders_found.astype(float), expected.astype(float)
+            )
     return Evidence(
         tables={"route_blocks": table, "route_orders": orders},
         observed=observed,
@@ -178,7 +180,7 @@ def measure(candidate: DisplacementSolver, block: Block) -> dict[str, object]:
     """One row of the table `route_blocks`."""
     pattern = block.way.pattern
     d = pattern.dim
-    lattice = cases.filled(_case(block.way), block.across)
+    lattice = cases.fill_box(_case(block.way), block.across)
     state: State = "plane_stress" if d == 2 else "solid"
     found = calibrate(1.0, block.nu, lattice, state, route=block.way.route)
     box = cases.box_of(lattice)
@@ -229,7 +231,7 @@ def draw(tables: Tables) -> Figure:
     plane = rest["lattice"].isin(PLANE)
     parts = [("plane", rest[plane]), ("space", rest[~plane])]
     parts = [(title, part) for title, part in parts if len(part)]
-    figure, axes = figures.new(len(parts), size=(3.8 if len(parts) > 1 else 6.0, 4.0))
+    figure, axes = figures.new_figure(len(parts), size=(3.8 if len(parts) > 1 else 6.0, 4.0))
     names = list(dict.fromkeys(zip(rest["lattice"], rest["route"], strict=True)))
     for axis, (title, part) in zip(axes, parts, strict=True):
         for key, mine in part.groupby(KEY, sort=False):
@@ -253,5 +255,5 @@ def draw(tables: Tables) -> Figure:
         axis.set(title=title, xlabel="cells along the block (1)")
         axis.set_ylabel("error of strain along the pull (1)")
     axes[0].plot([], [], "o", color="black", mfc="white", label="open: nu = 0.2, below Cauchy's")
-    figures.shared_legend(figure, axes, columns=2 if len(axes) == 1 else 3)
+    figures.add_shared_legend(figure, axes, columns=2 if len(axes) == 1 else 3)
     return figure

@@ -18,12 +18,12 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.candidate import Answer, DisplacementSolver, springs
-from msvalidate.judging.compare import worst
+from msvalidate.judging.candidate import Answer, DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
-from msvalidate.network.faults import every_spring
+from msvalidate.network.faults import stiffen_all
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Array, Problem
 
@@ -92,7 +92,7 @@ def _scaled(network: Network, change: Callable[[Array], Array]) -> Network:
 KINDS = {"every cell": every_volume, "one cell": one_volume}
 
 
-def spoilt(
+def apply_fault(
     fault: Callable[[Network, float], Network],
     size: float,
     problem: Problem,
@@ -100,12 +100,12 @@ def spoilt(
     answer: Answer = "linear",
 ) -> Array:
     """A candidate whose network has a fault."""
-    return springs(problem, fault(network, size), answer)
+    return solve_springs(problem, fault(network, size), answer)
 
 
 def with_fault(fault: Callable[[Network, float], Network], size: float) -> DisplacementSolver:
     """The spring network with a fault of some size."""
-    return partial(spoilt, fault, size)
+    return partial(apply_fault, fault, size)
 
 
 FAULTS = {
@@ -122,7 +122,7 @@ FAULTS = {
         "questions": ("rubber",),
     },
     "bent blocks 1 % stiffer": {
-        "candidate": with_fault(every_spring, ONE_PER_CENT),
+        "candidate": with_fault(stiffen_all, ONE_PER_CENT),
         "questions": ("rubber",),
     },
 }
@@ -132,11 +132,15 @@ FAULTS = {
 def run(setting: Setting) -> Evidence:
     """State the smallest fault of κ that is noticed, and what a bent block feels of it."""
     rows = [
-        {"block": _said(block), "fault_of_volumes": kind, "smallest_part": smallest(block, fault)}
+        {
+            "block": _describe(block),
+            "fault_of_volumes": kind,
+            "smallest_part": smallest(block, fault),
+        }
         for block in BLOCKS
         for kind, fault in KINDS.items()
     ]
-    felt = pd.DataFrame(setting.sweep(deflected, (0.45, 0.499), "faults of bent blocks"))
+    felt = pd.DataFrame(setting.sweep(deflection_row, (0.45, 0.499), "faults of bent blocks"))
     table = pd.DataFrame(rows)
     least, most = table["smallest_part"].min(), table["smallest_part"].max()
     near, nearest = felt["deflection_by_1_percent"].abs()
@@ -147,7 +151,7 @@ def run(setting: Setting) -> Evidence:
     )
     return Evidence(
         tables={"volume_faults": table, "volume_faults_bent": felt},
-        observed={TOLERANCES[0].quantity: worst(table["smallest_part"], 0.0)},
+        observed={TOLERANCES[0].quantity: farthest_value(table["smallest_part"], 0.0)},
         tolerances=TOLERANCES,
         columns=COLUMNS,
         rounding={"deflection_by_1_percent": 1e-9},
@@ -157,11 +161,11 @@ def run(setting: Setting) -> Evidence:
 
 def smallest(block: Block, fault: Callable[[Network, float], Network]) -> float:
     """Smallest size of a fault that a stretched block notices."""
-    seen = [_noticed(block, with_fault(fault, size)) for size in (PROBE, -PROBE)]
+    seen = [_is_noticed(block, with_fault(fault, size)) for size in (PROBE, -PROBE)]
     return PROBE * stretch.EXACT / (sum(seen) / len(seen))
 
 
-def _noticed(block: Block, candidate: DisplacementSolver) -> float:
+def _is_noticed(block: Block, candidate: DisplacementSolver) -> float:
     """Largest error of those that the tolerances of `stretch` judge."""
     row = stretch.measure(candidate, block)
     return max(
@@ -171,14 +175,14 @@ def _noticed(block: Block, candidate: DisplacementSolver) -> float:
     )
 
 
-def deflected(nu: float) -> dict[str, object]:
+def deflection_row(nu: float) -> dict[str, object]:
     """One row of the table `volume_faults_bent`."""
     block = Bent("plane_strain", nu, "square", 8)
-    right = bent.deflection(springs, block)
+    right = bent.deflection(solve_springs, block)
     wrong = bent.deflection(with_fault(every_volume, ONE_PER_CENT), block)
     name = f"square, plane strain, {nu:g}"
     return {"block": name, "deflection_by_1_percent": wrong / right - 1}
 
 
-def _said(block: Block) -> str:
+def _describe(block: Block) -> str:
     return f"{block.lattice}, {block.state.replace('_', ' ')}, {block.nu:g}"

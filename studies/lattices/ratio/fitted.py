@@ -26,19 +26,19 @@ import pandas as pd
 import reference_fem
 from msvalidate.bodies.fit import fitted_constants
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.stiffness import Moduli, isotropic_moduli
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, voronoi_box
-from msvalidate.lattice.voronoi import tessellated
+from msvalidate.lattice.voronoi import pattern_of_tessellation
 from msvalidate.network import Network
 from msvalidate.problem import Array, Box, Isotropic, Problem, SolverError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
 
 from .. import loading
-from ..voronoi.networks import drawn, seeds
+from ..voronoi.networks import draw_network, seeds
 
 BOX = Box((2.0, 1.0))
 LOADS = {
@@ -122,9 +122,9 @@ def run(setting: Setting) -> Evidence:
     above = both[both["nu_fitted"] >= RATIOS[1]]
     last = finest[finest["nu_fitted"] == max(RATIOS)].set_index("fitted")["residual"]
     values = (
-        worst(both["residual"], 0.0),
-        worst(third["k_fitted"] / third["k_endless"], 1.0),
-        worst(above["kappa_fitted"] - above["kappa_affine"], 0.0),
+        farthest_value(both["residual"], 0.0),
+        farthest_value(third["k_fitted"] / third["k_endless"], 1.0),
+        farthest_value(above["kappa_fitted"] - above["kappa_affine"], 0.0),
         Observed(max(0.0, 2.0 - float(last[WAYS[0]] / last[WAYS[1]]))),
     )
     return Evidence(
@@ -160,7 +160,9 @@ def findings(table: pd.DataFrame, solid: Moduli) -> tuple[str, ...]:
 def endless(draws: list[int]) -> Moduli:
     """Mean moduli of periodic networks with k = 1, at rest."""
     tensors = [
-        homogenised(tessellated(drawn((2, "jittered", COUNT, seed)), RULE), (1.0,)).tensor
+        homogenise(
+            pattern_of_tessellation(draw_network((2, "jittered", COUNT, seed)), RULE), (1.0,)
+        ).tensor
         for seed in draws
     ]
     return isotropic_moduli(np.mean(tensors, axis=0))
@@ -171,7 +173,7 @@ def measure(
 ) -> list[dict[str, object]]:
     """Every fit to the body of one ratio."""
     mesh = reference_fem.box_discretisation(BOX, MESH, "Q2", GRADING)
-    bodies = {name: reference_fem.solve_problem(loaded(nu, name), mesh) for name in LOADS}
+    bodies = {name: reference_fem.solve_problem(load_network(nu, name), mesh) for name in LOADS}
     rows = []
     for size, seed in product(sizes, draws):
         lattice = voronoi_box(BOX, 1 / size, stiffness=RULE, seed=seed)
@@ -212,7 +214,7 @@ def fit(
     }
 
 
-def loaded(nu: float, load: str) -> Problem:
+def load_network(nu: float, load: str) -> Problem:
     """The block under a load."""
     side, traction = LOADS[load]
     left = BOX.side("left")
@@ -223,7 +225,7 @@ def loaded(nu: float, load: str) -> Problem:
 
 def network(nu: float, load: str, lattice: Lattice, k: float, volume: float) -> Network:
     """The block of springs."""
-    return lattice_network(loaded(nu, load), lattice, (k,), volume=volume)
+    return lattice_network(load_network(nu, load), lattice, (k,), volume=volume)
 
 
 def residual(body: Network, wanted: Array) -> float:

@@ -26,18 +26,26 @@ import reference_fem
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import fill, patterns
 from msvalidate.network import Network, tangent
 from msvalidate.network.laws.volumes import cell_volumes
 from msvalidate.output import figures
-from msvalidate.problem import Array, Box, Isotropic, Problem, ProblemError, Support, prescribed
+from msvalidate.problem import (
+    Array,
+    Box,
+    Isotropic,
+    Problem,
+    ProblemError,
+    Support,
+    prescribed_displacements,
+)
 from reference_fem.body import nodal_forces
 from reference_fem.mixed import solve_mixed_on
 
-from .bent import bent, box_of, counts, springs_of
+from .bent import bend_block, box_of, counts, springs_of
 
 HELD = {"left": ("left",), "all round": ("left", "right", "bottom", "top")}
 LABELS = {"left": "held at the left", "all round": "held all round"}
@@ -89,9 +97,9 @@ def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     """Look for patterns that push little, and for their traces in a bent block."""
     sizes, across = (QUICK, QUICK_BENT) if setting.quick else (SIZES, BENT)
     todo = [(held, n) for held in HELD for n in sizes]
-    pushes = pd.DataFrame(setting.sweep(push, todo, "pressures that push little"))
+    pushes = pd.DataFrame(setting.sweep(push_row, todo, "pressures that push little"))
     shown = [(nu, n) for nu in (RATIOS[1:2] if setting.quick else RATIOS) for n in across]
-    fields = pd.DataFrame(setting.sweep(partial(pressed, candidate), shown, "cell pressures"))
+    fields = pd.DataFrame(setting.sweep(partial(press_body, candidate), shown, "cell pressures"))
     orders = pd.DataFrame(
         {"held": held, "push_order": observed_order(1 / mine["cells_square"], mine["least_push"])}
         for held, rows in pushes.groupby("held", sort=False)
@@ -103,7 +111,7 @@ def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     values = (
         Observed(float(wrong.sum())),
         Observed(float(round_order), 1.0),
-        worst(finest["pressure_difference"], 0.0),
+        farthest_value(finest["pressure_difference"], 0.0),
     )
     return Evidence(
         tables={"pressure_push": pushes, "push_order": orders, "pressures": fields},
@@ -138,7 +146,7 @@ def findings(pushes: pd.DataFrame, orders: pd.DataFrame, fields: pd.DataFrame) -
     return theory, seen
 
 
-def push(todo: tuple[str, int]) -> dict[str, object]:
+def push_row(todo: tuple[str, int]) -> dict[str, object]:
     """One row of the table `pressure_push`.
 
     With K of the springs and B of the cells' dilatations, BᵀV⁻¹B u = β² K u: the numbers β that
@@ -168,7 +176,7 @@ def push(todo: tuple[str, int]) -> dict[str, object]:
     }
 
 
-def pressed(candidate: DisplacementSolver, todo: tuple[float, int]) -> dict[str, object]:
+def press_body(candidate: DisplacementSolver, todo: tuple[float, int]) -> dict[str, object]:
     """One row of the table `pressures`."""
     nu, n = todo
     own, mixed, middle = fields(candidate, nu, n)
@@ -188,14 +196,14 @@ def pressed(candidate: DisplacementSolver, todo: tuple[float, int]) -> dict[str,
 
 def fields(candidate: DisplacementSolver, nu: float, cells: int) -> tuple[Array, Array, Array]:
     """Pressures (c,) in Pa in cells by springs and by mixed elements, and the middles (c, 2)."""
-    problem = bent("plane_strain", nu)
+    problem = bend_block("plane_strain", nu)
     along = counts(box_of(problem), cells)
     network = springs_of(problem, "square", along)
     move = candidate(problem, network, "linear")
     lame = nu / ((1 + nu) * (1 - 2 * nu))
     own = lame * dilatation(network, move)
     mesh = reference_fem.box_discretisation(box_of(problem), along, "Q2")
-    held, moved = prescribed(problem, mesh.points)
+    held, moved = prescribed_displacements(problem, mesh.points)
     _, p = solve_mixed_on(mesh, problem.material, held, moved, nodal_forces(problem, mesh))
     place = np.full(len(mesh.points), -1)
     place[mesh.vertices] = np.arange(len(p))
@@ -230,7 +238,7 @@ def _size(field: Array) -> float:
 def draw(tables: Tables) -> Figure:
     """Least push against the size; pressures' differences and what alternates of them."""
     pushes, shown = tables["pressure_push"], tables["pressures"]
-    figure, (left, right) = figures.new(2, size=(3.8, 3.2))
+    figure, (left, right) = figures.new_figure(2, size=(3.8, 3.2))
     for number, (held, mine) in enumerate(pushes.groupby("held", sort=False)):
         left.loglog(
             mine["cells_square"],

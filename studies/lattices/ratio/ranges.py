@@ -13,7 +13,7 @@ from msvalidate.output import figures
 def draw(tables: Tables) -> Figure:
     """Ranges of the ratio as bars, a row for each lattice and route."""
     table = tables["routes"]
-    figure, (axis,) = figures.new(size=(6.0, 0.27 * len(table) + 1.0))
+    figure, (axis,) = figures.new_figure(size=(6.0, 0.27 * len(table) + 1.0))
     names = list(dict.fromkeys(table["lattice"]))
     for place, (_, row) in enumerate(table.iterrows()):
         y = place + 0.6 * names.index(row["lattice"])
@@ -40,5 +40,5 @@ def draw(tables: Tables) -> Figure:
     axis.set_ylabel("lattice")
     axis.invert_yaxis()
     axis.grid(visible=False, axis="y")
-    figures.shared_legend(figure, [axis], columns=3)
+    figures.add_shared_legend(figure, [axis], columns=3)
     return figure

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.dynamics.spectrum import extreme_frequencies
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Box, Isotropic
@@ -80,7 +80,7 @@ def run(setting: Setting) -> Evidence:
     slope = np.polyfit(np.log(1 - 2 * high["nu_settled"]), np.log(high["steps_leapfrog"]), 1)[0]
     values = (
         Observed(max(0.0, float((table["omega_high_cell"] ** 2).max() - 1))),
-        worst(table["steps_leapfrog"] / table["steps_foreseen"], 1.0),
+        farthest_value(table["steps_leapfrog"] / table["steps_foreseen"], 1.0),
         Observed(-float(slope), 0.5),
     )
     return Evidence(
@@ -136,5 +136,5 @@ def measure(nu: float) -> dict[str, object]:
         "omega_high_over": high / unit / np.sqrt(4 * (lame + 2)),
         "omega_high_cell": high / unit / np.sqrt(8 * (lame + 1)),
         "step_limit": 2 * unit / high,
-        "steps_foreseen": cost.predicted(high / low),
+        "steps_foreseen": cost.predict(high / low),
     } | steps

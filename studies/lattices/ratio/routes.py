@@ -31,9 +31,9 @@ from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.routes import ROUTES
-from msvalidate.constants.stable_range import least_ratio, least_volume
+from msvalidate.constants.stable_range import least_stable_ratio, least_stable_volume
 from msvalidate.constants.stiffness import CAUCHY
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, Pattern, fill, patterns
@@ -146,7 +146,7 @@ def run(setting: Setting) -> Evidence:
 
 
 def _worst(values: pd.Series, references: pd.Series) -> Observed:
-    return worst(values.astype(float), references.astype(float))
+    return farthest_value(values.astype(float), references.astype(float))
 
 
 def findings(table: pd.DataFrame) -> tuple[str, ...]:
@@ -172,7 +172,7 @@ def measure(way: Way) -> tuple[dict[str, object], float]:
     d = pattern.dim
     cauchy, probe = CAUCHY[d], PROBE[d] if way.route in ADDED else CAUCHY[d]
     alone = way._replace(route="springs")
-    springs, plain = calibrated(alone, cauchy), calibrated_waves(alone, cauchy)
+    springs, plain = calibrate_way(alone, cauchy), calibrated_waves(alone, cauchy)
     whole = calibrated_waves(way, probe)
     # The modulus of a calibration is 1: μ = 1/(2 (1 + nu)).
     over = waves.highest(whole) / waves.highest(plain) * (1 + probe) / (1 + cauchy)
@@ -180,7 +180,11 @@ def measure(way: Way) -> tuple[dict[str, object], float]:
     least, fourier = (
         limits(way, springs) if way.route in ADDED else (dict.fromkeys(LEAST, "none"), 0.0)
     )
-    ends = (cauchy, cauchy) if way.route not in ADDED else reached(way, float(str(least[LEAST[2]])))
+    ends = (
+        (cauchy, cauchy)
+        if way.route not in ADDED
+        else reachable_ratios(way, float(str(least[LEAST[2]])))
+    )
     aligned = way.lattice in ALIGNED and way.route != "shear springs"
     row = (
         head
@@ -210,9 +214,9 @@ def limits(way: Way, springs: Calibration) -> tuple[dict[str, object], float]:
     values = (-(1 + 2 / d) if added.volume else -2 / d, by_waves, of_body(way, springs, added))
     mu = 1 / (2 * (1 + springs.nu))
     if added.volume:
-        fourier = least_volume(pattern, springs.constants) / mu
+        fourier = least_stable_volume(pattern, springs.constants) / mu
     else:
-        fourier = least_ratio(pattern, springs.constants)
+        fourier = least_stable_ratio(pattern, springs.constants)
     return dict(zip(LEAST, values, strict=True)), fourier
 
 
@@ -223,7 +227,7 @@ def with_added(way: Way, springs: Calibration) -> Calibration:
     return replace(springs, volume=1 / (2 * (1 + springs.nu)))
 
 
-def calibrated(way: Way, nu: float) -> Calibration:
+def calibrate_way(way: Way, nu: float) -> Calibration:
     """Modulus 1 and a ratio, along the lattice's own axes."""
     state: State = "plane_stress" if way.pattern.dim == 2 else "solid"
     return calibrate(1.0, nu, way.pattern, state, route=way.route)
@@ -240,7 +244,7 @@ def stiffness(lattice: Lattice, found: Calibration) -> csr_array:
 @cache
 def calibrated_waves(way: Way, nu: float) -> waves.Stencil:
     """The same of modulus 1 and a ratio; springs alone are asked for by every route."""
-    return wave_stiffness(way.pattern, calibrated(way, nu))
+    return wave_stiffness(way.pattern, calibrate_way(way, nu))
 
 
 def wave_stiffness(pattern: Pattern, found: Calibration) -> waves.Stencil:
@@ -265,7 +269,7 @@ def of_body(way: Way, springs: Calibration, added: Calibration) -> float:
     return float(-1 / eigvalsh(scaled.T @ more @ scaled)[-1])
 
 
-def reached(way: Way, least: float) -> tuple[float, float]:
+def reachable_ratios(way: Way, least: float) -> tuple[float, float]:
     """Lowest and highest ratio along the axes that a least part leaves open."""
     d = way.pattern.dim
     if way.route == "shear springs":

@@ -20,8 +20,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import observed_order, worst
-from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity, merged
+from msvalidate.judging.compare import farthest_value, observed_order
+from msvalidate.judging.evidence import Evidence, Tables, Tolerance, by_quantity, merge
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -117,10 +117,10 @@ def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     meshes = QUICK_MESHES if setting.quick else MESHES
     mixed = setting.sweep(partial(reference, meshes), kinds, "mixed elements")
     found = setting.sweep(partial(deflection, candidate), wanted, "bent blocks")
-    table = measured(wanted, found, dict(zip(kinds, mixed, strict=True)))
+    table = measure(wanted, found, dict(zip(kinds, mixed, strict=True)))
     orders = approach(table)
     outside = orders["order_outside"][orders["model"].isin(SPRINGS)]
-    values = (worst(table["deflection_uncertainty"], 0.0), worst(outside, 0.0))
+    values = (farthest_value(table["deflection_uncertainty"], 0.0), farthest_value(outside, 0.0))
     bending = Evidence(
         tables={"rubber": table, "rubber_orders": orders},
         observed=by_quantity(TOLERANCES, values),
@@ -132,10 +132,10 @@ def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
         | dict.fromkeys(("rubber_order", "rubber_order_stiffness", "order_outside"), 1e-4),
         findings=findings(table),
     )
-    return merged(bending, locking.run(table))
+    return merge(bending, locking.run(table))
 
 
-def measured(
+def measure(
     wanted: list[Bent], found: list[float], mixed: dict[tuple[State, float], elastic.Reference]
 ) -> pd.DataFrame:
     """The table `rubber`."""
@@ -206,7 +206,7 @@ def draw(tables: Tables) -> Figure:
     """Differences against the ratio at one size, and against the size at the largest ratio."""
     table = tables["rubber"]
     states = [s for s in ("plane_strain", "solid") if s in set(table["state"])]
-    figure, axes = figures.new(2, len(states), size=(3.9, 3.0))
+    figure, axes = figures.new_figure(2, len(states), size=(3.9, 3.0))
     models = list(dict.fromkeys(table["model"]))
     for (left, right), state in zip(zip(axes[::2], axes[1::2], strict=True), states, strict=True):
         mine = table[table["state"] == state]
@@ -230,5 +230,5 @@ def draw(tables: Tables) -> Figure:
         right.set_title(f"{words}, nu = {most:g}", fontsize=9)
         for axis in (left, right):
             axis.set_ylabel("too stiff by, of deflection (1)")
-    figures.shared_legend(figure, axes, columns=4)
+    figures.add_shared_legend(figure, axes, columns=4)
     return figure

@@ -20,7 +20,7 @@ import pandas as pd
 from msvalidate.bodies.calibrate import calibrate
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.judging.candidate import DisplacementSolver
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import Lattice, fill, patterns, triangular
@@ -100,9 +100,9 @@ def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
     rows = setting.sweep(partial(measure, candidate), blocks(), "stretched blocks")
     table = pd.DataFrame(rows)
     values = (
-        worst(table["nu_found"], table["nu_asked"]),
-        worst(table["E_found"], 1.0),
-        worst(table["displacement_error"], 0.0),
+        farthest_value(table["nu_found"], table["nu_asked"]),
+        farthest_value(table["E_found"], 1.0),
+        farthest_value(table["displacement_error"], 0.0),
     )
     return Evidence(
         tables={"any_ratio": table},
@@ -141,7 +141,7 @@ def body(name: str) -> Lattice:
     return fill(pattern, Box((1.0,) * pattern.dim), cells)
 
 
-def pulled(lattice: Lattice, material: Material) -> Problem:
+def pull_loads(lattice: Lattice, material: Material) -> Problem:
     """Tractions along x of a pull; supports that take no force."""
     d = lattice.points.shape[1]
     stress = np.zeros((d, d))
@@ -169,7 +169,7 @@ def measure(candidate: DisplacementSolver, block: Block) -> dict[str, object]:
     d = lattice.points.shape[1]
     found = calibrate(1.0, block.nu, lattice, block.state)
     kappa = found.volume
-    problem = pulled(lattice, Isotropic(1.0, block.nu, block.state))
+    problem = pull_loads(lattice, Isotropic(1.0, block.nu, block.state))
     network = lattice_network(problem, lattice, found)
     move = candidate(problem, network, "linear")
     along, across = strains(lattice.points, move)

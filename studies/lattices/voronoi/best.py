@@ -40,13 +40,13 @@ def choices(networks: pd.DataFrame) -> list[dict[str, Any]]:
     for dim, same in largest(networks).groupby("axes", sort=False):
         kinds = same.groupby(["point_set", "stiffness"])
         families = {(str(points), str(rule)): found for (points, rule), found in kinds}
-        for criterion, samples in scored(families, CAUCHY[int(str(dim))]).items():
+        for criterion, samples in score_families(families, CAUCHY[int(str(dim))]).items():
             chosen = choice(samples, by_spread=criterion == SPREAD)
             rows.append({"axes": dim, "criterion": criterion} | chosen)
     return rows
 
 
-def scored(families: dict[Any, pd.DataFrame], cauchy: float) -> dict[str, dict[Any, Array]]:
+def score_families(families: dict[Any, pd.DataFrame], cauchy: float) -> dict[str, dict[Any, Array]]:
     """Of each criterion and family, what its networks (s,) show, in the order of the seeds.
 
     Distances of a mean ratio have the sign that makes their mean positive.
@@ -78,8 +78,8 @@ def choice(samples: dict[Any, Array], by_spread: bool) -> dict[str, Any]:
         for key, sample in samples.items()
     }
     first, *rest = sorted(value, key=lambda key: value[key])
-    apart = told_by_spread if by_spread else told_by_mean
-    alike = [named(*key) for key in rest if not apart(samples[first], samples[key])]
+    apart = differ_by_spread if by_spread else differ_by_mean
+    alike = [family_name(*key) for key in rest if not apart(samples[first], samples[key])]
     return {
         "point_set": first[0],
         "stiffness": first[1],
@@ -89,17 +89,23 @@ def choice(samples: dict[Any, Array], by_spread: bool) -> dict[str, Any]:
     }
 
 
-def told_by_mean(one: Array, other: Array) -> bool:
-    """Whether the mean of the differences (s,) is away from 0, by Student's t."""
+def differ_by_mean(one: Array, other: Array) -> bool:
+    """Whether the mean of the differences (s,) is away from 0, by Student's t.
+
+    Source: [Student1908].
+    """
     difference = one - other
     error = difference.std(ddof=1) / math.sqrt(len(difference))
     if error == 0:
         return bool(difference.mean() != 0)
-    return likely(difference.mean() / error, len(difference) - 1)
+    return is_likely(difference.mean() / error, len(difference) - 1)
 
 
-def told_by_spread(one: Array, other: Array) -> bool:
-    """Whether two spreads differ, by Pitman's and Morgan's test."""
+def differ_by_spread(one: Array, other: Array) -> bool:
+    """Whether two spreads differ, by Pitman's and Morgan's test.
+
+    Source: [Pitman1939], [Morgan1939].
+    """
     together, apart = one + other, one - other
     together, apart = together - together.mean(), apart - apart.mean()
     size = np.linalg.norm(together) * np.linalg.norm(apart)
@@ -107,11 +113,14 @@ def told_by_spread(one: Array, other: Array) -> bool:
         return False
     r = float(together @ apart / size)
     free = len(one) - 2
-    return likely(r * math.sqrt(free / max(1 - r**2, np.finfo(float).eps)), free)
+    return is_likely(r * math.sqrt(free / max(1 - r**2, np.finfo(float).eps)), free)
 
 
-def likely(t: float, free: int) -> bool:
-    """Whether Student's t is outside its interval of 95 %."""
+def is_likely(t: float, free: int) -> bool:
+    """Whether Student's t is outside its interval of 95 %.
+
+    Source: [Student1908].
+    """
     return bool(2 * stdtr(free, -abs(t)) < 1 - CONFIDENCE)
 
 
@@ -120,7 +129,7 @@ def largest(table: pd.DataFrame) -> pd.DataFrame:
     return table[table["count"] == table.groupby("axes")["count"].transform("max")]
 
 
-def named(points: object, rule: str) -> str:
+def family_name(points: object, rule: str) -> str:
     """A family as sentences call it."""
     return f"{str(points).replace('_', ' ')} {RULES[rule]}"
 
@@ -138,7 +147,7 @@ def finding(best: pd.DataFrame) -> str:
         row = best[(best["axes"] == dim) & (best["criterion"] == SPREAD)].iloc[0]
         alike = row["not_told_apart"]
         said.append(
-            f"in {place} {named(row['point_set'], row['stiffness'])}, "
+            f"in {place} {family_name(row['point_set'], row['stiffness'])}, "
             + ("told from every other" if alike == "none" else f"not told from {others(alike)}")
         )
     sure = int((best["not_told_apart"] == "none").sum())

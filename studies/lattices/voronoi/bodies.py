@@ -22,10 +22,10 @@ import pandas as pd
 
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.stiffness import AXES_OF, cubic_part, isotropic_part
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import STIFFNESS_RULES, voronoi_box
@@ -101,7 +101,9 @@ COLUMNS = {
 
 
 def run(
-    candidate: DisplacementSolver = springs, setting: Setting = FULL, solid: Solid = homogenised
+    candidate: DisplacementSolver = solve_springs,
+    setting: Setting = FULL,
+    solid: Solid = homogenise,
 ) -> Evidence:
     """Compare bodies with their solids, and look at their surfaces."""
     rules = ("A/L",) if setting.quick else STIFFNESS_RULES
@@ -114,7 +116,7 @@ def run(
     cut = [family for family in families if family[1] in DIRECTED]
     materials = [tensors[family] for family in families]
     materials += [isotropic_part(tensors[family]) for family in cut]
-    references = setting.sweep(expected, materials, "bodies of random solids")
+    references = setting.sweep(expected_response, materials, "bodies of random solids")
     own = dict(zip(families, references, strict=False))
     isotropic = own | dict(zip(cut, references[len(families) :], strict=True))
     bodies = [(family, n, s) for family in families for n in sizes[family[0]] for s in draws]
@@ -123,19 +125,19 @@ def run(
     for family in families:
         for n in sizes[family[0]]:
             drawn = [next(found) for _ in draws]
-            rows += compared(family, n, drawn, own[family][0], isotropic[family][0])
+            rows += compare_sizes(family, n, drawn, own[family][0], isotropic[family][0])
             rough.append(surfaces.mechanical(family, n, [body for body in drawn if body]))
     table = pd.DataFrame(rows)
     groups = table.groupby(["axes", "point_set", "stiffness", "body_load"], sort=False)
     orders = pd.DataFrame([approach(line) for _, line in groups])
     plane_rows = table[table["axes"] == 2]
     values = (
-        worst(plane_rows["springs_over_solid"] * plane_rows["spacings_a_side"], 0.0),
+        farthest_value(plane_rows["springs_over_solid"] * plane_rows["spacings_a_side"], 0.0),
         pooled_order(plane_rows),
-        worst([uncertainty for _, uncertainty in references], 0.0),
+        farthest_value([uncertainty for _, uncertainty in references], 0.0),
     )
     geometry, judged = surfaces.geometrical(setting)
-    sample = surfaces.drawn(candidate, setting)
+    sample = surfaces.surface_rows(candidate, setting)
     return Evidence(
         tables={
             "random_bodies": table,
@@ -203,7 +205,7 @@ def measure(
         "roughness": surfaces.roughness(x, move, cells / strain),
     }
     if dim == 2:
-        problem = clamped(box)
+        problem = clamped_box(box)
         network = lattice_network(problem, grid, (1.0,))
         move = candidate(problem, network, "linear")
         seen |= {load: tip(network, move, axis) for axis, load in enumerate(CLAMPED)}
@@ -229,7 +231,7 @@ def stretch(box: Box) -> Problem:
     return Problem(box, Anisotropic(np.eye(3 * box.dim - 3)), tuple(supports), loads, "stretch")
 
 
-def clamped(box: Box, material: Anisotropic | None = None) -> Problem:
+def clamped_box(box: Box, material: Anisotropic | None = None) -> Problem:
     """The plane box with its left side clamped, pulled and sheared at the right one."""
     return Problem(
         box,
@@ -246,7 +248,7 @@ def tip(network: Network, move: Array, axis: int) -> float:
     return float(force @ move[:, axis] / force[force > 0].sum())
 
 
-def expected(tensor: Array) -> tuple[dict[str, float], float]:
+def expected_response(tensor: Array) -> tuple[dict[str, float], float]:
     """What a body of a tensor shows, by load, and its uncertainty where finite elements say it."""
     compliance = np.linalg.inv(tensor)
     d = AXES_OF[len(tensor)]
@@ -258,7 +260,7 @@ def expected(tensor: Array) -> tuple[dict[str, float], float]:
     if d == 3:
         return exact, 0.0
     box = Box((1.0, 1.0))
-    problem = clamped(box, Anisotropic(tensor))
+    problem = clamped_box(box, Anisotropic(tensor))
     edge = np.linspace(0, 1, 401)
     points = np.column_stack([np.ones_like(edge), edge])
 
@@ -273,7 +275,7 @@ def expected(tensor: Array) -> tuple[dict[str, float], float]:
     return exact, float((found.uncertainty / found.value).max())
 
 
-def compared(
+def compare_sizes(
     family: Family,
     cells: int,
     drawn: list[dict[str, float] | None],

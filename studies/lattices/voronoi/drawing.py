@@ -20,7 +20,7 @@ DRAWN_STRAIN = 0.2
 def ratios(tables: Tables) -> Figure:
     """Poisson's ratio by rule and point set at the largest size, with its scatter over networks."""
     table = tables["random_solids"]
-    figure, axes = figures.new(2, size=(3.6, 3.4))
+    figure, axes = figures.new_figure(2, size=(3.6, 3.4))
     for axis, (dim, cauchy) in zip(axes, CAUCHY.items(), strict=True):
         rows = table[table["axes"] == dim]
         rows = rows[rows["count"] == rows["count"].max()]
@@ -46,14 +46,14 @@ def ratios(tables: Tables) -> Figure:
         axis.set_xlim(-0.5, 2.5)
         axis.set_xlabel("stiffness of a spring")
     axes[0].set_ylabel("Poisson's ratio, ± 1 st. dev. (1)")
-    figures.shared_legend(figure, axes, columns=2)
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure
 
 
 def spread(tables: Tables) -> Figure:
     """Standard deviation of the ratio over networks against the number of points."""
     table = tables["random_solids"]
-    figure, axes = figures.new(2, size=(3.6, 3.4))
+    figure, axes = figures.new_figure(2, size=(3.6, 3.4))
     for axis, dim in zip(axes, CAUCHY, strict=True):
         rows = table[table["axes"] == dim]
         for i, points in enumerate(POINT_SETS):
@@ -73,7 +73,7 @@ def spread(tables: Tables) -> Figure:
         axis.set_xticks(counts, [f"{count:.0f}" for count in counts])
         axis.set(title=f"{dim}D", xlabel="points in the periodic cell (1)")
     axes[0].set_ylabel("st. dev. of Poisson's ratio (1)")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 
@@ -82,7 +82,7 @@ def bodies(tables: Tables) -> Figure:
     table = tables["random_bodies"]
     table = table[table["axes"] == 2]
     loads = list(dict.fromkeys(table["body_load"]))
-    figure, axes = figures.new(len(loads), size=(2.7, 3.2), sharey=True)
+    figure, axes = figures.new_figure(len(loads), size=(2.7, 3.2), sharey=True)
     for axis, load in zip(axes, loads, strict=True):
         rows = table[table["body_load"] == load]
         for i, points in enumerate(POINT_SETS):
@@ -107,14 +107,14 @@ def bodies(tables: Tables) -> Figure:
         axis.set_xlim(left=0)
         axis.set(title=load, xlabel="spacing over side (1)")
     axes[0].set_ylabel("springs over solid, less 1 (%)")
-    figures.shared_legend(figure, axes, columns=3)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 
 def networks(tables: Tables) -> Figure:
     """Networks of strewn points at rest, in grey, and stretched; the surface is thick."""
     table = tables["random_networks"]
-    figure, axes = figures.new(len(POINT_SETS), size=(3.4, 3.3), sharey=True)
+    figure, axes = figures.new_figure(len(POINT_SETS), size=(3.4, 3.3), sharey=True)
     for axis, points, colour in zip(axes, POINT_SETS, figures.COLOURS, strict=False):
         rows = table[table["point_set"] == points]
         for strain, shade, name in ((0.0, "#b0b0b0", "at rest"), (DRAWN_STRAIN, colour, "")):
@@ -137,5 +137,5 @@ def networks(tables: Tables) -> Figure:
         axis.set_title(f"{points.replace('_', ' ')} points, strain {DRAWN_STRAIN:.0%}", fontsize=10)
         axis.set_xlabel("x (spacings)")
     axes[0].set_ylabel("y (spacings)")
-    figures.shared_legend(figure, axes, columns=4)
+    figures.add_shared_legend(figure, axes, columns=4)
     return figure

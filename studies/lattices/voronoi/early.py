@@ -17,7 +17,7 @@ import pandas as pd
 from msvalidate.dynamics.integrators import EULER_CROMER
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging.candidate import AT_REST
-from msvalidate.judging.compare import worst
+from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Observed
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
@@ -29,7 +29,7 @@ from msvalidate.statics.equilibrium import equilibrium
 
 from .networks import seeds
 from .rows import only, records
-from .strewn import STRAIN, Strewn, gauge, ratio, stretched, strewn
+from .strewn import STRAIN, Strewn, gauge, ratio, stretch_body, strewn
 
 COUNT = 100
 LOADS = ("moved", "pulled")
@@ -98,7 +98,7 @@ def stops(case: tuple[str, int, int]) -> list[dict[str, Any]]:
     """What one body shows at each stop, and, critically damped, at rest."""
     load, damping, seed = case
     body = strewn("uniform", COUNT, "1", seed)
-    _, network = stretched(body)
+    _, network = stretch_body(body)
     static = equilibrium(network)
     if load == "pulled":
         # The same ends, each point drawn by the force that held it.
@@ -166,7 +166,7 @@ def strains(body: Strewn, network: Network, move: Array) -> tuple[float, float, 
 def at_rest(found: pd.DataFrame) -> Observed:
     """Ratio at Algorithm 1's rest, from that of linear equilibrium, where they differ most."""
     rest = records(found, stop=REST)
-    return worst([row["nu_means"] for row in rest], [row["nu_rest"] for row in rest])
+    return farthest_value([row["nu_means"] for row in rest], [row["nu_rest"] for row in rest])
 
 
 def causes(found: pd.DataFrame) -> list[tuple[str, str, dict[str, Any]]]:

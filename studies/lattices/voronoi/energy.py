@@ -14,11 +14,11 @@ import numpy as np
 from msvalidate.judging.evidence import Tolerance
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.tessellation import Tessellation
-from msvalidate.lattice.voronoi import tessellated
+from msvalidate.lattice.voronoi import pattern_of_tessellation
 from msvalidate.problem import VOIGT, Array
 
 from ..cases import Solid
-from .networks import drawn
+from .networks import draw_network
 
 COUNTS = {2: 64, 3: 30}
 """Few points, as the least squares are dense."""
@@ -36,11 +36,11 @@ COLUMNS = {
 }
 
 
-def compared(solid: Solid, case: tuple[int, str]) -> dict[str, Any]:
+def compare_tensors(solid: Solid, case: tuple[int, str]) -> dict[str, Any]:
     """One row of the table `random_energy`: a solid's tensor against least squares."""
     dim, rule = case
-    cells = drawn((dim, "uniform", COUNTS[dim], SEED))
-    pattern = tessellated(cells, rule)
+    cells = draw_network((dim, "uniform", COUNTS[dim], SEED))
+    pattern = pattern_of_tessellation(cells, rule)
     found = solid(pattern, (1.0,))
     exact = energy_tensor(cells, pattern.stiffness((1.0,)))
     size = np.abs(exact).max()

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from msvalidate.constants.homogenise import Homogenised, homogenised
+from msvalidate.constants.homogenise import Homogenised, homogenise
 from msvalidate.constants.stiffness import pattern_tensor
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.problem import Mask
@@ -20,7 +20,7 @@ def unrelaxed(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> H
 
 def partly_unrelaxed(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Homogenised:
     """The solid with 5 % of what relaxation takes left in: no identity of a network tells."""
-    right = homogenised(pattern, constants, spacing)
+    right = homogenise(pattern, constants, spacing)
     return replace(right, tensor=0.95 * right.tensor + 0.05 * right.affine)
 
 
@@ -28,13 +28,13 @@ def wrong_facet(pattern: Pattern, constants: Constants, spacing: float = 1.0) ->
     """The solid with one spring's facet, so its stiffness, too large by 1 %."""
     factor = np.array(pattern.factor)
     factor[len(factor) // 2] *= 1.01
-    return homogenised(replace(pattern, factor=factor), constants, spacing)
+    return homogenise(replace(pattern, factor=factor), constants, spacing)
 
 
 def missing_neighbour(pattern: Pattern, constants: Constants, spacing: float = 1.0) -> Homogenised:
     """The solid without one spring at nearly every point."""
     factor = np.where(_pairing(pattern), 0.0, pattern.factor)
-    return homogenised(replace(pattern, factor=factor), constants, spacing)
+    return homogenise(replace(pattern, factor=factor), constants, spacing)
 
 
 def _pairing(pattern: Pattern) -> Mask:

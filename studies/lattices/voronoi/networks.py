@@ -12,7 +12,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import STIFFNESS_RULES, Pattern
 from msvalidate.lattice.point_sets import periodic_points
 from msvalidate.lattice.tessellation import Tessellation, periodic_tessellation
-from msvalidate.lattice.voronoi import tessellated
+from msvalidate.lattice.voronoi import pattern_of_tessellation
 from msvalidate.problem import Array
 
 from ..cases import Solid
@@ -28,7 +28,7 @@ def seeds(setting: Setting, count: int | None = None) -> list[int]:
     return [int(seed) for seed in np.random.default_rng(setting.seed).integers(10**9, size=count)]
 
 
-def drawn(case: Case) -> Tessellation:
+def draw_network(case: Case) -> Tessellation:
     """Voronoi cells of a periodic point set, one point in a unit of volume."""
     dim, points, count, seed = case
     size = (count ** (1 / dim),) * dim
@@ -39,14 +39,15 @@ def measure(
     solid: Solid, case: Case, rules: tuple[str, ...] = STIFFNESS_RULES
 ) -> list[dict[str, Any]]:
     """What each rule makes of one point set: moduli, losses, and departures from identities."""
-    cells = drawn(case)
+    cells = draw_network(case)
     dim, points, count, seed = case
     head = {"axes": dim, "point_set": points, "count": count, "seed": seed}
     content = (cells.area @ np.linalg.norm(cells.vectors, axis=1)) / (dim * cells.volume.sum()) - 1
     head |= {"neighbours": 2 * len(cells.springs) / count}
     head |= {"content": content, "closure": closure(cells)}
     return [
-        head | {"stiffness": rule} | moduli(solid, tessellated(cells, rule), rule) for rule in rules
+        head | {"stiffness": rule} | moduli(solid, pattern_of_tessellation(cells, rule), rule)
+        for rule in rules
     ]
 
 

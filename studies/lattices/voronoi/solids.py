@@ -27,9 +27,9 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.stiffness import isotropic_moduli
-from msvalidate.judging.compare import CONFIDENCE, observed_order, worst
+from msvalidate.judging.compare import CONFIDENCE, farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import STIFFNESS_RULES
@@ -131,7 +131,7 @@ IDENTITIES = {
 }
 
 
-def run(solid: Solid = homogenised, setting: Setting = FULL) -> Evidence:
+def run(solid: Solid = homogenise, setting: Setting = FULL) -> Evidence:
     """Draw networks, and say what solids they are."""
     sizes = {dim: counts[:2] if setting.quick else counts for dim, counts in COUNTS.items()}
     cases = [
@@ -152,14 +152,16 @@ def run(solid: Solid = homogenised, setting: Setting = FULL) -> Evidence:
         for key, name in IDENTITIES.items()
     )
     routes = pd.DataFrame(
-        setting.sweep(partial(energy.compared, solid), energy.CASES, "random solids, third route")
+        setting.sweep(
+            partial(energy.compare_tensors, solid), energy.CASES, "random solids, third route"
+        )
     )
     chosen = pd.DataFrame(best.choices(networks))
     values = (
-        *(worst(networks[key], 0.0) for key in IDENTITIES),
-        worst(quoted["deviations"], 0.0),
+        *(farthest_value(networks[key], 0.0) for key in IDENTITIES),
+        farthest_value(quoted["deviations"], 0.0),
         from_half(spread),
-        worst(routes["squares_error"], 0.0),
+        farthest_value(routes["squares_error"], 0.0),
     )
     return Evidence(
         tables={

@@ -83,7 +83,7 @@ ENDS = ("slide", "clamped", "half")
 stays on its line, as it does in half of a body."""
 
 
-def stretched(body: Strewn, ends: str = "slide") -> tuple[Problem, Network]:
+def stretch_body(body: Strewn, ends: str = "slide") -> tuple[Problem, Network]:
     """The body with the points at both ends moved apart by `STRAIN`, as the report would.
 
     The problem is that of the whole box, its material a sheet of ratio 1/3, which no spring knows.
@@ -132,7 +132,7 @@ def ratio(body: Strewn, displacement: Array, place: str = "whole") -> float:
     A place that has no points at the top or the bottom is widened to the whole.
     """
     x, y = body.cells.points.T
-    here = within(x / body.box.size[0], place)
+    here = is_within_part(x / body.box.size[0], place)
     bottom, top = (points & here for points in body.ends("bottom", "top"))
     if not (top.any() and bottom.any()):
         return ratio(body, displacement)
@@ -141,7 +141,7 @@ def ratio(body: Strewn, displacement: Array, place: str = "whole") -> float:
     return float(-change / width / STRAIN)
 
 
-def within(along: Array, place: str) -> Mask:
+def is_within_part(along: Array, place: str) -> Mask:
     """Which parts (n,) of the length, from 0 to 1, are at one of `PLACES`."""
     away = np.abs(along - 0.5)
     if place == "middle":

@@ -28,7 +28,7 @@ from msvalidate.lattice.tessellation import bounded_tessellation
 from msvalidate.problem import Array, Box
 
 from .networks import seeds
-from .strewn import STRAIN, stretched, strewn
+from .strewn import STRAIN, stretch_body, strewn
 
 COUNTS = {2: (100, 400, 1600), 3: (125, 343, 1000)}
 AWAY = {2: 2.0, 3: 1.5}
@@ -153,7 +153,7 @@ def mechanical(
     }
 
 
-def drawn(candidate: DisplacementSolver, setting: Setting) -> pd.DataFrame:
+def surface_rows(candidate: DisplacementSolver, setting: Setting) -> pd.DataFrame:
     """Table `random_networks`: springs and surface of a network of each kind of point set."""
     tables = setting.sweep(
         partial(lines, candidate, seeds(setting, 1)[0]), POINT_SETS, "drawn networks"
@@ -164,7 +164,7 @@ def drawn(candidate: DisplacementSolver, setting: Setting) -> pd.DataFrame:
 def lines(candidate: DisplacementSolver, seed: int, points: str) -> pd.DataFrame:
     """Lines of one network, its ends pulled apart."""
     body = strewn(points, DRAWN, "A/L", seed)
-    problem, network = stretched(body)
+    problem, network = stretch_body(body)
     move = candidate(problem, network, "linear") / STRAIN
     surface = [body.surface(side) for side in ("left", "right", "bottom", "top")]
     pairs = {

@@ -13,7 +13,7 @@ from msvalidate.constants.stiffness import cubic_part, moduli
 from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.lattice import STIFFNESS_RULES
 from msvalidate.lattice.tessellation import periodic_tessellation
-from msvalidate.lattice.voronoi import tessellated
+from msvalidate.lattice.voronoi import pattern_of_tessellation
 from msvalidate.problem import Anisotropic, Array, Box, Problem, SolverError, Support
 
 from ..cases import Solid
@@ -21,10 +21,10 @@ from .strewn import (
     PLACES,
     STRAIN,
     from_points,
+    is_within_part,
     ratio,
-    stretched,
+    stretch_body,
     strewn,
-    within,
 )
 
 GRID = 10
@@ -50,9 +50,9 @@ def nearly_square(
     body = from_points(points, Box((float(GRID),) * 2), "1")
     rows = []
     for rule in STIFFNESS_RULES:
-        tensor = solid(tessellated(cells, rule), (1.0,)).tensor
+        tensor = solid(pattern_of_tessellation(cells, rule), (1.0,)).tensor
         weighted = body.weighted(rule)
-        move = candidate(*stretched(weighted, "half"), "linear")
+        move = candidate(*stretch_body(weighted, "half"), "linear")
         rows.append(
             {
                 "jitter": jitter,
@@ -76,7 +76,7 @@ def few(candidate: DisplacementSolver, case: tuple[int, int]) -> list[dict[str, 
     rows = []
     for ends, rule in product(("slide", "clamped"), STIFFNESS_RULES):
         weighted = body.weighted(rule)
-        problem, network = stretched(weighted, ends)
+        problem, network = stretch_body(weighted, ends)
         try:
             nu = ratio(weighted, candidate(problem, network, "linear"))
         except SolverError:
@@ -98,7 +98,7 @@ def with_slack(
     """
     slack, kept, seed = case
     body = strewn("uniform", SLACK_COUNT, "1", seed)
-    problem, network = stretched(body)
+    problem, network = stretch_body(body)
     i, j = network.springs.T
     if slack == "surface":
         outer = np.zeros(len(network.points), dtype=bool)
@@ -122,7 +122,7 @@ def clamped(candidate: DisplacementSolver, case: tuple[float, int]) -> list[floa
     aspect, seed = case
     count = round(THINNEST**2 * max(aspect, 1 / aspect))
     body = strewn("uniform", count, "1", seed, aspect)
-    move = candidate(*stretched(body, "clamped"), "linear")
+    move = candidate(*stretch_body(body, "clamped"), "linear")
     return [ratio(body, move, place) for place in PLACES]
 
 
@@ -140,4 +140,4 @@ def clamped_elastic(tensor: Array, aspect: float) -> list[float]:
     solution = reference_fem.solve_problem(problem, mesh)
     top, bottom = (solution.at(np.column_stack([x, 0 * x + y]))[:, 1] for y in (1.0, 0.0))
     width = bottom - top
-    return [float(width[within(x / aspect, place)].mean() / STRAIN) for place in PLACES]
+    return [float(width[is_within_part(x / aspect, place)].mean() / STRAIN) for place in PLACES]

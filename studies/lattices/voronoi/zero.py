@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from msvalidate.constants.homogenise import homogenised
-from msvalidate.judging.candidate import DisplacementSolver, springs
-from msvalidate.judging.compare import observed_order, worst
+from msvalidate.constants.homogenise import homogenise
+from msvalidate.judging.candidate import DisplacementSolver, solve_springs
+from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 
@@ -99,12 +99,14 @@ COLUMNS = {
 
 
 def run(
-    candidate: DisplacementSolver = springs, setting: Setting = FULL, solid: Solid = homogenised
+    candidate: DisplacementSolver = solve_springs,
+    setting: Setting = FULL,
+    solid: Solid = homogenise,
 ) -> Evidence:
     """Try every cause."""
-    jitter = pd.DataFrame(jittered(candidate, solid, setting))
+    jitter = pd.DataFrame(jitter_rows(candidate, solid, setting))
     few = pd.DataFrame(few_points(candidate, setting))
-    slack = pd.DataFrame(slackened(candidate, setting))
+    slack = pd.DataFrame(slacken_rows(candidate, setting))
     length = pd.DataFrame(lengths(candidate, solid, setting))
     stopped = early.table(setting)
     causes = pd.DataFrame(summary(jitter, few, slack, length, stopped))
@@ -112,7 +114,7 @@ def run(
     by_area, equal = (small[small["stiffness"] == rule] for rule in ("A/L", "1"))
     grid = jitter[jitter["jitter"] == 0]
     values = (
-        worst(grid[["nu_endless", "nu_means"]].to_numpy(), 0.0),
+        farthest_value(grid[["nu_endless", "nu_means"]].to_numpy(), 0.0),
         Observed(observed_order(by_area["jitter"], by_area["nu_endless"]), 1.0),
         Observed(equal["nu_endless"].iloc[0], equal["nu_endless"].iloc[1]),
         early.at_rest(stopped),
@@ -135,7 +137,9 @@ def run(
     )
 
 
-def jittered(candidate: DisplacementSolver, solid: Solid, setting: Setting) -> list[dict[str, Any]]:
+def jitter_rows(
+    candidate: DisplacementSolver, solid: Solid, setting: Setting
+) -> list[dict[str, Any]]:
     """Rows of the table `zero_jitter`."""
     draws = seeds(setting, 2 if setting.quick else 12)
     cases = list(product(JITTERS, draws))
@@ -165,7 +169,7 @@ def few_points(candidate: DisplacementSolver, setting: Setting) -> list[dict[str
     ]
 
 
-def slackened(candidate: DisplacementSolver, setting: Setting) -> list[dict[str, Any]]:
+def slacken_rows(candidate: DisplacementSolver, setting: Setting) -> list[dict[str, Any]]:
     """Rows of the table `zero_slack`."""
     draws = seeds(setting, 3 if setting.quick else 20)
     kinds = [("compressed", kept) for kept in KEPT] + [("surface", 0.01)]
@@ -239,13 +243,13 @@ def summary(
             "network": network,
             "nu_means": row["nu_means"],
             "near_zero": row["near_zero"],
-            "near_zero_of": counted(row),
+            "near_zero_of": count_near_zero(row),
         }
         for cause, network, row in cases
     ]
 
 
-def counted(row: dict[str, Any]) -> str:
+def count_near_zero(row: dict[str, Any]) -> str:
     """How many networks of a row are near 0, of those that are no mechanisms."""
     standing = row["seeds"] - row.get("mechanisms", 0)
     return f"{round(row['near_zero'] * standing)} of {standing}"
@@ -285,7 +289,8 @@ def findings(
     )
     others = (
         "Near 0 without a grid (table zero): 5 points between clamped ends "
-        f"({five['nu_means']:.2f}, {counted(five)} networks within {early.NEAR:g} of 0), as "
+        f"({five['nu_means']:.2f}, {count_near_zero(five)} networks within {early.NEAR:g} of 0), "
+        f"as "
         f"{100 * five['held_measured']:.0f} % of the points that are measured are held; a body "
         f"1/8 as long as high ({short['nu_means']:.2f}); and a loop that stops early: "
         f"{early.sentence(stopped)}"

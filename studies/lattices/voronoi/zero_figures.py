@@ -14,7 +14,7 @@ from msvalidate.output import figures
 
 def causes(tables: Tables) -> Figure:
     """Ratio against jitter, number of points, length and the time of stopping."""
-    figure, axes = figures.new(2, 2, size=(3.9, 3.0))
+    figure, axes = figures.new_figure(2, 2, size=(3.9, 3.0))
     _jitter(axes[0], tables["zero_jitter"])
     _few(axes[1], tables["zero_few"])
     _length(axes[2], tables["zero_length"])

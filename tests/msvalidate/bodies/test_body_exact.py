@@ -180,7 +180,7 @@ def test_uniform_stress_is_exact_on_squares_but_not_where_they_are_cut(build):
 
 def other_code(lattice):
     """Linear triangles of the reference on the cells of a lattice, node by node."""
-    return reference_fem.discretise(lattice.points, lattice.cells, "P1")
+    return reference_fem.make_discretisation(lattice.points, lattice.cells, "P1")
 
 
 @pytest.mark.parametrize("material", [THIRD, QUARTER], ids=lambda material: material.state)

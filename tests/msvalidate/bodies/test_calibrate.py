@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.bodies.calibrate import calibrate, calibrated, default_constants
+from msvalidate.bodies.calibrate import calibrate, calibrate_material, default_constants
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import follows_strain
+from msvalidate.constants.homogenise import deforms_affinely
 from msvalidate.constants.routes import ROUTES
 from msvalidate.constants.stiffness import isotropic_tensor
 from msvalidate.lattice import fill, patterns, square, triangular, voronoi, zigzag_block
@@ -157,9 +157,9 @@ def test_a_lattice_of_a_body_brings_its_pattern_and_spacing():
 
 
 def test_points_follow_a_strain_where_all_are_centres_of_symmetry():
-    for name, make in patterns.known().items():
-        assert follows_strain(make()) == (name != "honeycomb"), name
-    assert not follows_strain(voronoi(12, seed=1))
+    for name, make in patterns.all_patterns().items():
+        assert deforms_affinely(make()) == (name != "honeycomb"), name
+    assert not deforms_affinely(voronoi(12, seed=1))
 
 
 def test_the_isotropic_tensor_is_that_of_lame():
@@ -193,7 +193,9 @@ def pulled(material, pattern, cells, calibration):
 @pytest.mark.parametrize("nu", PLANE_RATIOS)
 def test_a_stretched_square_has_its_material(nu, state):
     material = Isotropic(2.0, nu, state, thickness=THICKNESS)
-    move = pulled(material, patterns.square(), (5, 5), calibrated(material, patterns.square()))
+    move = pulled(
+        material, patterns.square(), (5, 5), calibrate_material(material, patterns.square())
+    )
     wide = (1 - nu**2, -nu * (1 + nu)) if state == "plane_strain" else (1.0, -nu)
     assert (move[-1, 0], move[-1, 1]) == pytest.approx(wide, abs=1e-9)
 
@@ -202,7 +204,7 @@ def test_a_stretched_square_has_its_material(nu, state):
 @pytest.mark.parametrize("nu", SOLID_RATIOS)
 def test_a_stretched_cube_has_its_material(name, nu):
     material = Isotropic(2.0, nu, "solid")
-    calibration = calibrated(material, pattern_of(name))
+    calibration = calibrate_material(material, pattern_of(name))
     move = pulled(material, pattern_of(name), (3, 3, 3), calibration)
     assert move[-1] == pytest.approx([1.0, -nu, -nu], abs=1e-9)
 
@@ -257,9 +259,12 @@ def test_a_random_lattice_is_not_isotropic_and_says_what_it_is():
         (lambda: calibrate(1.0, 0.3, patterns.square(), spacing=0.0), "spacing"),
         (lambda: calibrate(-1.0, 0.3, patterns.square()), "Young's modulus E"),
         (lambda: calibrate(1e160, 0.3, patterns.square()), "units that give ordinary numbers"),
-        (lambda: calibrated(Anisotropic(np.eye(3)), patterns.square()), "must be isotropic"),
         (
-            lambda: calibrated(
+            lambda: calibrate_material(Anisotropic(np.eye(3)), patterns.square()),
+            "must be isotropic",
+        ),
+        (
+            lambda: calibrate_material(
                 Isotropic(1.0, 0.3),
                 replace(PLANE["triangles"], name="kagome"),
             ),

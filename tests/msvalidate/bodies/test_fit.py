@@ -92,7 +92,7 @@ def test_a_network_that_multigrid_finds_no_end_of_is_not_called_loose(monkeypatc
 
 def test_slopes_are_the_differences_of_the_misfit():
     built = networks((1.0, 1.0), 1.0)
-    (case,) = fit._cases(built[:1], moves(built[0]), GRID.kind, 2, None)
+    (case,) = fit._load_cases(built[:1], moves(built[0]), GRID.kind, 2, None)
     p = np.array([2.3, 0.7, -0.2])
     _, slope = fit._misfit(case, p)
     for j, step in enumerate(1e-6 * np.eye(3)):

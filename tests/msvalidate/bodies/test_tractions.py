@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.lattice import Lattice, fill, patterns, repeated, turned, voronoi_box
+from msvalidate.lattice import Lattice, fill, fill_rotated, patterns, repeat_cell, voronoi_box
 from msvalidate.lattice.point_sets import POINT_SETS
 from msvalidate.problem import (
     SIDES,
@@ -27,7 +27,7 @@ from tests.table import table
 
 PLANE, SPACE = Box((1.0, 0.75)), Box((1.0, 0.75, 0.5))
 TILT = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
-LATTICES = patterns.known()
+LATTICES = patterns.all_patterns()
 
 
 def by_facets(lattice):
@@ -40,12 +40,12 @@ BODIES = {
     "FCC": lambda: fill(patterns.fcc(), SPACE, (4, 3, 2)),
     "BCC": lambda: fill(patterns.bcc(), SPACE, (4, 3, 2)),
     "square": lambda: fill(patterns.square(), PLANE, (4, 3)),
-    "blocks of squares": lambda: fill(repeated(patterns.square(), 2), PLANE, (4, 3)),
-    "square, turned": lambda: turned(patterns.square(), PLANE, 1 / 16, 0.4),
-    "cubic, turned": lambda: turned(patterns.cubic18(), SPACE, 1 / 8, TILT),
-    "cubic, turned by nothing": lambda: turned(patterns.cubic18(), SPACE, 1 / 8, np.eye(3)),
-    "BCC, turned": lambda: turned(patterns.bcc(), SPACE, 1 / 8, TILT),
-    "FCC, turned": lambda: turned(patterns.fcc(), SPACE, 1 / 8, TILT),
+    "blocks of squares": lambda: fill(repeat_cell(patterns.square(), 2), PLANE, (4, 3)),
+    "square, turned": lambda: fill_rotated(patterns.square(), PLANE, 1 / 16, 0.4),
+    "cubic, turned": lambda: fill_rotated(patterns.cubic18(), SPACE, 1 / 8, TILT),
+    "cubic, turned by nothing": lambda: fill_rotated(patterns.cubic18(), SPACE, 1 / 8, np.eye(3)),
+    "BCC, turned": lambda: fill_rotated(patterns.bcc(), SPACE, 1 / 8, TILT),
+    "FCC, turned": lambda: fill_rotated(patterns.fcc(), SPACE, 1 / 8, TILT),
 } | {
     f"{points}, {box.dim}D": lambda points=points, box=box: by_facets(
         voronoi_box(box, 0.12, points=points, seed=2)
@@ -220,7 +220,7 @@ def test_a_traction_is_asked_for_on_the_side_alone():
     "make",
     [
         lambda: voronoi_box(SPACE, 0.15),
-        lambda: turned(patterns.fcc(), SPACE, 1 / 6, TILT),
+        lambda: fill_rotated(patterns.fcc(), SPACE, 1 / 6, TILT),
     ],
 )
 def test_part_of_a_side_of_an_irregular_body_is_refused(make):

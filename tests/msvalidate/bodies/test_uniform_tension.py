@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from msvalidate.bodies.calibrate import calibrate, calibrated
+from msvalidate.bodies.calibrate import calibrate, calibrate_material
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns, square, triangular, zigzag_block
 from msvalidate.problem import SIDES, Box, Isotropic, Problem, SolverError, Support, Traction
@@ -55,7 +55,7 @@ def error_of(material, lattice, found):
 )
 def test_stated_error_is_that_of_the_body(name, cells, nu):
     material, lattice = cut(name, cells, nu)
-    found = calibrated(material, lattice)
+    found = calibrate_material(material, lattice)
     assert found.body.verdict == "first order"
     assert found.body.points == len(lattice.points)
     # Two factors of the same equations, which are of condition 1e4 or so.
@@ -70,7 +70,7 @@ def test_stated_error_is_that_of_the_body(name, cells, nu):
 )
 def test_error_of_a_larger_body_is_told_from_a_smaller_one(name, cells):
     material, lattice = cut(name, cells, 0.25)
-    found = calibrated(material, lattice)
+    found = calibrate_material(material, lattice)
     assert found.body.points < len(lattice.points)
     # The next order of the error is the spacing over the body once more: a tenth at ten cells.
     assert found.body.error == pytest.approx(error_of(material, lattice, found), rel=0.1)
@@ -79,7 +79,7 @@ def test_error_of_a_larger_body_is_told_from_a_smaller_one(name, cells):
 @pytest.mark.parametrize("cells", [3, 9])
 def test_an_unstable_body_is_said_to_be(cells):
     material, lattice = cut("fcc", cells, -0.1)
-    found = calibrated(material, lattice)
+    found = calibrate_material(material, lattice)
     assert found.body.verdict == "unstable"
     assert math.isnan(found.body.error)
     assert "unstable" in str(found)
@@ -93,7 +93,7 @@ def test_an_unstable_body_is_said_to_be(cells):
 def test_squares_are_exact(cells, nu):
     material = Isotropic(2e6, nu, "plane_stress", thickness=0.2)
     lattice = square(Box((0.37, 0.2)), cells)
-    found = calibrated(material, lattice)
+    found = calibrate_material(material, lattice)
     assert (found.body.verdict, found.body.error) == ("exact", 0.0)
     assert error_of(material, lattice, found) < 1e-9
     assert "exact" in str(found)
@@ -102,7 +102,7 @@ def test_squares_are_exact(cells, nu):
 def test_cubes_are_exact():
     material = Isotropic(2e6, 0.3, "solid")
     lattice = fill(patterns.cubic18(), Box((0.37, 0.37, 0.74)), (3, 3, 6))
-    assert calibrated(material, lattice).body.verdict == "exact"
+    assert calibrate_material(material, lattice).body.verdict == "exact"
 
 
 def test_nothing_is_said_of_what_was_not_tried():
@@ -110,5 +110,5 @@ def test_nothing_is_said_of_what_was_not_tried():
     assert endless.body is None
     assert "endless" in str(endless)
     triangles = triangular(zigzag_block(0.37, (2, 2)), 0.185)
-    assert calibrated(SHEET, triangles).body.verdict == "not known"
-    assert "not tried" in str(calibrated(SHEET, triangles))
+    assert calibrate_material(SHEET, triangles).body.verdict == "not known"
+    assert "not tried" in str(calibrate_material(SHEET, triangles))

@@ -15,13 +15,13 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from msvalidate.constants.cell_at_rest import DENSE
-from msvalidate.constants.homogenise import homogenised, network_tensor, periodic
+from msvalidate.constants.homogenise import homogenise, homogenise_network, interior_tensor
 from msvalidate.constants.stiffness import isotropic_moduli, moduli, pattern_tensor
-from msvalidate.lattice import patterns, repeated, turned, voronoi, voronoi_box
+from msvalidate.lattice import fill_rotated, patterns, repeat_cell, voronoi, voronoi_box
 from msvalidate.problem import VOIGT, Box, ProblemError, SolverError
 from tests.table import table
 
-LATTICES = patterns.known()
+LATTICES = patterns.all_patterns()
 CASES = [
     (name, rule)
     for name, make in LATTICES.items()
@@ -44,7 +44,7 @@ def zener(C):
 def test_the_relaxed_tensor_is_the_closed_form(name, rule, times):
     pattern = LATTICES[name]()
     constants = pattern.rules[rule]
-    found = homogenised(repeated(pattern, times), constants)
+    found = homogenise(repeat_cell(pattern, times), constants)
     exact = pattern.tensor(constants)
     np.testing.assert_allclose(found.tensor, exact, atol=1e-13 * np.abs(exact).max())
     if pattern.centred:
@@ -59,7 +59,7 @@ def test_the_closed_form_holds_for_any_constants_and_spacing(name):
     pattern = LATTICES[name]()
     rng = np.random.default_rng(1)
     constants = tuple(rng.uniform(0.2, 2, pattern.kinds).tolist())
-    found = homogenised(pattern, constants, 0.3)
+    found = homogenise(pattern, constants, 0.3)
     exact = pattern.tensor(constants) * (1 if pattern.dim == 2 else 1 / 0.3)
     np.testing.assert_allclose(found.tensor, exact, atol=1e-13 * np.abs(exact).max())
     if pattern.centred:
@@ -83,7 +83,7 @@ def test_the_closed_form_holds_for_any_constants_and_spacing(name):
     ],
 )
 def test_ratio_and_anisotropy_of_known_lattices(name, constants, ratio, A):
-    found = moduli(homogenised(LATTICES[name](), constants).tensor)
+    found = moduli(homogenise(LATTICES[name](), constants).tensor)
     assert (found.nu, found.zener) == pytest.approx((ratio, A), rel=1e-12)
 
 
@@ -93,7 +93,7 @@ def test_lattices_are_isotropic_at_no_other_ratio(change):
         constants = np.array(LATTICES[name]().rules[rule])
         if rule == "isotropic":
             constants[0] *= change
-            A = zener(homogenised(LATTICES[name](), tuple(constants)).tensor)
+            A = zener(homogenise(LATTICES[name](), tuple(constants)).tensor)
             assert abs(A - 1) > 1e-3, name
 
 
@@ -114,7 +114,7 @@ def springs_of(oracle):
 def test_a_random_network_has_the_tensor_that_another_program_found(oracle):
     pairs, vectors = springs_of(oracle)
     volume = float(np.prod(oracle["cell"]))
-    found = periodic(len(oracle["points"]), pairs, vectors, oracle["stiffness"], volume)
+    found = homogenise_network(len(oracle["points"]), pairs, vectors, oracle["stiffness"], volume)
     C, affine = (np.array(oracle["tensor"][key]) for key in ("C", "C_affine"))
     np.testing.assert_allclose(found.tensor, C, atol=1e-12 * C.max())
     np.testing.assert_allclose(found.affine, affine, atol=1e-12 * affine.max())
@@ -124,9 +124,9 @@ def test_a_random_network_has_the_tensor_that_another_program_found(oracle):
 def test_small_and_large_networks_are_solved_alike(oracle, monkeypatch):
     pairs, vectors = springs_of(oracle)
     arguments = (len(oracle["points"]), pairs, vectors, oracle["stiffness"], 1.0)
-    dense = periodic(*arguments)
+    dense = homogenise_network(*arguments)
     monkeypatch.setattr("msvalidate.constants.cell_at_rest.DENSE", 10)
-    sparse = periodic(*arguments)
+    sparse = homogenise_network(*arguments)
     assert (dense.floppy, sparse.floppy) == (0, None)
     np.testing.assert_allclose(sparse.tensor, dense.tensor, rtol=1e-11, atol=1e-12 * DENSE)
 
@@ -167,7 +167,7 @@ def test_the_tensor_is_the_curvature_of_the_energy_of_finite_strains(d):
         options = {"gtol": 1e-9, "maxiter": 2000}
         return minimize(total, start, jac=True, method="BFGS", options=options).fun / 1e6
 
-    tensor = periodic(n, pairs, vectors, k, 1.0).tensor
+    tensor = homogenise_network(n, pairs, vectors, k, 1.0).tensor
     size = 1e-3
     for row, (a, b) in enumerate(VOIGT[d]):
         strain = np.zeros((d, d))
@@ -185,7 +185,7 @@ def test_the_tensor_is_the_curvature_of_the_energy_of_finite_strains(d):
 @given(seed=st.integers(0, 10_000), d=st.sampled_from([2, 3]))
 def test_relaxing_never_stiffens_and_central_forces_obey_cauchy_when_affine(seed, d):
     network = random_network(np.random.default_rng(seed), d)
-    found = periodic(*network, 1.0)
+    found = homogenise_network(*network, 1.0)
     scale = np.abs(found.affine).max()
     np.testing.assert_allclose(found.tensor, found.tensor.T)
     assert np.linalg.eigvalsh(found.affine - found.tensor)[0] > -1e-12 * scale
@@ -205,28 +205,28 @@ def test_numbering_and_the_choice_of_images_do_not_matter(seed, d):
     turned = rng.random(len(k)) < 0.5
     other = np.where(turned[:, None], new[pairs][:, ::-1], new[pairs])[order]
     sign = np.where(turned, -1, 1)[:, None]
-    again = periodic(n, other, (sign * vectors)[order], k[order], 1.0)
-    here = periodic(n, pairs, vectors, k, 1.0)
+    again = homogenise_network(n, other, (sign * vectors)[order], k[order], 1.0)
+    here = homogenise_network(n, pairs, vectors, k, 1.0)
     np.testing.assert_allclose(again.tensor, here.tensor, atol=1e-11 * here.affine.max())
 
 
 def test_motions_that_stretch_no_spring_are_counted_and_do_no_harm():
     # 3 x 3 points of a square grid: all rows, all columns but one each, shift freely.
-    pattern = repeated(patterns.square4(), 3)
-    found = homogenised(pattern, (1.0,))
+    pattern = repeat_cell(patterns.square4(), 3)
+    found = homogenise(pattern, (1.0,))
     assert found.floppy == 4
     np.testing.assert_allclose(found.tensor, np.diag([1.0, 1.0, 0.0]), atol=1e-14)
 
 
 def test_a_large_floppy_network_is_refused():
     with pytest.raises(SolverError, match="can move without stretching a spring"):
-        homogenised(repeated(patterns.square4(), 13), (1.0,))
+        homogenise(repeat_cell(patterns.square4(), 13), (1.0,))
 
 
 def test_a_chain_of_unlike_springs_is_as_soft_as_springs_in_series():
     # Two springs end to end along x, k1 and k2: k = k1 k2/(k1 + k2), C11 = k L for a unit height.
     vectors = np.array([[0.5, 0.0], [0.5, 0.0]])
-    found = periodic(2, np.array([[0, 1], [1, 0]]), vectors, [1.0, 3.0], 1.0)
+    found = homogenise_network(2, np.array([[0, 1], [1, 0]]), vectors, [1.0, 3.0], 1.0)
     assert found.tensor[0, 0] == pytest.approx(3 / 4, rel=1e-13)
     assert found.affine[0, 0] == pytest.approx(1.0, rel=1e-13)
 
@@ -256,9 +256,9 @@ def test_isotropic_part_is_the_nearest_isotropic_tensor(seed, d):
 
 def test_honeycomb_is_isotropic_at_any_ratio_from_a_third_to_one():
     # Central forces, and not Cauchy's 1/3: no point of it is a centre of symmetry.
-    pattern = repeated(patterns.honeycomb(), 2)
+    pattern = repeat_cell(patterns.honeycomb(), 2)
     for k1, k2 in ((1.0, 1.0), (3.0, 1.0), (1e3, 1.0), (1e-3, 1.0)):
-        found = homogenised(pattern, (k1, k2))
+        found = homogenise(pattern, (k1, k2))
         solid = moduli(found.tensor)
         assert solid.zener == pytest.approx(1, rel=1e-9)
         assert solid.nu == pytest.approx((k1 + 3 * k2) / (k1 + 9 * k2), rel=1e-9)
@@ -269,14 +269,14 @@ def test_honeycomb_is_isotropic_at_any_ratio_from_a_third_to_one():
     "lattice",
     [
         voronoi_box(Box((1.0, 1.0)), 0.3),
-        turned(patterns.square(), Box((1.0, 1.0)), 0.2, 0.3),
+        fill_rotated(patterns.square(), Box((1.0, 1.0)), 0.2, 0.3),
     ],
     ids=lambda lattice: lattice.name,
 )
 def test_springs_of_an_irregular_body_are_not_taken_for_its_solid(lattice):
     # Summed up they would give the affine bound, and of a turned one with the boundary's braces.
     with refused(f"{lattice.name} lattice: its interior is not what its springs add up to"):
-        network_tensor(lattice, (1.0,) * lattice.kinds, "shared")
+        interior_tensor(lattice, (1.0,) * lattice.kinds, "shared")
 
 
 # Bad input ------------------------------------------------------------------------------------
@@ -285,25 +285,31 @@ def test_springs_of_an_irregular_body_are_not_taken_for_its_solid(lattice):
 @table(
     ("call", "message"),
     [
-        (lambda: homogenised(None, (1.0,)), "pattern: None; give a Pattern"),
-        (lambda: homogenised(patterns.square(), (1.0,)), "(1.0,); give 2, one a kind"),
-        (lambda: homogenised(patterns.square(), (1.0, math.nan)), "square: spring constants: nan"),
-        (lambda: homogenised(patterns.square(), (1.0, 1.0), 0.0), "spacing: 0.0 m"),
-        (lambda: periodic(0, [[0, 0]], [[1.0, 0]], [1.0], 1.0), "points of the cell: 0"),
+        (lambda: homogenise(None, (1.0,)), "pattern: None; give a Pattern"),
+        (lambda: homogenise(patterns.square(), (1.0,)), "(1.0,); give 2, one a kind"),
+        (lambda: homogenise(patterns.square(), (1.0, math.nan)), "square: spring constants: nan"),
+        (lambda: homogenise(patterns.square(), (1.0, 1.0), 0.0), "spacing: 0.0 m"),
+        (lambda: homogenise_network(0, [[0, 0]], [[1.0, 0]], [1.0], 1.0), "points of the cell: 0"),
         (
-            lambda: periodic(1, [[0, 1]], [[1.0, 0]], [1.0], 1.0),
+            lambda: homogenise_network(1, [[0, 1]], [[1.0, 0]], [1.0], 1.0),
             "springs: points 0 to 1; there are 1",
         ),
         (
-            lambda: periodic(1, [[0, 0.5]], [[1.0, 0]], [1.0], 1.0),
+            lambda: homogenise_network(1, [[0, 0.5]], [[1.0, 0]], [1.0], 1.0),
             "springs: [[0, 0.5]]; give",
         ),
-        (lambda: periodic(1, [[0, 0]], [[0.0, 0]], [1.0], 1.0), "spring 0 has no length"),
-        (lambda: periodic(1, [[0, 0]], [[1.0, 0]], [1.0], 0.0), "volume: 0.0"),
-        (lambda: periodic(1, [[0, 0]], [[1.0, 0]], [-1.0], 1.0), "stiffness: [-1.0]; give"),
-        (lambda: periodic(1, [], [], [], 1.0), "stiffness: []; give"),
-        (lambda: periodic(10**9, [[0, 1]], [[1.0, 0]], [1.0], 1.0), "points, and the most is"),
-        (lambda: repeated(patterns.fcc(), 10**6), "repeated cell: 4e+18 points"),
+        (lambda: homogenise_network(1, [[0, 0]], [[0.0, 0]], [1.0], 1.0), "spring 0 has no length"),
+        (lambda: homogenise_network(1, [[0, 0]], [[1.0, 0]], [1.0], 0.0), "volume: 0.0"),
+        (
+            lambda: homogenise_network(1, [[0, 0]], [[1.0, 0]], [-1.0], 1.0),
+            "stiffness: [-1.0]; give",
+        ),
+        (lambda: homogenise_network(1, [], [], [], 1.0), "stiffness: []; give"),
+        (
+            lambda: homogenise_network(10**9, [[0, 1]], [[1.0, 0]], [1.0], 1.0),
+            "points, and the most is",
+        ),
+        (lambda: repeat_cell(patterns.fcc(), 10**6), "repeated cell: 4e+18 points"),
         (lambda: moduli(np.diag([1.0, 2.0, 3.0])), "is not of cubic symmetry along the axes"),
         (lambda: isotropic_moduli(np.diag([1.0, 1.0, 0.0])), "some strain costs no energy"),
     ],
@@ -333,7 +339,7 @@ def column(count, times):
 def test_rows_in_series_are_as_soft_as_their_springs_say(count, times):
     # Modes without 1e-10 of the largest stiffness counted as floppy: 17.4 for 3.0 at 100 and 1e9.
     cell, stiffness = column(count, times)
-    found = periodic(*cell)
+    found = homogenise_network(*cell)
     assert found.tensor[1, 1] == pytest.approx(stiffness, rel=found.error)
     assert found.floppy in {0, None}
     # Rounding of elongations weighs as the root of what stiffnesses are apart, between strains.
@@ -343,7 +349,9 @@ def test_rows_in_series_are_as_soft_as_their_springs_say(count, times):
 def test_random_stiffnesses_over_twelve_decades_have_the_energy_of_the_least():
     pattern = voronoi(40, seed=2)
     k = 10 ** np.random.default_rng(3).uniform(-6, 6, len(pattern.springs))
-    found = periodic(40, pattern.springs, pattern.vectors, k, float(np.prod(pattern.size)))
+    found = homogenise_network(
+        40, pattern.springs, pattern.vectors, k, float(np.prod(pattern.size))
+    )
     # By elimination in 60 digits, from the springs' elongations.
     with localcontext() as context:
         context.prec = 60

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvalsh
 
-from msvalidate.constants.stable_range import least_ratio, least_volume
-from msvalidate.lattice import fill, patterns, repeated
-from msvalidate.lattice.pattern import by_shells
+from msvalidate.constants.stable_range import least_stable_ratio, least_stable_volume
+from msvalidate.lattice import fill, patterns, repeat_cell
+from msvalidate.lattice.pattern import pattern_by_shells
 from msvalidate.network import spring_network, tangent
 from msvalidate.network.laws import local_shear
 from msvalidate.network.laws.local_shear import LocalShear
@@ -32,7 +32,7 @@ WHERE_UNSTABLE = {"square": -3, "triangular": -5 / 3, "cubic18": -3, "bcc": -2, 
 def test_the_waves_of_an_endless_lattice_allow_every_ratio_of_a_stable_solid(name):
     pattern = getattr(patterns, name)()
     # Long waves of 1e-3 rad miss their limit by the square of it.
-    assert least_ratio(pattern, ISOTROPIC[name]) == pytest.approx(-2 / pattern.dim, rel=1e-6)
+    assert least_stable_ratio(pattern, ISOTROPIC[name]) == pytest.approx(-2 / pattern.dim, rel=1e-6)
 
 
 def test_a_body_allows_less_and_the_more_the_larger_it_is():
@@ -59,21 +59,21 @@ def body_ratio(pattern, cells):
 
 def test_waves_that_cost_nothing_are_refused():
     with pytest.raises(ProblemError, match="cubic 6 lattice: some wave costs its central springs"):
-        least_ratio(patterns.cubic6(), (1.0,))
+        least_stable_ratio(patterns.cubic6(), (1.0,))
 
 
 @pytest.mark.parametrize("name", WHERE_UNSTABLE)
 def test_volumes_bear_so_much(name):
     pattern = getattr(patterns, name)()
     mu = pattern.tensor(ISOTROPIC[name])[-1, -1]
-    assert least_volume(pattern, ISOTROPIC[name]) == pytest.approx(WHERE_UNSTABLE[name] * mu)
+    assert least_stable_volume(pattern, ISOTROPIC[name]) == pytest.approx(WHERE_UNSTABLE[name] * mu)
 
 
 @pytest.mark.parametrize("name", ["triangular", "bcc", "fcc"])
 def test_a_torus_is_stable_to_just_there(name):
     # Two cells along each axis, closed to a ring: all waves of phase 0 and pi, as one matrix.
     pattern = getattr(patterns, name)()
-    least = least_volume(pattern, ISOTROPIC[name])
+    least = least_stable_volume(pattern, ISOTROPIC[name])
     springs, volumes = torus(pattern, ISOTROPIC[name])
     lowest = [np.linalg.eigvalsh(springs + part * least * volumes)[0] for part in (0.999, 1.001)]
     assert lowest[0] > -1e-13
@@ -82,7 +82,7 @@ def test_a_torus_is_stable_to_just_there(name):
 
 def torus(pattern, constants):
     """Stiffness of the springs and of the volumes with κ = 1 of a ring of two cells an axis."""
-    twice = repeated(pattern, 2)
+    twice = repeat_cell(pattern, 2)
     n, d = twice.points.shape
     normal = twice.vectors / np.linalg.norm(twice.vectors, axis=1)[:, None]
     stretch = np.zeros((len(normal), n, d))
@@ -105,6 +105,8 @@ def torus(pattern, constants):
 
 
 def test_cells_without_a_corner_are_refused():
-    shifted = by_shells("shifted", (1.0, 1.0), [(0.5, 0.5)], (1.0, 2**0.5), {"one": (1.0, 1.0)})
+    shifted = pattern_by_shells(
+        "shifted", (1.0, 1.0), [(0.5, 0.5)], (1.0, 2**0.5), {"one": (1.0, 1.0)}
+    )
     with pytest.raises(ProblemError, match="no point in the corner of its cell"):
-        least_volume(shifted, (1.0, 0.5))
+        least_stable_volume(shifted, (1.0, 0.5))

@@ -12,14 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msvalidate.bodies.calibrate import default_constants
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.stiffness import (
     cubic_part,
     directional_modulus,
     directional_ratio,
-    in_plane,
+    in_plane_moduli,
     moduli,
-    rotated,
+    rotate_tensor,
     spring_tensor,
     square_constants,
     square_tensor,
@@ -64,13 +64,13 @@ def test_the_lattice_is_its_isotropic_material(material):
     tensor = square_tensor(*square_constants(material))
     np.testing.assert_allclose(tensor, lame_tensor(material), atol=EXACT)
     found = moduli(tensor)
-    assert (found.E, found.nu) == pytest.approx(in_plane(material), rel=EXACT)
+    assert (found.E, found.nu) == pytest.approx(in_plane_moduli(material), rel=EXACT)
     assert found.zener == pytest.approx(1.0, rel=EXACT)
 
 
 def test_plane_strain_in_plane_constants():
     # nu/(1 - nu) and E t/(1 - nu²) at nu = 1/4: 1/3 and 16/15 of E t.
-    assert in_plane(QUARTER) == pytest.approx((2.5 * 0.4 * 16 / 15, 1 / 3), rel=EXACT)
+    assert in_plane_moduli(QUARTER) == pytest.approx((2.5 * 0.4 * 16 / 15, 1 / 3), rel=EXACT)
 
 
 @pytest.mark.parametrize("nu", [0.1, 1 / 3, 0.45])
@@ -121,7 +121,7 @@ def triangular_tensor(k):
 def test_the_triangular_lattice_is_its_material(material):
     (k,) = triangular_constants(material)
     np.testing.assert_allclose(triangular_tensor(k), lame_tensor(material), atol=EXACT)
-    assert in_plane(material)[0] == pytest.approx(2 * k / np.sqrt(3), rel=EXACT)
+    assert in_plane_moduli(material)[0] == pytest.approx(2 * k / np.sqrt(3), rel=EXACT)
 
 
 @table(
@@ -196,7 +196,7 @@ def test_springs_obey_cauchys_relation():
 @pytest.mark.parametrize("cells", [1, (4, 2)])
 def test_the_interior_of_a_lattice_has_one_tensor_at_any_size(rule, expected, cells):
     box = Box((2.0, 2.0) if cells == 1 else (2.0, 1.0))
-    tensor = network_tensor(square(box, cells), (0.7, 0.2), rule)
+    tensor = interior_tensor(square(box, cells), (0.7, 0.2), rule)
     np.testing.assert_allclose(tensor, expected, atol=EXACT)
 
 
@@ -207,27 +207,27 @@ def test_the_interior_of_a_lattice_has_one_tensor_at_any_size(rule, expected, ce
 @pytest.mark.parametrize("outline", [zigzag_block(1.0, (4, 5)), trapezium(0.2, (5, 3))], ids=str)
 @pytest.mark.parametrize("spacing", [0.2, 0.1])
 def test_the_interior_of_triangles_has_one_tensor_at_any_size(rule, k, outline, spacing):
-    tensor = network_tensor(triangular(outline, spacing), (0.8,), rule)
+    tensor = interior_tensor(triangular(outline, spacing), (0.8,), rule)
     np.testing.assert_allclose(tensor, triangular_tensor(k), atol=1e-14)
 
 
 @pytest.mark.parametrize("n", [1, 2, 8])
 def test_the_lattice_at_45_degrees_lacks_what_its_boundary_cut(n):
     # Of 2n² diagonals from middle to middle, 2n are cut: the share 1/(2n) of all diagonals.
-    tensor = network_tensor(diagonal_square(Box((3.0, 3.0)), n), (0.7, 0.2), "shared")
-    expected = rotated(square_tensor(0.7, 0.2 * (1 - 1 / (2 * n))), np.pi / 4)
+    tensor = interior_tensor(diagonal_square(Box((3.0, 3.0)), n), (0.7, 0.2), "shared")
+    expected = rotate_tensor(square_tensor(0.7, 0.2 * (1 - 1 / (2 * n))), np.pi / 4)
     np.testing.assert_allclose(tensor, expected, atol=EXACT)
 
 
 def test_the_tensor_of_an_unknown_weight_rule_is_refused():
     with pytest.raises(ProblemError, match=f"choose {', '.join(WEIGHTS)}"):
-        network_tensor(square(Box((1.0, 1.0)), 1), (0.7, 0.2), "halved")
+        interior_tensor(square(Box((1.0, 1.0)), 1), (0.7, 0.2), "halved")
 
 
 @pytest.mark.parametrize("constants", [(0.7,), (0.7, 0.2, 0.1)])
 def test_a_tensor_needs_one_constant_a_kind_of_spring(constants):
     with pytest.raises(ProblemError, match="spring constants"):
-        network_tensor(square(Box((1.0, 1.0)), 1), constants, "shared")
+        interior_tensor(square(Box((1.0, 1.0)), 1), constants, "shared")
 
 
 # Directions -----------------------------------------------------------------------------------
@@ -238,26 +238,28 @@ def test_a_tensor_needs_one_constant_a_kind_of_spring(constants):
 def test_turning_body_and_strain_together_keeps_the_energy(angle, strain):
     strain = np.array(strain)
     turned = turned_strain(strain, angle)
-    energy = turned @ rotated(CROOKED, angle) @ turned
+    energy = turned @ rotate_tensor(CROOKED, angle) @ turned
     assert energy == pytest.approx(strain @ CROOKED @ strain, rel=EXACT, abs=EXACT)
 
 
 @examples
 @given(first=angles, second=angles)
 def test_turns_add_up_and_undo(first, second):
-    twice = rotated(rotated(CROOKED, first), second)
-    np.testing.assert_allclose(twice, rotated(CROOKED, first + second), atol=EXACT)
-    np.testing.assert_allclose(rotated(rotated(CROOKED, first), -first), CROOKED, atol=EXACT)
+    twice = rotate_tensor(rotate_tensor(CROOKED, first), second)
+    np.testing.assert_allclose(twice, rotate_tensor(CROOKED, first + second), atol=EXACT)
+    np.testing.assert_allclose(
+        rotate_tensor(rotate_tensor(CROOKED, first), -first), CROOKED, atol=EXACT
+    )
 
 
 @pytest.mark.parametrize("quarters", [1, 2, 3])
 def test_a_square_lattice_does_not_feel_a_quarter_turn(quarters):
     C = square_tensor(1.0, 2.0)
-    np.testing.assert_allclose(rotated(C, quarters * np.pi / 2), C, atol=EXACT)
+    np.testing.assert_allclose(rotate_tensor(C, quarters * np.pi / 2), C, atol=EXACT)
 
 
 def test_a_quarter_turn_swaps_the_axes():
-    turned = rotated(CROOKED, np.pi / 2)
+    turned = rotate_tensor(CROOKED, np.pi / 2)
     swapped = CROOKED[np.ix_([1, 0, 2], [1, 0, 2])] * np.outer([1, 1, -1], [1, 1, -1])
     np.testing.assert_allclose(turned, swapped, atol=EXACT)
 
@@ -276,13 +278,13 @@ def test_ratio_along_the_axes_and_the_diagonals(k1, k2):
 def test_an_isotropic_lattice_has_one_third_in_every_direction(angle):
     C = square_tensor(1.0, 0.5)
     assert directional_ratio(C, angle) == pytest.approx(1 / 3, rel=EXACT)
-    np.testing.assert_allclose(rotated(C, angle), C, atol=EXACT)
+    np.testing.assert_allclose(rotate_tensor(C, angle), C, atol=EXACT)
 
 
 @examples
 @given(angle=angles)
 def test_pulling_at_an_angle_is_turning_the_body_back(angle):
-    compliance = np.linalg.inv(rotated(CROOKED, -angle))
+    compliance = np.linalg.inv(rotate_tensor(CROOKED, -angle))
     expected = -compliance[0, 1] / compliance[0, 0]
     # An inverse of a tensor of condition about 4.
     assert directional_ratio(CROOKED, angle) == pytest.approx(expected, abs=1e-12)
@@ -290,7 +292,7 @@ def test_pulling_at_an_angle_is_turning_the_body_back(angle):
 
 def test_an_angle_that_is_no_number_is_refused():
     with pytest.raises(ProblemError, match="angle: nan"):
-        rotated(CROOKED, float("nan"))
+        rotate_tensor(CROOKED, float("nan"))
 
 
 def random_tensor(d):
@@ -324,7 +326,7 @@ def test_a_modulus_is_that_of_the_body_turned_until_the_direction_is_x(d):
     assert directional_modulus(C, np.eye(d)[:1])[0] == pytest.approx(along_x, rel=1e-12)
     if d == 2:
         angle = np.arctan2(ways[0, 1], ways[0, 0])
-        turned = 1 / np.linalg.inv(rotated(C, -angle))[0, 0]
+        turned = 1 / np.linalg.inv(rotate_tensor(C, -angle))[0, 0]
         assert one_by_one[0] == pytest.approx(turned, rel=1e-12)
 
 

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from msvalidate.dynamics.integrate import State, euler_cromer, motion, staggered
+from msvalidate.dynamics.integrate import State, euler_cromer, motion, stagger_velocity
 from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
 from msvalidate.network import spring_network
 from msvalidate.network.laws.volumes import Volumes
@@ -90,7 +90,7 @@ def test_a_point_at_the_origin_on_a_long_spring_is_refused_by_the_compiled_form(
 def test_a_start_of_a_staggered_scheme_has_the_digits_too():
     network = loaded(1e-7, 5.2e6)
     moved = State(network.points + np.array([[0, 0], [2**-24, 0]]), np.zeros((2, 2)))
-    early = staggered(network, moved, DT).velocity[1, 0]
+    early = stagger_velocity(network, moved, DT).velocity[1, 0]
     assert early == pytest.approx(-0.5 * DT * (1e-7 - 2**-24), rel=1e-9)
 
 

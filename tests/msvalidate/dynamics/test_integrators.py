@@ -7,10 +7,10 @@ import pytest
 
 from msvalidate.dynamics.integrators import (
     INTEGRATORS,
-    factors_of,
-    growth,
+    growth_factor,
     one_step_matrix,
     stability_limit,
+    step_factors,
 )
 from msvalidate.problem import ProblemError, SolverError
 
@@ -37,9 +37,9 @@ def test_limits_are_where_the_matrix_says(name, zeta):
     limit = stability_limit(scheme, OMEGA, OMEGA, damping)
     # Undamped, a symplectic scheme's eigenvalues lie on the circle to rounding.
     for part in np.linspace(0.01, 0.999, 60):
-        assert growth(scheme, OMEGA, part * limit, damping) <= 1 + 1e-12 if limit else True
+        assert growth_factor(scheme, OMEGA, part * limit, damping) <= 1 + 1e-12 if limit else True
     above = 1.01 * limit or 1e-3
-    assert growth(scheme, OMEGA, above, damping) > 1 + 1e-7
+    assert growth_factor(scheme, OMEGA, above, damping) > 1 + 1e-7
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_the_ends_bound_every_mode_between(name, damping):
     scheme = INTEGRATORS[name]
     limit = stability_limit(scheme, 0.1, 5.0, damping)
     for omega in np.geomspace(0.1, 5.0, 60):
-        assert growth(scheme, omega, 0.999 * limit, damping) <= 1 + 1e-12
+        assert growth_factor(scheme, omega, 0.999 * limit, damping) <= 1 + 1e-12
 
 
 @true_schemes
@@ -188,4 +188,4 @@ def test_under_viscosity_the_mean_energy_of_a_cycle_falls(name, zeta):
 
 def test_a_scheme_is_asked_for_and_not_its_name():
     with pytest.raises(ProblemError, match="scheme"):
-        factors_of("leapfrog")
+        step_factors("leapfrog")

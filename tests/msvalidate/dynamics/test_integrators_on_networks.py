@@ -13,9 +13,9 @@ from msvalidate.dynamics.integrate import (
     State,
     motion,
     recommended_time_step,
-    staggered,
+    stagger_velocity,
 )
-from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS, Moving
+from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import energy, spring_network, tangent
 from msvalidate.network.laws.volumes import Volumes
@@ -67,7 +67,7 @@ def test_velocity_verlet_is_that_of_an_independent_program(independent):
 
 def test_undamped_leapfrog_has_the_positions_of_velocity_verlet(independent):
     network, record = independent("s1")
-    start = staggered(network, state_of(network, record), record["dt"])
+    start = stagger_velocity(network, state_of(network, record), record["dt"])
     for result in record["results"]:
         end = motion(network, start, INTEGRATORS["leapfrog"], record["dt"], result["steps"])
         np.testing.assert_allclose(end.position, result["positions"], rtol=0, atol=1e-12)
@@ -100,7 +100,7 @@ def after_half_kicks(network, start, rate, dt, steps):
 
 def half_kick(network, state, rate, dt):
     """(dt/2)(a - c v), none at held points: half a kick less than a whole one, at the old place."""
-    early = staggered(network, state, dt, rate).velocity
+    early = stagger_velocity(network, state, dt, rate).velocity
     return np.where(network.held, 0.0, state.velocity - early)
 
 
@@ -146,13 +146,15 @@ def test_motion_runs_backwards(name, networks, data):
     network, position = data.draw(networks(stressed=True))
     scheme, dt = INTEGRATORS[name], 1e-3
     start = State(position, np.zeros_like(position))
-    begin = staggered(network, start, dt) if scheme.staggered else start
+    begin = stagger_velocity(network, start, dt) if scheme.staggered else start
     forth = motion(network, begin, scheme, dt, 8)
     turned = State(forth.position, -forth.velocity)
     if (
         scheme.staggered
     ):  # after the turn, the velocity half a step on is the one half a step before
-        later = staggered(network, State(forth.position, np.zeros_like(position)), 2 * dt).velocity
+        later = stagger_velocity(
+            network, State(forth.position, np.zeros_like(position)), 2 * dt
+        ).velocity
         turned = State(forth.position, -(forth.velocity - later))
     back = motion(network, turned, scheme, dt, 8)
     np.testing.assert_allclose(back.position, position, atol=1e-12)
@@ -304,7 +306,7 @@ def test_recommended_steps_are_stable_with_a_rate_a_point(name, most):
     for unit in np.eye(2 * size):
         x, v = unit[:size], unit[size:]
         end = INTEGRATORS[name].step(
-            lambda x: -(K @ x) / mass, Moving(x, v, -(K @ x) / mass), 0.999 * h, c
+            lambda x: -(K @ x) / mass, MotionState(x, v, -(K @ x) / mass), 0.999 * h, c
         )
         columns.append(np.concatenate([end.x, end.v]))
     assert np.abs(np.linalg.eigvals(np.array(columns).T)).max() <= 1 + 1e-9

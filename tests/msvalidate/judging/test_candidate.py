@@ -11,7 +11,12 @@ import pytest
 
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.dynamics.integrate import State
-from msvalidate.judging.candidate import actuated, answering, moving, springs
+from msvalidate.judging.candidate import (
+    check_actuator,
+    check_displacements,
+    check_motion,
+    solve_springs,
+)
 from msvalidate.lattice import square
 from msvalidate.problem import (
     Box,
@@ -58,7 +63,7 @@ every_body = pytest.mark.parametrize("name", BODIES)
 def refusal(change, name="clamped"):
     """What is said of a candidate whose answer is a change of the right one."""
     problem, network = BODIES[name]
-    wrong = answering(lambda *asked: change(springs(*asked), network))
+    wrong = check_displacements(lambda *asked: change(solve_springs(*asked), network))
     with pytest.raises((ProblemError, SolverError)) as refused:
         wrong(problem, network, "linear")
     assert "\n" not in str(refused.value)
@@ -69,8 +74,8 @@ def refusal(change, name="clamped"):
 @pytest.mark.parametrize("factor", [-2.0, 0.0, 0.02, 1.0, 40.0])
 def test_a_wrong_answer_is_judged_not_refused(name, factor):
     problem, network = BODIES[name]
-    wanted = factor * springs(problem, network)
-    found = answering(lambda *_: wanted.tolist())(problem, network, "linear")
+    wanted = factor * solve_springs(problem, network)
+    found = check_displacements(lambda *_: wanted.tolist())(problem, network, "linear")
     np.testing.assert_array_equal(found, wanted)
 
 
@@ -116,14 +121,16 @@ def test_answers_that_are_nothing_end_a_study_in_one_line():
         poisson.run(candidate=lambda _, network, __: np.full(network.points.shape, np.nan))
     with pytest.raises(ProblemError, match=r"positions; take network\.points off"):
         poisson.run(
-            candidate=lambda problem, network, a: network.points + springs(problem, network, a)
+            candidate=lambda problem, network, a: (
+                network.points + solve_springs(problem, network, a)
+            )
         )
 
 
 def test_an_actuators_answer_is_looked_at_too():
     _, network = BODIES["clamped"]
     actuator = SimpleNamespace(network=network)
-    wrong = actuated(lambda given, _: given.network.points)
+    wrong = check_actuator(lambda given, _: given.network.points)
     with pytest.raises(ProblemError, match=r"positions; take network\.points off"):
         wrong(actuator, 1.0)
 
@@ -143,13 +150,15 @@ def test_an_actuators_answer_is_looked_at_too():
 def test_a_motions_state_is_looked_at_too(change, said):
     _, network = BODIES["far away"]
     start = State(network.points, 0 * network.points)
-    assert moving(lambda _, state, *__: state)(network, start, 1e-3, 1, 0.0).position is not None
+    assert (
+        check_motion(lambda _, state, *__: state)(network, start, 1e-3, 1, 0.0).position is not None
+    )
     with pytest.raises((ProblemError, SolverError)) as refused:
-        moving(lambda net, state, *_: change(state, net))(network, start, 1e-3, 1, 0.0)
+        check_motion(lambda net, state, *_: change(state, net))(network, start, 1e-3, 1, 0.0)
     assert said in str(refused.value)
 
 
 def test_a_checked_candidate_can_leave_the_process():
     problem, network = BODIES["clamped"]
-    again = pickle.loads(pickle.dumps(answering(springs)))  # noqa: S301  our own
-    np.testing.assert_array_equal(again(problem, network), springs(problem, network))
+    again = pickle.loads(pickle.dumps(check_displacements(solve_springs)))  # noqa: S301  our own
+    np.testing.assert_array_equal(again(problem, network), solve_springs(problem, network))

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from msvalidate.judging.compare import fitted_power, observed_order, worst
+from msvalidate.judging.compare import farthest_value, fitted_power, observed_order
 from msvalidate.judging.evidence import Observed
 from msvalidate.problem import ProblemError
 
 
 def test_far_apart_means_a_difference_and_not_a_sum():
-    assert worst([10.0, 1.0], [10.0, 3.0]) == Observed(1.0, 3.0)
-    assert worst([-2.0, 2.0], [2.0, 1.0]) == Observed(-2.0, 2.0)
+    assert farthest_value([10.0, 1.0], [10.0, 3.0]) == Observed(1.0, 3.0)
+    assert farthest_value([-2.0, 2.0], [2.0, 1.0]) == Observed(-2.0, 2.0)
 
 
 def test_an_order_is_of_the_size_of_errors_of_either_sign():

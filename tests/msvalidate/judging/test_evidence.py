@@ -4,8 +4,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from msvalidate.judging.compare import fitted_power, observed_order, worst
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, answers, held, judge, merged
+from msvalidate.judging.compare import farthest_value, fitted_power, observed_order
+from msvalidate.judging.evidence import (
+    Evidence,
+    Observed,
+    Tolerance,
+    all_passed,
+    gather_evidence,
+    judge,
+    merge,
+)
 from msvalidate.problem import ProblemError, SolverError
 
 LIMIT = Tolerance("gap", 0.1, "m", "because")
@@ -24,11 +32,11 @@ def evidence(value=0.0, table=TABLE, tolerances=(LIMIT,), columns=COLUMNS):
 def test_judgement(value, verdict):
     row = judge(evidence(value)).iloc[0]
     assert row["verdict"] == verdict
-    assert held(judge(evidence(value))) == (verdict == "pass")
+    assert all_passed(judge(evidence(value))) == (verdict == "pass")
 
 
 def test_judgement_of_nothing_is_not_held():
-    assert not held(judge(Evidence({}, {}, ())))
+    assert not all_passed(judge(Evidence({}, {}, ())))
 
 
 @pytest.mark.parametrize(
@@ -85,25 +93,25 @@ def test_layers_of_judgement():
 
 def test_merged_columns_round_by_the_larger():
     parts = [Evidence({}, {}, (), rounding={"x": size, f"y{size}": size}) for size in (2.0, 1.0)]
-    assert merged(*parts).rounding == {"x": 2.0, "y2.0": 2.0, "y1.0": 1.0}
+    assert merge(*parts).rounding == {"x": 2.0, "y2.0": 2.0, "y1.0": 1.0}
 
 
 def test_a_column_means_one_thing_in_a_study():
     other = Evidence({"more": TABLE}, {}, (), columns={"x": "time (s)"})
     with pytest.raises(ValueError, match="column x means two things"):
-        merged(evidence(), other)
+        merge(evidence(), other)
 
 
 def test_merged_parts_keep_their_names_apart():
     with pytest.raises(ValueError, match="both name"):
-        merged(evidence(), evidence())
+        merge(evidence(), evidence())
 
 
 def test_worst_is_the_farthest_and_stops_at_nan():
-    assert worst([1.0, 5.0, 2.0], [1.0, 2.0, 9.0]) == Observed(2.0, 9.0)
-    assert np.isnan(worst([1.0, np.nan, 99.0], 0.0).value)
+    assert farthest_value([1.0, 5.0, 2.0], [1.0, 2.0, 9.0]) == Observed(2.0, 9.0)
+    assert np.isnan(farthest_value([1.0, np.nan, 99.0], 0.0).value)
     with pytest.raises(ValueError, match="no values"):
-        worst([], [])
+        farthest_value([], [])
 
 
 def test_observed_order():
@@ -147,8 +155,8 @@ def test_answers_are_those_of_the_questions_asked():
         for name in ("one", "two")
     )
     study = {"one": lambda: one, "two": lambda: two}
-    assert list(answers(study).tables) == ["one", "two"]
-    assert list(answers(study, ("two",)).tables) == ["two"]
+    assert list(gather_evidence(study).tables) == ["one", "two"]
+    assert list(gather_evidence(study, ("two",)).tables) == ["two"]
     for none in ((), ("three",), "one"):
         with pytest.raises(ProblemError, match=r"questions: .*; choose from one, two"):
-            answers(study, none)
+            gather_evidence(study, none)

@@ -12,7 +12,7 @@ from numpy.polynomial import legendre
 from scipy.interpolate import BSpline
 from scipy.optimize import brentq
 
-from msvalidate.constants.stiffness import rotated
+from msvalidate.constants.stiffness import rotate_tensor
 from msvalidate.judging.singularity import clamped_free_exponent, free_free_exponent
 from msvalidate.problem import ProblemError, SolverError
 from tests.table import table
@@ -175,7 +175,7 @@ def test_wedges_agree_with_a_weak_form(tensor, angle):
 @examples
 @given(angle=angles, direction=directions, turn=directions)
 def test_turning_material_and_wedge_together_changes_nothing(angle, direction, turn):
-    turned = exponents(rotated(CROOKED, turn), angle, direction + turn)
+    turned = exponents(rotate_tensor(CROOKED, turn), angle, direction + turn)
     np.testing.assert_allclose(turned, exponents(CROOKED, angle, direction), rtol=EXACT)
 
 

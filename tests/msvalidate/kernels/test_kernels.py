@@ -17,7 +17,7 @@ from msvalidate import kernels
 from msvalidate.dynamics.integrate import State, euler_cromer
 from msvalidate.kernels.cells import push
 from msvalidate.network import energy, internal_force, spring_network, tangent
-from msvalidate.network.laws.volumes import Volumes, force, force_met, growth
+from msvalidate.network.laws.volumes import Volumes, dilatation, force, force_magnitudes
 from msvalidate.network.laws.volumes import energy as volume_energy
 from msvalidate.network.residual import force_scale
 
@@ -172,9 +172,9 @@ def test_cells_push_as_in_the_plain_form(kind, count, seed):
     wanted = force(volumes, volumes.points + u)
     # A hundred operations, each within an eps of the largest force that meets at a point, but for
     # what cancels within V - V0: a few times as much.
-    scale = force_met(volumes, volumes.points + u).max() + np.abs(volumes.stiffness).max()
+    scale = force_magnitudes(volumes, volumes.points + u).max() + np.abs(volumes.stiffness).max()
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-13 * scale)
-    terms = np.abs(volumes.stiffness) * volumes.rest_volume * growth(volumes, u) ** 2
+    terms = np.abs(volumes.stiffness) * volumes.rest_volume * dilatation(volumes, u) ** 2
     plain = volume_energy(volumes, volumes.points + u)
     assert stored == pytest.approx(plain, rel=0, abs=1e-13 * (terms.sum() + scale))
     # Neither a force nor a moment of a cell on itself.

@@ -12,7 +12,7 @@ import shapely
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import cut_lattice, fill, patterns
-from msvalidate.lattice.outline import moments, outline
+from msvalidate.lattice.outline import area_moments, outline
 from msvalidate.network import tangent
 from msvalidate.problem import (
     BodyForce,
@@ -44,7 +44,7 @@ def refused(message):
 def test_moments_of_half_a_square_are_those_of_a_triangle():
     # ∫ (1, ξ, η, ξη) over ξ + η < 1: 1/2, 1/6, 1/6, 1/24.
     body = shapely.Polygon([(1, 1), (3, 1), (1, 3)])
-    found = moments(body, np.array([[1.0, 1.0], [3.0, 3.0]]), 2.0)
+    found = area_moments(body, np.array([[1.0, 1.0], [3.0, 3.0]]), 2.0)
     wanted = [[5 / 24, 1 / 8], [1 / 8, 1 / 24]]
     np.testing.assert_allclose(found[0], wanted, rtol=1e-14)
     assert not found[1].any()
@@ -54,7 +54,7 @@ def test_moments_leave_out_what_a_hole_takes():
     square = shapely.box(0, 0, 4, 4)
     hole = shapely.Polygon([(0.3, 0.4), (0.9, 0.5), (0.6, 0.8)])
     low = np.array([[0.0, 0.0]])
-    found = moments(square.difference(hole), low, 1.0) + moments(hole, low, 1.0)
+    found = area_moments(square.difference(hole), low, 1.0) + area_moments(hole, low, 1.0)
     np.testing.assert_allclose(found, 0.25, rtol=1e-14)
 
 
@@ -74,7 +74,7 @@ def test_what_the_points_have_is_the_body(rule):
     domain = Polygon(((0.0, 0.1), (2.0, 0.0), (1.7, 1.5), (0.2, 1.1)))
     lattice = cut_lattice(patterns.square(), domain, 0.13, rule=rule, sliver=0.0)
     assert lattice.point_volume.sum() == pytest.approx(domain.volume, rel=1e-12)
-    assert lattice.lost == pytest.approx(0, abs=1e-12)
+    assert lattice.lost_fraction == pytest.approx(0, abs=1e-12)
     if rule == "moment":  # the first moment too, which is what weight does
         middle = shapely.centroid(outline(domain))
         found = lattice.point_volume @ lattice.points / domain.volume
@@ -214,7 +214,7 @@ def test_loads_have_their_resultants_on_any_outline():
     places = np.array([2.0, 0.0]) + (s[:, None] + 1) / 2 * np.array([-0.3, 1.5])
     pull = np.stack([places[:, 0] + 2 * places[:, 1], 1 - places[:, 1]], axis=1)
     pull *= 0.3 * (w / 2 * np.hypot(0.3, 1.5))[:, None]
-    own = 0.3 * domain.volume * (1 - lattice.lost) * np.array([0.5, -9.81])
+    own = 0.3 * domain.volume * (1 - lattice.lost_fraction) * np.array([0.5, -9.81])
     total = pull.sum(axis=0) + np.array([1.0, -2.0]) + own
     np.testing.assert_allclose(network.force.sum(axis=0), total, rtol=1e-12)
     moment = np.cross(np.pad(places, ((0, 0), (0, 1))), np.pad(pull, ((0, 0), (0, 1))))[:, 2].sum()
@@ -292,7 +292,7 @@ def test_bodies_and_lattices_that_do_not_fit_are_refused():
 def test_whole_cells_say_what_they_lose():
     # Of 0.9 m of the unit square's 1 m three cells of 0.3 m are whole, and a third of a fourth.
     lattice = cut_lattice(patterns.square(), Box((1.0, 1.0)), 0.3, rule="whole")
-    assert lattice.lost == pytest.approx(1 - 0.9**2, abs=1e-12)
+    assert lattice.lost_fraction == pytest.approx(1 - 0.9**2, abs=1e-12)
 
 
 def test_an_origin_counts_by_its_place_in_a_cell_alone():

@@ -104,7 +104,7 @@ def test_equilateral_triangles_are_linear_finite_elements_by_every_rule(rule):
     mesh = Mesh(lattice.points, lattice.cells, "triangle")
     problem = Problem(mesh, THIRD, (Support(mesh.whole_surface, (0.0, 0.0)),))
     K = matrix(lattice_network(problem, mesh_lattice(mesh, rule)))
-    body = reference_fem.discretise(mesh.points, mesh.cells, "P1")
+    body = reference_fem.make_discretisation(mesh.points, mesh.cells, "P1")
     by_component = np.arange(len(K)).reshape(2, -1).T.ravel()
     wanted = stiffness(body, THIRD).toarray()[np.ix_(by_component, by_component)]
     np.testing.assert_allclose(K, wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())

@@ -16,10 +16,10 @@ import pytest
 
 from msvalidate.bodies.calibrate import default_constants
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import network_tensor
+from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.constants.stiffness import moduli, spring_tensor
-from msvalidate.lattice import Pattern, boundary_weights, fill, patterns, repeated
-from msvalidate.lattice.pattern import by_shells
+from msvalidate.lattice import Pattern, boundary_weights, fill, patterns, repeat_cell
+from msvalidate.lattice.pattern import pattern_by_shells
 from msvalidate.problem import (
     Anisotropic,
     Box,
@@ -33,7 +33,7 @@ from msvalidate.problem import (
 from msvalidate.statics.equilibrium import equilibrium
 from tests.table import table
 
-LATTICES = patterns.known()
+LATTICES = patterns.all_patterns()
 every = pytest.mark.parametrize("name", LATTICES)
 SOLID = ("cubic6", "cubic18", "cubic26", "bcc", "fcc")
 SIZES = [(1, 1, 1), (1, 2, 3), (3, 1, 2)]
@@ -218,7 +218,7 @@ def test_uniform_strain_is_in_equilibrium_with_the_solids_tractions_at_any_size(
 @pytest.mark.parametrize("name", ["square", "cubic18", "fcc"])
 def test_uniform_strain_is_as_exact_where_a_cell_is_a_block_of_cells(name):
     # Sides of such a cell are crowded, and squares of points on them are cut in two at will.
-    pattern = repeated(LATTICES[name](), 2)
+    pattern = repeat_cell(LATTICES[name](), 2)
     cells = (2, 1, 1)[: pattern.dim]
     refuse_more_than_uniform_strain(fill(pattern, box_of(pattern, cells), cells), name)
 
@@ -226,7 +226,7 @@ def test_uniform_strain_is_as_exact_where_a_cell_is_a_block_of_cells(name):
 def refuse_more_than_uniform_strain(lattice, name):
     d = lattice.domain.dim
     constants = constants_within(lattice.pattern)
-    tensor = network_tensor(lattice, constants, "shared")
+    tensor = interior_tensor(lattice, constants, "shared")
     rng = np.random.default_rng(5)
     strain = rng.normal(size=(d, d))
     strain += strain.T
@@ -304,7 +304,7 @@ def test_per_cell_every_cell_is_one_cell_alone(name):
         return spring_tensor(body.vectors, k, body.domain.volume)
 
     np.testing.assert_allclose(energy(lattice), energy(alone), atol=1e-12 * energy(alone).max())
-    found = network_tensor(lattice, constants, "per_cell")
+    found = interior_tensor(lattice, constants, "per_cell")
     np.testing.assert_allclose(found, energy(alone), atol=1e-12 * found.max())
 
 
@@ -315,7 +315,7 @@ def test_per_cell_every_cell_is_one_cell_alone(name):
 def test_a_solid_of_a_quarter_has_isotropic_constants_in_every_lattice(name):
     lattice = filled(name, (2, 2, 2))
     constants = default_constants(Isotropic(E=2.5, nu=0.25, state="solid"), lattice)
-    found = moduli(network_tensor(lattice, constants, "shared"))
+    found = moduli(interior_tensor(lattice, constants, "shared"))
     assert (found.E, found.nu, found.zener) == pytest.approx((2.5, 0.25, 1.0), rel=1e-12)
 
 
@@ -341,7 +341,7 @@ def test_materials_that_a_lattice_cannot_be_are_refused(name, material, message)
 
 
 def off_corner() -> Pattern:
-    pattern = by_shells("shifted", (1.0, 1.0), [(0.5, 0.5)], (1.0,), {"one": (1.0,)})
+    pattern = pattern_by_shells("shifted", (1.0, 1.0), [(0.5, 0.5)], (1.0,), {"one": (1.0,)})
     assert len(pattern.springs) == 2
     return pattern
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from msvalidate.constants import cell_at_rest, cell_multigrid
-from msvalidate.constants.homogenise import homogenised, periodic
-from msvalidate.lattice import patterns, repeated, voronoi
+from msvalidate.constants.homogenise import homogenise, homogenise_network
+from msvalidate.lattice import patterns, repeat_cell, voronoi
 from msvalidate.problem import ProblemError, SolverError
 
 dims = pytest.mark.parametrize(("dim", "count"), [(2, 900), (3, 700)])
@@ -20,7 +20,7 @@ def alike(pattern, stiffness=None):
     """The tensors of both ways, which must be one, and the errors that they state."""
     k = pattern.stiffness((1.0,) * pattern.kinds) if stiffness is None else stiffness
     cell = len(pattern.points), pattern.springs, pattern.vectors, k, float(np.prod(pattern.size))
-    direct, other = (periodic(*cell, solver=solver) for solver in ("direct", "multigrid"))
+    direct, other = (homogenise_network(*cell, solver=solver) for solver in ("direct", "multigrid"))
     assert (direct.solver, other.solver) == ("direct", "multigrid")
     root = np.sqrt(np.diag(direct.tensor))
     away = np.abs(other.tensor - direct.tensor) / np.outer(root, root)
@@ -36,8 +36,8 @@ def test_both_ways_say_the_same_of_random_cells(dim, count, points):
 
 @pytest.mark.parametrize("name", ["triangular", "honeycomb", "bcc", "fcc"])
 def test_both_ways_say_the_same_of_lattices(name):
-    pattern = patterns.known()[name]()
-    alike(repeated(pattern, 20 if pattern.dim == 2 else 6))
+    pattern = patterns.all_patterns()[name]()
+    alike(repeat_cell(pattern, 20 if pattern.dim == 2 else 6))
 
 
 @dims
@@ -63,7 +63,7 @@ def test_the_work_does_not_grow_faster_than_the_cell(monkeypatch):
     )
     counts = []
     for count in (500, 4000):
-        homogenised(voronoi(count, dim=3), (1.0,), solver="multigrid")
+        homogenise(voronoi(count, dim=3), (1.0,), solver="multigrid")
         counts.append(len(steps))
         steps.clear()
     # Twice as long a cell: without coarse levels twice the steps.
@@ -72,11 +72,11 @@ def test_the_work_does_not_grow_faster_than_the_cell(monkeypatch):
 
 def test_the_way_goes_by_the_size(monkeypatch):
     pattern = voronoi(60, dim=3)
-    assert homogenised(pattern, (1.0,)).solver == "direct"
+    assert homogenise(pattern, (1.0,)).solver == "direct"
     monkeypatch.setattr(cell_at_rest, "MULTIGRID", {2: 100, 3: 100})
-    assert homogenised(pattern, (1.0,)).solver == "multigrid"
+    assert homogenise(pattern, (1.0,)).solver == "multigrid"
     with pytest.raises(ProblemError, match=re.escape("solver: 'cg'; choose auto, direct")):
-        homogenised(pattern, (1.0,), solver="cg")
+        homogenise(pattern, (1.0,), solver="cg")
 
 
 # Motions without stiffness ------------------------------------------------------------------------
@@ -108,7 +108,7 @@ def test_motions_without_stiffness_are_noticed(dim, count, kind):
     pattern = voronoi(count, dim=dim)
     factor = np.where(cut(pattern, dim, kind), pattern.factor, 0.0)
     with pytest.raises(SolverError, match="without stretching a spring"):
-        homogenised(replace(pattern, factor=factor), (1.0,), solver="multigrid")
+        homogenise(replace(pattern, factor=factor), (1.0,), solver="multigrid")
 
 
 @dims
@@ -121,28 +121,30 @@ def test_a_point_that_is_just_held_is_not_refused(dim, count):
 @pytest.mark.parametrize("name", ["square4", "cubic6"])
 def test_rows_that_shift_freely_are_noticed(name):
     # No point is loose by itself, and no force of a uniform strain moves one.
-    pattern = repeated(patterns.known()[name](), 9)
+    pattern = repeat_cell(patterns.all_patterns()[name](), 9)
     with pytest.raises(SolverError, match="can move without stretching a spring"):
-        homogenised(pattern, (1.0,), solver="multigrid")
+        homogenise(pattern, (1.0,), solver="multigrid")
 
 
 def test_what_conjugate_gradients_do_not_answer_goes_to_the_factor(monkeypatch):
     monkeypatch.setattr(cell_multigrid, "MOST_CYCLES", 3)
     monkeypatch.setattr(cell_at_rest, "MULTIGRID", {2: 100, 3: 100})
     pattern = voronoi(200, dim=3)
-    assert homogenised(pattern, (1.0,)).solver == "direct"
+    assert homogenise(pattern, (1.0,)).solver == "direct"
     with pytest.raises(SolverError, match=r"did not answer in 3 steps; .* solver='direct' tells"):
-        homogenised(pattern, (1.0,), solver="multigrid")
+        homogenise(pattern, (1.0,), solver="multigrid")
     monkeypatch.setattr(cell_at_rest, "AFFORDED", {2: 100, 3: 100})
     with pytest.raises(SolverError, match="solver='direct' tells"):
-        homogenised(pattern, (1.0,))
+        homogenise(pattern, (1.0,))
 
 
 def test_units_do_not_matter():
     pattern = voronoi(200, dim=3)
     cell = len(pattern.points), pattern.springs
-    usual = periodic(*cell, pattern.vectors, pattern.factor, 1.0, solver="multigrid").tensor
-    other = periodic(
+    usual = homogenise_network(
+        *cell, pattern.vectors, pattern.factor, 1.0, solver="multigrid"
+    ).tensor
+    other = homogenise_network(
         *cell, 2.0**-400 * pattern.vectors, 2.0**500 * pattern.factor, 1.0, solver="multigrid"
     ).tensor
     np.testing.assert_allclose(other, usual * 2.0**-300, rtol=1e-12)
@@ -153,10 +155,10 @@ def test_a_strain_that_is_stiff_and_one_that_is_soft_state_what_rounding_leaves(
     pattern = voronoi(60, seed=0)
     soft = pattern.points[pattern.springs[:, 0], 0] < pattern.size[0] / 2
     cell = 60, pattern.springs, pattern.vectors, np.where(soft, 1.0, 1e12), 60.0
-    exact = periodic(*cell)
+    exact = homogenise_network(*cell)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(cell_at_rest, "DENSE", 10)
-        found = periodic(*cell)
+        found = homogenise_network(*cell)
     root = np.sqrt(np.diag(exact.tensor))
     away = np.abs(found.tensor - exact.tensor) / np.outer(root, root)
     assert 1e-12 < away.max() <= found.error < 1e-8
@@ -165,6 +167,6 @@ def test_a_strain_that_is_stiff_and_one_that_is_soft_state_what_rounding_leaves(
 def test_a_cell_of_one_point_has_nothing_loose():
     vectors = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
     cell = 1, np.zeros((3, 2), dtype=int), vectors, np.ones(3), 1.0
-    found = periodic(*cell, solver="multigrid")
-    np.testing.assert_array_equal(found.tensor, periodic(*cell, solver="direct").tensor)
+    found = homogenise_network(*cell, solver="multigrid")
+    np.testing.assert_array_equal(found.tensor, homogenise_network(*cell, solver="direct").tensor)
     np.testing.assert_allclose(found.tensor, found.affine, rtol=1e-15)

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from msvalidate.constants.stiffness import rotated, spring_tensor, square_tensor
+from msvalidate.constants.stiffness import rotate_tensor, spring_tensor, square_tensor
 from msvalidate.lattice import WEIGHTS, boundary_weights, diagonal_square, square, trapezium
 from msvalidate.problem import Box, ProblemError
 from tests.table import table
@@ -250,4 +250,6 @@ def test_an_inner_place_at_45_degrees_is_the_turned_material(place):
     k = np.array([0.7, 0.2])[lattice.kind] * boundary_weights(lattice, "shared")
     volume = 2 * lattice.point_volume[here]  # every spring stands at its other end too
     tensor = spring_tensor(lattice.vectors[ours], k[ours], volume)
-    np.testing.assert_allclose(tensor, rotated(square_tensor(0.7, 0.2), np.pi / 4), atol=1e-14)
+    np.testing.assert_allclose(
+        tensor, rotate_tensor(square_tensor(0.7, 0.2), np.pi / 4), atol=1e-14
+    )

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import homogenised
-from msvalidate.lattice import Pattern, fill, patterns, repeated
-from msvalidate.lattice.pattern import by_shells
+from msvalidate.constants.homogenise import homogenise
+from msvalidate.lattice import Pattern, fill, patterns, repeat_cell
+from msvalidate.lattice.pattern import pattern_by_shells
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
 from tests.table import table
 
-LATTICES = patterns.known()
+LATTICES = patterns.all_patterns()
 every = pytest.mark.parametrize("name", LATTICES)
 # Neighbours a point in shells, from any textbook on crystals.
 NEIGHBOURS = {
@@ -96,7 +96,7 @@ def test_rules_are_one_constant_a_kind(name):
 @pytest.mark.parametrize("times", [1, 2, 3])
 def test_a_repeated_cell_is_the_same_lattice(name, times):
     pattern = LATTICES[name]()
-    larger = repeated(pattern, times)
+    larger = repeat_cell(pattern, times)
     cells = times**pattern.dim
     assert len(larger.points) == cells * len(pattern.points)
     np.testing.assert_allclose(larger.size, times * np.array(pattern.size))
@@ -127,12 +127,12 @@ def kagome() -> Pattern:
     half, row = 0.5, np.sqrt(3) / 2
     points = [(0, 0), (1, 0), (half, row), (1, 2 * row), (0, 2 * row), (1.5, 3 * row)]
     rules = {"equal": (1.0, 1.0)}
-    return by_shells("kagome", (2.0, 4 * row), points, (1.0, 2 * row), rules, tensor)
+    return pattern_by_shells("kagome", (2.0, 4 * row), points, (1.0, 2 * row), rules, tensor)
 
 
 def test_a_new_function_is_a_new_lattice(monkeypatch):
     monkeypatch.setattr(patterns, "kagome", kagome, raising=False)
-    assert patterns.known()["kagome"] is kagome
+    assert patterns.all_patterns()["kagome"] is kagome
     monkeypatch.setitem(LATTICES, "kagome", kagome)
     test_springs_are_all_pairs_at_their_distances_each_once("kagome")
     test_points_are_centres_of_symmetry_where_the_pattern_says_so("kagome")
@@ -142,7 +142,7 @@ def test_a_new_function_is_a_new_lattice(monkeypatch):
     np.testing.assert_array_equal(made.coordination, np.full((6, 2), 4))
     for k in ((1.0, 1.0), (0.3, 2.0)):
         exact = made.tensor(k)
-        np.testing.assert_allclose(homogenised(made, k).tensor, exact, atol=1e-13 * exact.max())
+        np.testing.assert_allclose(homogenise(made, k).tensor, exact, atol=1e-13 * exact.max())
     # A box of it stands under a pull as any other lattice's does.
     box = Box((0.74, 0.74 * np.sqrt(3)))
     problem = Problem(
@@ -217,7 +217,7 @@ def test_patterns_that_do_not_fit_together_are_refused(change, message):
 
 def test_a_shell_without_points_is_refused():
     with refused("pattern gap: no two points are 1.2 spacings apart"):
-        by_shells("gap", (1.0, 1.0), [(0, 0)], (1.2,), {"one": (1.0,)})
+        pattern_by_shells("gap", (1.0, 1.0), [(0, 0)], (1.2,), {"one": (1.0,)})
 
 
 @table(
@@ -238,7 +238,7 @@ def test_a_shell_without_points_is_refused():
 def test_shells_that_cannot_be_are_refused(change, message):
     parts = {"size": (1.0, 1.0), "points": [(0, 0)], "distances": (1.0,), "rules": {"a": (1.0,)}}
     with refused(message):
-        by_shells("row", **(parts | change))
+        pattern_by_shells("row", **(parts | change))
 
 
 def test_a_pattern_keeps_its_own_arrays():
@@ -250,7 +250,7 @@ def test_a_pattern_keeps_its_own_arrays():
 @pytest.mark.parametrize("times", [0, -1, 1.5, None])
 def test_a_cell_is_repeated_a_whole_number_of_times(times):
     with refused("times: "):
-        repeated(pattern(), times)
+        repeat_cell(pattern(), times)
 
 
 def test_arrays_of_a_pattern_cannot_be_changed():

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from msvalidate.lattice.point_sets import POINT_SETS, box_points, periodic_points
-from msvalidate.lattice.tessellation import bounded_tessellation, simplices
+from msvalidate.lattice.tessellation import bounded_tessellation, delaunay_simplices
 from msvalidate.problem import Box, ProblemError
 from tests.table import table
 
@@ -183,7 +183,7 @@ def test_points_within_tolerance_of_a_side_are_put_on_it():
         ([0.5, 0.5], "points: shape (2,); give (n, 2)"),
     ],
 )
-@table("verb", [bounded_tessellation, simplices])
+@table("verb", [bounded_tessellation, delaunay_simplices])
 def test_points_that_are_not_in_the_box_are_refused(verb, points, message):
     with refused(message):
         verb(points, Box((1.0, 1.0)))
@@ -200,7 +200,7 @@ def test_no_box_is_refused():
 def check_simplices(points, box):
     """They fill the box, meet face to face, and their boundary is the box's, turned outwards."""
     dim, size = box.dim, np.array(box.size)
-    cells, facets = simplices(points, box)
+    cells, facets = delaunay_simplices(points, box)
     content = np.linalg.det(points[cells][:, 1:] - points[cells][:, :1]) / math.factorial(dim)
     assert content.min() > 0
     np.testing.assert_allclose(content.sum(), box.volume, **EXACT)
@@ -242,7 +242,7 @@ def test_simplices_of_a_grid_have_none_that_is_flat(counts):
 def test_edges_of_simplices_inside_are_the_springs():
     box = Box((1.0, 1.0))
     points = box_points("blue_noise", box, 0.1, 0)
-    cells, _ = simplices(points, box)
+    cells, _ = delaunay_simplices(points, box)
     edges = np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]])
     edges = set(map(tuple, np.sort(edges, axis=1).tolist()))
     springs = set(map(tuple, bounded_tessellation(points, box).springs.tolist()))
@@ -253,4 +253,4 @@ def test_edges_of_simplices_inside_are_the_springs():
 
 def test_a_missing_corner_is_refused():
     with refused("points: none in the corner (1, 1) of the box 1 x 1 m; add it"):
-        simplices([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], Box((1.0, 1.0)))
+        delaunay_simplices([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], Box((1.0, 1.0)))

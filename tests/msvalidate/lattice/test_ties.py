@@ -17,15 +17,19 @@ from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.fit import fitted_constants
-from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.spring_constants import isotropic_constants, target_of
 from msvalidate.constants.waves import highest_frequency
 from msvalidate.kernels.grid import recognised
-from msvalidate.lattice import cut_lattice, fill, patterns, turned
-from msvalidate.lattice.pattern import by_shells, repeated
+from msvalidate.lattice import cut_lattice, fill, fill_rotated, patterns
+from msvalidate.lattice.pattern import pattern_by_shells, repeat_cell
 from msvalidate.lattice.point_sets import POINT_SETS, box_points, periodic_points
-from msvalidate.lattice.tessellation import bounded_tessellation, periodic_tessellation, simplices
-from msvalidate.lattice.ties import levels
+from msvalidate.lattice.tessellation import (
+    bounded_tessellation,
+    delaunay_simplices,
+    periodic_tessellation,
+)
+from msvalidate.lattice.ties import level_numbers
 from msvalidate.lattice.voronoi import voronoi_box
 from msvalidate.network import spring_network
 from msvalidate.network.layout import cuthill_mckee
@@ -34,7 +38,7 @@ from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.stress import fitted_stress
 
 EPS = float(np.finfo(float).eps)
-LATTICES = patterns.known()
+LATTICES = patterns.all_patterns()
 draws = settings(max_examples=12, deadline=None)
 seeds = st.integers(0, 2**32 - 1)
 MATERIAL = Isotropic(E=2e5, nu=1 / 3, thickness=0.2)
@@ -219,7 +223,7 @@ def test_a_turned_lattice_is_the_same_whatever_its_angle_rounds_to(name, seed, a
     box, spacing = Box((0.37, 0.37)), 0.37 / 8
 
     def lattice(h, turn):
-        found = turned(LATTICES[name](), box, float(h), float(turn))
+        found = fill_rotated(LATTICES[name](), box, float(h), float(turn))
         return along(found.points, found.springs, found.kind, found.factor, found.share), np.sort(
             found.point_volume
         )
@@ -241,7 +245,7 @@ def test_simplices_of_a_grid_are_the_same_however_it_is_numbered(dim, seed):
     box = Box((0.37,) * dim)
 
     def corners(points):
-        cells, facets = simplices(points, box)
+        cells, facets = delaunay_simplices(points, box)
         found = [
             np.round(points / 0.37 * (n - 1))[each] @ n ** np.arange(dim)
             for each in (cells, facets)
@@ -310,8 +314,8 @@ def test_a_solid_is_the_same_however_its_cell_is_numbered_and_rounded(name, seed
         factor=pattern.factor[turn],
         volume=pattern.volume[order],
     )
-    usual = homogenised(pattern, constants).tensor
-    found = homogenised(other, constants).tensor
+    usual = homogenise(pattern, constants).tensor
+    found = homogenise(other, constants).tensor
     np.testing.assert_allclose(found, usual, atol=1e-12 * np.abs(usual).max())
     if pattern.dim == 2:  # in space it takes seconds
         usual = highest_frequency(pattern, constants)
@@ -324,8 +328,8 @@ def test_springs_by_shells_come_in_one_order(seed):
     rng = np.random.default_rng(seed)
     size, points = (1.0, 3**0.5), np.array([[0.1, 0.1], [0.6, 0.1 + 3**0.5 / 2]])
     arguments = ((1.0, 3**0.5), {"unit": (1.0, 1.0)})
-    usual = by_shells("triangles", size, points, *arguments)
-    other = by_shells("triangles", size, rounded(rng, points), *arguments)
+    usual = pattern_by_shells("triangles", size, points, *arguments)
+    other = pattern_by_shells("triangles", size, rounded(rng, points), *arguments)
     for name in ("springs", "image", "kind"):
         np.testing.assert_array_equal(getattr(other, name), getattr(usual, name))
 
@@ -345,7 +349,7 @@ def test_constants_that_several_rules_lead_to_are_those_of_the_first():
 def test_facets_of_a_crowded_face_are_the_same_however_its_points_are_numbered(seed):
     """A face of 2 x 2 squares may be cut in many ways."""
     rng = np.random.default_rng(seed)
-    pattern = repeated(patterns.cubic18(), 2)
+    pattern = repeat_cell(patterns.cubic18(), 2)
     order = rng.permutation(len(pattern.points))
     other = replace(
         pattern, points=pattern.points[order], springs=np.argsort(order)[pattern.springs]
@@ -403,7 +407,7 @@ def test_a_cube_has_the_same_rows_however_its_points_are_numbered(seed):
 
 def test_levels_of_what_is_alike():
     values = np.array([[0.3, 0.1 + 1e-12, 0.1, 0.3 - 1e-12, 0.2]])
-    np.testing.assert_array_equal(levels(values, 1e-9, axis=1), [[2, 0, 0, 2, 1]])
-    np.testing.assert_array_equal(levels(values.T, 1e-9)[:, 0], [2, 0, 0, 2, 1])
+    np.testing.assert_array_equal(level_numbers(values, 1e-9, axis=1), [[2, 0, 0, 2, 1]])
+    np.testing.assert_array_equal(level_numbers(values.T, 1e-9)[:, 0], [2, 0, 0, 2, 1])
     # A border of rounding to a digit between them would part them.
-    np.testing.assert_array_equal(levels(np.array([0.5 + EPS, 0.5 - EPS]), 1e-9), [0, 0])
+    np.testing.assert_array_equal(level_numbers(np.array([0.5 + EPS, 0.5 - EPS]), 1e-9), [0, 0])

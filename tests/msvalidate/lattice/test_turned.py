@@ -15,14 +15,14 @@ from msvalidate.constants.stiffness import (
     directional_modulus,
     directional_ratio,
     pattern_tensor,
-    rotated,
+    rotate_tensor,
 )
-from msvalidate.lattice import fill, patterns, turned
+from msvalidate.lattice import fill, fill_rotated, patterns
 from msvalidate.problem import Anisotropic, Box, Problem, ProblemError, Region, Support, Traction
 from msvalidate.statics.equilibrium import equilibrium
 from tests.table import table
 
-LATTICES = patterns.known()
+LATTICES = patterns.all_patterns()
 PLANE, SPACE = Box((1.0, 0.75)), Box((1.0, 0.75, 0.5))
 TILT = Rotation.from_rotvec([0.3, 0.5, 0.7]).as_matrix()
 
@@ -34,8 +34,8 @@ def refused(message):
 def made(name, spacing=None, angle=0.4):
     pattern = LATTICES[name]()
     if pattern.dim == 2:
-        return turned(pattern, PLANE, spacing or 1 / 16, angle)
-    return turned(pattern, SPACE, spacing or 1 / 8, TILT)
+        return fill_rotated(pattern, PLANE, spacing or 1 / 16, angle)
+    return fill_rotated(pattern, SPACE, spacing or 1 / 8, TILT)
 
 
 @pytest.mark.parametrize("name", LATTICES)
@@ -80,7 +80,7 @@ def test_inside_every_point_has_the_springs_of_the_turned_pattern(name):
 def test_turned_by_nothing_is_the_filled_box(name):
     pattern = LATTICES[name]()
     box = PLANE if pattern.dim == 2 else SPACE
-    here = turned(pattern, box, 1 / 8, 0.0 if pattern.dim == 2 else np.eye(3))
+    here = fill_rotated(pattern, box, 1 / 8, 0.0 if pattern.dim == 2 else np.eye(3))
     there = fill(pattern, box, tuple(round(8 * edge) for edge in box.size))
     np.testing.assert_allclose(
         np.unique(here.points.round(9), axis=0), np.unique(there.points.round(9), axis=0)
@@ -119,12 +119,12 @@ def stretched(lattice, tensor, constants):
 def test_a_turned_block_comes_to_the_turned_solid_at_first_order(name, angle):
     pattern = LATTICES[name]()
     constants = (1.0, 2.0)[: pattern.kinds]  # the square one is far from isotropic
-    tensor = rotated(pattern.tensor(constants), angle)
+    tensor = rotate_tensor(pattern.tensor(constants), angle)
     E = directional_modulus(tensor, np.array([[1.0, 0.0]]))[0]
     nu = directional_ratio(tensor, 0.0)
     errors = []
     for cells in (12, 24, 48, 96):
-        lattice = turned(pattern, PLANE, 1 / cells, angle)
+        lattice = fill_rotated(pattern, PLANE, 1 / cells, angle)
         found = stretched(lattice, tensor, constants)
         errors.append((abs(found[0] / E - 1), abs(found[1] - nu)))
     error = np.array(errors)
@@ -139,9 +139,9 @@ def test_a_turned_solid_comes_near_the_turned_tensor():
     constants = (1.0, 1.0, 1.0)
     errors = []
     for cells in (6, 12):
-        tensor = rotated(pattern_tensor(pattern, constants, 1 / cells), TILT)
+        tensor = rotate_tensor(pattern_tensor(pattern, constants, 1 / cells), TILT)
         compliance = np.linalg.inv(tensor)
-        E, nu = stretched(turned(pattern, SPACE, 1 / cells, TILT), tensor, constants)
+        E, nu = stretched(fill_rotated(pattern, SPACE, 1 / cells, TILT), tensor, constants)
         errors.append([E * compliance[0, 0] - 1, nu + compliance[1, 0] / compliance[0, 0]])
     assert (np.abs(errors[1]) < 0.08).all()
     assert abs(errors[1][0]) < abs(errors[0][0])
@@ -151,8 +151,8 @@ def test_points_left_with_too_few_springs_get_more():
     # Without braces, points on the edges of this box are held in two directions only.
     pattern, constants = patterns.fcc(), (1.0, 0.0)
     turn = Rotation.from_rotvec(0.3 * np.array([1, 2, 3]) / np.sqrt(14)).as_matrix()
-    tensor = rotated(pattern_tensor(pattern, constants, 1 / 4), turn)
-    lattice = turned(pattern, Box((1.0, 1.0, 1.0)), 1 / 4, turn)
+    tensor = rotate_tensor(pattern_tensor(pattern, constants, 1 / 4), turn)
+    lattice = fill_rotated(pattern, Box((1.0, 1.0, 1.0)), 1 / 4, turn)
     E, nu = stretched(lattice, tensor, constants)
     assert np.linalg.inv(tensor)[0, 0] * E == pytest.approx(1, abs=0.15)
     assert 0.15 < nu < 0.4
@@ -165,7 +165,7 @@ def test_points_left_with_too_few_springs_get_more():
 def test_any_angle_gives_a_body_that_can_be_held_and_loaded(angle, cells, name):
     pattern = LATTICES[name]()
     constants = (1.0, 0.5)[: pattern.kinds]
-    lattice = turned(pattern, PLANE, 1 / cells, angle)
+    lattice = fill_rotated(pattern, PLANE, 1 / cells, angle)
     E, nu = stretched(lattice, pattern.tensor(constants), constants)
     assert 0.5 < E / (4 / 3 if name == "square" else 2 / np.sqrt(3)) < 1.3
     assert 0 < nu < 0.6
@@ -174,16 +174,22 @@ def test_any_angle_gives_a_body_that_can_be_held_and_loaded(angle, cells, name):
 @table(
     ("call", "message"),
     [
-        (lambda: turned(None, PLANE, 0.1, 0.0), "pattern: None; give a Pattern"),
-        (lambda: turned(patterns.fcc(), PLANE, 0.1, 0.0), "FCC lattice: a box 1 x 0.75 m; give"),
-        (lambda: turned(patterns.square(), PLANE, -0.1, 0.0), "spacing: -0.1 m"),
-        (lambda: turned(patterns.square(), PLANE, 0.1, np.nan), "angle: nan"),
-        (lambda: turned(patterns.square(), PLANE, 0.1, "north"), "angle: "),
-        (lambda: turned(patterns.square(), PLANE, 0.1, np.diag([1.0, -1.0])), "rotation: "),
-        (lambda: turned(patterns.fcc(), SPACE, 0.1, 0.3), "rotation: 0.3; give a matrix (3, 3)"),
-        (lambda: turned(patterns.fcc(), SPACE, 0.1, 2 * np.eye(3)), "rotation: "),
-        (lambda: turned(patterns.square(), PLANE, 1e-6, 0.3), "points, and the most is"),
-        (lambda: turned(patterns.square(), PLANE, 3.0, 0.3), "take a smaller spacing"),
+        (lambda: fill_rotated(None, PLANE, 0.1, 0.0), "pattern: None; give a Pattern"),
+        (
+            lambda: fill_rotated(patterns.fcc(), PLANE, 0.1, 0.0),
+            "FCC lattice: a box 1 x 0.75 m; give",
+        ),
+        (lambda: fill_rotated(patterns.square(), PLANE, -0.1, 0.0), "spacing: -0.1 m"),
+        (lambda: fill_rotated(patterns.square(), PLANE, 0.1, np.nan), "angle: nan"),
+        (lambda: fill_rotated(patterns.square(), PLANE, 0.1, "north"), "angle: "),
+        (lambda: fill_rotated(patterns.square(), PLANE, 0.1, np.diag([1.0, -1.0])), "rotation: "),
+        (
+            lambda: fill_rotated(patterns.fcc(), SPACE, 0.1, 0.3),
+            "rotation: 0.3; give a matrix (3, 3)",
+        ),
+        (lambda: fill_rotated(patterns.fcc(), SPACE, 0.1, 2 * np.eye(3)), "rotation: "),
+        (lambda: fill_rotated(patterns.square(), PLANE, 1e-6, 0.3), "points, and the most is"),
+        (lambda: fill_rotated(patterns.square(), PLANE, 3.0, 0.3), "take a smaller spacing"),
     ],
 )
 def test_bad_input_is_refused(call, message):

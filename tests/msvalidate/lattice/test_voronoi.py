@@ -9,7 +9,7 @@ import pytest
 
 from msvalidate.bodies.calibrate import default_constants
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.stiffness import isotropic_moduli
 from msvalidate.dynamics.spectrum import natural_frequencies
 from msvalidate.lattice import STIFFNESS_RULES, boundary_weights, voronoi, voronoi_box
@@ -52,7 +52,7 @@ def bulk(tensor, dim):
 def test_springs_as_facet_over_length_keep_their_bulk_modulus(dim, points, seed):
     # The facets of a closed cell sum to nothing, Σ A n = 0, so under a hydrostatic strain no point
     # wants to move: relaxing takes nothing from the affine value, (1/V) Σ A L/d² = 1/d.
-    found = homogenised(voronoi(80, dim=dim, points=points, stiffness="A/L", seed=seed), (1.0,))
+    found = homogenise(voronoi(80, dim=dim, points=points, stiffness="A/L", seed=seed), (1.0,))
     assert bulk(found.affine, dim) == pytest.approx(1 / dim, rel=1e-12)
     assert bulk(found.tensor, dim) == pytest.approx(1 / dim, rel=1e-11)
     moduli = isotropic_moduli(found.tensor)
@@ -63,7 +63,7 @@ def test_springs_as_facet_over_length_keep_their_bulk_modulus(dim, points, seed)
 @dims
 @pytest.mark.parametrize("rule", ["1", "1/L"])
 def test_springs_of_other_stiffness_do_not(dim, rule):
-    found = homogenised(voronoi(80, dim=dim, stiffness=rule), (1.0,))
+    found = homogenise(voronoi(80, dim=dim, stiffness=rule), (1.0,))
     assert bulk(found.tensor, dim) < 0.99 * bulk(found.affine, dim)
 
 
@@ -205,7 +205,7 @@ def test_a_box_pulled_along_x_comes_near_the_periodic_solid(dim, rule):
         np.column_stack([lattice.points, np.ones(len(move))]), move, rcond=None
     )[0][:dim]
     count = 576 if dim == 2 else 300
-    solid = isotropic_moduli(homogenised(voronoi(count, dim=dim, stiffness=rule), (1.0,)).tensor)
+    solid = isotropic_moduli(homogenise(voronoi(count, dim=dim, stiffness=rule), (1.0,)).tensor)
     E = 1 / gradient[0, 0] * h ** (dim - 2)
     nu = -(np.trace(gradient) / gradient[0, 0] - 1) / (dim - 1)
     # A boundary layer of one spacing in 24 or 9, and the scatter of one sample.

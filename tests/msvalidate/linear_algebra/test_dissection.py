@@ -9,7 +9,7 @@ from scipy.sparse.linalg import splu
 from scipy.spatial import Delaunay
 
 from msvalidate.lattice import fill, patterns
-from msvalidate.linear_algebra.dissection import dissected
+from msvalidate.linear_algebra.dissection import nested_dissection
 from msvalidate.problem import Box
 
 
@@ -53,7 +53,7 @@ def test_entries_are_as_counted_and_fewer_than_by_place(name):
     Beside it a band: points by their place along the body, as Cuthill and McKee would have them.
     """
     points, pairs = BODIES[name]()
-    found = dissected(points, pairs)
+    found = nested_dissection(points, pairs)
     assert np.array_equal(np.sort(found.order), np.arange(len(points)))
     entries = entries_of(points, pairs, found.order)
     assert 0.95 * entries < found.entries < 1.6 * entries
@@ -67,7 +67,8 @@ def test_growth_is_that_of_theory():
     Small cubes have less: their cuts' neighbours are few. A cube of twice the side comes between.
     """
     small, large = (
-        dissected(*joined_lattice(patterns.cubic18(), (1.0,) * 3, (n,) * 3)) for n in (12, 24)
+        nested_dissection(*joined_lattice(patterns.cubic18(), (1.0,) * 3, (n,) * 3))
+        for n in (12, 24)
     )
     assert 5.5 < np.log2(large.products / small.products) < 6.6
     assert 3.7 < np.log2(large.entries / small.entries) < 4.4
@@ -75,17 +76,17 @@ def test_growth_is_that_of_theory():
 
 def test_a_count_is_broken_off_where_it_is_too_much():
     points, pairs = BODIES["cube"]()
-    whole = dissected(points, pairs)
-    early = dissected(points, pairs, whole.products / 10)
+    whole = nested_dissection(points, pairs)
+    early = nested_dissection(points, pairs, whole.products / 10)
     assert early.order is None
     assert whole.products / 10 < early.products < whole.products
-    assert dissected(points, pairs, 1.01 * whole.products).order is not None
+    assert nested_dissection(points, pairs, 1.01 * whole.products).order is not None
 
 
 def test_order_is_by_places_and_springs_not_by_numbers_or_units():
     """Far from the origin, in another unit, and with any point the first: as good an order."""
     points, pairs = BODIES["plate"]()
-    whole = dissected(points, pairs)
+    whole = nested_dissection(points, pairs)
     turn = np.random.default_rng(0).permutation(len(points))
     place = np.empty_like(turn)
     place[turn] = np.arange(len(turn))
@@ -94,11 +95,11 @@ def test_order_is_by_places_and_springs_not_by_numbers_or_units():
         (points + 1e6, pairs),
         (points[turn], place[pairs]),
     ):
-        assert dissected(there, joined).entries == pytest.approx(whole.entries, rel=0.05)
+        assert nested_dissection(there, joined).entries == pytest.approx(whole.entries, rel=0.05)
 
 
 @pytest.mark.parametrize("count", [1, 2, 13])
 def test_few_points_in_one_place_have_an_order(count):
     points = np.zeros((count, 2))
     pairs = np.array([[0, count - 1]])
-    assert sorted(dissected(points, pairs).order) == list(range(count))
+    assert sorted(nested_dissection(points, pairs).order) == list(range(count))

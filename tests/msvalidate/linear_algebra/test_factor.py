@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array, diags_array, eye_array, kron
 
-from msvalidate.linear_algebra.factor import factorised, softest_mode
+from msvalidate.linear_algebra.factor import factorise, softest_mode
 from msvalidate.problem import SolverError
 
 
@@ -17,11 +17,11 @@ def test_negative_pivots_are_negative_eigenvalues(negative):
     basis = np.linalg.qr(rng.normal(size=(8, 8)))[0]
     values = np.where(np.arange(8) < negative, -1.0, 1.0) * rng.uniform(0.5, 2, 8)
     matrix = csr_array(basis * values @ basis.T)
-    assert factorised(matrix).negative == negative
+    assert factorise(matrix).negative == negative
 
 
 def test_a_zero_on_the_diagonal_is_not_positive():
-    assert factorised(csr_array([[0.0, 1.0], [1.0, 0.0]])).negative == 1
+    assert factorise(csr_array([[0.0, 1.0], [1.0, 0.0]])).negative == 1
 
 
 def test_softest_mode_of_a_singular_matrix_is_its_null_vector():
@@ -39,7 +39,7 @@ def test_a_given_order_changes_nothing_but_the_way():
     rng = np.random.default_rng(0)
     basis = rng.normal(size=(9, 9))
     matrix, load = csr_array(basis @ basis.T), rng.normal(size=9)
-    factor = factorised(matrix, rng.permutation(9))
+    factor = factorise(matrix, rng.permutation(9))
     np.testing.assert_allclose(matrix @ factor.solve(load), load, rtol=0, atol=1e-10)
     assert factor.negative == 0
 
@@ -55,7 +55,7 @@ def test_a_lack_of_memory_is_one_line_and_the_library_is_quiet(capfd):
     resource.setrlimit(resource.RLIMIT_AS, (now * resource.getpagesize() + 2**26, limits[1]))
     try:
         with pytest.raises(SolverError, match=r"take more memory than there is; take solver"):
-            factorised(matrix)
+            factorise(matrix)
     finally:
         resource.setrlimit(resource.RLIMIT_AS, limits)
     assert capfd.readouterr() == ("", "")

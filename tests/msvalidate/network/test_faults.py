@@ -5,7 +5,7 @@ import pytest
 
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.stiffness import square_constants
-from msvalidate.judging.candidate import springs
+from msvalidate.judging.candidate import solve_springs
 from msvalidate.lattice import square
 from msvalidate.network import faults
 from msvalidate.problem import BodyForce, Box, Isotropic, Problem, Support, Traction
@@ -31,22 +31,22 @@ def pulled():
 
 def test_every_spring(pulled):
     network = pulled[1]
-    spoilt = faults.every_spring(network, 0.01)
+    spoilt = faults.stiffen_all(network, 0.01)
     np.testing.assert_allclose(spoilt.stiffness, 1.01 * network.stiffness, rtol=1e-14)
 
 
 def test_one_spring(pulled):
     network = pulled[1]
-    lost = network.stiffness - faults.one_spring(network, 1.0).stiffness
+    lost = network.stiffness - faults.weaken_one_spring(network, 1.0).stiffness
     assert np.count_nonzero(lost) == 1
     assert lost.max() in network.stiffness
-    half = network.stiffness - faults.one_spring(network, 0.5).stiffness
+    half = network.stiffness - faults.weaken_one_spring(network, 0.5).stiffness
     np.testing.assert_allclose(half, lost / 2)
 
 
 def test_diagonals(pulled):
     network = pulled[1]
-    changed = faults.diagonals(network, 0.01).stiffness != network.stiffness
+    changed = faults.stiffen_diagonals(network, 0.01).stiffness != network.stiffness
     np.testing.assert_array_equal(changed, network.rest_length > 1.2 / CELLS)
     assert changed.sum() == 2 * CELLS**2
 
@@ -54,17 +54,17 @@ def test_diagonals(pulled):
 def test_boundary_springs_come_to_equal(pulled):
     problem, network = pulled
     equal = lattice_network(problem, square(BOX, CELLS), CONSTANTS, weights="equal")
-    spoilt = faults.boundary_springs(network, 1.0)
+    spoilt = faults.stiffen_boundary(network, 1.0)
     np.testing.assert_allclose(spoilt.stiffness, equal.stiffness, rtol=1e-14)
 
 
 def test_lumped_tractions(pulled):
     problem, network = pulled
-    spoilt = faults.lumped_tractions(problem, network, 1.0)
+    spoilt = faults.lump_tractions(problem, network, 1.0)
     right = network.points[:, 0] == 1
     np.testing.assert_allclose(spoilt.force[right], np.tile((20.0, 10.0), (CELLS + 1, 1)))
     np.testing.assert_allclose(spoilt.force.sum(axis=0), network.force.sum(axis=0))
-    small = faults.lumped_tractions(problem, network, 1e-3).force - network.force
+    small = faults.lump_tractions(problem, network, 1e-3).force - network.force
     np.testing.assert_allclose(small, 1e-3 * (spoilt.force - network.force), atol=1e-12)
 
 
@@ -74,11 +74,17 @@ def test_lumped_tractions(pulled):
 )
 def test_other_loads_are_left_alone(loads):
     problem, network = body(*loads)
-    assert faults.lumped_tractions(problem, network, 1.0) is network
+    assert faults.lump_tractions(problem, network, 1.0) is network
 
 
 @pytest.mark.parametrize(
-    "fault", [faults.every_spring, faults.diagonals, faults.one_spring, faults.boundary_springs]
+    "fault",
+    [
+        faults.stiffen_all,
+        faults.stiffen_diagonals,
+        faults.weaken_one_spring,
+        faults.stiffen_boundary,
+    ],
 )
 def test_no_fault_of_size_zero(pulled, fault):
     network = pulled[1]
@@ -87,7 +93,9 @@ def test_no_fault_of_size_zero(pulled, fault):
 
 def test_answers_of_the_candidate(pulled):
     """Small loads: the three differ by the square of the strain, or by where the run stops."""
-    linear, nonlinear, relaxed = (springs(*pulled, a) for a in ("linear", "nonlinear", "relaxed"))
+    linear, nonlinear, relaxed = (
+        solve_springs(*pulled, a) for a in ("linear", "nonlinear", "relaxed")
+    )
     size = np.abs(linear).max()
     geometric = np.abs(nonlinear - linear).max() / size
     assert 1e-5 < geometric < 1e-2

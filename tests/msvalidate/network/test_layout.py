@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.network.layout import BLOCK, TOGETHER, laid_out
+from msvalidate.network.layout import BLOCK, TOGETHER, make_layout
 
 examples = settings(max_examples=40, deadline=None)
 
@@ -42,7 +42,7 @@ def held_by(layout):
 @given(body=bodies())
 def test_every_spring_is_there_once_with_its_earlier_point(body):
     n, _, springs, k, rest_length, cells = body
-    layout = laid_out(*body)
+    layout = make_layout(*body)
     assert layout.points == n
     np.testing.assert_array_equal(np.sort(layout.place), np.arange(n))
     ends = np.sort(layout.place[springs], axis=1)
@@ -65,7 +65,7 @@ def test_every_spring_is_there_once_with_its_earlier_point(body):
 @examples
 @given(body=bodies())
 def test_cells_stand_with_the_block_of_their_first_place(body):
-    layout = laid_out(*body)
+    layout = make_layout(*body)
     block = np.searchsorted(layout.first_cell, np.arange(len(layout.cells)), side="right") - 1
     np.testing.assert_array_equal(block, layout.cells.min(axis=1) // BLOCK)
     assert layout.first_cell[-1] == len(layout.cells)
@@ -77,7 +77,7 @@ def test_cells_stand_with_the_block_of_their_first_place(body):
 def test_a_part_is_the_layout_of_what_joins_its_places(body, cut):
     """Against one made of these points, springs and cells alone, as they are numbered."""
     n, dim, springs, k, rest_length, cells = body
-    whole = laid_out(*body)
+    whole = make_layout(*body)
     begin, end = BLOCK * cut[0], min(n, BLOCK * (cut[0] + cut[1]))
     inside = ((whole.place[springs] >= begin) & (whole.place[springs] < end)).all(axis=1)
     if begin >= end or not inside.any():
@@ -85,7 +85,7 @@ def test_a_part_is_the_layout_of_what_joins_its_places(body, cut):
     part = whole.part(begin, end)
     kept = ((whole.place[cells] >= begin) & (whole.place[cells] < end)).all(axis=1)
     few = whole.place[springs[inside]] - begin, k[inside], rest_length[inside]
-    alone = laid_out(end - begin, dim, *few, whole.place[cells[kept]] - begin)
+    alone = make_layout(end - begin, dim, *few, whole.place[cells[kept]] - begin)
     np.testing.assert_array_equal(part.order, np.argsort(whole.place)[begin:end])
     assert part.points == end - begin
     if not len(alone.order):  # else it found an order of its own, and has the same in that
@@ -114,11 +114,11 @@ def test_numbers_at_random_are_replaced_and_near_ones_kept():
         ]
     )
     ones, none = np.ones(len(springs)), np.zeros((0, 1), dtype=np.intp)
-    kept = laid_out(side**2, 2, springs, ones, ones, none)
+    kept = make_layout(side**2, 2, springs, ones, ones, none)
     assert not len(kept.order)
     assert kept.span == side
     renamed = np.random.default_rng(0).permutation(side**2)
-    mended = laid_out(side**2, 2, renamed[springs], ones, ones, none)
+    mended = make_layout(side**2, 2, renamed[springs], ones, ones, none)
     # Levels of Cuthill and McKee's ordering are diagonals, of at most `side` points.
     assert mended.span <= 2 * side
     assert np.abs(np.subtract(*mended.place[renamed[springs]].T)).mean() == pytest.approx(

@@ -132,7 +132,7 @@ def test_a_mode_has_the_tangents_energy(dim):
 @dims
 def test_no_force_is_above_the_sum_of_their_magnitudes(dim):
     shear, position = random_shear(dim)
-    met = local_shear.force_met(shear, position)
+    met = local_shear.force_magnitudes(shear, position)
     size = np.linalg.norm(local_shear.force(shear, position), axis=1)
     stretch = np.linalg.norm((shear.gradient @ position).reshape(-1, dim, dim), 2, axis=(1, 2))
     assert (size <= stretch.max() * met).all()

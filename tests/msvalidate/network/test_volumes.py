@@ -211,12 +211,12 @@ def test_cells_that_are_none_are_refused_where_volumes_are_asked():
     [
         volumes.energy,
         volumes.force,
-        volumes.force_met,
+        volumes.force_magnitudes,
         volumes.tangent,
         lambda v, x: volumes.mode_energy(v, x, SQUARE),
         lambda v, x: volumes.mode_energy(v, SQUARE, x),
-        volumes.growth,
-        lambda v, x: volumes.growth(v, x, linear=True),
+        volumes.dilatation,
+        lambda v, x: volumes.dilatation(v, x, linear=True),
     ],
 )
 @table("given_", [SQUARE[:3], np.concatenate([SQUARE, SQUARE]), np.nan * SQUARE])
@@ -228,5 +228,5 @@ def test_positions_that_do_not_fit_are_refused(asked, given_):
 def test_stiffness_that_meets_has_its_value_in_the_largest_units():
     # At a corner of a cube ∂V/∂x is h²/4 along each of three axes.
     for h in (1e-90, 1.0, 1e90):
-        met = volumes.stiffness_met(one_cell(h * CELLS[3, 8], 2.0))
+        met = volumes.stiffness_magnitudes(one_cell(h * CELLS[3, 8], 2.0))
         np.testing.assert_allclose(met, 2.0 * h * 3 / 16, rtol=1e-13)

@@ -27,7 +27,7 @@ def test_rounding_is_of_the_force_that_moves_by_the_reach_would_make(reach):
     area = SIDE**2 / 2
     growth = across.sum() * (reach + np.sqrt(area)) / area
     for kappa in (KAPPA, -KAPPA):
-        met = volumes.roundoff_met(triangle(kappa=kappa), reach)
+        met = volumes.roundoff_magnitudes(triangle(kappa=kappa), reach)
         np.testing.assert_allclose(met, KAPPA * growth * across, rtol=1e-14)
 
 
@@ -37,9 +37,9 @@ def test_forces_and_stiffness_met_are_sizes_of_either_sign():
     for kappa in (KAPPA, -KAPPA):
         cell = triangle(kappa=kappa)
         np.testing.assert_allclose(
-            volumes.stiffness_met(cell), KAPPA * across**2 / area, rtol=1e-14
+            volumes.stiffness_magnitudes(cell), KAPPA * across**2 / area, rtol=1e-14
         )
         # Stretched to 1.1 and 1.2 of its sides: the area is 1.32 of what it was.
-        met = volumes.force_met(cell, CORNERS * [1.1, 1.2])
+        met = volumes.force_magnitudes(cell, CORNERS * [1.1, 1.2])
         sides = SIDE / 2 * np.array([np.hypot(1.1, 1.2), 1.2, 1.1])
         np.testing.assert_allclose(met, KAPPA * 0.32 * sides, rtol=1e-12)

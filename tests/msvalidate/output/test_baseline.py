@@ -28,7 +28,7 @@ MEANING = {c: c for c in TABLE} | {"order": 'power; "not asymptotic" where there
 
 
 def text(table):
-    return stored.read_csv(io.BytesIO(stored.csv(table.drop(columns="steps_per_second"))))
+    return stored.read_csv(io.BytesIO(stored.csv_bytes(table.drop(columns="steps_per_second"))))
 
 
 def failures(table=TABLE, reference=None, rounding=None):
@@ -127,7 +127,7 @@ def evidence(tables):
 
 
 def test_tables_of_a_study(tmp_path):
-    for name, content in baseline.files(evidence({"t": TABLE})).items():
+    for name, content in baseline.baseline_files(evidence({"t": TABLE})).items():
         (tmp_path / name).write_bytes(content)
     assert (tmp_path / "t.csv").read_text().startswith("name,x,order,n\n")
     rows = baseline.compare(evidence({"t": TABLE}), tmp_path)
@@ -166,7 +166,7 @@ def test_a_line_in_the_changelog(before, after, end, tmp_path, monkeypatch):
     place.write_bytes(before.encode().replace(b"\n", end))
     monkeypatch.setattr(baseline, "CHANGELOG", place)
     wanted = f"## Unreleased\n\n{after}".encode().replace(b"\n", end)
-    assert baseline.changelog("quick", "so").endswith(wanted)
+    assert baseline.changelog_entry("quick", "so").endswith(wanted)
 
 
 def test_a_line_in_the_changelog_names_studies(tmp_path, monkeypatch):
@@ -174,7 +174,7 @@ def test_a_line_in_the_changelog_names_studies(tmp_path, monkeypatch):
     place.write_text("## Unreleased\n", encoding="utf-8")
     monkeypatch.setattr(baseline, "CHANGELOG", place)
     line = "- Baseline (quick; stability, damping): so\n"
-    assert line in baseline.changelog("quick", "so", ["stability", "damping"]).decode()
+    assert line in baseline.changelog_entry("quick", "so", ["stability", "damping"]).decode()
 
 
 # --- check of some studies ------------------------------------------------------------------------

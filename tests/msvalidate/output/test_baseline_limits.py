@@ -12,7 +12,7 @@ LARGE_AND_SMALL = pd.DataFrame({"x": [1e6, 0.5, 1.0]})
 
 
 def row_of(table, quantity):
-    reference = stored.read_csv(io.BytesIO(stored.csv(LARGE_AND_SMALL)))
+    reference = stored.read_csv(io.BytesIO(stored.csv_bytes(LARGE_AND_SMALL)))
     rows = baseline.compare_tables("t", table, reference, {})
     return {row["quantity"]: row for row in rows}[quantity]
 
@@ -31,7 +31,7 @@ def test_the_value_farthest_off_for_its_own_limit_is_judged():
 
 def test_a_baseline_that_cannot_be_read_fails_by_its_name(tmp_path):
     (tmp_path / "t.csv").write_text("x\n1\n1,2,3\n")
-    (tmp_path / "u.csv").write_bytes(stored.csv(LARGE_AND_SMALL))
+    (tmp_path / "u.csv").write_bytes(stored.csv_bytes(LARGE_AND_SMALL))
     tables = {"t": LARGE_AND_SMALL, "u": LARGE_AND_SMALL}
     rows = baseline.compare(Evidence(tables, {}, (), columns={"x": "a number"}), tmp_path)
     verdicts = {row["quantity"]: row["verdict"] for row in rows}

@@ -77,7 +77,7 @@ NOTHING = pd.DataFrame(columns=["layer", "quantity", *NUMBERS, "verdict"])
 
 
 def test_page_of_a_study_that_passed():
-    html = page.page([stored()])
+    html = page.render_page([stored()])
     text = Read(html).text
     said = (
         "pass The one tolerance of 1 study held.",
@@ -103,7 +103,7 @@ def test_page_of_a_study_that_passed():
 
 def test_page_of_a_study_that_failed():
     rows = [judged(), judged("slope", verdict="fail", observed=2.0, unit="1", because="it was 1/2")]
-    text = Read(page.page([stored(rows=rows), stored("other")])).text
+    text = Read(page.render_page([stored(rows=rows), stored("other")])).text
     assert "FAIL 1 of 3 tolerances missed." in text
     assert "lines FAIL 1 of 2 held, 1 missed" in text
     assert "lines FAIL slope 2 0.5 0.5 0.75 1 it was 1/2" in text  # over all
@@ -112,7 +112,7 @@ def test_page_of_a_study_that_failed():
 
 
 def test_page_of_a_study_that_did_not_finish():
-    text = Read(page.page([stored(error="no pivot"), stored("other")])).text
+    text = Read(page.render_page([stored(error="no pivot"), stored("other")])).text
     assert "not finished The one tolerance of 1 study held; did not finish: lines." in text
     assert "lines not finished no pivot 2026" in text
     assert "lines did not finish: no pivot" in text
@@ -122,7 +122,7 @@ def test_page_of_a_study_that_did_not_finish():
 
 def test_failures_of_the_run_before_are_not_those_of_this_one():
     old = stored(rows=[judged("slope", verdict="fail")], error="no pivot")
-    text = Read(page.page([old])).text
+    text = Read(page.render_page([old])).text
     assert "not finished Did not finish: lines." in text
     assert "Missed tolerances" not in text
     assert "slope (theory): observed" in text  # in its own section, marked
@@ -130,20 +130,20 @@ def test_failures_of_the_run_before_are_not_those_of_this_one():
 
 def test_page_of_a_study_that_never_finished():
     empty = stored(verdict=NOTHING, tables={}, pictures={}, findings=(), error="no pivot")
-    text = Read(page.page([empty])).text
+    text = Read(page.render_page([empty])).text
     assert "There are no results of a run before." in text
     assert "Nothing was judged." in text
 
 
 def test_page_of_a_study_that_judged_nothing():
-    text = Read(page.page([stored(verdict=NOTHING)])).text
+    text = Read(page.render_page([stored(verdict=NOTHING)])).text
     assert "FAIL Judged nothing: lines." in text
     assert "What failed lines judged nothing" in text
     assert "Nothing failed" not in text
 
 
 def test_page_of_no_study():
-    assert "not finished No study has been run." in Read(page.page([])).text
+    assert "not finished No study has been run." in Read(page.render_page([])).text
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_page_of_no_study():
 )
 def test_overall_verdict_is_the_worst(states, verdict):
     sections = [
-        page.section(
+        page.study_section(
             stored(
                 f"s{i}",
                 rows=[judged(verdict="fail" if state == "f" else "pass")],
@@ -161,30 +161,30 @@ def test_overall_verdict_is_the_worst(states, verdict):
         )
         for i, state in enumerate(states)
     ]
-    assert page.overall(sections)[0] == verdict
+    assert page.overall_verdict(sections)[0] == verdict
 
 
 def test_baseline_lists_only_what_failed():
     rows = [judged(f"held {i}", layer="baseline") for i in range(5)]
     rows.append(judged("moved", layer="baseline", verdict="fail"))
-    (baseline,) = [x for x in page.section(stored(rows=rows)).layers if x.name == "baseline"]
+    (baseline,) = [x for x in page.study_section(stored(rows=rows)).layers if x.name == "baseline"]
     assert (baseline.judged, baseline.missed) == (6, 1)
     assert [row.quantity for row in baseline.listed] == ["moved"]
-    text = Read(page.page([stored(rows=rows)])).text
+    text = Read(page.render_page([stored(rows=rows)])).text
     assert "5 of 6 held, 1 missed; those missed:" in text
     assert "held 3" not in text
 
 
 def test_no_row_of_a_verdict_is_left_out():
     rows = [judged(), judged("odd", layer="something else", verdict="fail")]
-    found = page.section(stored(rows=rows))
+    found = page.study_section(stored(rows=rows))
     assert [x.name for x in found.layers] == [*page.LAYERS, "something else"]
     assert (found.judged, found.missed) == (2, 1)
 
 
 def test_value_that_is_no_number_is_shown():
     rows = [judged(verdict="fail", observed=float("nan"), error=float("inf"))]
-    assert "gap nan 0.5 inf 0.75 m" in Read(page.page([stored(rows=rows)])).text
+    assert "gap nan 0.5 inf 0.75 m" in Read(page.render_page([stored(rows=rows)])).text
 
 
 # --- tables and numbers ---------------------------------------------------------------------------
@@ -209,7 +209,7 @@ def test_value_that_is_no_number_is_shown():
     ],
 )
 def test_numbers_have_six_digits(values, shown):
-    assert page.shown(values) == shown
+    assert page.format_column(values) == shown
 
 
 @pytest.mark.parametrize(
@@ -224,12 +224,12 @@ def test_numbers_have_six_digits(values, shown):
     ],
 )
 def test_numbers_stand_on_the_right_and_words_on_the_left(values, kind):
-    assert page.kind(values) == kind
+    assert page.column_kind(values) == kind
 
 
 def test_long_table_is_shown_by_its_first_rows():
     content = pd.DataFrame({"x": [str(i) for i in range(page.ROWS_SHOWN + 7)]})
-    html = page.page([stored(tables={"line": content})])
+    html = page.render_page([stored(tables={"line": content})])
     text = Read(html).text
     assert "7 more rows in lines/line.csv" in text
     assert f">{page.ROWS_SHOWN - 1}<" in html
@@ -239,15 +239,15 @@ def test_long_table_is_shown_by_its_first_rows():
 def test_tables_that_a_reader_wants_first_come_first_and_open():
     content = pd.DataFrame({"x": ["1"]})
     names = ["a", "cases", "b", "summary"]
-    found = page.section(stored(tables=dict.fromkeys(names, content))).tables
+    found = page.study_section(stored(tables=dict.fromkeys(names, content))).tables
     assert [t.name for t in found] == ["cases", "summary", "a", "b"]
     assert [t.open for t in found] == [True, True, False, False]
-    html = page.page([stored(tables=dict.fromkeys(names, content))])
+    html = page.render_page([stored(tables=dict.fromkeys(names, content))])
     assert [("open" in found) for found in Read(html).all("details")] == [True, True, False, False]
 
 
 def test_column_without_a_meaning_has_no_definition():
-    html = page.page([stored(columns={"x": "place (m)"})])
+    html = page.render_page([stored(columns={"x": "place (m)"})])
     assert html.count("<dt><code>") == 1
 
 
@@ -256,43 +256,43 @@ def test_column_without_a_meaning_has_no_definition():
 
 def test_docstring_becomes_paragraphs_and_lists():
     text = "One\ntwo.\n\nBefore:\n- first,\n  goes on;\n\n- second.\n\nThe end - really."
-    assert page.blocks(text) == (
+    assert page.paragraphs_and_lists(text) == (
         page.Block(("One two.",), listed=False),
         page.Block(("Before:",), listed=False),
         page.Block(("first, goes on;", "second."), listed=True),
         page.Block(("The end - really.",), listed=False),
     )
-    assert page.blocks("\n\n") == ()
+    assert page.paragraphs_and_lists("\n\n") == ()
 
 
 def test_backticks_become_code():
-    assert page.pieces("a `b` c") == [(False, "a "), (True, "b"), (False, " c")]
-    assert page.pieces("``x`` and `y`") == [(True, "x"), (False, " and "), (True, "y")]
-    assert page.pieces("a lone ` stays") == [(False, "a lone ` stays")]
-    assert page.pieces("") == []
+    assert page.split_at_backticks("a `b` c") == [(False, "a "), (True, "b"), (False, " c")]
+    assert page.split_at_backticks("``x`` and `y`") == [(True, "x"), (False, " and "), (True, "y")]
+    assert page.split_at_backticks("a lone ` stays") == [(False, "a lone ` stays")]
+    assert page.split_at_backticks("") == []
 
 
 def test_study_without_a_question_is_called_by_its_name():
-    assert page.section(stored(question="")).question == "lines"
+    assert page.study_section(stored(question="")).question == "lines"
 
 
 # --- provenance -----------------------------------------------------------------------------------
 
 
 def test_provenance_that_is_shared_is_given_once():
-    text = Read(page.page([stored("a"), stored("b")])).text
+    text = Read(page.render_page([stored("a"), stored("b")])).text
     assert text.partition("Provenance")[2].strip() == "seed 0 time 2026-01-01 00:00 UTC"
 
 
 def test_provenance_that_differs_is_given_by_study():
     other = stored("b", origin={"seed": "0", "time": "later"})
-    text = Read(page.page([stored("a"), other])).text
+    text = Read(page.render_page([stored("a"), other])).text
     said = "seed 0 a time 2026-01-01 00:00 UTC b time later"
     assert text.partition("Provenance")[2].strip() == said
 
 
 def test_study_without_a_time():
-    assert "not compared unknown" in Read(page.page([stored(origin={})])).text
+    assert "not compared unknown" in Read(page.render_page([stored(origin={})])).text
 
 
 # --- markup ---------------------------------------------------------------------------------------
@@ -328,7 +328,7 @@ TEXTS = [field.name for field in fields(Stored) if field.type != "float"]
 
 @pytest.mark.parametrize("name", [*TEXTS, "all of them"])
 def test_what_a_study_says_never_becomes_markup(name):
-    html = page.page([spoilt(name)])
+    html = page.render_page([spoilt(name)])
     read = Read(html)
     assert read.all("script") == []
     assert {tag for tag, _ in read.elements} <= {tag for tag, _ in Read(PLAIN).elements} | {
@@ -341,18 +341,18 @@ def test_what_a_study_says_never_becomes_markup(name):
         assert EVIL in "".join(read.words)
 
 
-PLAIN = page.page([stored(rows=[judged(), judged(verdict="fail")])])
+PLAIN = page.render_page([stored(rows=[judged(), judged(verdict="fail")])])
 
 
 def test_page_loads_nothing_and_runs_nothing():
-    read = Read(page.page([stored(), stored("b", error="https://example.org/why")]))
+    read = Read(page.render_page([stored(), stored("b", error="https://example.org/why")]))
     assert read.all("script") == []
     for tag, found in read.elements:
         for key in LOADING & set(found):
             assert found[key].startswith("data:"), (tag, key)
         if "href" in found:
             assert found["href"].startswith("#") or found["href"] == "data:,", tag
-    style = page.page([]).partition("<style>")[2].partition("</style>")[0]
+    style = page.render_page([]).partition("<style>")[2].partition("</style>")[0]
     assert style
     for loading in ("url(", "@import", "http:", "https:"):
         assert loading not in style
@@ -370,9 +370,9 @@ def test_picture_is_inside_the_page_with_its_caption():
 
 
 def test_wide_picture_scrolls_on_a_small_screen():
-    assert page.picture("", SVG % 900).wide
-    assert not page.picture("", SVG % 300).wide
-    assert not page.picture("", b"no picture").wide
+    assert page.embed_picture("", SVG % 900).wide
+    assert not page.embed_picture("", SVG % 300).wide
+    assert not page.embed_picture("", b"no picture").wide
 
 
 def test_page_can_be_read_without_seeing_it():
@@ -393,4 +393,4 @@ def test_page_can_be_read_without_seeing_it():
 
 
 def test_same_results_make_the_same_page():
-    assert page.page([stored(), stored("b")]) == page.page([stored(), stored("b")])
+    assert page.render_page([stored(), stored("b")]) == page.render_page([stored(), stored("b")])

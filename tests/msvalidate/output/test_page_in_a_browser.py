@@ -11,7 +11,7 @@ import pytest
 from msvalidate.judging.evidence import judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import page, stored
-from msvalidate.output.provenance import provenance
+from msvalidate.output.provenance import collect_provenance
 from msvalidate.studies import poisson
 
 BROWSER = next(
@@ -50,10 +50,10 @@ def browser(tmp_path_factory):
 def real_results(folder, evidence):
     """What a study found, through its files."""
     result = stored.Result("poisson", poisson.__doc__, evidence, judge(evidence))
-    origin = provenance(["a", "command"], 0, datetime.now(UTC), 1.5)
-    for name, content in stored.files(result, origin).items():
+    origin = collect_provenance(["a", "command"], 0, datetime.now(UTC), 1.5)
+    for name, content in stored.result_files(result, origin).items():
         (folder / name).write_bytes(content)
-    return stored.read(folder)
+    return stored.read_result(folder)
 
 
 LONG = "Donaudampfschifffahrtselektrizitätenhauptbetriebswerkbauunterbeamtengesellschaft" * 2
@@ -98,7 +98,7 @@ def real(tmp_path_factory):
 def address(request, real, tmp_path_factory):
     studies = {"real": [real], "ugly": ugly_results(), "empty": []}[request.param]
     file = tmp_path_factory.mktemp("page") / "report.html"
-    file.write_text(page.page(studies), encoding="utf-8")
+    file.write_text(page.render_page(studies), encoding="utf-8")
     return file.as_uri()
 
 
@@ -190,7 +190,7 @@ return [...faint];
 
 def test_verdict_has_a_colour_beside_its_word(browser, tmp_path, real):
     file = tmp_path / "report.html"
-    file.write_text(page.page([real, *ugly_results()]), encoding="utf-8")
+    file.write_text(page.render_page([real, *ugly_results()]), encoding="utf-8")
     open_page(browser, file.as_uri(), 1280)
     seen = browser.execute_script(
         """

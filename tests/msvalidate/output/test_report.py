@@ -18,9 +18,9 @@ from msvalidate.problem import ProblemError
 
 def drawn(tables):
     """A straight line."""
-    figure, (axis,) = figures.new()
+    figure, (axis,) = figures.new_figure()
     axis.plot(tables["line"]["x"], tables["line"]["x"], label="x")
-    figures.shared_legend(figure, [axis])
+    figures.add_shared_legend(figure, [axis])
     return figure
 
 
@@ -41,7 +41,7 @@ def result(name="poisson", gap=2.0):
 
 
 def files(name="poisson", gap=2.0, plots=True, seconds=0.0):
-    return stored.files(result(name, gap), {"seed": "0"}, plots=plots, seconds=seconds)
+    return stored.result_files(result(name, gap), {"seed": "0"}, plots=plots, seconds=seconds)
 
 
 def content(folder):
@@ -367,7 +367,7 @@ def test_unwritable_places(tmp_path):
 
 
 def test_provenance_names_no_host_user_or_path():
-    origin = provenance.provenance(["python", "-m", "x"], 3, datetime.now(UTC), 1.5)
+    origin = provenance.collect_provenance(["python", "-m", "x"], 3, datetime.now(UTC), 1.5)
     labels = "msvalidate Python libraries processor system seed command time"
     assert list(origin) == labels.split()
     text = " ".join(origin.values())

@@ -30,7 +30,7 @@ def evidence(gap):
 def files(name="poisson", gap=2.0):
     found = evidence(gap)
     result = stored.Result(name, "How long?", found, judge(found))
-    return stored.files(result, {"seed": "0"}, plots=False)
+    return stored.result_files(result, {"seed": "0"}, plots=False)
 
 
 def content(folder):

@@ -13,8 +13,8 @@ import pytest
 from msvalidate.network import energy, internal_force, spring_network
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Mesh, ProblemError
-from msvalidate.problem.checks import finite, indices, number, shaped
-from reference_fem.mesh.discretisation import discretise
+from msvalidate.problem.checks import finite, finite_number, indices, shaped
+from reference_fem.mesh.discretisation import make_discretisation
 from tests.table import table
 
 CORNERS = 0.37 * np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]]) + 4.3
@@ -40,7 +40,7 @@ def indices_to(what, cells):
         return Mesh(CORNERS, cells, "quad").cells
     if what == "volumes":
         return Volumes(CORNERS, cells, [0.2]).cells
-    return discretise(CORNERS, cells, "Q1").cells
+    return make_discretisation(CORNERS, cells, "Q1").cells
 
 
 WAYS = {
@@ -192,13 +192,16 @@ def test_what_refuses_to_become_an_array_is_told_with_its_own_remedy(error):
         (lambda: finite("x", [1.0], 2, need="two ends"), "x: shape (1,); two ends"),
         (lambda: indices("x", [0, 3], 3, "n"), "x: points 0 to 3; there are 3, from 0"),
         (lambda: indices("x", [-1], 3, "n"), "x: points -1 to -1; there are 3, from 0"),
-        (lambda: number("x", 1, below=1), "x: 1; give a number below 1"),
+        (lambda: finite_number("x", 1, below=1), "x: 1; give a number below 1"),
         (
-            lambda: number("x", 0.0, above=0, most=1, unit="m"),
+            lambda: finite_number("x", 0.0, above=0, most=1, unit="m"),
             "x: 0.0 m; give a number above 0 and",
         ),
-        (lambda: number("x", 1.5, above=0, most=1), "x: 1.5; give a number above 0 and at most 1"),
-        (lambda: number("x", -1e-9, least=0), "x: -1e-09; give a number of 0 or more"),
+        (
+            lambda: finite_number("x", 1.5, above=0, most=1),
+            "x: 1.5; give a number above 0 and at most 1",
+        ),
+        (lambda: finite_number("x", -1e-9, least=0), "x: -1e-09; give a number of 0 or more"),
     ],
 )
 def test_another_shape_or_range_is_refused(asked, message):
@@ -211,4 +214,4 @@ def test_shapes_and_ends_of_ranges_are_taken():
         assert shaped("x", np.zeros(shape), "n>0", (2, 3)).shape == shape
     assert shaped("x", np.zeros((0, 2)), "n", 2).shape == (0, 2)
     assert indices("x", [0, 2], 3, "n").tolist() == [0, 2]
-    assert [number("x", x, least=0, most=1) for x in (0, 1)] == [0, 1]
+    assert [finite_number("x", x, least=0, most=1) for x in (0, 1)] == [0, 1]

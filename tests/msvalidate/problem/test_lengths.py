@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.constants.homogenise import homogenised
+from msvalidate.constants.homogenise import homogenise
 from msvalidate.constants.stiffness import isotropic_moduli, moduli
 from msvalidate.lattice import patterns
 from msvalidate.network import energy, mode_energy, spring_network, tangent
@@ -93,7 +93,7 @@ def test_force_scale_counts_shear_springs():
 
 def test_zeners_ratio_is_that_of_two_shears():
     """Along the axes, and at 45° to them: energies of strains γ/2 (1, -1, 0) and (0, 0, γ)."""
-    C = homogenised(patterns.square(), (1.3, 0.2), SIDE).tensor
+    C = homogenise(patterns.square(), (1.3, 0.2), SIDE).tensor
     along, across = np.array([0.0, 0, 1]), np.array([0.5, -0.5, 0])
     expected = (along @ C @ along) / (across @ C @ across)
     assert abs(expected - 1) > 0.1

@@ -25,9 +25,9 @@ from msvalidate.problem import (
     Support,
     Traction,
     corners_of,
-    enclosed,
+    enclosed_volume,
     measure_of,
-    prescribed,
+    prescribed_displacements,
 )
 from msvalidate.problem.shapes import area_vectors
 
@@ -140,7 +140,9 @@ def test_arc_is_measured(ring_mesh):
 def test_enclosed_does_not_depend_on_where_the_body_is(ring_mesh):
     mesh = ring_mesh("quad9")
     far = mesh.points[mesh.surface] + 1e6
-    assert enclosed(far) == pytest.approx(mesh.volume, rel=1e-9)  # coordinates keep 1e-10 there
+    assert enclosed_volume(far) == pytest.approx(
+        mesh.volume, rel=1e-9
+    )  # coordinates keep 1e-10 there
 
 
 # --- parts of the surface -------------------------------------------------------------------------
@@ -272,10 +274,10 @@ def test_problem_on_a_mesh(box_mesh):
         (clamp,),
         (Traction(mesh.side("right"), (1.0, 0.0)), PointForce((2.0, 1.0), (0.0, 1.0))),
     )
-    held, _ = prescribed(problem, mesh.points)
+    held, _ = prescribed_displacements(problem, mesh.points)
     assert np.array_equal(held.all(axis=1), left(mesh.points))
     with refused("support on boundary 'left': the discretised body has points from y = 0 to 0.5"):
-        prescribed(problem, mesh.points[mesh.points[:, 1] < 0.7])
+        prescribed_displacements(problem, mesh.points[mesh.points[:, 1] < 0.7])
     with refused("supports leave the body free: translation along y"):
         Problem(mesh, problem.material, (Support(mesh.side("left"), (0.0, None)),))
 

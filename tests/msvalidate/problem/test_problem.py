@@ -21,7 +21,7 @@ from msvalidate.problem import (
     Traction,
     corners_of,
 )
-from msvalidate.problem.checks import finite, positive
+from msvalidate.problem.checks import finite, positive_number
 from tests.table import table
 
 NAN = float("nan")
@@ -51,7 +51,7 @@ def refused(message):
         (lambda: finite("force", [[0, 1], [np.inf, 0]]), "force: inf at index (1, 0)"),
         (lambda: finite("mass", "heavy"), "mass: expected numbers, got 'heavy'"),
         (lambda: finite("points", [[0, 1], [1]]), "points: rows of different length"),
-        (lambda: positive("dt", [1.0], "s"), "dt: [1.0] s; it must be above zero"),
+        (lambda: positive_number("dt", [1.0], "s"), "dt: [1.0] s; it must be above zero"),
         # domain
         (lambda: Box((1.0,)), "give a tuple of 2 or 3 lengths"),
         (lambda: Box([1.0, 1.0]), "give a tuple of 2 or 3 lengths"),

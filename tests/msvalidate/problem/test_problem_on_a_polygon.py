@@ -18,7 +18,7 @@ from msvalidate.problem import (
     Segment,
     Support,
     Traction,
-    prescribed,
+    prescribed_displacements,
 )
 from tests.table import table
 
@@ -48,7 +48,7 @@ POINTS = np.array(
 def test_a_support_on_a_slope_holds_its_points_and_no_others():
     far = Support(Segment((3.0, 1.0), (4.0, 0.0)), (0.25, None))
     middle = Support(Region((2.0, 0.0)), (None, lambda p: -p[:, 0]))
-    held, value = prescribed(bar(supports=(CLAMP, far, middle)), POINTS)
+    held, value = prescribed_displacements(bar(supports=(CLAMP, far, middle)), POINTS)
     x, y = POINTS.T
     left, right, below = x == y, x == 4 - y, (x == 2) & (y == 0)
     np.testing.assert_array_equal(held, np.stack([left | right, left | below], axis=1))
@@ -65,13 +65,13 @@ def test_a_support_on_a_slope_holds_its_points_and_no_others():
 )
 def test_a_support_that_ends_between_the_points_is_refused(segment, ends):
     with refused(ends):
-        prescribed(bar(supports=(Support(segment, (0.0, 0.0)),)), POINTS)
+        prescribed_displacements(bar(supports=(Support(segment, (0.0, 0.0)),)), POINTS)
 
 
 def test_a_support_beside_the_points_is_refused():
     problem = bar(supports=(CLAMP, Support(Segment((2.1, 0.0), (2.2, 0.0)), (0.0, None))))
     with refused("support on ((2.1, 0) to (2.2, 0)): no point of the discretised body lies"):
-        prescribed(problem, POINTS)
+        prescribed_displacements(problem, POINTS)
 
 
 @table(
@@ -95,14 +95,14 @@ def test_a_side_that_a_region_takes_from_the_span_is_refused():
     with refused("(y = 1): from (0, 1) to (4, 1) m it is not on one side"):
         bar(supports=(CLAMP, Support(Region((None, 1.0)), (None, 0.0))))
     top = Support(Region(((1.0, 3.0), 1.0)), (None, 0.0))
-    held, _ = prescribed(bar(supports=(CLAMP, top)), POINTS)
+    held, _ = prescribed_displacements(bar(supports=(CLAMP, top)), POINTS)
     assert held[:, 1].sum() == 3 + 5 - 1
 
 
 def test_supports_on_segments_that_contradict_each_other_are_refused_at_the_place():
     top = Support(Segment((1.0, 1.0), (3.0, 1.0)), (None, 0.5))
     with refused("y displacement 0 and 0.5 m at (1, 1); prescribe it once"):
-        prescribed(bar(supports=(CLAMP, top)), POINTS)
+        prescribed_displacements(bar(supports=(CLAMP, top)), POINTS)
 
 
 @table(

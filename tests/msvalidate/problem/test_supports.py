@@ -17,7 +17,7 @@ from msvalidate.problem import (
     Region,
     Support,
     free_motions,
-    prescribed,
+    prescribed_displacements,
     rigid_motions,
     vectors_at,
 )
@@ -145,7 +145,7 @@ def test_supports_hold_their_components_and_no_others():
         Support(PLATE.side("right"), (0.25, None)),
         Support(Region((1.0, 1.0)), (None, lambda p: p[:, 0] - 3.0)),
     )
-    held, value = prescribed(plate(supports=supports), GRID)
+    held, value = prescribed_displacements(plate(supports=supports), GRID)
     left, right, top_middle = GRID[:, 0] == 0, GRID[:, 0] == 2, (GRID == [1.0, 1.0]).all(axis=1)
     np.testing.assert_array_equal(held, np.stack([left | right, left | top_middle], axis=1))
     np.testing.assert_array_equal(value, np.stack([0.25 * right, -2.0 * top_middle], axis=1))
@@ -153,7 +153,7 @@ def test_supports_hold_their_components_and_no_others():
 
 def test_supports_that_agree_where_they_meet_are_one_support():
     supports = (CLAMP, Support(PLATE.side("bottom"), (None, lambda p: 1e-3 * p[:, 0])))
-    held, value = prescribed(plate(supports=supports), GRID)
+    held, value = prescribed_displacements(plate(supports=supports), GRID)
     assert held[0].all()
     assert value[2, 1] == 2e-3
 
@@ -163,14 +163,14 @@ def test_supports_that_contradict_each_other_are_refused_at_the_place(order):
     supports = (CLAMP, Support(PLATE.side("top"), (None, 0.5)))[::order]
     values = "0 and 0.5" if order == 1 else "0.5 and 0"
     with refused(f"y displacement {values} m at (0, 1); prescribe it once"):
-        prescribed(plate(supports=supports), GRID)
+        prescribed_displacements(plate(supports=supports), GRID)
 
 
 def test_small_displacements_contradict_each_other_too():
     # Linear equilibrium has no scale: at a strain of 1e-10 this support matters as much as at 1.
     supports = (CLAMP, Support(PLATE.side("bottom"), (None, 1e-9)))
     with refused("supports contradict each other"):
-        prescribed(plate(supports=supports), GRID)
+        prescribed_displacements(plate(supports=supports), GRID)
 
 
 def test_a_field_that_rounds_to_zero_agrees_with_zero():
@@ -180,7 +180,7 @@ def test_a_field_that_rounds_to_zero_agrees_with_zero():
         Support(PLATE.side("right"), (0.0, 0.0)),
         Support(PLATE.side("top"), (None, lambda p: 0.1 * np.sin(np.pi * p[:, 0] / 2))),
     )
-    held, value = prescribed(plate(supports=supports), GRID)
+    held, value = prescribed_displacements(plate(supports=supports), GRID)
     assert held[8].all()
     assert value[7, 1] == pytest.approx(0.1, rel=1e-15)
 
@@ -188,13 +188,13 @@ def test_a_field_that_rounds_to_zero_agrees_with_zero():
 @table("region", [Region((2.0, (0.0, 0.7))), Region(((0.5, 2.0), 0.0))])
 def test_a_support_that_ends_between_the_points_is_refused(region):
     with refused("not at its ends; choose cells that put one at each"):
-        prescribed(plate(supports=(CLAMP, Support(region, (0.0, None)))), GRID)
+        prescribed_displacements(plate(supports=(CLAMP, Support(region, (0.0, None)))), GRID)
 
 
 def test_a_support_between_the_points_is_refused():
     supports = (CLAMP, Support(Region((0.3, None)), (0.0, None)))
     with refused("support on (x = 0.3): no point of the discretised body lies there"):
-        prescribed(plate(supports=supports), GRID)
+        prescribed_displacements(plate(supports=supports), GRID)
 
 
 @pytest.mark.parametrize(
@@ -209,7 +209,7 @@ def test_a_support_between_the_points_is_refused():
 def test_a_displacement_field_returns_a_finite_number_a_point(field, message):
     problem = plate(supports=(Support(PLATE.side("left"), (field, 0.0)),))
     with refused(message):
-        prescribed(problem, GRID)
+        prescribed_displacements(problem, GRID)
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from msvalidate.problem import (
 )
 from msvalidate.relaxation.viscous import algorithm1
 from msvalidate.statics.equilibrium import equilibrium
-from msvalidate.statics.imposing import imposed
+from msvalidate.statics.imposing import impose_supports
 from tests.table import table
 
 NAN = float("nan")
@@ -111,7 +111,7 @@ def test_the_history_runs_from_the_start_to_rest(lattice_body):
     step, residual, kinetic = run.history.T
     assert (step[0], kinetic[0]) == (0, 0)
     # It starts with the prescribed displacements imposed at once, and all else between them.
-    start = network.points + imposed(network, np.zeros(network.points.shape))
+    start = network.points + impose_supports(network, np.zeros(network.points.shape))
     balance = np.where(network.held, 0.0, internal_force(network, start))
     assert residual[0] == pytest.approx(np.abs(balance).max(), rel=1e-13)
     assert (np.diff(step) == 20).all()

@@ -46,7 +46,7 @@ def test_a_rest_inside_out_is_refused_unless_it_is_asked_for():
 
 @pytest.mark.parametrize("first", ["refused", "stuck half way"])
 def test_where_the_first_way_ends_rest_lengths_are_raised_too(monkeypatch, first):
-    follow, ways = module.follow, []
+    follow, ways = module.follow_path, []
 
     def ends(way, solver):
         ways.append(way)
@@ -58,14 +58,14 @@ def test_where_the_first_way_ends_rest_lengths_are_raised_too(monkeypatch, first
         found.reached = 0.5
         return found
 
-    monkeypatch.setattr(module, "follow", ends)
+    monkeypatch.setattr(module, "follow_path", ends)
     assert pull(equilibrium(rope(), "nonlinear").position[1, 1]) == pytest.approx(0.3, rel=1e-12)
     assert len(ways) == 2
 
 
 def test_a_way_that_leads_to_the_end_is_not_gone_twice(monkeypatch):
-    follow, ways = module.follow, []
-    monkeypatch.setattr(module, "follow", lambda *given: ways.append(given) or follow(*given))
+    follow, ways = module.follow_path, []
+    monkeypatch.setattr(module, "follow_path", lambda *given: ways.append(given) or follow(*given))
     assert pull(equilibrium(rope(), "nonlinear").position[1, 1]) == pytest.approx(0.3, rel=1e-12)
     assert len(ways) == 1
 

@@ -10,7 +10,7 @@ from msvalidate.network import spring_network
 from msvalidate.problem import Box, SolverError, Support
 from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
-from msvalidate.statics.imposing import imposed
+from msvalidate.statics.imposing import impose_supports
 
 SIDE = 0.37
 """m"""
@@ -100,7 +100,9 @@ def test_a_folded_rest_is_refused_with_its_cells(lattice_body):
 
 def test_small_displacements_move_what_is_held_alone(lattice_body):
     network = squeezed(lattice_body, 12, 0.02)  # 0.24 of a cell
-    np.testing.assert_array_equal(imposed(network, np.zeros((169, 2))), network.displacement)
+    np.testing.assert_array_equal(
+        impose_supports(network, np.zeros((169, 2))), network.displacement
+    )
 
 
 def test_points_between_go_along_by_the_mean_of_neighbours():
@@ -119,4 +121,4 @@ def test_points_between_go_along_by_the_mean_of_neighbours():
     )
     part = np.cumsum(1 / k) / (1 / k).sum()
     expected = -0.6 * np.array([0, *part, 0])
-    np.testing.assert_allclose(imposed(chain, np.zeros((5, 2)))[:, 0], expected, atol=1e-12)
+    np.testing.assert_allclose(impose_supports(chain, np.zeros((5, 2)))[:, 0], expected, atol=1e-12)

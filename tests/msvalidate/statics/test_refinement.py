@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from msvalidate.dynamics.spectrum import natural_frequencies
-from msvalidate.linear_algebra.double_double import Pair, added, pair
+from msvalidate.linear_algebra.double_double import Pair, add, as_pair
 from msvalidate.linear_algebra.refine import LARGEST_ERROR
 from msvalidate.network import internal_force, spring_network
 from msvalidate.network.accurate import State
@@ -22,7 +22,7 @@ from msvalidate.network.laws.local_shear import LocalShear
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import Region, SolverError, Traction
 from msvalidate.statics.equilibrium import equilibrium
-from msvalidate.statics.polish import error_of, polished
+from msvalidate.statics.polish import error_of_displacement, refine_equilibrium
 from msvalidate.statics.tangents import is_stable
 from msvalidate.tangent.inverse import Solver
 from tests.table import table
@@ -382,8 +382,8 @@ def test_the_error_of_a_displacement_is_what_it_is_off_by(size):
     shift = np.where(network.held, 0.0, np.random.default_rng(8).normal(size=rest.shape))
     off = rest + size * np.abs(rest).max() * shift / np.abs(shift).max()
     error = np.abs(off - rest).max() / np.abs(rest).max()
-    assert error <= error_of(network, off) < 2 * error
-    again = polished(network, off, None, Solver(network))
+    assert error <= error_of_displacement(network, off) < 2 * error
+    again = refine_equilibrium(network, off, None, Solver(network))
     np.testing.assert_allclose(again.displacement, rest, rtol=0, atol=2e-16 * np.abs(rest).max())
 
 
@@ -421,16 +421,16 @@ def test_forces_have_twice_the_digits_of_doubles(kind):
     rng = np.random.default_rng(9)
     network = in_space(kind, rng)
     u, way = 0.02 * rng.uniform(-1, 1, (2, 27, 3))
-    here = State(network, pair(u))
+    here = State(network, as_pair(u))
     unit = here.length * here.stiffness
     plain = internal_force(network, network.points + u)
     np.testing.assert_allclose(here.force().hi * unit, plain, atol=2e-14 * np.abs(plain).max())
     # A step of 1e-13 changes forces by 13 digits less than they have; of doubles 3 would be left.
     h = 2.0**-43
-    there = State(network, added(pair(u), pair(h * way)))
-    change = added(there.force(), Pair(*(-x for x in here.force()))).hi * unit / h
-    zero = pair(np.zeros_like(u))
-    slope = here.residual(zero, pair(way)).hi * here.stiffness
+    there = State(network, add(as_pair(u), as_pair(h * way)))
+    change = add(there.force(), Pair(*(-x for x in here.force()))).hi * unit / h
+    zero = as_pair(np.zeros_like(u))
+    slope = here.residual(zero, as_pair(way)).hi * here.stiffness
     np.testing.assert_allclose(change, slope, atol=1e-11 * np.abs(slope).max())
 
 

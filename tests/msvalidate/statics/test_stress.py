@@ -28,9 +28,9 @@ from msvalidate.statics.stress import (
     cell_stress,
     cell_volume,
     fitted_stress,
-    members,
     point_stress,
     point_virial,
+    spring_cell_pairs,
     spring_virial,
 )
 
@@ -304,7 +304,7 @@ def test_what_does_not_belong_together_is_refused():
         fitted_stress(in_one_place, in_one_place, np.zeros((1, 2)), tensor, degree=1)
     with refused("places: 1e+300"):
         fitted_stress(lattice.points, 0 * lattice.points, [[1e300, 0]], tensor, degree=1)
-    for ask in (cell_volume, members):
+    for ask in (cell_volume, spring_cell_pairs):
         with refused("lattice: None; give a Lattice"):
             ask(None)
     on_line = np.stack([np.linspace(0, 1, 30), np.zeros(30)], axis=1)

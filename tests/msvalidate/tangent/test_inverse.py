@@ -9,7 +9,7 @@ import pytest
 
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import fill, patterns
-from msvalidate.linear_algebra.factor import factorised
+from msvalidate.linear_algebra.factor import factorise
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import (
     Box,
@@ -23,7 +23,7 @@ from msvalidate.problem import (
 )
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.tangent import cycles, inverse
-from msvalidate.tangent.inverse import SOLVERS, Solver, order_of
+from msvalidate.tangent.inverse import SOLVERS, Solver, elimination_order
 
 CUBE = (1.0, 1.0, 1.0)
 
@@ -96,7 +96,7 @@ def test_a_factor_of_small_and_slender_bodies_multigrid_of_others():
 
 def test_components_are_in_the_order_of_their_points():
     network = BODIES["prescribed"]()
-    order = order_of(network)
+    order = elimination_order(network)
     free = np.flatnonzero(~network.held.ravel())
     assert np.array_equal(np.sort(order), np.arange(len(free)))
     points = free[order] // 3
@@ -156,7 +156,7 @@ def test_multigrid_tells_what_prestress_makes_unstable(strain, stable):
     squeezed = replace(network, rest_length=(1 + strain) * network.rest_length)
     x = squeezed.points
     free = np.flatnonzero(~squeezed.held.ravel())
-    pivots = factorised(tangent(squeezed, x)[free][:, free], order_of(squeezed))
+    pivots = factorise(tangent(squeezed, x)[free][:, free], elimination_order(squeezed))
     assert (pivots.negative == 0) is stable
     assert (Solver(squeezed).regular(squeezed, x).negative == 0) is stable
     if not stable:

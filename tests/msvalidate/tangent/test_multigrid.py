@@ -9,7 +9,7 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from msvalidate.linear_algebra import factor
-from msvalidate.linear_algebra.factor import factorised
+from msvalidate.linear_algebra.factor import factorise
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import Box, Region, SolverError, Support, Traction
 from msvalidate.relaxation.relax import relax
@@ -20,9 +20,9 @@ from msvalidate.tangent import inverse
 from msvalidate.tangent.multigrid import (
     MOST_CYCLES,
     conjugate_gradients,
-    cycle_of,
     is_positive,
-    restrained,
+    make_cycle,
+    restrained_tangent,
 )
 
 SHEET = Box((2.0, 1.0))
@@ -37,8 +37,8 @@ def sheet(lattice_body, n, **rules):
 def system(network, position=None):
     """The restrained tangent of a network, and its cycle."""
     position = network.points if position is None else position
-    A = restrained(network, position)
-    return A, cycle_of(A, network, position)
+    A = restrained_tangent(network, position)
+    return A, make_cycle(A, network, position)
 
 
 without_factors = pytest.mark.usefixtures("only_multigrid")
@@ -65,7 +65,7 @@ def test_a_solution_is_that_of_a_factor_in_any_unit(lattice_body, independent, u
 def test_restrained_is_the_free_part_and_a_positive_diagonal(networks_with_supports):
     for network in networks_with_supports:
         K = tangent(network, network.points).toarray()
-        A = restrained(network, network.points)
+        A = restrained_tangent(network, network.points)
         free = ~network.held.ravel()
         A = A.toarray()
         np.testing.assert_array_equal(A[np.ix_(free, free)], K[np.ix_(free, free)])
@@ -179,7 +179,7 @@ def test_a_column_is_stable_up_to_its_euler_load(lattice_body, over, stable):
     network, straight = column(lattice_body, over)
     free = np.flatnonzero(~network.held.ravel())
     K = tangent(network, straight)[free][:, free]
-    assert (factorised(K).negative == 0) is stable  # the pivots' verdict
+    assert (factorise(K).negative == 0) is stable  # the pivots' verdict
     assert is_stable(network, straight) is stable
     # So it is by a cycle of the network at rest, as a relaxation hands it on.
     assert is_stable(network, straight, system(network)[1]) is stable
@@ -280,7 +280,7 @@ def test_only_a_load_without_a_mode_misses_it(lattice_body):
     """What a yes rests on: a residual keeps its part along a mode of negative energy."""
     network, straight = column(lattice_body, 1.2, cells=(40, 4))
     _, cycle = system(network)
-    A = restrained(network, straight)
+    A = restrained_tangent(network, straight)
     values, modes = np.linalg.eigh(A.toarray())
     assert values[0] < 0 < values[1]
     load = np.where(network.held, 0.0, np.random.default_rng(0).normal(size=network.held.shape))
@@ -297,8 +297,8 @@ def test_a_matrix_that_is_negative_is_told_by_its_motion():
         [[0, 0], [1, 0]], [[0, 1]], 1.0, rest_length=2.0, held=[[True, True], [False, False]]
     )
     A, cycle = system(pair)
-    assert cycle.falling is not None
-    assert cycle.falling @ (A @ cycle.falling) < 0
+    assert cycle.indefinite_motion is not None
+    assert cycle.indefinite_motion @ (A @ cycle.indefinite_motion) < 0
     assert not is_positive(A, pair, pair.points, cycle)
 
 

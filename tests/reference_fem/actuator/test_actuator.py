@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
-from reference_fem.actuator import Film, SoftSlab, equilibrium_at, first_lost, gains, sweep, turning
+from reference_fem.actuator import (
+    Film,
+    SoftSlab,
+    equilibrium_at,
+    first_instability,
+    stiffness_gains,
+    sweep,
+    turning_point,
+)
 from reference_fem.actuator.staggered import fixed_point
-from reference_fem.electric import Electrode, Slab, charged, facing_slab, respond
+from reference_fem.electric import Electrode, Slab, facing_slab, respond, solve_charges
 from reference_fem.large_strain import Fibres, NeoHookean, neo_hookean, square_fibres
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -66,7 +74,7 @@ def uniform_gain(ratio, V=None, h=10.0):
 def test_gains_hold_that_of_the_uniform_motion(voltage):
     # One cell along, two up: a tilt of the top, which fields like better, and the motion as one.
     held = equilibrium_at(SoftSlab(facing_slab(1.0, 10.0), LATTICE, 2, "plates", "Q1"), voltage)
-    values, modes = gains(held, 2)
+    values, modes = stiffness_gains(held, 2)
     assert values[1] == pytest.approx(uniform_gain(held.ratio), rel=1e-6)
     y = held.actuator.body.points[:, 1]
     assert np.abs(modes[1][:, 1]) == pytest.approx(y / 10, abs=1e-5)
@@ -80,7 +88,7 @@ def test_gain_is_the_loss_of_stability():
     stiffness = []
     for voltage in (5.5, 6.2):
         held = equilibrium_at(actuator, voltage)
-        values, modes = gains(held)
+        values, modes = stiffness_gains(held)
 
         def energy(share, held=held, mode=modes[0]):
             u = held.displacement + share * mode
@@ -98,9 +106,9 @@ def test_gain_is_the_loss_of_stability():
 
 def test_a_long_slab_is_lost_to_waves_before_it_pulls_in_as_a_whole():
     actuator = SoftSlab(facing_slab(20.0, 10.0), LATTICE, 2, "plates", "Q1")
-    lost = first_lost(actuator, equilibrium_at(actuator, 5.9))
+    lost = first_instability(actuator, equilibrium_at(actuator, 5.9))
     assert 0.9 < lost.voltage / 6.348 < 0.97
-    assert gains(lost.held)[0][0] == pytest.approx(1, abs=1e-3)
+    assert stiffness_gains(lost.held)[0][0] == pytest.approx(1, abs=1e-3)
     top = actuator.body.points[:, 1] == 10
     assert lost.mode[top, 1].max() * lost.mode[top, 1].min() < 0
 
@@ -112,7 +120,7 @@ def test_uniform_slab_pulls_in_where_it_should():
     assert low < 6.348 < high
     assert high - low <= 0.02 * high
     assert [held.voltage for held in found.held] == [6.0, low]
-    top = turning(actuator, found.held[0])
+    top = turning_point(actuator, found.held[0])
     assert (top.voltage, top.ratio) == pytest.approx((6.348, 0.692), abs=5e-4)
     assert uniform_gain(top.ratio) == pytest.approx(1, abs=1e-3)
     closed = Film(LATTICE, 10.0, sides="held").pull_in()
@@ -124,7 +132,7 @@ def test_linear_stress_pulls_in_at_two_thirds():
     # sides hold that.
     law = Fibres(np.array([[0.0, 1.0]]), np.array([1.0]), 1.0)
     actuator = SoftSlab(facing_slab(10.0, 10.0), law, 1, "plates", "Q1")
-    top = turning(actuator, equilibrium_at(actuator, 5.0))
+    top = turning_point(actuator, equilibrium_at(actuator, 5.0))
     assert top.ratio == pytest.approx(2 / 3, abs=5e-4)
     assert top.voltage == pytest.approx(np.sqrt(800 / 27), rel=1e-7)
 
@@ -201,7 +209,7 @@ def test_low_voltages_move_by_their_square():
 def test_low_voltages_meet_the_linear_response():
     material = Isotropic(1.2, 0.25, "plane_strain")
     actuator = in_air(covered=0.5, law=neo_hookean(material))
-    at_rest = charged(actuator.mesh)
+    at_rest = solve_charges(actuator.mesh)
     linear = respond(actuator.mesh, at_rest.forces, material).displacement
     errors = []
     for voltage in (0.4, 0.2):
@@ -287,14 +295,14 @@ def test_bad_sweeps_are_refused():
     with pytest.raises(ProblemError, match="start: of another slab"):
         sweep(between_plates(), (3.0,), start=held)
     with pytest.raises(ProblemError, match="start: None"):
-        turning(actuator, None)
+        turning_point(actuator, None)
     rest = equilibrium_at(actuator, 0.0)
     with pytest.raises(ProblemError, match="start is at 0 V"):
-        turning(actuator, rest)
+        turning_point(actuator, rest)
     with pytest.raises(ProblemError, match="gains: held is at 0 V"):
-        gains(rest)
+        stiffness_gains(rest)
     with pytest.raises(ProblemError, match="actuator: None"):
-        turning(None, held)
+        turning_point(None, held)
     with pytest.raises(ProblemError, match="start: 5; give an Actuated"):
         sweep(actuator, (1.0,), start=5)
     with pytest.raises(ProblemError, match=r"voltage: 1e\+160 V; take units"):

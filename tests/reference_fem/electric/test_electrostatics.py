@@ -10,8 +10,8 @@ import pytest
 import skfem
 
 from msvalidate.problem import Box, ProblemError, SolverError
-from reference_fem import Dielectric, box_discretisation, discretise, solve_potential
-from reference_fem.mesh.assembly import slopes
+from reference_fem import Dielectric, box_discretisation, make_discretisation, solve_potential
+from reference_fem.mesh.assembly import basis_gradients
 from tests.table import table
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -189,7 +189,9 @@ def test_forces_are_derivatives_of_the_energy(element):
     values = bar.astype(float)
 
     def energy(moved):
-        return Dielectric(discretise(moved, cells, element), permittivity, held).solve(values)
+        return Dielectric(make_discretisation(moved, cells, element), permittivity, held).solve(
+            values
+        )
 
     found = energy(points)
     step, worst = 1e-5, 0.0
@@ -210,8 +212,8 @@ def test_forces_are_derivatives_of_the_energy(element):
 
 def test_slopes_are_those_of_the_cells():
     points, cells = distorted("Q2")
-    body = discretise(points, cells, "Q2")
-    slope, measure = slopes(body.basis)
+    body = make_discretisation(points, cells, "Q2")
+    slope, measure = basis_gradients(body.basis)
     nodes = body.nodes_of(np.arange(len(cells)))
     linear = np.einsum("kacq,kc->acq", slope, points[nodes] @ [2.0, -3.0])
     assert np.abs(linear - np.array([2.0, -3.0])[:, None, None]).max() <= 1e-11

@@ -7,19 +7,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.dielectric.charges import Moments, chains
+from msvalidate.dielectric.charges import Moments, electrodes_of_chains
 from msvalidate.dielectric.charges.exact import facing_strips_capacitance
-from msvalidate.problem import Isotropic, ProblemError, SolverError, place_name
+from msvalidate.problem import Isotropic, ProblemError, SolverError, format_point
 from reference_fem import (
     Electrode,
     Slab,
     capacitance,
-    charged,
     facing_slab,
     far_boundary,
-    moved_air,
+    move_air,
     respond,
     slab_mesh,
+    solve_charges,
     surface_profile,
 )
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
@@ -87,8 +87,10 @@ def test_capacitance_of_facing_strips(ratio, layers):
     assert found.uncertainty <= 1e-3 * exact
     assert found.order == pytest.approx(3.0, abs=0.3)  # 2·grading·λ with λ = 1/2
     # In a unit of its own: proportional to the permittivity, and to no length.
-    same = charged(slab_mesh(facing_slab(ratio, 1.0), 8)).totals
-    scaled = charged(slab_mesh(facing_slab(7 * ratio, 7.0, permittivity=2.0, air=2.0), 8)).totals
+    same = solve_charges(slab_mesh(facing_slab(ratio, 1.0), 8)).totals
+    scaled = solve_charges(
+        slab_mesh(facing_slab(7 * ratio, 7.0, permittivity=2.0, air=2.0), 8)
+    ).totals
     assert scaled == pytest.approx(2 * same, rel=1e-9)
 
 
@@ -97,7 +99,7 @@ def test_capacitance_of_unequal_strips_against_the_method_of_moments():
     found = capacitance(facing_slab(6.0, 1.0, covered=0.5), 16)
     along = 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, 161))
     top = np.column_stack([1.5 + 3 * along, np.ones(161)])
-    moments = Moments(chains(top, np.column_stack([6 * along, np.zeros(161)])))
+    moments = Moments(electrodes_of_chains(top, np.column_stack([6 * along, np.zeros(161)])))
     other = moments.charges((1.0, 0.0)).totals[0]
     assert found.value == pytest.approx(other, rel=1e-4)
     assert abs(found.value - other) <= found.uncertainty
@@ -123,12 +125,12 @@ def test_far_boundaries_bracket_endless_air_and_fall_with_the_square():
 
 
 def test_charges_of_several_electrodes_are_neutral_and_store_the_energy():
-    found = charged(slab_mesh(lopsided(), 8))
+    found = solve_charges(slab_mesh(lopsided(), 8))
     assert abs(found.totals.sum()) <= 1e-9 * np.abs(found.totals).max()
     assert found.energy == pytest.approx(0.5 * found.totals @ found.voltages, rel=1e-9)
-    raised = charged(found.mesh, np.array(found.voltages) + 2.0)
+    raised = solve_charges(found.mesh, np.array(found.voltages) + 2.0)
     assert raised.totals == pytest.approx(found.totals, rel=1e-7)
-    doubled = charged(found.mesh, 2 * found.voltages)
+    doubled = solve_charges(found.mesh, 2 * found.voltages)
     assert doubled.forces == pytest.approx(4 * found.forces, abs=1e-9 * np.abs(found.forces).max())
 
 
@@ -162,7 +164,7 @@ def test_forces_off_the_electrode_are_a_tenth_of_the_tip_force_on_any_mesh():
     exact = tip_force(6.0)
     for layers in (8, 16):
         mesh = slab_mesh(facing_slab(6.0, 1.0), layers)
-        found = charged(mesh)
+        found = solve_charges(mesh)
         assert pull_on_top(mesh, found.gathered(0.0)) / exact == pytest.approx(0.881, abs=0.002)
         assert pull_on_corner(mesh, found.gathered(0.0)) / exact < 0.95
     # Gathered or carried it is whole.
@@ -174,7 +176,7 @@ def test_net_force_on_a_closed_body_is_nothing():
     # In one medium a slab with its electrodes is closed: what pulls on it is the far boundary, as
     # little as the field there. Forces that are lost at tips would show.
     electrodes = lopsided().electrodes
-    found = charged(slab_mesh(Slab(5.0, 1.0, electrodes), 16))
+    found = solve_charges(slab_mesh(Slab(5.0, 1.0, electrodes), 16))
     size = np.abs(found.forces).sum()
     assert np.abs(found.forces.sum(axis=0)).max() <= 1e-5 * size
     assert np.abs(found.gathered(0.0).sum(axis=0)).max() > 1e-3 * size
@@ -188,8 +190,8 @@ def test_carried_forces_are_derivatives_of_the_energy(strained):
     shape = np.column_stack([np.sin(2 * x + y), np.cos(x) * y])
     before = strained * np.column_stack([y * np.cos(2 * x), np.sin(x - y)])
     step = 1e-4
-    up, down = (charged(moved_air(mesh, before + s * step * shape)).energy for s in (1, -1))
-    found = charged(moved_air(mesh, before))
+    up, down = (solve_charges(move_air(mesh, before + s * step * shape)).energy for s in (1, -1))
+    found = solve_charges(move_air(mesh, before))
     work = (mesh.carried(found.solution.forces) * shape).sum()
     assert abs(work) > 0.1
     assert (up - down) / (2 * step) == pytest.approx(work, rel=1e-6)
@@ -203,17 +205,17 @@ def test_squeezed_slab_has_the_capacitance_of_a_flatter_one():
     mesh = slab_mesh(slab, 16, grading=1.5)
     u = np.zeros((len(mesh.nodes), 2))
     u[:, 1] = -0.2 * mesh.body.points[mesh.nodes, 1]
-    moved = moved_air(mesh, u)
+    moved = move_air(mesh, u)
     assert np.abs(moved.body.points[mesh.far] - mesh.body.points[mesh.far]).max() == 0
     assert np.ptp(moved.solid.points[:, 1]) == pytest.approx(0.8)
-    flat = charged(slab_mesh(facing_slab(3.0, 0.8, permittivity=2.0), 16))
-    assert charged(moved).totals[0] == pytest.approx(flat.totals[0], rel=3e-3)
+    flat = solve_charges(slab_mesh(facing_slab(3.0, 0.8, permittivity=2.0), 16))
+    assert solve_charges(moved).totals[0] == pytest.approx(flat.totals[0], rel=3e-3)
 
 
 def test_rigid_motion_changes_little():
     mesh = slab_mesh(facing_slab(3.0, 1.0), 8)
-    moved = moved_air(mesh, np.full((len(mesh.nodes), 2), 0.5))
-    assert charged(moved).totals[0] == pytest.approx(charged(mesh).totals[0], rel=1e-4)
+    moved = move_air(mesh, np.full((len(mesh.nodes), 2), 0.5))
+    assert solve_charges(moved).totals[0] == pytest.approx(solve_charges(mesh).totals[0], rel=1e-4)
 
 
 @table("part", ["slab", "air"])
@@ -226,7 +228,7 @@ def test_a_cell_turned_inside_out_is_refused(part):
     else:
         u[:, 1] = 100.0  # through the far boundary
     with pytest.raises(SolverError, match=f"turns the cell of the {part} around") as caught:
-        moved_air(mesh, u)
+        move_air(mesh, u)
     assert "\n" not in str(caught.value)
 
 
@@ -239,8 +241,8 @@ def test_a_folded_cell_is_named_by_its_place():
     u[cells[wanted, 8]] = 0.4 * np.ptp(mesh.solid.points[cells[wanted]], axis=0)
     where = mesh.solid.points[cells[wanted, :4]].mean(axis=0)
     with pytest.raises(SolverError, match="turns the cell of the slab around") as caught:
-        moved_air(mesh, u)
-    assert place_name(where) in str(caught.value)
+        move_air(mesh, u)
+    assert format_point(where) in str(caught.value)
 
 
 # --- elastic response -----------------------------------------------------------------------------
@@ -251,7 +253,7 @@ def test_wide_slab_is_squeezed_as_an_oedometer():
     # The field above the electrode takes a ten-thousandth off, ends reach in as exp(-0.9 x/h).
     slab = facing_slab(20.0, 1.0, 0.1, permittivity=3.0)
     mesh = slab_mesh(slab, 8)
-    moved = respond(mesh, charged(mesh).forces, SOFT).at([[10, 1.0], [10, 0.5], [10, 0.0]])
+    moved = respond(mesh, solve_charges(mesh).forces, SOFT).at([[10, 1.0], [10, 0.5], [10, 0.0]])
     modulus = 0.7 / (1.3 * 0.4)
     assert moved[0, 1] == pytest.approx(-0.5 * 3.0 * 0.1**2 / modulus, rel=5e-4)
     assert moved[1, 1] == pytest.approx(0.5 * moved[0, 1], rel=5e-4)
@@ -271,13 +273,13 @@ def test_profile_states_its_own_error():
     # The response to gathered forces is another route to the same.
     mesh = slab_mesh(slab, 24)
     top = np.column_stack([x, np.ones(4)])
-    gathered = respond(mesh, charged(mesh).gathered(), SOFT).at(top).T.ravel()
+    gathered = respond(mesh, solve_charges(mesh).gathered(), SOFT).at(top).T.ravel()
     assert np.abs(gathered - finer.value).max() <= 1e-4 * np.abs(finer.value).max()
 
 
 def test_depth_is_the_materials_thickness():
     mesh = slab_mesh(facing_slab(2.0, 1.0), 4)
-    forces = charged(mesh).forces
+    forces = solve_charges(mesh).forces
     thin, thick = (
         respond(mesh, forces, Isotropic(2.0, 0.2, "plane_stress", thickness=t)).displacement
         for t in (0.1, 3.0)
@@ -343,21 +345,21 @@ def test_bad_input_gets_a_clear_line(ask, words):
 def test_what_does_not_fit_a_mesh_is_refused():
     mesh = slab_mesh(facing_slab(1.0, 1.0), 4, element="Q1")
     with pytest.raises(ProblemError, match=r"voltages: shape \(3,\); give \(2,\)"):
-        charged(mesh, (1.0, 2.0, 3.0))
+        solve_charges(mesh, (1.0, 2.0, 3.0))
     with pytest.raises(ProblemError, match="far boundary: 'open'; choose natural or floating"):
-        charged(mesh, far="open")
+        solve_charges(mesh, far="open")
     with pytest.raises(ProblemError, match="radius: -1 m"):
-        charged(mesh).gathered(-1.0)
+        solve_charges(mesh).gathered(-1.0)
     with pytest.raises(ProblemError, match=r"forces on all nodes: shape \(3, 2\); give \("):
         mesh.carried(np.zeros((3, 2)))
     with pytest.raises(ProblemError, match="force: shape"):
         respond(mesh, np.zeros((3, 2)), SOFT)
     with pytest.raises(SolverError, match="units in which potentials"):
-        charged(mesh, (1e200, 0.0))
+        solve_charges(mesh, (1e200, 0.0))
     with pytest.raises(ProblemError, match="displacement of the slab: shape"):
-        moved_air(mesh, np.zeros((3, 2)))
+        move_air(mesh, np.zeros((3, 2)))
     with pytest.raises(ProblemError, match="displacement of the slab: nan"):
-        moved_air(mesh, np.full((len(mesh.nodes), 2), np.nan))
+        move_air(mesh, np.full((len(mesh.nodes), 2), np.nan))
 
 
 number = st.one_of(st.floats(-10, 10), st.floats(), st.integers(-3, 3))
@@ -369,7 +371,7 @@ def test_any_slab_is_refused_or_has_finite_charges(length, height, voltage, cove
     found, said = None, ""
     try:
         slab = facing_slab(length, height, voltage, covered=covered, permittivity=ratio)
-        found = charged(slab_mesh(slab, 2, element=kind))
+        found = solve_charges(slab_mesh(slab, 2, element=kind))
     except (ProblemError, SolverError) as error:
         said = str(error)
     assert "\n" not in said

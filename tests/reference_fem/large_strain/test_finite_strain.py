@@ -10,7 +10,7 @@ import pytest
 from scipy.sparse import csr_matrix
 
 from msvalidate.problem import Anisotropic, Box, Isotropic, ProblemError, SolverError
-from reference_fem import box_discretisation, discretise, solve
+from reference_fem import box_discretisation, make_discretisation, solve
 from reference_fem.elasticity import solve_on
 from reference_fem.large_strain import (
     NeoHookean,
@@ -21,7 +21,7 @@ from reference_fem.large_strain import (
     st_venant_kirchhoff,
 )
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
-from reference_fem.systems import signed
+from reference_fem.systems import signed_factor
 from tests.table import table
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -55,7 +55,7 @@ def test_independent_values(name):
     case = json.loads(path.read_text(encoding="utf-8"))
     law = case["material"]
     assert (law["model"], case["nodal_forces"]) == (name, [])
-    body = discretise(case["nodes"], case["cells"], case["element"])
+    body = make_discretisation(case["nodes"], case["cells"], case["element"])
     held, wanted = np.zeros(body.points.shape, dtype=bool), np.zeros(body.points.shape)
     for node, axis, value in case["fixed"]:
         held[node, axis], wanted[node, axis] = True, value
@@ -122,7 +122,7 @@ def test_patch(law, element):
     cells = AROUND
     if element == "P1":
         cells = [t for a, b, c, d in AROUND for t in ((a, b, c), (a, c, d))]
-    body = discretise(CRANKED, cells, element)
+    body = make_discretisation(CRANKED, cells, element)
     held = np.zeros(body.points.shape, dtype=bool)
     held[:4] = True
     expected = body.points @ (UNIFORM - np.eye(2)).T
@@ -292,13 +292,13 @@ def test_negative_motions_are_counted_and_zero_pivots_told():
     for _ in range(20):
         A = rng.normal(size=(6, 6))
         A += A.T
-        inverse, count = signed(stored(A))
+        inverse, count = signed_factor(stored(A))
         assert count == (np.linalg.eigvalsh(A) < 0).sum()
         assert np.abs(A @ inverse(np.ones(6)) - 1).max() <= 1e-9
     # One eigenvalue of each is below zero: by rows exchanged, none of the pivots would be.
     for A in ([[0, 1], [1, 0]], [[1, 1, 0], [1, 1, 1], [0, 1, 1]]):
         with pytest.raises(RuntimeError, match="pivot is zero"):
-            signed(stored(A))
+            signed_factor(stored(A))
 
 
 # --- bad input ------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import pytest
 import reference_fem
 from msvalidate.problem import Box, Isotropic, ProblemError
 from reference_fem.elasticity import solve_on, stiffness
-from reference_fem.mesh import ELEMENTS, Facets, discretise
+from reference_fem.mesh import ELEMENTS, Facets, make_discretisation
 from tests.table import table
 
 # A library's warning on the way to an answer is a failure here.
@@ -42,7 +42,7 @@ def ring(element, n=3):
     new = np.random.default_rng(0).permutation(len(points))  # node numbers must not matter
     moved = np.empty_like(points)
     moved[new] = points
-    return discretise(moved, new[cells], element)
+    return make_discretisation(moved, new[cells], element)
 
 
 def inside(body, number=200, seed=0):
@@ -103,7 +103,7 @@ def test_curved_cells_pass_the_patch_test(element):
 def test_cells_bent_by_rounding_are_straight_ones():
     flat = reference_fem.box_discretisation(Box((1.0, 1.0)), 3, "Q2")
     points = flat.points + 1e-13 * np.random.default_rng(1).random(flat.points.shape)
-    again = discretise(points, flat.cells, "Q2")
+    again = make_discretisation(points, flat.cells, "Q2")
     assert not again.curved
     assert np.abs(again.gradients - flat.gradients).max() <= ROUNDING
 
@@ -116,7 +116,7 @@ def test_straight_cells_mapped_as_curved_ones_are_the_same(element):
     points = flat.points.copy()
     middle = np.flatnonzero((np.abs(points - [0.25, *[0.0] * (d - 1)]) < 1e-12).all(axis=1))
     points[middle, 1] -= 0.05
-    bent = discretise(points, flat.cells, element)
+    bent = make_discretisation(points, flat.cells, element)
     assert bent.curved
     far = np.flatnonzero((flat.points[:, 0] > 0.5) & (flat.points[:, 1] > 0.5))
     for a, b in np.ndindex(d, d):
@@ -178,7 +178,7 @@ def test_a_load_on_a_parabola_has_its_length_and_moment():
     c, h = 1.0, 0.2
     points = [(0, 0), (c, 0), (c, -1), (0, -1), (c, -0.5), (c / 2, -1), (0, -0.5), (c / 2, h)]
     cells = [[3, 2, 1, 0, 5, 4, 7, 6, 8]]
-    body = discretise([*points, (c / 2, -0.5)], cells, "Q2")
+    body = make_discretisation([*points, (c / 2, -0.5)], cells, "Q2")
     top = body.surface[(body.points[body.surface][:, :, 1] >= 0).all(axis=1)]
     assert len(top) == 1
     facets = Facets(body, top)
@@ -226,7 +226,7 @@ def cylinder_error(element, n, *, curved=True):
     if not curved:
         kind = ELEMENTS[element]
         points[cells] = np.einsum("ik,ckd->cid", kind.means, points[cells[:, : kind.corners]])
-    body = discretise(points, cells, element)
+    body = make_discretisation(points, cells, element)
     assert body.curved == curved
     held = np.abs(points) < 1e-12
     radius = np.linalg.norm(points, axis=1)
@@ -267,10 +267,10 @@ def test_mid_side_beyond_the_quarter_of_its_edge_is_refused(element):
     for share, fine in ((0.26, True), (0.25, False), (0.2, False)):
         points[kind.corners] = (1 - share) * points[a] + share * points[b]
         if fine:
-            assert discretise(points, cells, element).curved
+            assert make_discretisation(points, cells, element).curved
         else:
             with pytest.raises(ProblemError, match="cell 0 is inverted or folded: its curved"):
-                discretise(points, cells, element)
+                make_discretisation(points, cells, element)
 
 
 def least_jacobian(element, points, n=21):
@@ -295,10 +295,10 @@ def test_a_cell_is_refused_when_and_only_when_it_folds(element):
         if abs(least) < 0.01:  # the grid of samples cannot tell either
             continue
         if least > 0:
-            assert discretise(points, cells, element).curved
+            assert make_discretisation(points, cells, element).curved
         else:
             with pytest.raises(ProblemError, match="cell 0 is inverted or folded"):
-                discretise(points, cells, element)
+                make_discretisation(points, cells, element)
         verdicts.append(least > 0)
     assert 8 < sum(verdicts) < len(verdicts) - 8, "both must occur"
 
@@ -308,7 +308,7 @@ def test_a_fold_between_the_corners_is_refused(element):
     points, cells = one_cell(element)
     points[-1, 0] += 0.4  # the centre: at the corners the Jacobian does not feel it
     with pytest.raises(ProblemError, match="cell 0 is inverted or folded"):
-        discretise(points, cells, element)
+        make_discretisation(points, cells, element)
 
 
 def test_the_folded_cell_is_named_among_straight_ones():
@@ -316,7 +316,7 @@ def test_the_folded_cell_is_named_among_straight_ones():
     points = flat.points.copy()
     points[flat.cells[11, 3]] = points[flat.cells[11, 0]] * 0.9 + points[flat.cells[11, 1]] * 0.1
     with pytest.raises(ProblemError, match=r"cell (\d+) is inverted or folded") as caught:
-        discretise(points, flat.cells, "P2")
+        make_discretisation(points, flat.cells, "P2")
     number = int(str(caught.value).split()[2])
     assert flat.cells[11, 3] in flat.cells[number]
 
@@ -327,7 +327,7 @@ def test_middles_in_another_order_are_refused(element):
     kind = ELEMENTS[element]
     cells[0, kind.corners : kind.corners + 2] = cells[0, kind.corners : kind.corners + 2][::-1]
     with pytest.raises(ProblemError, match="list corners, mid-sides, centre in VTK order"):
-        discretise(points, cells, element)
+        make_discretisation(points, cells, element)
 
 
 def test_neighbours_that_do_not_share_their_mid_side_are_refused():
@@ -338,4 +338,4 @@ def test_neighbours_that_do_not_share_their_mid_side_are_refused():
     cells = flat.cells.copy()
     cells[1][cells[1] == middle] = len(points) - 1
     with pytest.raises(ProblemError, match="names other nodes than its neighbours do on the sides"):
-        discretise(points, cells, "Q2")
+        make_discretisation(points, cells, "Q2")

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import reference_fem
 from msvalidate.problem import Box, ProblemError
-from reference_fem.mesh import discretise
+from reference_fem.mesh import make_discretisation
 from reference_fem.mesh.elements import ELEMENTS, of_dimension
 from tests.table import table
 
@@ -73,7 +73,7 @@ def monomials(element):
 @pytest.mark.parametrize("element", PLANE)
 def test_interpolation_holds_polynomials_of_the_degree(element, seed):
     points, cells = renumbered(*distorted(element, seed), seed)
-    body = discretise(points, cells, element)
+    body = make_discretisation(points, cells, element)
     places = np.random.default_rng(seed).random((40, 2))
     matrix = body.interpolation(places)
     for p, q in monomials(element):
@@ -87,14 +87,16 @@ def test_interpolation_holds_nothing_higher(element):
     points, cells = distorted(element)
     degree = ELEMENTS[element].degree
     places = np.random.default_rng(5).random((40, 2))
-    error = discretise(points, cells, element).interpolation(places) @ points[:, 0] ** (degree + 1)
+    error = make_discretisation(points, cells, element).interpolation(places) @ points[:, 0] ** (
+        degree + 1
+    )
     assert np.abs(error - places[:, 0] ** (degree + 1)).max() > 1e-3
 
 
 @pytest.mark.parametrize("element", PLANE)
 def test_interpolation_reproduces_nodal_values(element):
     points, cells = renumbered(*distorted(element))
-    body = discretise(points, cells, element)
+    body = make_discretisation(points, cells, element)
     identity = body.interpolation(points).toarray()
     assert np.abs(identity - np.eye(len(points))).max() <= ROUNDING
 
@@ -102,7 +104,7 @@ def test_interpolation_reproduces_nodal_values(element):
 @pytest.mark.parametrize("element", PLANE)
 def test_interpolation_is_continuous_across_edges(element):
     points, cells = distorted(element)
-    body = discretise(points, cells, element)
+    body = make_discretisation(points, cells, element)
     corners = cells[:, : ELEMENTS[element].corners]
     ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
     ends, uses = np.unique(ends.reshape(-1, 2), axis=0, return_counts=True)
@@ -117,13 +119,13 @@ def test_interpolation_is_continuous_across_edges(element):
 @table("place", [(1.01, 0.5), (0.5, -0.01), (-3.0, -3.0), (2.0, 2.0)])
 @table("element", PLANE)
 def test_point_outside_is_refused(element, place):
-    body = discretise(*distorted(element), element)
+    body = make_discretisation(*distorted(element), element)
     with pytest.raises(ProblemError, match="must lie in the body"):
         body.interpolation(np.array([[0.5, 0.5], place]))
 
 
 def test_point_that_is_no_number_is_refused():
-    body = discretise(*distorted("Q1"), "Q1")
+    body = make_discretisation(*distorted("Q1"), "Q1")
     with pytest.raises(ProblemError, match="finite"):
         body.interpolation(np.array([[0.5, np.nan]]))
 
@@ -139,7 +141,7 @@ def gradients(body):
 @pytest.mark.parametrize("element", PLANE)
 def test_gradient_integrals_are_those_of_polynomials(element):
     points, cells = renumbered(*distorted(element))
-    G = gradients(discretise(points, cells, element))
+    G = gradients(make_discretisation(points, cells, element))
     x, y = points.T
     one = np.ones_like(x)
     # Over the unit square, each derivative is 1 along its own axis and 0 along the other.
@@ -159,7 +161,7 @@ def test_gradient_integrals_are_those_of_polynomials(element):
 def test_gradient_integrals_of_parabolas(element):
     # The Gauss rule must be exact for what a quadratic element holds: ∫(2x)² = 4/3, ∫ 2x·x = 1/2...
     points, cells = distorted(element)
-    G = gradients(discretise(points, cells, element))
+    G = gradients(make_discretisation(points, cells, element))
     x, y = points.T
     assert x**2 @ G[0][0] @ x**2 == pytest.approx(4 / 3, rel=ROUNDING)
     assert (x * y) @ G[0][1] @ (x * y) == pytest.approx(1 / 4, rel=ROUNDING)  # ∫ y·x
@@ -168,7 +170,7 @@ def test_gradient_integrals_of_parabolas(element):
 
 @pytest.mark.parametrize("element", PLANE)
 def test_blocks_are_transposes_of_each_other(element):
-    G = gradients(discretise(*distorted(element), element))
+    G = gradients(make_discretisation(*distorted(element), element))
     for a in (0, 1):
         for b in (0, 1):
             assert np.abs(G[a][b] - G[b][a].T).max() <= ROUNDING
@@ -178,7 +180,7 @@ def test_integrals_do_not_depend_on_the_rule_once_it_is_exact():
     # Triangles with straight edges: products of gradients are polynomials of degree 2 (degree - 1).
     for element in ("P1", "P2"):
         points, cells = distorted(element)
-        body = discretise(points, cells, element)
+        body = make_discretisation(points, cells, element)
         finer = skfem.Basis(body.basis.mesh, body.basis.elem, intorder=8)
         form = skfem.BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])
         wanted = form.assemble(finer).toarray()
@@ -192,7 +194,7 @@ def test_integrals_do_not_depend_on_the_rule_once_it_is_exact():
 @pytest.mark.parametrize("element", PLANE)
 def test_every_degree_of_freedom_sits_at_its_node(element):
     points, cells = renumbered(*distorted(element))
-    body = discretise(points, cells, element)
+    body = make_discretisation(points, cells, element)
     assert sorted(body.node) == list(range(len(points)))
     assert np.abs(body.points[body.node] - body.basis.doflocs.T).max() <= 1e-14
     np.testing.assert_array_equal(body.points, points)
@@ -200,7 +202,7 @@ def test_every_degree_of_freedom_sits_at_its_node(element):
 
 def test_callers_arrays_stay_the_callers():
     points, cells = distorted("Q1")
-    body = discretise(points, cells, "Q1")
+    body = make_discretisation(points, cells, "Q1")
     before = body.points.copy()
     points += 1
     np.testing.assert_array_equal(body.points, before)
@@ -215,7 +217,7 @@ def test_quadratic_element_of_linear_points_is_refused():
     # Corners alone, repeated to fill the columns: no middle node exists.
     points, cells = distorted("Q1")
     with pytest.raises(ProblemError, match=r"cell 0 names point \d+ twice; Q2 lists corners, mid-"):
-        discretise(points, np.hstack([cells, cells, cells[:, :1]]), "Q2")
+        make_discretisation(points, np.hstack([cells, cells, cells[:, :1]]), "Q2")
 
 
 @table("order", [(0, 1, 3, 2), (0, 2, 1, 3), (3, 2, 1, 0), (0, 3, 2, 1)])
@@ -223,15 +225,15 @@ def test_quadrilateral_out_of_order_is_refused(order):
     points, cells = distorted("Q1")
     cells[7] = cells[7, list(order)]
     with pytest.raises(ProblemError, match="cell 7 is inverted, flat or not convex"):
-        discretise(points, cells, "Q1")
+        make_discretisation(points, cells, "Q1")
 
 
 @pytest.mark.parametrize("start", range(4))
 def test_quadrilateral_may_start_at_any_corner(start):
     points, cells = distorted("Q1")
-    still = gradients(discretise(points, cells, "Q1"))[0][1]
+    still = gradients(make_discretisation(points, cells, "Q1"))[0][1]
     cells[7] = np.roll(cells[7], start)
-    again = gradients(discretise(points, cells, "Q1"))[0][1]
+    again = gradients(make_discretisation(points, cells, "Q1"))[0][1]
     assert np.abs(again - still).max() <= ROUNDING
 
 
@@ -239,17 +241,17 @@ def test_clockwise_triangle_is_refused():
     points, cells = distorted("P1")
     cells[3] = cells[3, ::-1]
     with pytest.raises(ProblemError, match="cell 3 is inverted"):
-        discretise(points, cells, "P1")
+        make_discretisation(points, cells, "P1")
 
 
 def test_orphan_and_coincident_points_are_named():
     points, cells = distorted("P1")
     with pytest.raises(ProblemError, match=f"point {len(points)} belongs to no cell"):
-        discretise(np.vstack([points, [[0.5, 0.51]]]), cells, "P1")
+        make_discretisation(np.vstack([points, [[0.5, 0.51]]]), cells, "P1")
     seam = cells.copy()
     seam[0][seam[0] == cells[0, 1]] = len(points)
     with pytest.raises(ProblemError, match="remove or merge it"):
-        discretise(np.vstack([points, points[cells[0, 1]]]), seam, "P1")
+        make_discretisation(np.vstack([points, points[cells[0, 1]]]), seam, "P1")
 
 
 # --- meshes that would be solved wrongly ----------------------------------------------------------
@@ -260,7 +262,7 @@ TWO_CELLS = [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]
 def test_a_cell_listed_twice_is_refused():
     cells = [[0, 1, 4, 3], [1, 2, 5, 4], [1, 2, 5, 4]]
     with pytest.raises(ProblemError, match="overlaps another on one of its edges; list it once"):
-        discretise(TWO_CELLS, cells, "Q1")
+        make_discretisation(TWO_CELLS, cells, "Q1")
 
 
 def test_nodes_that_are_not_those_of_the_cell_are_refused():
@@ -268,7 +270,7 @@ def test_nodes_that_are_not_those_of_the_cell_are_refused():
     cells = body.cells.copy()
     cells[1, 4:] = cells[2, 4:]
     with pytest.raises(ProblemError, match="cell 1 is inverted or folded: its curved sides turn"):
-        discretise(body.points, cells, "Q2")
+        make_discretisation(body.points, cells, "Q2")
 
 
 def test_a_point_off_the_edge_by_rounding_is_on_it():

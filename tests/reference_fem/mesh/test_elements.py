@@ -10,7 +10,7 @@ import skfem
 
 from msvalidate.problem import SHAPES, Isotropic
 from reference_fem.elasticity import elastic_tensor, stiffness
-from reference_fem.mesh import ELEMENTS, discretise
+from reference_fem.mesh import ELEMENTS, make_discretisation
 
 every = pytest.mark.parametrize("element", ELEMENTS)
 SHARES = {
@@ -82,7 +82,7 @@ def test_the_stiffness_of_one_cell_is_the_integral_by_hand(element):
     law = Isotropic(7.0, 0.3, "plane_strain" if d == 2 else "solid")
     points = shape.nodes @ edges.T
     C = elastic_tensor(law)
-    found = stiffness(discretise(points, [range(kind.nodes)], element), law).toarray()
+    found = stiffness(make_discretisation(points, [range(kind.nodes)], element), law).toarray()
     by_node = np.arange(kind.nodes * d).reshape(d, -1).T.ravel()  # unknowns run by component
     wanted = integrated_by_hand(shape, edges, C)
     np.testing.assert_allclose(found[np.ix_(by_node, by_node)], wanted, atol=1e-13 * wanted.max())
@@ -91,7 +91,9 @@ def test_the_stiffness_of_one_cell_is_the_integral_by_hand(element):
 @pytest.mark.parametrize("element", SHARES)
 def test_weight_is_shared_out_as_in_textbooks(element):
     kind = ELEMENTS[element]
-    body = discretise(kind.places @ SLANTED[: kind.dim, : kind.dim].T, [range(kind.nodes)], element)
+    body = make_discretisation(
+        kind.places @ SLANTED[: kind.dim, : kind.dim].T, [range(kind.nodes)], element
+    )
     found = np.zeros(kind.nodes)
     found[body.node] = skfem.LinearForm(lambda v, _: v).assemble(body.quadrature(4))
     sizes = [1] * kind.corners + [len(amid) for amid in kind.middles]

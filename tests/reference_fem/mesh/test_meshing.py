@@ -570,7 +570,9 @@ def test_equilateral_triangles_and_a_sheared_box_agree_on_a_rhombus():
 
     def sheared(cells):
         box = reference_fem.box_discretisation(Box((1.0, 1.0)), cells, "P2", 3.0)
-        return reference_fem.discretise(box.points @ [[1.0, 0.0], [0.5, ROW]], box.cells, "P2")
+        return reference_fem.make_discretisation(
+            box.points @ [[1.0, 0.0], [0.5, ROW]], box.cells, "P2"
+        )
 
     limit = answer(refined(rhombus, "P2", 12, rings=3, spacing=1 / 16))
     coarse, fine = (

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import splu
 import reference_fem
 from msvalidate.problem import Box, Isotropic
 from reference_fem.elasticity import stiffness
-from reference_fem.mesh.assembly import pattern
+from reference_fem.mesh.assembly import sparsity_pattern
 from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.systems import dissection
 from reference_fem.systems.dissection import elimination_order, node_order
@@ -80,14 +80,14 @@ def test_a_body_of_many_parts_and_shapes_is_cut_too():
     offsets = np.array([[0.0, 0.0], [1e3, 0.0], [0.0, -1.1]])
     points = np.concatenate([one.points + offset for offset in offsets])
     cells = np.concatenate([one.cells + i * len(one.points) for i in range(3)])
-    body = reference_fem.discretise(points, cells, "P1")
+    body = reference_fem.make_discretisation(points, cells, "P1")
     np.testing.assert_array_equal(np.sort(node_order(body)), np.arange(len(points)))
 
 
 def test_a_pattern_is_the_sum_over_cells():
     random = np.random.default_rng(0)
     cells = np.array([random.permutation(9)[:4] for _ in range(6)])
-    shared = pattern(cells, 9)
+    shared = sparsity_pattern(cells, 9)
     values = random.random((6, 4, 4))
     wanted = np.zeros((9, 9))
     for cell, block in zip(cells, values, strict=True):
@@ -112,5 +112,7 @@ def test_rounding_of_coordinates_changes_no_cut(element):
     usual, eps = node_order(body), np.finfo(float).eps
     for seed in range(5):
         off = np.random.default_rng(seed).integers(-2, 3, body.points.shape)
-        other = reference_fem.discretise(body.points + 0.37 * eps * off, body.cells, element)
+        other = reference_fem.make_discretisation(
+            body.points + 0.37 * eps * off, body.cells, element
+        )
         np.testing.assert_array_equal(node_order(other), usual)

@@ -18,8 +18,8 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from reference_fem.effort import envelope
-from reference_fem.mesh import discretise
+from reference_fem.effort import factor_envelope
+from reference_fem.mesh import make_discretisation
 from reference_fem.mesh.elements import ELEMENTS
 
 # A library's warning on the way to an answer is a failure here.
@@ -76,7 +76,7 @@ def test_both_solvers_agree(element, grading, material, supports, monkeypatch):
     with monkeypatch.context() as only:
         only.setattr("reference_fem.systems.solver.Hierarchy", refused)
         direct = answer(problem, body, np.inf, only)
-    monkeypatch.setattr("reference_fem.systems.solver.factorised", refused)
+    monkeypatch.setattr("reference_fem.systems.solver.factorise", refused)
     iterated = answer(problem, body, 0, monkeypatch)
     assert np.abs(direct).max() > 0.1
     assert np.abs(iterated - direct).max() <= AGREE * np.abs(direct).max()
@@ -134,7 +134,7 @@ def test_what_multigrid_finds_hard_is_solved_directly(size, cells, grading, nu, 
 def test_multigrid_keeps_its_promise_or_says_that_it_cannot(size, cells, grading, nu, monkeypatch):
     problem, body = pulled(size, cells, grading, nu)
     direct = answer(problem, body, np.inf, monkeypatch)
-    monkeypatch.setattr("reference_fem.systems.solver.factorised", refused)
+    monkeypatch.setattr("reference_fem.systems.solver.factorise", refused)
     monkeypatch.setattr("reference_fem.systems.solver.MOST_ENTRIES", 0)
     iterated = answer(problem, body, 0, monkeypatch)
     assert np.abs(iterated - direct).max() <= PROMISED * np.abs(direct).max()
@@ -143,7 +143,7 @@ def test_multigrid_keeps_its_promise_or_says_that_it_cannot(size, cells, grading
 @pytest.mark.parametrize(("element", "n"), [("T1", 12), ("H2", 5), ("T2", 6)])
 def test_other_elements_of_large_bodies_are_iterated_too(element, n, monkeypatch):
     body = reference_fem.box_discretisation(BOX, n, element)
-    monkeypatch.setattr("reference_fem.systems.solver.factorised", refused)
+    monkeypatch.setattr("reference_fem.systems.solver.factorise", refused)
     # What is large, ten times smaller: a test need not wait for it.
     found = answer(Problem(BOX, SOFT, CLAMP, (PULL,)), body, 1e3, monkeypatch)
     assert np.isfinite(found).all()
@@ -151,7 +151,7 @@ def test_other_elements_of_large_bodies_are_iterated_too(element, n, monkeypatch
 
 def test_large_bodies_in_space_are_iterated_and_others_are_not(monkeypatch):
     large = reference_fem.box_discretisation(BOX, 17, "H1")
-    monkeypatch.setattr("reference_fem.systems.solver.factorised", refused)
+    monkeypatch.setattr("reference_fem.systems.solver.factorise", refused)
     found = reference_fem.solve_problem(Problem(BOX, SOFT, CLAMP, (PULL,)), large)
     assert np.isfinite(found.displacement).all()
     monkeypatch.undo()
@@ -224,27 +224,31 @@ def test_one_piece_is_told_from_several(element):
     middle = body.points[body.cells].mean(axis=1)[:, 0]
     cells = body.cells[(middle < 0.4) | (middle > 0.8)]
     used, kept = np.unique(cells, return_inverse=True)
-    assert not discretise(body.points[used], kept.reshape(cells.shape), element).in_one_piece
+    assert not make_discretisation(
+        body.points[used], kept.reshape(cells.shape), element
+    ).in_one_piece
     # A chessboard's cells meet in edges only.
     alone = np.round(body.points[body.cells].min(axis=1) / [0.4, 0.4, 0.5]).sum(axis=1) % 2 == 0
     cells = body.cells[alone]
     used, kept = np.unique(cells, return_inverse=True)
-    assert not discretise(body.points[used], kept.reshape(cells.shape), element).in_one_piece
+    assert not make_discretisation(
+        body.points[used], kept.reshape(cells.shape), element
+    ).in_one_piece
 
 
 def test_envelope_of_a_chain_and_of_a_full_graph():
     chain = csr_matrix(diags_array([np.ones(9), np.ones(10), np.ones(9)], offsets=(-1, 0, 1)))
     held = np.zeros((10, 2), dtype=bool)
     # Two components a node: each row but the first two reaches over two nodes, 4 entries.
-    assert envelope(chain, held) == (4 * 1 + 4 * 9 * 2, 8 * 1 + 8 * 9 * 4)
+    assert factor_envelope(chain, held) == (4 * 1 + 4 * 9 * 2, 8 * 1 + 8 * 9 * 4)
     shuffled = np.random.default_rng(0).permutation(10)
-    assert envelope(chain[shuffled][:, shuffled], held) == envelope(chain, held)
+    assert factor_envelope(chain[shuffled][:, shuffled], held) == factor_envelope(chain, held)
     held[0] = True  # the last of a chain of nine is left
-    assert envelope(chain, held) == (4 * 1 + 4 * 8 * 2, 8 * 1 + 8 * 8 * 4)
+    assert factor_envelope(chain, held) == (4 * 1 + 4 * 8 * 2, 8 * 1 + 8 * 8 * 4)
     held[1, 0] = True  # one component is free still
-    assert envelope(chain, held) == (4 * 1 + 4 * 8 * 2, 8 * 1 + 8 * 8 * 4)
+    assert factor_envelope(chain, held) == (4 * 1 + 4 * 8 * 2, 8 * 1 + 8 * 8 * 4)
     full = csr_matrix(np.ones((5, 5)))
-    assert envelope(full, np.zeros((5, 1), dtype=bool)) == (15, 55)
+    assert factor_envelope(full, np.zeros((5, 1), dtype=bool)) == (15, 55)
 
 
 @pytest.mark.parametrize(
@@ -258,7 +262,7 @@ def test_too_little_memory_to_assemble_is_told(taken, monkeypatch):
     points, cells = np.array(body.points), np.array(body.cells)
 
     def solved():
-        return reference_fem.solve_problem(problem, discretise(points, cells, "H1"))
+        return reference_fem.solve_problem(problem, make_discretisation(points, cells, "H1"))
 
     solved()
     monkeypatch.setattr(f"reference_fem.mesh.{taken}", no_memory)
@@ -268,7 +272,9 @@ def test_too_little_memory_to_assemble_is_told(taken, monkeypatch):
 
 def test_a_mesh_in_space_that_memory_cannot_hold_is_refused(monkeypatch):
     made = []
-    monkeypatch.setattr("reference_fem.mesh.boxes.discretise", lambda *mesh: made.append(mesh))
+    monkeypatch.setattr(
+        "reference_fem.mesh.boxes.make_discretisation", lambda *mesh: made.append(mesh)
+    )
     reference_fem.box_discretisation(Box(CUBE), 99, "H1")
     with pytest.raises(ProblemError, match=r"1.03e\+06 points, and the most is 1e\+06; take fewer"):
         reference_fem.box_discretisation(Box(CUBE), 100, "H1")

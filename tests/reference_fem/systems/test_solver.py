@@ -133,7 +133,7 @@ def test_multigrid_that_stalls_gives_way_to_a_factor_once(monkeypatch):
 def test_a_factor_or_hierarchy_is_made_once(choice, monkeypatch):
     solver, displacement, force = clamped((1.0, 1.0, 1.0), 4, "H1", choice=choice)
     one, _ = solver.solve(displacement, force)
-    for name in ("factorised", "Hierarchy"):
+    for name in ("factorise", "Hierarchy"):
         monkeypatch.setattr(f"reference_fem.systems.solver.{name}", None)
     other, _ = solver.solve(0 * displacement, 2 * force)
     both, _ = solver.solve(displacement, 3 * force)
@@ -184,7 +184,7 @@ def joined(dim, shared):
     points = np.concatenate([one.points, one.points + offset])
     cells = np.concatenate([one.cells, one.cells + len(one.points)])
     each, number = np.unique(points.round(9), axis=0, return_inverse=True)
-    body = reference_fem.discretise(each, number.ravel()[cells], element)
+    body = reference_fem.make_discretisation(each, number.ravel()[cells], element)
     return body, np.repeat(body.points[:, :1] == 0, dim, axis=1)
 
 

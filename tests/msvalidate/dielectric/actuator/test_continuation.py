@@ -57,8 +57,8 @@ def test_a_sweep_of_the_report_s_slab_takes_few_solves():
     body = slab(60.0, 10.0, 10)
     assert len(body.network.points) == 61 * 11
     run = sweep(body, to=2.8, steps=20)
-    assert len(run.held) == 21
-    assert sum(held.iterations for held in run.held) <= 6 * 20
+    assert len(run.equilibria) == 21
+    assert sum(held.iterations for held in run.equilibria) <= 6 * 20
 
 
 def test_sweep_keeps_what_it_held(plates):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.dielectric.actuator import Actuator, slab, without_tips
+from msvalidate.dielectric.actuator import Actuator, fix_near_tips, slab
 from msvalidate.dielectric.actuator.uniform import relaxed_thickness
 from msvalidate.network import internal_force, spring_network
 from msvalidate.problem import ProblemError
@@ -150,7 +150,7 @@ def test_arrays_are_read_only(small):
 
 def test_without_tips_holds_points_near_the_edges():
     body = slab(6.0, 2.0, 4, covered=1 / 3)
-    held = without_tips(body, 0.5).network.held & ~body.network.held
+    held = fix_near_tips(body, 0.5).network.held & ~body.network.held
     there = body.network.points[held.all(axis=1)]
     edges = np.array([[2.0, 2.0], [4.0, 2.0]])
     away = np.linalg.norm(there[:, None] - edges, axis=2).min(axis=1)
@@ -161,9 +161,9 @@ def test_without_tips_holds_points_near_the_edges():
 @table(("within", "match"), [(-1.0, "0 or more"), (100.0, "every point")])
 def test_without_tips_refuses(small, within, match):
     with pytest.raises(ProblemError, match=match):
-        without_tips(small, within)
+        fix_near_tips(small, within)
     with pytest.raises(ProblemError, match="actuator: None; give an Actuator"):
-        without_tips(None, 1.0)
+        fix_near_tips(None, 1.0)
 
 
 def test_electrodes_lie_where_all_points_are(small):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.dielectric.actuator import Held, PulledIn, at_voltage, slab, uniform
+from msvalidate.dielectric.actuator import ActuatorEquilibrium, PulledIn, at_voltage, slab, uniform
 from msvalidate.problem import ProblemError, SolverError
 from tests.table import table
 
@@ -91,7 +91,7 @@ def test_beyond_pull_in_one_line_names_both_voltages(plates):
         at_voltage(plates, 7.0)
     assert "\n" not in str(e.value)
     assert isinstance(e.value, SolverError)
-    assert isinstance(e.value.last, Held)
+    assert isinstance(e.value.last, ActuatorEquilibrium)
     assert e.value.last.voltage < uniform.pull_in().voltage < e.value.beyond
 
 
@@ -104,7 +104,7 @@ def test_beyond_pull_in_one_line_names_both_voltages(plates):
         ({"method": "guess"}, "choose newton or staggered"),
         ({"tolerance": 0.1}, "at most"),
         ({"bracket": -1.0}, "bracket"),
-        ({"start": 3}, "start: 3; give a Held"),
+        ({"start": 3}, "start: 3; give an ActuatorEquilibrium"),
     ],
 )
 def test_at_voltage_refuses(film, given, match):

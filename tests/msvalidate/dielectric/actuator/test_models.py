@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from msvalidate.dielectric.actuator import PulledIn, at_voltage, lowest_modes, slab
-from msvalidate.dielectric.actuator.balance import out_of_balance, stiffness
-from msvalidate.dielectric.actuator.models import MODELS, Model, electrified
+from msvalidate.dielectric.actuator.balance import stiffness, unbalanced_force
+from msvalidate.dielectric.actuator.models import MODELS, Model, charge_actuator
 from msvalidate.network import energy
 from msvalidate.problem import ProblemError
 
@@ -24,12 +24,12 @@ def disturbed(body, size=0.03):
 
 def potential_energy(body, x, volts):
     """Springs' energy less that of the electrodes."""
-    return energy(body.network, x) - body.depth * electrified(body, x, volts).charges.energy
+    return energy(body.network, x) - body.depth * charge_actuator(body, x, volts).charges.energy
 
 
 def test_forces_are_the_slope_of_the_energy(body):
     x, volts, step = disturbed(body), 0.4, 1e-5
-    force = out_of_balance(body, x, electrified(body, x, volts))
+    force = unbalanced_force(body, x, charge_actuator(body, x, volts))
     for point, axis in np.argwhere(~body.network.held)[::3]:
         beside = np.zeros(x.shape)
         beside[point, axis] = step
@@ -42,13 +42,13 @@ def slopes(body, step):
     """Central differences of forces in free components, and the stiffness they are to be."""
     x, volts = disturbed(body), 0.4
     free = ~body.network.held
-    K = stiffness(body, x, electrified(body, x, volts)).toarray()
+    K = stiffness(body, x, charge_actuator(body, x, volts)).toarray()
     found = np.empty_like(K)
     for column, (point, axis) in enumerate(np.argwhere(free)):
         beside = np.zeros(x.shape)
         beside[point, axis] = step
         up, down = (
-            out_of_balance(body, place, electrified(body, place, volts))[free]
+            unbalanced_force(body, place, charge_actuator(body, place, volts))[free]
             for place in (x + beside, x - beside)
         )
         found[:, column] = -(up - down) / (2 * step)

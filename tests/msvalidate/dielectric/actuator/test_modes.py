@@ -9,14 +9,14 @@ import pytest
 
 from msvalidate.dielectric.actuator import (
     at_voltage,
+    fix_near_tips,
     lowest_modes,
     slab,
     sweep,
     uniform,
-    without_tips,
 )
 from msvalidate.dielectric.actuator.balance import stiffness
-from msvalidate.dielectric.actuator.models import electrified
+from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.problem import ProblemError, SolverError
 from tests.table import table
 
@@ -25,7 +25,7 @@ from tests.table import table
 def test_lowest_modes_are_those_of_the_dense_matrix(cells):
     held = at_voltage(slab(12.0, 4.0, cells), 1.0)
     free = ~held.actuator.network.held
-    electric = electrified(held.actuator, held.position, held.voltage)
+    electric = charge_actuator(held.actuator, held.position, held.voltage)
     K = stiffness(held.actuator, held.position, electric).toarray()
     values, modes = lowest_modes(held, 4)
     assert values == pytest.approx(np.linalg.eigvalsh(K)[:4], rel=1e-9)
@@ -38,7 +38,7 @@ def test_lowest_modes_are_those_of_the_dense_matrix(cells):
 
 
 def test_the_lowest_mode_softens_towards_pull_in(plates):
-    near = sweep(plates, [3.0, 6.0, 7.0], bracket=1e-5).held
+    near = sweep(plates, [3.0, 6.0, 7.0], bracket=1e-5).equilibria
     values = [lowest_modes(held)[0][0] for held in near]
     assert (np.diff(values) < 0).all()
     assert 0 < values[-1] < 0.05 * values[0]
@@ -56,7 +56,9 @@ def test_an_unstable_place_has_a_negative_mode():
     )
     (value,), (mode,) = lowest_modes(squeezed)
     assert value < 0
-    K = stiffness(body, squeezed.position, electrified(body, squeezed.position, squeezed.voltage))
+    K = stiffness(
+        body, squeezed.position, charge_actuator(body, squeezed.position, squeezed.voltage)
+    )
     assert value == pytest.approx(np.linalg.eigvalsh(K.toarray())[0], rel=1e-9)
     assert np.abs(mode[body.electrodes[0], 1]).max() > 0
     with pytest.raises(SolverError, match="no stable equilibrium near the start"):
@@ -71,7 +73,7 @@ def test_holding_tips_stiffens_the_lowest_mode(film):
     edges = film.electrodes[0][[0, -1]]
     assert not inside[edges].any()
     assert mode[edges].any()
-    kept = without_tips(film, 1.0)
+    kept = fix_near_tips(film, 1.0)
     assert not at_voltage(kept, 1.5).displacement[edges].any()
 
 

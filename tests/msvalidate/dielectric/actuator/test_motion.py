@@ -5,18 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msvalidate.dielectric.actuator import at_voltage, moving, slab
+from msvalidate.dielectric.actuator import at_voltage, relax_actuator, slab
 from msvalidate.problem import ProblemError, SolverError
 from tests.table import table
 
 
 @pytest.mark.parametrize("every", [1, 7])
 def test_motion_comes_to_rest_at_the_equilibrium(film, every):
-    run = moving(film, 1.0, charges_every=every)
+    run = relax_actuator(film, 1.0, charges_every=every)
     rest = at_voltage(film, 1.0)
-    assert np.abs(run.held.displacement - rest.displacement).max() <= 1e-6
+    assert np.abs(run.equilibrium.displacement - rest.displacement).max() <= 1e-6
     assert (
-        run.charged < run.held.iterations + 20 if every == 7 else run.charged > run.held.iterations
+        run.charged < run.equilibrium.iterations + 20
+        if every == 7
+        else run.charged > run.equilibrium.iterations
     )
     assert run.history[-1, 1] < run.history[0, 1]
     assert run.history[-1, 3] < 4.0
@@ -24,24 +26,24 @@ def test_motion_comes_to_rest_at_the_equilibrium(film, every):
 
 def test_motion_beyond_pull_in_says_so(plates):
     with pytest.raises(SolverError, match=r"actuator moving at 8 V") as caught:
-        moving(plates, 8.0)
+        relax_actuator(plates, 8.0)
     assert "\n" not in str(caught.value)
 
 
 def test_motion_out_of_time_says_so(film):
     with pytest.raises(SolverError, match=r"not at rest after 3 steps"):
-        moving(film, 1.0, max_steps=3)
+        relax_actuator(film, 1.0, max_steps=3)
 
 
 def test_a_step_too_long_is_not_called_pull_in(film):
     with pytest.raises(SolverError, match=r"at 0.1 V diverged by step \d+; take a smaller dt"):
-        moving(film, 0.1, dt=100.0)
+        relax_actuator(film, 0.1, dt=100.0)
 
 
 def test_a_start_of_another_network_is_refused(film):
     other = at_voltage(slab(2.0, 1.0, 1), 0.1)
     with pytest.raises(ProblemError, match=r"start: displacements \(6, 2\) of another network"):
-        moving(film, 0.1, start=other)
+        relax_actuator(film, 0.1, start=other)
 
 
 @table(
@@ -50,4 +52,4 @@ def test_a_start_of_another_network_is_refused(film):
 )
 def test_motion_refuses(film, given):
     with pytest.raises(ProblemError):
-        moving(film, 1.0, **given)
+        relax_actuator(film, 1.0, **given)

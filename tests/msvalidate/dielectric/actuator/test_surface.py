@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from msvalidate.dielectric.actuator.surface import off_surface, outline
+from msvalidate.dielectric.actuator.surface import is_off_surface, outline
 from msvalidate.lattice import square
 from msvalidate.network import spring_network
 from msvalidate.problem import Box, ProblemError
@@ -38,7 +38,7 @@ def test_springs_on_the_outline_are_the_surface(columns, rows):
     around = outline(network)
     known = {frozenset(pair) for pair in zip(around, np.roll(around, -1), strict=True)}
     inside = [i for i, pair in enumerate(network.springs.tolist()) if frozenset(pair) not in known]
-    assert off_surface(network, network.springs).tolist() == inside
+    assert is_off_surface(network, network.springs).tolist() == inside
 
 
 def test_outline_of_triangles_is_their_hull():

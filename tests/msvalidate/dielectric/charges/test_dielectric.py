@@ -18,7 +18,7 @@ from skfem import (
 )
 from skfem.helpers import dot, grad
 
-from msvalidate.dielectric.charges import chains, forces, tangent
+from msvalidate.dielectric.charges import electrodes_of_chains, forces, tangent
 from msvalidate.dielectric.charges.dielectric import (
     SlabInAir,
     capacitance_in_air,
@@ -177,7 +177,9 @@ def test_without_contrast_it_is_the_plane_model(covered):
     assert np.abs(ours.charge[faces.bare]).max() < 1e-13 * np.abs(ours.charge).max()
     order = [np.flatnonzero(faces.electrode == k) for k in (0, 1)]
     nodes = [np.append(segments, (segments[-1] + 1) % len(faces.points)) for segments in order]
-    plane = Moments(chains(*(faces.points[chain] for chain in nodes)), permittivity=2.0)
+    plane = Moments(
+        electrodes_of_chains(*(faces.points[chain] for chain in nodes)), permittivity=2.0
+    )
     theirs = plane.charges((3.0, 1.0))
     assert ours.charge[np.concatenate(order)] == pytest.approx(theirs.charge, rel=EXACT)
     assert ours.free == pytest.approx(ours.charge, rel=EXACT)
@@ -289,7 +291,9 @@ def test_tangent_without_contrast_is_that_of_the_plane_model():
     order = [np.flatnonzero(faces.electrode == k) for k in (0, 1)]
     nodes = np.concatenate([np.append(part, (part[-1] + 1) % len(faces.points)) for part in order])
     top = len(order[0]) + 1
-    plane = Moments(chains(faces.points[nodes[:top]], faces.points[nodes[top:]]), permittivity=2.0)
+    plane = Moments(
+        electrodes_of_chains(faces.points[nodes[:top]], faces.points[nodes[top:]]), permittivity=2.0
+    )
     expected = tangent(plane.charges(VOLTS))
     components = (2 * nodes[:, None] + [0, 1]).ravel()
     size = np.abs(expected).max()

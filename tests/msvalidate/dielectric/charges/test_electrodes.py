@@ -14,52 +14,76 @@ from msvalidate.dielectric.charges import (
     ReportModel,
     SlabInAir,
     capacitance,
-    chains,
     checks,
+    electrodes_of_chains,
     facing_strips,
     facing_strips_capacitance,
     plate,
     slab_faces,
-    strip,
+    strip_points,
 )
 from msvalidate.problem import ProblemError
 
 FLAT = [[0.0, 0.0], [1.0, 0.0]]
 ABOVE = [[0.0, 1.0], [1.0, 1.0]]
-PAIR = chains(FLAT, ABOVE)
+PAIR = electrodes_of_chains(FLAT, ABOVE)
 BENT = [[0, 0], [1, 0], [1, 1], [0, 1]]
 
 BAD = [
-    ("none", chains, "none; give a chain"),
-    ("a single point", lambda: chains([[0.0, 0.0]]), "shape (1, 2); give (n, 2), n above 1"),
-    ("in space", lambda: chains(np.zeros((3, 3))), "shape (3, 3); give (n, 2)"),
-    ("NaN", lambda: chains(FLAT, [[0, math.nan], [1, 1]]), "nan at index (0, 1)"),
+    ("none", electrodes_of_chains, "none; give a chain"),
+    (
+        "a single point",
+        lambda: electrodes_of_chains([[0.0, 0.0]]),
+        "shape (1, 2); give (n, 2), n above 1",
+    ),
+    ("in space", lambda: electrodes_of_chains(np.zeros((3, 3))), "shape (3, 3); give (n, 2)"),
+    ("NaN", lambda: electrodes_of_chains(FLAT, [[0, math.nan], [1, 1]]), "nan at index (0, 1)"),
     ("infinite", lambda: PAIR.moved(np.full((4, 2), math.inf)), "inf at index (0, 0)"),
-    ("text", lambda: chains("abc"), "expected numbers"),
-    ("a point twice", lambda: chains([[0, 0], [0, 0], [1, 0]]), "segment 0: length 0 m; leave it"),
-    ("tiny", lambda: chains([[0, 0], [1, 0], [1, 1e-12]]), "segment 1: length 1e-12 m"),
+    ("text", lambda: electrodes_of_chains("abc"), "expected numbers"),
+    (
+        "a point twice",
+        lambda: electrodes_of_chains([[0, 0], [0, 0], [1, 0]]),
+        "segment 0: length 0 m; leave it",
+    ),
+    (
+        "tiny",
+        lambda: electrodes_of_chains([[0, 0], [1, 0], [1, 1e-12]]),
+        "segment 1: length 1e-12 m",
+    ),
     (
         "crossing",
-        lambda: chains(FLAT, [[0.5, -1], [0.5, 1]]),
+        lambda: electrodes_of_chains(FLAT, [[0.5, -1], [0.5, 1]]),
         "electrodes 0 and 1 cross or touch at segments 0 and 1 near (0.5, 0) m; leave a gap",
     ),
-    ("touching", lambda: chains(FLAT, [[0.5, 0], [0.5, 1]]), "electrodes 0 and 1 cross or touch"),
-    ("touching at ends", lambda: chains(FLAT, [[1, 0], [2, 1]]), "electrodes 0 and 1 cross or"),
+    (
+        "touching",
+        lambda: electrodes_of_chains(FLAT, [[0.5, 0], [0.5, 1]]),
+        "electrodes 0 and 1 cross or touch",
+    ),
+    (
+        "touching at ends",
+        lambda: electrodes_of_chains(FLAT, [[1, 0], [2, 1]]),
+        "electrodes 0 and 1 cross or",
+    ),
     ("zero gap", lambda: facing_strips(1.0, 0.0, 4), "gap: 0.0 m; it must be above zero"),
-    ("on each other", lambda: chains(FLAT, [[0.2, 0], [0.8, 0]]), "electrodes 0 and 1 cross or"),
+    (
+        "on each other",
+        lambda: electrodes_of_chains(FLAT, [[0.2, 0], [0.8, 0]]),
+        "electrodes 0 and 1 cross or",
+    ),
     (
         "next to nothing apart",
-        lambda: chains(FLAT, [[0, 1e-10], [1, 1e-10]]),
+        lambda: electrodes_of_chains(FLAT, [[0, 1e-10], [1, 1e-10]]),
         "electrodes 0 and 1 cross or touch at segments 0 and 1 near (0.5, 0) m",
     ),
     (
         "crossing itself",
-        lambda: chains([[0, 0], [1, 0], [1, 1], [0.5, -1]]),
+        lambda: electrodes_of_chains([[0, 0], [1, 0], [1, 1], [0.5, -1]]),
         "electrode 0 crosses or touches itself at segments 0 and 2",
     ),
     (
         "folded back",
-        lambda: chains([[0, 0], [1, 0], [0.5, 0]]),
+        lambda: electrodes_of_chains([[0, 0], [1, 0], [0.5, 0]]),
         "electrode 0 crosses or touches itself at segments 0 and 1",
     ),
     (
@@ -69,7 +93,7 @@ BAD = [
     ),
     (
         "closed without sharing a point",
-        lambda: chains([*BENT, [0, 0]]),
+        lambda: electrodes_of_chains([*BENT, [0, 0]]),
         "electrode 0 crosses or touches itself at segments 0 and 3",
     ),
     ("points of segments", lambda: Electrodes(FLAT, [[0, 2]], [0]), "0 to 2; there are 2"),
@@ -79,21 +103,45 @@ BAD = [
     ("triangles", lambda: Electrodes(FLAT, [[0, 1, 0]], [0]), "shape (1, 3); give (m, 2)"),
     ("too few names", lambda: Electrodes(FLAT, [[0, 1]], [0, 1]), "shape (2,); give (1,)"),
     ("names left out", lambda: Electrodes(FLAT, [[0, 1]], [10**9]), "numbers are left out"),
-    ("grading", lambda: strip(1.0, 0.0, 4, grading="log"), "grading: 'log'; choose uniform or"),
+    (
+        "grading",
+        lambda: strip_points(1.0, 0.0, 4, grading="log"),
+        "grading: 'log'; choose uniform or",
+    ),
     ("fewer points moved", lambda: PAIR.moved(ABOVE), "shape (2, 2); give (4, 2), as there were"),
     ("more points moved", lambda: PAIR.moved(np.eye(5, 2)), "shape (5, 2); give (4, 2), as there"),
-    ("height of a strip", lambda: strip(1.0, math.nan, 4), "height: nan; every value must be"),
-    ("centre of a strip", lambda: strip(1.0, 0.0, 4, centre="a"), "centre: expected numbers"),
-    ("too many", lambda: strip(1.0, 0.0, 10**9), "segments: 1e+09 segments, and the most is"),
-    ("segments of a strip", lambda: strip(1.0, 0.0, 0), "segments: 0; give a whole number"),
-    ("one electrode", lambda: Moments(chains(FLAT)), "one alone holds no charge in the plane"),
+    (
+        "height of a strip",
+        lambda: strip_points(1.0, math.nan, 4),
+        "height: nan; every value must be",
+    ),
+    (
+        "centre of a strip",
+        lambda: strip_points(1.0, 0.0, 4, centre="a"),
+        "centre: expected numbers",
+    ),
+    (
+        "too many",
+        lambda: strip_points(1.0, 0.0, 10**9),
+        "segments: 1e+09 segments, and the most is",
+    ),
+    ("segments of a strip", lambda: strip_points(1.0, 0.0, 0), "segments: 0; give a whole number"),
+    (
+        "one electrode",
+        lambda: Moments(electrodes_of_chains(FLAT)),
+        "one alone holds no charge in the plane",
+    ),
     ("not electrodes", lambda: Moments(FLAT), "electrodes: [[0.0, 0.0], [1.0, 0.0]]; give an"),
     ("permittivity", lambda: Moments(PAIR, permittivity=0.0), "permittivity: 0.0 F/m; it must"),
     ("weighting", lambda: Moments(PAIR, weighting="nodal"), "weighting: 'nodal'; choose"),
     ("too few voltages", lambda: Moments(PAIR).charges((1.0,)), "shape (1,); give (2,), one an"),
     ("voltages", lambda: Moments(PAIR).charges((1.0, math.nan)), "voltages: nan at index 1"),
     ("places", lambda: Moments(PAIR).charges((1, 0)).field([0.0, 1.0]), "shape (2,); give (n, 2)"),
-    ("one to charge", lambda: capacitance(chains(FLAT)), "electrodes: 1; a capacitance is of two"),
+    (
+        "one to charge",
+        lambda: capacitance(electrodes_of_chains(FLAT)),
+        "electrodes: 1; a capacitance is of two",
+    ),
     ("too narrow", lambda: facing_strips_capacitance(0.01), "width over gap: 0.01; give 0.1 to 50"),
     ("too wide", lambda: facing_strips_capacitance(51.0), "width over gap: 51; give 0.1 to 50"),
 ]
@@ -137,7 +185,7 @@ def test_electrodes_know_their_segments():
 
 def test_cosine_grading_spreads_an_isolated_charge_evenly():
     """Between x and the edge of a strip lies acos(x/a)/π of its charge."""
-    x = strip(2.0, 0.0, 12)[:, 0]
+    x = strip_points(2.0, 0.0, 12)[:, 0]
     np.testing.assert_allclose(np.arccos(x) / np.pi, np.arange(12, -1, -1) / 12, atol=1e-12)
 
 
@@ -157,7 +205,7 @@ def test_a_sharp_tip_of_fine_segments_is_not_contact(angle):
     side = np.column_stack([np.linspace(1, 0, 50) ** 2, np.zeros(50)])
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     back = side[::-1] @ turn
-    electrodes = chains(np.concatenate([side, back[1:]]))
+    electrodes = electrodes_of_chains(np.concatenate([side, back[1:]]))
     far = np.linalg.norm(electrodes.points[48] - electrodes.points[50])
     assert far < electrodes.length.min()
 

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from msvalidate.dielectric.charges import (
     Moments,
-    chains,
+    electrodes_of_chains,
     facing_strips,
     facing_strips_capacitance,
     forces,
-    strip,
+    strip_points,
     tangent,
 )
 from msvalidate.problem import ProblemError
@@ -55,7 +55,7 @@ def test_forces_balance(seed):
     rng = np.random.default_rng(seed)
     x = np.cumsum(10 ** rng.uniform(-2, 0, (3, 15)), axis=1)
     y = rng.uniform(-0.3, 0.3, x.shape) + np.array([[0.0], [1.0], [2.5]])
-    electrodes = chains(*np.stack([x, y], axis=-1))
+    electrodes = electrodes_of_chains(*np.stack([x, y], axis=-1))
     pull = forces(Moments(electrodes).charges(rng.normal(size=3)))
     points = electrodes.points - electrodes.points.mean(axis=0)
     total = np.abs(pull).sum()
@@ -177,4 +177,4 @@ def test_points_without_segments_feel_nothing():
     np.testing.assert_array_equal(pull[0], 0)
     np.testing.assert_allclose(pull[1:], forces(Moments(pair).charges(VOLTAGES)), atol=1e-13)
     assert with_more.extent == pair.extent
-    assert strip(1.0, 2.0, 2).shape == (3, 2)
+    assert strip_points(1.0, 2.0, 2).shape == (3, 2)

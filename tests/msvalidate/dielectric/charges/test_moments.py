@@ -12,15 +12,15 @@ from msvalidate.dielectric.charges import (
     Electrodes,
     Moments,
     capacitance,
-    chains,
+    electrodes_of_chains,
     facing_strips,
     facing_strips_capacitance,
     forces,
-    strip,
+    strip_points,
 )
 from msvalidate.dielectric.charges import moments as method
 from msvalidate.dielectric.charges.moments import WEIGHTINGS, coefficients
-from msvalidate.dielectric.charges.neutral import factorised
+from msvalidate.dielectric.charges.neutral import factorise
 from msvalidate.problem import SolverError
 
 X, W = np.polynomial.legendre.leggauss(20)
@@ -71,7 +71,7 @@ def test_an_isolated_strip_spreads_its_charge_as_in_theory():
     number = 65 + np.arange(400)
     line = np.arange(64)
     electrodes = Electrodes(
-        np.concatenate([strip(2.0, 0.0, 64), ring]),
+        np.concatenate([strip_points(2.0, 0.0, 64), ring]),
         np.concatenate(
             [np.column_stack([line, line + 1]), np.column_stack([number, np.roll(number, -1)])]
         ),
@@ -205,7 +205,11 @@ def test_a_constant_added_to_voltages_makes_no_difference(wavy):
 
 def test_three_electrodes_obey_reciprocity():
     """Charge on i at 1 V on j is that on j at 1 V on i."""
-    three = chains(strip(1.0, 0.0, 20), strip(2.0, 0.6, 20), strip(0.5, -1.0, 20, centre=2.0))
+    three = electrodes_of_chains(
+        strip_points(1.0, 0.0, 20),
+        strip_points(2.0, 0.6, 20),
+        strip_points(0.5, -1.0, 20, centre=2.0),
+    )
     moments = Moments(three)
     held = np.array([moments.charges(row).totals for row in np.eye(3)])
     np.testing.assert_allclose(held, held.T, atol=1e-12)
@@ -259,4 +263,4 @@ def test_a_few_electrodes_moved_have_a_factor_at_once(wavy):
 
 def test_an_energy_without_a_minimum_is_refused():
     with pytest.raises(SolverError, match="lie on each other; move them apart"):
-        factorised(np.array([[1.0, 2.0], [2.0, 1.0]]), symmetric=True)
+        factorise(np.array([[1.0, 2.0], [2.0, 1.0]]), symmetric=True)

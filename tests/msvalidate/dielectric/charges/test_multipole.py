@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from msvalidate.dielectric.charges import Moments, Multipole, facing_strips, forces
-from msvalidate.dielectric.charges.moments import coefficients, lines
+from msvalidate.dielectric.charges.moments import coefficients, segment_lines
 from msvalidate.dielectric.charges.two_levels import TwoLevels
 from msvalidate.problem import ProblemError
 
@@ -26,7 +26,7 @@ def test_without_the_library_it_says_what_to_install(monkeypatch, wavy):
 def test_two_levels_are_nearly_the_inverse(wavy, n):
     """Symmetric, positive on neutral charges, and of a spectrum that is narrow."""
     electrodes = wavy(n)
-    nearly = TwoLevels(*lines(electrodes), electrodes.electrode, np.log(electrodes.extent))
+    nearly = TwoLevels(*segment_lines(electrodes), electrodes.electrode, np.log(electrodes.extent))
     m = len(electrodes.segments)
     inverse = np.column_stack([nearly(column) for column in np.eye(m + 1)])
     np.testing.assert_allclose(inverse, inverse.T, atol=1e-10 * np.abs(inverse).max())

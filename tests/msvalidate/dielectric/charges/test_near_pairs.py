@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from msvalidate.dielectric.charges import multipole
-from msvalidate.dielectric.charges.moments import coefficients, lines
+from msvalidate.dielectric.charges.moments import coefficients, segment_lines
 
 
 def test_near_pairs_are_all_those_within_reach_of_both_lengths_once():
@@ -24,7 +24,7 @@ def test_near_pairs_are_all_those_within_reach_of_both_lengths_once():
 
 def test_gauss_points_and_corrections_are_the_exact_means(wavy):
     electrodes = wavy(12)
-    start, along = lines(electrodes)
+    start, along = segment_lines(electrodes)
     m = len(start)
     points = start[:, None] + np.array(multipole.NODES) * along[:, None]
     with np.errstate(divide="ignore"):

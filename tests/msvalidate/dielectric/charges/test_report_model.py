@@ -7,7 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msvalidate.dielectric.charges import chains, facing_strips, facing_strips_capacitance, strip
+from msvalidate.dielectric.charges import (
+    electrodes_of_chains,
+    facing_strips,
+    facing_strips_capacitance,
+    strip_points,
+)
 from msvalidate.dielectric.charges.moments import Moments
 from msvalidate.dielectric.charges.patches import (
     Patches,
@@ -42,7 +47,7 @@ def wavy(seed, segments=5):
     x = np.concatenate([[-0.2], x, [2.2]])
     top = np.column_stack([x, 1 + rng.uniform(-0.2, 0.2, len(x))])
     bottom = np.column_stack([x[::-1], rng.uniform(-0.2, 0.2, len(x))])
-    return chains(top, bottom)
+    return electrodes_of_chains(top, bottom)
 
 
 def differences(energy, points, step=1e-5):
@@ -104,7 +109,7 @@ def test_deep_strips_tend_to_the_plane():
 
 
 def test_a_spring_alone_has_the_potential_of_its_rectangle():
-    model = ReportModel(chains([(0.0, 0.0), (0.6, 0.8)]), permittivity=2.0)
+    model = ReportModel(electrodes_of_chains([(0.0, 0.0), (0.6, 0.8)]), permittivity=2.0)
     charge = model.charges((3.0,)).charge
     # A square of 1 m at its centre: ∫dA/r = 4 ln(1 + √2).
     assert charge == pytest.approx([3.0 * 8 * np.pi / (4 * np.log(1 + np.sqrt(2)))], rel=EXACT)
@@ -188,7 +193,7 @@ def test_forces_are_balanced(kernel, charges_on, law):
 @every_kernel
 def test_point_forces_follow_coulomb(kernel):
     """Two springs far apart: half of the force at each of their ends."""
-    electrodes = chains([(0.0, 0.0), (1.0, 0.0)], [(3.0, 4.0), (4.0, 4.0)])
+    electrodes = electrodes_of_chains([(0.0, 0.0), (1.0, 0.0)], [(3.0, 4.0), (4.0, 4.0)])
     charges = ReportModel(electrodes, kernel=kernel, depth=2.0, permittivity=0.5).charges(VOLTS)
     one, other = charges.charge
     law = 1 / (2 * np.pi * 0.5 * 5) if kernel == "plane" else 2.0 / (4 * np.pi * 0.5 * 25)
@@ -210,8 +215,8 @@ def test_both_places_of_charges_converge_to_the_closed_form(charges_on):
 
 
 def test_nodes_hold_lumps():
-    electrodes = chains(
-        strip(1.0, 0.5, 4, grading="uniform"), strip(1.0, 0.0, 4, grading="uniform")
+    electrodes = electrodes_of_chains(
+        strip_points(1.0, 0.5, 4, grading="uniform"), strip_points(1.0, 0.0, 4, grading="uniform")
     )
     model = ReportModel(electrodes, charges_on="nodes")
     charges = model.charges(VOLTS)
@@ -252,7 +257,7 @@ def test_bad_options_are_refused(how, said):
 
 def test_bad_questions_are_refused():
     with pytest.raises(ProblemError, match="one alone holds no charge in the plane"):
-        ReportModel(chains([(0.0, 0.0), (1.0, 0.0)]), kernel="plane")
+        ReportModel(electrodes_of_chains([(0.0, 0.0), (1.0, 0.0)]), kernel="plane")
     with pytest.raises(ProblemError, match=r"voltages: shape \(3,\); give \(2,\)"):
         ReportModel(wavy(1)).charges((1.0, 0.0, 0.0))
     with pytest.raises(ProblemError, match=r"points: shape \(3,\); give \(n, 2\)"):
