@@ -28,8 +28,9 @@ from msvalidate.constants.stiffness import (
     square_tensor,
 )
 from msvalidate.dynamics.integrate import StabilityWarning, State, damping_rate, euler_cromer
-from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS, stability_limit
+from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
 from msvalidate.dynamics.spectrum import natural_frequencies
+from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.judging.candidate import solve_springs
 from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.singularity import clamped_free_exponent, free_free_exponent

@@ -23,14 +23,9 @@ from msvalidate.dynamics.hidden import (
     is_at_rest,
     refuse_lost_digits,
 )
-from msvalidate.dynamics.integrators import (
-    EULER_CROMER,
-    Integrator,
-    MotionState,
-    stability_limit,
-    step_factors,
-)
+from msvalidate.dynamics.integrators import EULER_CROMER, Integrator, MotionState, step_factors
 from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
+from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network, internal_force
 from msvalidate.network.displaced import Displaced
 from msvalidate.network.folds import count_folded

@@ -23,7 +23,8 @@ from scipy.linalg import eigh
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.constants.homogenise import interior_tensor
 from msvalidate.dynamics.integrate import State, euler_cromer
-from msvalidate.dynamics.integrators import EULER_CROMER, stability_limit
+from msvalidate.dynamics.integrators import EULER_CROMER
+from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.lattice import square
 from msvalidate.network import Network, tangent
 from msvalidate.problem import Anisotropic, Array, Box, Problem, Support, Traction

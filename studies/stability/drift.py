@@ -21,7 +21,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.dynamics.integrators import INTEGRATORS, Integrator, one_step_matrix
+from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
+from msvalidate.dynamics.step_limits import one_step_matrix
 from msvalidate.judging.compare import fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.judging.sweep import Setting

@@ -22,7 +22,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 
 from msvalidate.dynamics.integrate import State, euler_cromer, motion
-from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS, one_step_matrix
+from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
+from msvalidate.dynamics.step_limits import one_step_matrix
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import SolverError
 from msvalidate.statics.equilibrium import equilibrium

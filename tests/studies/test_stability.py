@@ -25,8 +25,9 @@ from msvalidate.studies.stability import (
 )
 from msvalidate.studies.stability.networks import OSCILLATOR, Body, clamped, linear
 
-from msvalidate.dynamics.integrators import INTEGRATORS, MotionState, growth_factor
+from msvalidate.dynamics.integrators import INTEGRATORS, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.dynamics.step_limits import growth_factor
 from msvalidate.judging.evidence import all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import tangent

@@ -17,8 +17,9 @@ from msvalidate.dielectric.actuator.equilibria import (
 )
 from msvalidate.dielectric.actuator.models import Electric, charge_actuator
 from msvalidate.dynamics.integrate import SPECTRUM_ERROR
-from msvalidate.dynamics.integrators import EULER_CROMER, stability_limit, step_factors
+from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
 from msvalidate.dynamics.spectrum import extreme_frequencies
+from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, positive_number, require_type, whole_number

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from scipy.linalg import eigvals
 
 from msvalidate.dynamics.integrate import State, damping_rate, euler_cromer
-from msvalidate.dynamics.integrators import EULER_CROMER, stability_limit
+from msvalidate.dynamics.integrators import EULER_CROMER
+from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import spring_network, tangent
 from msvalidate.problem import ProblemError, SolverError
 from tests.table import table

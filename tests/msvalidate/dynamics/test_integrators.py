@@ -5,13 +5,8 @@ import warnings
 import numpy as np
 import pytest
 
-from msvalidate.dynamics.integrators import (
-    INTEGRATORS,
-    growth_factor,
-    one_step_matrix,
-    stability_limit,
-    step_factors,
-)
+from msvalidate.dynamics.integrators import INTEGRATORS, step_factors
+from msvalidate.dynamics.step_limits import growth_factor, one_step_matrix, stability_limit
 from msvalidate.problem import ProblemError, SolverError
 
 TRUE = {name: scheme for name, scheme in INTEGRATORS.items() if not scheme.variant}

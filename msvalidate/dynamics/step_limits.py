@@ -1,0 +1,110 @@
+"""How large a step of a scheme may be: limits of stability, and growth in one step."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from msvalidate.dynamics.integrators import Integrator, MotionState
+from msvalidate.problem import Array, ProblemError, SolverError
+from msvalidate.problem.checks import (
+    finite,
+    finite_number,
+    format_value,
+    positive_number,
+    require_type,
+)
+
+RATIOS = 400
+"""Damping ratios at which the limit is asked for between two: its minimum is flat."""
+
+
+def stability_limit(
+    integrator: Integrator, omega_min: float, omega_max: float, damping: ArrayLike = 0.0
+) -> float:
+    """Largest stable time step (s) for all frequencies (rad/s) from one to another; 0 if none is.
+
+    The limit of a mode at a given damping (1/s) rises with its frequency, if at all, before it
+    falls, so that the two ends bound the rest: explicit Euler needs both, the others the higher.
+    Of rates that differ from point to point, a mode feels some mean: the limit is the least over
+    all rates between the smallest and the largest. (Velocity Verlet's is lowest between.)
+
+    Source: roots of `one_step_matrix` within the unit circle, [Jury1964].
+
+    Raises
+    ------
+    ProblemError
+        If a frequency is not above zero, they are in the wrong order, or the damping is negative.
+    SolverError
+        If the limit is beyond the largest number or below the smallest.
+    """
+    require_type("integrator", integrator, Integrator)
+    low = positive_number("lowest frequency", omega_min, "rad/s")
+    high = positive_number("highest frequency", omega_max, "rad/s")
+    if low > high:
+        raise ProblemError(f"frequencies: from {low:g} to {high:g} rad/s; give the lowest first")
+    rates = finite("damping", damping).ravel()
+    if not rates.size or rates.min() < 0:
+        raise ProblemError(
+            f"damping: {format_value(damping)} 1/s; a negative rate feeds the motion"
+        )
+    limit = min(_limit(integrator, omega, rates) for omega in (low, high))
+    if not limit < math.inf:
+        raise SolverError(
+            f"stability limit: {limit:g} s from {low:g} to {high:g} rad/s with damping "
+            f"{rates.max():g} 1/s; choose a unit of time that gives ordinary numbers"
+        )
+    return limit
+
+
+def _limit(integrator: Integrator, omega: float, rates: Array) -> float:
+    """Least limit (s) of a mode over the rates between the smallest and the largest."""
+    with np.errstate(over="ignore"):  # beyond all numbers there is no limit to tell
+        least, most = rates.min() / 2 / omega, rates.max() / 2 / omega
+    if not math.isfinite(most):
+        return math.inf
+    ratios = [least, most]
+    if most > least:  # beyond a ratio of 2 every limit falls
+        ratios += list(np.linspace(least, min(most, 2.0), RATIOS)) if least < 2 else []
+    limits = [integrator.limit(float(zeta)) for zeta in ratios]
+    at = min(limits) / omega
+    return math.inf if at == 0 and min(limits) > 0 else at
+
+
+def one_step_matrix(integrator: Integrator, omega: float, h: float, damping: float = 0.0) -> Array:
+    """Matrix (2, 2) by which a step takes (x, v) of the mode x'' = -ω²x - c·x' to the next.
+
+    Made by two steps of the scheme itself, which is linear in the state.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is not a finite number.
+    """
+    omega, h, damping = (
+        finite_number(name, value)
+        for name, value in (("omega", omega), ("h", h), ("damping", damping))
+    )
+
+    def acceleration(x: Array) -> Array:
+        return np.asarray(-(omega**2) * x)
+
+    columns = []
+    for x, v in ((1.0, 0.0), (0.0, 1.0)):
+        start = np.array([x])
+        end = integrator.step(
+            acceleration, MotionState(start, np.array([v]), acceleration(start)), h, damping
+        )
+        columns.append([end.x[0], end.v[0]])
+    return np.array(columns).T
+
+
+def growth_factor(integrator: Integrator, omega: float, h: float, damping: float = 0.0) -> float:
+    """Largest factor by which a mode can grow in a step: its one-step matrix's spectral radius.
+
+    Source: the spectral radius, [GolubVanLoan2013].
+    """
+    matrix = finite("one-step matrix", one_step_matrix(integrator, omega, h, damping))
+    return float(np.abs(np.linalg.eigvals(matrix)).max())
