@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.dynamics.integrators import MotionState
+from msvalidate.dynamics.scheme import MotionState
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network
 from msvalidate.network.residual import force_roundoff

@@ -23,7 +23,8 @@ from msvalidate.dynamics.hidden import (
     is_at_rest,
     refuse_lost_digits,
 )
-from msvalidate.dynamics.integrators import EULER_CROMER, Integrator, MotionState, step_factors
+from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
+from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network, internal_force

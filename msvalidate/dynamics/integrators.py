@@ -1,86 +1,27 @@
-"""Time integration schemes as records: how one step goes, its order and its limit.
+"""The time integration schemes, each a record of its step and of what it claims (`scheme`).
 
-A scheme advances a state (x, v, a): position (m), velocity (m/s) and the acceleration (m/s²) of
-springs and loads *without* damping at that position. The viscous acceleration is -c·v, c in 1/s.
-Each scheme says from which velocity it takes it. With one more scheme, add its record to
-`INTEGRATORS`: its order, its limit and what it conserves are then held to its claims by the tests.
+With one more scheme, add its record to `INTEGRATORS`: tests and the study `stability` hold every
+record to its order, limit, error, and to what it conserves.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import (
-    require_type,
+from msvalidate.dynamics.scheme import (
+    Acceleration,
+    Factors,
+    Integrator,
+    LeadingError,
+    MotionState,
 )
+from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import require_type
 
-Acceleration = Callable[[Array], Array]
-"""Acceleration (n, d) in m/s² of springs and loads at positions (n, d) in m."""
-
-
-class MotionState(NamedTuple):
-    """Position (m), velocity (m/s), and the undamped acceleration (m/s²) at that position."""
-
-    x: Array
-    v: Array
-    a: Array
-
-
-Step = Callable[[Acceleration, MotionState, float, Array | float], MotionState]
-"""One step of `h` (s) with damping `c` (1/s), a number or one a component."""
-Factors = Callable[[float, Array], tuple[Array, Array]]
-"""(keep, push) of a step of `h` (s) with damping `c` (1/s): v = keep·v + push·a, x += h·v."""
-
-
-@dataclass(frozen=True)
-class Integrator:
-    """A time integration scheme.
-
-    Parameters
-    ----------
-    name, order
-        Its name, and the power of the step with which its error on a smooth motion falls, without
-        damping: a viscous force from an old velocity is of first order.
-    symplectic
-        Whether it preserves areas in phase space without damping: its energy then only fluctuates.
-    step
-        One step.
-    staggered
-        Whether the velocity belongs to half a step before the position.
-    damping
-        In words: from which velocity it takes the viscous force.
-    limit
-        Largest stable h·ω of one mode with damping ratio ζ = c/(2ω), in closed form; the whole
-        range below it is stable.
-    variant
-        Whether it is kept for comparison: a scheme as it was misprinted or is mistaken.
-    factors
-        Of a scheme that moves with one new velocity: what `kernels.advance` needs of it.
-    """
-
-    name: str
-    order: int
-    symplectic: bool
-    step: Step
-    damping: str
-    limit: Callable[[float], float]
-    staggered: bool = False
-    variant: bool = False
-    factors: Factors | None = None
-
-
-def _explicit_euler(
-    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
-) -> MotionState:
-    x = now.x + h * now.v
-    return MotionState(x, now.v + h * (now.a - c * now.v), acceleration(x))
+OLD = "from the old velocity"
 
 
 def _with_one_velocity(
@@ -93,8 +34,117 @@ def _with_one_velocity(
     return MotionState(x, v, acceleration(x))
 
 
+def _velocity_first(h: float, keep: float, push: float) -> Array:
+    """Matrix of v' = keep·v - push·x, x' = x + h·v'."""
+    return np.array([[1 - h * push, h * keep], [-push, keep]])
+
+
+# Explicit Euler
+
+
+def _explicit_euler(
+    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
+    x = now.x + h * now.v
+    return MotionState(x, now.v + h * (now.a - c * now.v), acceleration(x))
+
+
+def _explicit_euler_matrix(h: float, c: float) -> Array:
+    return np.array([[1, h], [-h, 1 - c * h]])
+
+
+def _explicit_euler_limit(zeta: float) -> float:
+    # |λ|² = 1 - 2ζy + y² up to critical damping; beyond, the faster of two real roots reaches -1:
+    # y = 2(ζ - √(ζ² - 1)), written without cancellation.
+    return 2 * zeta if zeta <= 1 else 2 / (zeta * (1 + math.sqrt(1 - 1 / zeta / zeta)))
+
+
+def _explicit_euler_error(angle: float) -> float:
+    return 0.5 * angle * abs(math.cos(angle))
+
+
+def _explicit_euler_next(h: float, angle: float) -> float:
+    return h * angle / 4 + 2 / 3 * h * abs(math.tan(angle))
+
+
+EXPLICIT_EULER = Integrator(
+    "explicit_euler",
+    "explicit Euler",
+    order=1,
+    symplectic=False,
+    step=_explicit_euler,
+    matrix=_explicit_euler_matrix,
+    damping=OLD,
+    limit=_explicit_euler_limit,
+    swelling=1.0,
+    leading=LeadingError(
+        _explicit_euler_error,
+        _explicit_euler_next,
+        "the amplitude's growth compounds, by h·ω·{angle:g}/4 of the first term, and the phase lags"
+        " by (h·ω)²/3, which adds 2/3·h·ω·tan {angle:g}",
+    ),
+)
+
+
+# Euler-Cromer
+
+
 def _euler_cromer(h: float, c: Array) -> tuple[Array, Array]:
     return 1 - h * c, np.full_like(c, h, dtype=float)
+
+
+def _euler_cromer_limit(zeta: float) -> float:
+    return 2 / (math.hypot(1, zeta) + zeta)  # 2(√(1 + ζ²) - ζ), without cancellation
+
+
+def _euler_cromer_matrix(h: float, c: float) -> Array:
+    return _velocity_first(h, 1 - c * h, h)
+
+
+def _euler_cromer_error(angle: float) -> float:
+    return 0.5 * abs(math.sin(angle))
+
+
+def _euler_cromer_next(h: float, angle: float) -> float:
+    return h * angle / 12 + h / 4 / abs(math.tan(angle))
+
+
+EULER_CROMER = Integrator(
+    "euler_cromer",
+    "Euler-Cromer",
+    order=1,
+    symplectic=True,
+    step=partial(_with_one_velocity, _euler_cromer),
+    matrix=_euler_cromer_matrix,
+    damping=OLD,
+    limit=_euler_cromer_limit,
+    leading=LeadingError(
+        _euler_cromer_error,
+        _euler_cromer_next,
+        "its frequency is Verlet's, (h·ω)²/24 too high: {angle:g}/12·h·ω of the first term; and "
+        "half a step ahead, squared over 2, turned by 90°",
+    ),
+    factors=_euler_cromer,
+)
+
+
+# Leapfrog, and velocity Verlet, whose undamped positions are the same
+
+
+def _verlet_error(angle: float) -> float:
+    return angle / 24 * abs(math.sin(angle))
+
+
+def _verlet_next(h: float, angle: float) -> float:
+    return h**2 * (9 / 80 + angle / 48 / abs(math.tan(angle)))
+
+
+VERLET_ERROR = LeadingError(
+    _verlet_error,
+    _verlet_next,
+    "the frequency, 2/h·asin(h·ω/2), has the next term 3/640·(h·ω)⁴, 9/80·(h·ω)² of the first; the "
+    "phase's own square adds {angle:g}/48·(h·ω)²·cot {angle:g}",
+)
 
 
 def _leapfrog(h: float, c: Array) -> tuple[Array, Array]:
@@ -102,13 +152,28 @@ def _leapfrog(h: float, c: Array) -> tuple[Array, Array]:
     return (1 - half) / (1 + half), h / (1 + half)
 
 
-def _euler_cromer_as_printed(
-    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
-) -> MotionState:
-    # The report's section 5.4 (2): velocity first, but the position moves with the old one.
-    v = now.v + h * (now.a - c * now.v)
-    x = now.x + h * now.v
-    return MotionState(x, v, acceleration(x))
+def _leapfrog_limit(_: float) -> float:
+    return 2.0
+
+
+def _leapfrog_matrix(h: float, c: float) -> Array:
+    return _velocity_first(h, (1 - c * h / 2) / (1 + c * h / 2), h / (1 + c * h / 2))
+
+
+LEAPFROG = Integrator(
+    "leapfrog",
+    "leapfrog",
+    order=2,
+    symplectic=True,
+    step=partial(_with_one_velocity, _leapfrog),
+    matrix=_leapfrog_matrix,
+    damping="from the mean of the old and the new velocity",
+    limit=_leapfrog_limit,
+    damped_order=2,
+    staggered=True,
+    leading=VERLET_ERROR,
+    factors=_leapfrog,
+)
 
 
 def _velocity_verlet(
@@ -120,35 +185,11 @@ def _velocity_verlet(
     return MotionState(x, half + 0.5 * h * (a - c * half), a)
 
 
-def _verlet_as_printed(
-    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
-) -> MotionState:
-    # The report's section 5.4 (4): the second half kick starts again from v_t, with F_t.
-    half = now.v + 0.5 * h * (now.a - c * now.v)
-    x = now.x + h * half
-    return MotionState(x, half, acceleration(x))
-
-
-def _verlet_lagged(
-    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
-) -> MotionState:
-    half = now.v + 0.5 * h * (now.a - c * now.v)
-    x = now.x + h * half
-    return MotionState(x, half + 0.5 * h * (now.a - c * now.v), acceleration(x))
-
-
-def _explicit_euler_limit(zeta: float) -> float:
-    # |λ|² = 1 - 2ζy + y² up to critical damping; beyond, the faster of two real roots reaches -1:
-    # y = 2(ζ - √(ζ² - 1)), written without cancellation.
-    return 2 * zeta if zeta <= 1 else 2 / (zeta * (1 + math.sqrt(1 - 1 / zeta / zeta)))
-
-
-def _euler_cromer_limit(zeta: float) -> float:
-    return 2 / (math.hypot(1, zeta) + zeta)  # 2(√(1 + ζ²) - ζ), without cancellation
-
-
-def _leapfrog_limit(_: float) -> float:
-    return 2.0
+def _velocity_verlet_matrix(h: float, c: float) -> Array:
+    half = 1 - c * h / 2
+    kick, drift = np.array([[1, 0], [-h / 2, half]]), np.array([[1, h], [0, 1]])
+    # The second kick damps before it adds the force, as the first does.
+    return np.asarray(kick @ drift @ kick)
 
 
 def _velocity_verlet_limit(zeta: float) -> float:
@@ -166,72 +207,120 @@ def _velocity_verlet_limit(zeta: float) -> float:
     return float(1 / max([*crossings, 0.5 * zeta]))
 
 
+VELOCITY_VERLET = Integrator(
+    "velocity_verlet",
+    "velocity Verlet",
+    order=2,
+    symplectic=True,
+    step=_velocity_verlet,
+    matrix=_velocity_verlet_matrix,
+    damping="in each half kick from the velocity before it",
+    limit=_velocity_verlet_limit,
+    leading=VERLET_ERROR,
+)
+
+
+# Variants: as misprinted, or mistaken
+
+
+def _euler_cromer_as_printed(
+    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
+    # The report's section 5.4 (2): velocity first, but the position moves with the old one.
+    v = now.v + h * (now.a - c * now.v)
+    x = now.x + h * now.v
+    return MotionState(x, v, acceleration(x))
+
+
+EULER_CROMER_AS_PRINTED = Integrator(
+    "euler_cromer_as_printed",
+    "Euler-Cromer as printed",
+    order=1,
+    symplectic=False,
+    step=_euler_cromer_as_printed,
+    matrix=_explicit_euler_matrix,
+    damping=OLD,
+    limit=_explicit_euler_limit,
+    variant=True,
+    swelling=1.0,
+)
+
+
+def _verlet_as_printed(
+    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
+    # The report's section 5.4 (4): the second half kick starts again from v_t, with F_t.
+    half = now.v + 0.5 * h * (now.a - c * now.v)
+    x = now.x + h * half
+    return MotionState(x, half, acceleration(x))
+
+
 def _verlet_as_printed_limit(zeta: float) -> float:
     return 4 / (math.hypot(math.sqrt(2), zeta) + zeta)  # 2(√(2 + ζ²) - ζ), the same way
+
+
+def _verlet_as_printed_matrix(h: float, c: float) -> Array:
+    return _velocity_first(h, 1 - c * h / 2, h / 2)
+
+
+VERLET_AS_PRINTED = Integrator(
+    "verlet_as_printed",
+    "Verlet as printed",
+    order=1,
+    symplectic=True,
+    step=_verlet_as_printed,
+    matrix=_verlet_as_printed_matrix,
+    damping=OLD,
+    limit=_verlet_as_printed_limit,
+    variant=True,
+    share=0.5,
+)
+
+
+def _verlet_lagged(
+    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
+    half = now.v + 0.5 * h * (now.a - c * now.v)
+    x = now.x + h * half
+    return MotionState(x, half + 0.5 * h * (now.a - c * now.v), acceleration(x))
+
+
+def _verlet_lagged_matrix(h: float, c: float) -> Array:
+    half = 1 - c * h / 2
+    return np.array([[1 - h * h / 2, h * half], [-h, 1 - c * h]])
 
 
 def _verlet_lagged_limit(zeta: float) -> float:
     return min(4 * zeta, 1 / zeta) if zeta > 0 else 0.0
 
 
-OLD = "from the old velocity"
+VERLET_LAGGED = Integrator(
+    "verlet_lagged",
+    "Verlet with the old force",
+    order=1,
+    symplectic=False,
+    step=_verlet_lagged,
+    matrix=_verlet_lagged_matrix,
+    damping=OLD,
+    limit=_verlet_lagged_limit,
+    variant=True,
+    swelling=0.5,
+)
+
+
 INTEGRATORS = {
     scheme.name: scheme
     for scheme in (
-        Integrator("explicit_euler", 1, False, _explicit_euler, OLD, _explicit_euler_limit),
-        Integrator(
-            "euler_cromer",
-            1,
-            True,
-            partial(_with_one_velocity, _euler_cromer),
-            OLD,
-            _euler_cromer_limit,
-            factors=_euler_cromer,
-        ),
-        Integrator(
-            "leapfrog",
-            2,
-            True,
-            partial(_with_one_velocity, _leapfrog),
-            "from the mean of the old and the new velocity",
-            _leapfrog_limit,
-            staggered=True,
-            factors=_leapfrog,
-        ),
-        Integrator(
-            "velocity_verlet",
-            2,
-            True,
-            _velocity_verlet,
-            "in each half kick from the velocity before it",
-            _velocity_verlet_limit,
-        ),
-        Integrator(
-            "euler_cromer_as_printed",
-            1,
-            False,
-            _euler_cromer_as_printed,
-            OLD,
-            _explicit_euler_limit,
-            variant=True,
-        ),
-        Integrator(
-            "verlet_as_printed",
-            1,
-            True,
-            _verlet_as_printed,
-            OLD,
-            _verlet_as_printed_limit,
-            variant=True,
-        ),
-        Integrator(
-            "verlet_lagged", 1, False, _verlet_lagged, OLD, _verlet_lagged_limit, variant=True
-        ),
+        EXPLICIT_EULER,
+        EULER_CROMER,
+        LEAPFROG,
+        VELOCITY_VERLET,
+        EULER_CROMER_AS_PRINTED,
+        VERLET_AS_PRINTED,
+        VERLET_LAGGED,
     )
 }
 """Name -> scheme: the report's four in their true forms, and variants."""
-EULER_CROMER = INTEGRATORS["euler_cromer"]
-LEAPFROG = INTEGRATORS["leapfrog"]
 
 
 def step_factors(scheme: Integrator) -> Factors:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate.dynamics.integrators import Integrator, MotionState
+from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import (
     finite,

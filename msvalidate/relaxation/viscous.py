@@ -15,7 +15,8 @@ from functools import partial
 from numpy.typing import ArrayLike
 
 from msvalidate.dynamics.integrate import StabilityWarning, damping_rate
-from msvalidate.dynamics.integrators import EULER_CROMER, Integrator, step_factors
+from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
+from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError

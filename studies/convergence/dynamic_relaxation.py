@@ -23,7 +23,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.dynamics.integrators import LEAPFROG, Integrator
+from msvalidate.dynamics.integrators import LEAPFROG
+from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging.compare import farthest_value, fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity

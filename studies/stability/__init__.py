@@ -23,7 +23,8 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
+from msvalidate.dynamics.integrators import INTEGRATORS
+from msvalidate.dynamics.scheme import Integrator
 from msvalidate.judging.candidate import check_table
 from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import Setting

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from msvalidate.dynamics.integrators import Integrator, MotionState
+from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.problem import Array, Mask
 
 from .networks import Linear

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from msvalidate.dynamics.integrators import Integrator
+from msvalidate.dynamics.integrators import INTEGRATORS
+from msvalidate.dynamics.scheme import Integrator
 from msvalidate.output import figures
 from msvalidate.problem import ProblemError
 
@@ -12,6 +13,8 @@ Schemes = Mapping[str, Integrator]
 """Name -> scheme: the candidate of every question."""
 REPORTED = ("explicit_euler", "euler_cromer", "leapfrog", "velocity_verlet")
 """The report's four, in their true forms."""
+TRUE = tuple(name for name, scheme in INTEGRATORS.items() if not scheme.variant)
+"""Schemes in their true forms."""
 COLUMNS = {
     "scheme": "time integration scheme; _as_printed and _lagged are variants kept for comparison",
     "body": "single oscillator, or lattice clamped on one side",
@@ -23,40 +26,29 @@ COLUMNS = {
     "h_omega": "time step times frequency (rad)",
 }
 """What columns of several tables mean."""
-NAMES = {
-    "explicit_euler": "explicit Euler",
-    "euler_cromer": "Euler-Cromer",
-    "leapfrog": "leapfrog",
-    "velocity_verlet": "velocity Verlet",
-    "euler_cromer_as_printed": "Euler-Cromer as printed",
-    "verlet_as_printed": "Verlet as printed",
-    "verlet_lagged": "Verlet with the old force",
-}
-COLOUR = {
-    "explicit_euler": figures.COLOURS[1],
-    "euler_cromer": figures.COLOURS[0],
-    "leapfrog": figures.COLOURS[2],
-    "velocity_verlet": figures.COLOURS[3],
-    "euler_cromer_as_printed": figures.COLOURS[5],
-    "verlet_as_printed": figures.COLOURS[4],
-    "verlet_lagged": "#444444",
-}
-MARKER = dict(zip(COLOUR, ("s", "o", "^", "D", "v", "P", "X"), strict=True))
 
 
 def colour(scheme: str) -> str:
-    """Colour of a scheme in every figure; black of one that is not ours."""
-    return COLOUR.get(scheme, "black")
+    """Colour of a scheme in every figure, by its place in the table; black of others."""
+    place = _place(scheme)
+    return "black" if place is None else figures.COLOURS[place % len(figures.COLOURS)]
 
 
 def marker(scheme: str) -> str:
-    """Marker of a scheme in every figure."""
-    return MARKER.get(scheme, ".")
+    """Marker of a scheme in every figure, the next one where colours begin again."""
+    place = _place(scheme)
+    if place is None:
+        return "."
+    return figures.MARKERS[(place + place // len(figures.COLOURS)) % len(figures.MARKERS)]
 
 
 def title(scheme: str) -> str:
     """A scheme's name in words."""
-    return NAMES.get(scheme, scheme)
+    return INTEGRATORS[scheme].title if scheme in INTEGRATORS else scheme
+
+
+def _place(scheme: str) -> int | None:
+    return list(INTEGRATORS).index(scheme) if scheme in INTEGRATORS else None
 
 
 def chosen(candidate: Schemes, names: tuple[str, ...] = REPORTED) -> dict[str, Integrator]:

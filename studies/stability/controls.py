@@ -20,7 +20,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from msvalidate.dynamics.integrators import INTEGRATORS, Acceleration, Integrator, MotionState, Step
+from msvalidate.dynamics.integrators import INTEGRATORS
+from msvalidate.dynamics.scheme import Acceleration, Integrator, MotionState, Step
 from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Tolerance
 from msvalidate.judging.sweep import Setting
@@ -82,10 +83,8 @@ def with_weak_damping(name: str, size: float) -> Integrator:
 
 def leading_error(scheme: Integrator) -> float:
     """Error of Verlet's leading term, over its tolerance."""
-    steps = cost.JUDGED
-    power, coefficient = cost.LEADING[scheme.name]
-    error = abs(oscillator.swing(scheme, steps, cost.ANGLE) - math.cos(cost.ANGLE))
-    return abs(error / (coefficient * (cost.ANGLE / steps) ** power) - 1) / cost.LEADS[scheme.name]
+    error, leading = cost.errors(scheme, cost.JUDGED)
+    return abs(error / leading - 1) / cost.next_term(scheme)
 
 
 def damped_order(scheme: Integrator) -> float:
@@ -93,8 +92,8 @@ def damped_order(scheme: Integrator) -> float:
     ratio, steps = order.RATIOS[1], np.array(order.QUICK_STEPS)
     exact = order.exact_swing(1.0, ratio)
     errors = [oscillator.swing(scheme, int(n), order.ANGLE, ratio) - exact for n in steps]
-    expected = order.on_paper(scheme.name, ratio, steps)
-    limit = order.order_uncertainty(scheme.name, ratio, steps)
+    expected = order.on_paper(scheme, ratio, steps)
+    limit = order.order_uncertainty(scheme, ratio, steps)
     return abs(observed_order(order.ANGLE / steps, errors) - expected) / limit
 
 

@@ -18,11 +18,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
+from msvalidate.dynamics.integrators import INTEGRATORS
+from msvalidate.dynamics.scheme import Integrator, LeadingError
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
+from msvalidate.problem import ProblemError
 
 from . import common, oscillator
 from .common import Schemes
@@ -34,56 +36,48 @@ QUICK_EVALUATIONS = (200, 800, 3200, 12800)
 WANTED = (1e-3, 1e-6)
 MOST = 1e15
 """Evaluations that nobody makes: rounding would hide such steps."""
-LEADING = {
-    "explicit_euler": (1, 0.5 * ANGLE * abs(math.cos(ANGLE))),
-    "euler_cromer": (1, 0.5 * abs(math.sin(ANGLE))),
-    "leapfrog": (2, ANGLE / 24 * abs(math.sin(ANGLE))),
-    "velocity_verlet": (2, ANGLE / 24 * abs(math.sin(ANGLE))),
-}
-"""Scheme -> power of h·ω and coefficient of the error's leading term at `ANGLE`, from rest at 1."""
 JUDGED = 12800
 """Evaluations at which errors are held to their leading terms: in both forms."""
-STEP = ANGLE / JUDGED
-TURN = abs(math.tan(ANGLE))
-NEXT = {
-    "explicit_euler": (
-        STEP * ANGLE / 4 + 2 / 3 * STEP * TURN,
-        (
-            "the amplitude's growth compounds, by h·ω·20/4 of the first term, and the phase lags "
-            "by (h·ω)²/3, which adds 2/3·h·ω·tan 20"
-        ),
-    ),
-    "euler_cromer": (
-        STEP * ANGLE / 12 + STEP / 4 / TURN,
-        (
-            "its frequency is Verlet's, (h·ω)²/24 too high: 20/12·h·ω of the first term; and half "
-            "a step ahead, squared over 2, turned by 90°"
-        ),
-    ),
-} | dict.fromkeys(
-    ("leapfrog", "velocity_verlet"),
-    (
-        STEP**2 * (9 / 80 + ANGLE / 48 / TURN),
-        (
-            "the frequency, 2/h·asin(h·ω/2), has the next term 3/640·(h·ω)⁴, 9/80·(h·ω)² of the "
-            "first; the phase's own square adds 20/48·(h·ω)²·cot 20"
-        ),
-    ),
-)
-"""Scheme -> next term of its error over the leading one at `JUDGED`, as a bound, and why."""
-LEADS = {name: 2 * size for name, (size, _) in NEXT.items()}
+TOLD = {name: one for name in common.TRUE if (one := INTEGRATORS[name].leading) is not None}
+"""Scheme -> leading term of its error."""
+
+
+def next_term(scheme: Integrator) -> float:
+    """Bound of an error at `JUDGED` over its leading term, less 1: twice its next term.
+
+    Raises
+    ------
+    ProblemError
+        If the scheme tells no leading term.
+    """
+    return 2 * leading_of(scheme).next_term(ANGLE * scheme.evaluations / JUDGED, ANGLE)
+
+
+def leading_of(scheme: Integrator) -> LeadingError:
+    """Leading term of a scheme's error.
+
+    Raises
+    ------
+    ProblemError
+        If it tells none.
+    """
+    if scheme.leading is None:
+        raise ProblemError(f"{scheme.name}: tells no leading term of its error; give one")
+    return scheme.leading
+
+
 TOLERANCES = tuple(
     Tolerance(
         f"error of 12,800 evaluations over its leading term: {common.title(name)}",
-        LEADS[name],
+        next_term(INTEGRATORS[name]),
         "1",
-        f"the next term: {NEXT[name][1]}; twice it, for the terms beyond",
+        f"the next term: {leading.because.format(angle=ANGLE)}; twice it, for the terms beyond",
     )
-    for name in common.REPORTED
+    for name, leading in TOLD.items()
 )
 COLUMNS = {
     **common.COLUMNS,
-    "evaluations": "evaluations of the force, one a step, for a motion of 20 rad",
+    "evaluations": "evaluations of the force for a motion of 20 rad",
     "error": "distance to the exact motion at the end over the amplitude (1)",
     "leading": "leading term of that error in closed form (1)",
     "wanted": "error that is wanted (1)",
@@ -97,7 +91,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     """Errors against evaluations, and evaluations for the errors that are wanted."""
     setting = setting or Setting()
     numbers = QUICK_EVALUATIONS if setting.quick else EVALUATIONS
-    schemes = common.chosen(candidate)
+    schemes = common.chosen(candidate, tuple(TOLD))
     cases = list(product(schemes.items(), numbers))
     table = pd.DataFrame(setting.sweep(measure, cases, "cost"))
     needed = pd.DataFrame(
@@ -109,7 +103,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
         tables={"cost": table, "cost_needed": needed},
         observed={
             t.quantity: farthest_value(ratio[name], 1.0)
-            for t, name in zip(TOLERANCES, common.REPORTED, strict=True)
+            for t, name in zip(TOLERANCES, TOLD, strict=True)
         },
         tolerances=TOLERANCES,
         figures={"cost": draw},
@@ -121,15 +115,22 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
 
 def measure(case: tuple[tuple[str, Integrator], int]) -> dict[str, object]:
     """Row of one scheme at one number of evaluations."""
-    (name, scheme), steps = case
-    power, coefficient = LEADING[name]
+    (name, scheme), evaluations = case
+    error, leading = errors(scheme, evaluations)
     return {
         "scheme": name,
-        "evaluations": steps,
-        "h_omega": ANGLE / steps,
-        "error": abs(oscillator.swing(scheme, steps, ANGLE) - math.cos(ANGLE)),
-        "leading": coefficient * (ANGLE / steps) ** power,
+        "evaluations": evaluations,
+        "h_omega": ANGLE / (evaluations // scheme.evaluations),
+        "error": error,
+        "leading": leading,
     }
+
+
+def errors(scheme: Integrator, evaluations: int) -> tuple[float, float]:
+    """Error at `ANGLE` in so many evaluations, and its leading term."""
+    steps = evaluations // scheme.evaluations
+    error = abs(oscillator.swing(scheme, steps, ANGLE) - math.cos(ANGLE))
+    return error, leading_of(scheme).coefficient(ANGLE) * (ANGLE / steps) ** scheme.order
 
 
 def evaluations_needed(table: pd.DataFrame, name: str, wanted: float) -> dict[str, object]:
@@ -177,7 +178,7 @@ def draw(tables: Tables) -> Figure:
             marker=common.marker(scheme),
             color=common.colour(scheme),
             mfc="none",
-            ms=7 if scheme == "leapfrog" else 4.5,
+            ms=7 if INTEGRATORS[scheme].staggered else 4.5,
             label=common.title(scheme),
         )
         axis.loglog(rows["evaluations"], rows["leading"], lw=0.9, color=common.colour(scheme))

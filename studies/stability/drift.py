@@ -21,7 +21,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
+from msvalidate.dynamics.integrators import INTEGRATORS
+from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import one_step_matrix
 from msvalidate.judging.compare import fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
@@ -35,14 +36,16 @@ from .common import Schemes
 STEPS_A_PERIOD = 63
 PERIODS = 10_000
 QUICK_PERIODS = 1000
-EULER_PERIODS = 20
+FEW_PERIODS = 20
 """In which explicit Euler's energy grows some hundred thousand times."""
-KEPT = ("euler_cromer", "leapfrog", "velocity_verlet")
-"""The report's schemes that keep areas."""
+KEPT = tuple(name for name in common.TRUE if INTEGRATORS[name].symplectic)
+"""Schemes that keep areas."""
+FLUCTUATING = tuple(name for name in KEPT if not INTEGRATORS[name].keeps_energy)
+"""Those of them whose energy goes up and down."""
+SWELLING = tuple(name for name in common.TRUE if name not in KEPT)
+"""Schemes that do not: a step turns a state, and stretches it alike in all directions."""
 FINENESS = (16, 32, 64, 128, 256)
 """Steps a period of the fluctuation."""
-FLUCTUATES = {"euler_cromer": 1, "leapfrog": 2, "velocity_verlet": 2}
-"""Scheme -> power of the step with which its energy fluctuates."""
 SHOWN = 40
 """Periods of each line in the figure."""
 AREA = 1e-12
@@ -63,11 +66,15 @@ TOLERANCES = (
         )
         for name in KEPT
     ),
-    Tolerance(
-        "explicit Euler's growth of the energy in a period, over closed form",
-        1e-9,
-        "1",
-        "an identity: the energy times 1 + h²ω² a step, to the rounding of 1260 steps",
+    *(
+        Tolerance(
+            f"{common.title(name)}'s growth of the energy in a period, over closed form",
+            1e-9,
+            "1",
+            "an identity: a step multiplies the energy by the determinant of its matrix, 1 + h²ω² "
+            "of explicit Euler's; to the rounding of 1260 steps",
+        )
+        for name in SWELLING
     ),
     *(
         Tolerance(
@@ -76,7 +83,7 @@ TOLERANCES = (
             "1",
             "the next term is smaller by (h·ω)², at most 0.15, at the coarsest of the steps only",
         )
-        for name in KEPT
+        for name in FLUCTUATING
     ),
     Tolerance(
         "schemes that say they keep areas and do not, or the reverse",
@@ -91,7 +98,7 @@ COLUMNS = {
     "steps_a_period": "time steps in a period",
     "growth_a_period": "factor by which the mean energy changes in a period, less 1 (1)",
     "drift": "change of the mean energy in 10⁴ periods, by the slope of a straight line through "
-    'all that were run, over the energy (1); "grows" where it is no line',
+    'all that were run, over the energy (1); "grows" or "decays" where it is no line',
     "period": "number of the period",
     "energy_change": "mean energy of the period over that of the first, less 1 (1)",
     "step": "time step number",
@@ -108,9 +115,9 @@ COLUMNS = {
 
 
 def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
-    """Drift and fluctuation of the energy of the report's four schemes."""
+    """Drift and fluctuation of the energy of every scheme in its true form."""
     setting = setting or Setting()
-    schemes = common.chosen(candidate)
+    schemes = common.chosen(candidate, common.TRUE)
     periods = QUICK_PERIODS if setting.quick else PERIODS
     means = dict(
         zip(
@@ -121,16 +128,17 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     )
     table = pd.DataFrame([drift_row(name, mean) for name, mean in means.items()])
     fluctuation = pd.DataFrame(
-        [fluctuation_row(name, schemes[name], steps) for name in KEPT for steps in FINENESS]
+        [fluctuation_row(name, schemes[name], steps) for name in FLUCTUATING for steps in FINENESS]
     )
-    powers = pd.DataFrame([fit_powers(name, fluctuation) for name in KEPT])
+    powers = pd.DataFrame([fit_powers(name, schemes[name], fluctuation) for name in FLUCTUATING])
     areas = pd.DataFrame([area(name, scheme) for name, scheme in candidate.items()])
-    drifts = table.set_index("scheme")["drift"]
-    euler = table[table["scheme"] == "explicit_euler"].iloc[0]
-    growth = (1 + size(STEPS_A_PERIOD) ** 2) ** STEPS_A_PERIOD
+    of = table.set_index("scheme")
     values = (
-        *(Observed(float(drifts[name])) for name in KEPT),
-        Observed((1 + euler["growth_a_period"]) / growth, 1.0),
+        *(Observed(float(of["drift"][name])) for name in KEPT),
+        *(
+            Observed((1 + of["growth_a_period"][name]) / closed_growth(schemes[name]), 1.0)
+            for name in SWELLING
+        ),
         *map(Observed, powers["exponent"], powers["exponent_expected"]),
         Observed(float((areas["keeps_areas"] != areas["claims"]).sum())),
     )
@@ -164,6 +172,11 @@ def size(steps: int) -> float:
     return 2 * math.sin(math.pi / steps)
 
 
+def closed_growth(scheme: Integrator) -> float:
+    """Factor by which the steps of a period multiply the energy; see `SWELLING`."""
+    return float(np.linalg.det(scheme.matrix(size(STEPS_A_PERIOD), 0.0))) ** STEPS_A_PERIOD
+
+
 def energies(scheme: Integrator, steps: int, periods: int) -> Array:
     """Energy (periods, steps) of an oscillator of frequency and amplitude 1, period by period."""
     count = steps * periods
@@ -175,7 +188,7 @@ def energies(scheme: Integrator, steps: int, periods: int) -> Array:
 def long_run(periods: int, case: tuple[str, Integrator]) -> Array:
     """Mean energies (periods,) of a scheme, period by period."""
     name, scheme = case
-    run_for = periods if name in KEPT else EULER_PERIODS
+    run_for = periods if name in KEPT else FEW_PERIODS
     return np.asarray(energies(scheme, STEPS_A_PERIOD, run_for).mean(axis=1))
 
 
@@ -187,7 +200,7 @@ def drift_row(name: str, means: Array) -> dict[str, object]:
         "periods": len(means),
         "steps_a_period": STEPS_A_PERIOD,
         "growth_a_period": math.expm1(math.log(means[-1] / means[0]) / (len(means) - 1)),
-        "drift": abs(slope) * PERIODS if name in KEPT else "grows",
+        "drift": abs(slope) * PERIODS if name in KEPT else "grows" if slope > 0 else "decays",
     }
 
 
@@ -216,7 +229,7 @@ def fluctuation_row(name: str, scheme: Integrator, steps: int) -> dict[str, obje
     }
 
 
-def fit_powers(name: str, fluctuation: pd.DataFrame) -> dict[str, object]:
+def fit_powers(name: str, scheme: Integrator, fluctuation: pd.DataFrame) -> dict[str, object]:
     """Row of the fitted exponents."""
     rows = fluctuation[fluctuation["scheme"] == name]
     power = fitted_power(rows["h_omega"], rows["fluctuation"])
@@ -225,7 +238,7 @@ def fit_powers(name: str, fluctuation: pd.DataFrame) -> dict[str, object]:
         "exponent": power.exponent,
         "exponent_low": power.low,
         "exponent_high": power.high,
-        "exponent_expected": FLUCTUATES[name],
+        "exponent_expected": scheme.order,
     }
 
 

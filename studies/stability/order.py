@@ -13,7 +13,6 @@ Expected   The order that each scheme claims, undamped. Under damping leapfrog k
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from itertools import product
 from typing import NamedTuple
@@ -23,13 +22,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.dynamics.integrate import State, motion, stagger_velocity
-from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
+from msvalidate.dynamics.integrators import INTEGRATORS
+from msvalidate.dynamics.scheme import Integrator
 from msvalidate.judging.compare import fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network
 from msvalidate.output import figures
-from msvalidate.problem import Array, Index
+from msvalidate.problem import Array, Index, SolverError
 
 from . import common
 from .common import Schemes
@@ -44,11 +44,11 @@ STEPS = (100, 200, 400, 800)
 QUICK_STEPS = (100, 200, 400)
 RATIOS = (0.0, 0.3)
 """Damping ratio of the mode."""
-DAMPED_ORDER = {"leapfrog": 2}
-"""Order under damping, where it is not 1."""
 LEFT = 5e-8
 """Of the amplitude, what is not the scheme's: positions of 1 m are rounded by 2e-8 of it, and the
 force of springs that turn by 1e-8 is linear to some parts of that."""
+CLEAR = 5.0
+"""Times `LEFT` that the least error of a fit has to be."""
 BECAUSE = (
     "the step's matrix on paper has the very same errors but for 5e-8 of the amplitude, rounding "
     "and springs that turn: the part of each error that this is, times what a point's logarithm "
@@ -68,43 +68,6 @@ COLUMNS = {
 }
 
 
-def _after(h: float, c: float, keep: float, push: float) -> Array:
-    """Matrix of v' = keep·v - push·x, x' = x + h·v'."""
-    return np.array([[1 - h * push, h * keep], [-push, keep]])
-
-
-def _explicit_euler(h: float, c: float) -> Array:
-    return np.array([[1, h], [-h, 1 - c * h]])
-
-
-def _leapfrog(h: float, c: float) -> Array:
-    return _after(h, c, (1 - c * h / 2) / (1 + c * h / 2), h / (1 + c * h / 2))
-
-
-def _velocity_verlet(h: float, c: float) -> Array:
-    half = 1 - c * h / 2
-    kick, drift = np.array([[1, 0], [-h / 2, half]]), np.array([[1, h], [0, 1]])
-    # The second kick damps before it adds the force, as the first does.
-    return np.asarray(kick @ drift @ kick)
-
-
-def _verlet_lagged(h: float, c: float) -> Array:
-    half = 1 - c * h / 2
-    return np.array([[1 - h * h / 2, h * half], [-h, 1 - c * h]])
-
-
-ON_PAPER: dict[str, Callable[[float, float], Array]] = {
-    "explicit_euler": _explicit_euler,
-    "euler_cromer": lambda h, c: _after(h, c, 1 - c * h, h),
-    "leapfrog": _leapfrog,
-    "velocity_verlet": _velocity_verlet,
-    "euler_cromer_as_printed": _explicit_euler,
-    "verlet_as_printed": lambda h, c: _after(h, c, 1 - c * h / 2, h / 2),
-    "verlet_lagged": _verlet_lagged,
-}
-"""Scheme -> matrix by which a step of h takes (x, v) of x'' = -x - c·x' to the next, at ω = 1."""
-
-
 def quantity(name: str, ratio: float) -> str:
     """What is judged of one scheme."""
     return f"order of accuracy, {'damped' if ratio else 'undamped'}: {common.title(name)}"
@@ -117,12 +80,12 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     cases = list(product(candidate.items(), RATIOS))
     found = setting.sweep(partial(errors, numbers), cases, "orders")
     table = pd.DataFrame([row for rows in found for row in rows])
-    orders = pd.DataFrame([fit_orders(name, ratio, table, candidate) for (name, _), ratio in cases])
+    orders = pd.DataFrame([fit_orders(table, case) for case in cases])
     judged, tolerances = {}, []
-    for row in orders.to_dict("records"):
-        name = quantity(row["scheme"], row["damping_ratio"])
+    for row, ((scheme_name, scheme), ratio) in zip(orders.to_dict("records"), cases, strict=True):
+        name = quantity(scheme_name, ratio)
         judged[name] = Observed(row["order"], row["order_on_paper"])
-        limit = order_uncertainty(row["scheme"], row["damping_ratio"], np.array(numbers))
+        limit = order_uncertainty(scheme, ratio, steps_above_rounding(scheme, ratio, numbers))
         tolerances.append(Tolerance(name, limit, "1", BECAUSE))
     return Evidence(
         tables={"errors": table, "orders": orders},
@@ -140,18 +103,17 @@ def errors(
 ) -> list[dict[str, object]]:
     """Rows of one scheme at one damping ratio."""
     (name, scheme), ratio = case
-    share = 0.5 if name == "verlet_as_printed" else 1.0
-    exact, moving = exact_swing(share, ratio), lowest_mode()
+    exact, moving = exact_swing(scheme.share, ratio), lowest_mode()
     return [
         {
             "scheme": name,
             "damping_ratio": ratio,
-            "motion": "under half the force" if share < 1 else "under the force",
+            "motion": "under half the force" if scheme.share < 1 else "under the force",
             "steps": steps,
             "h_omega": ANGLE / steps,
             "mode_error": abs(swing(moving, scheme, steps, ratio) - exact),
         }
-        for steps in numbers
+        for steps in steps_above_rounding(scheme, ratio, numbers).tolist()
     ]
 
 
@@ -197,11 +159,13 @@ def swing(moving: Mode, scheme: Integrator, steps: int, ratio: float = 0.0) -> f
     return float((moved * shape).sum() / (shape**2).sum())
 
 
-def fit_orders(name: str, ratio: float, table: pd.DataFrame, schemes: Schemes) -> dict[str, object]:
+def fit_orders(
+    table: pd.DataFrame, case: tuple[tuple[str, Integrator], float]
+) -> dict[str, object]:
     """Row of orders."""
+    (name, scheme), ratio = case
     rows = table[(table["scheme"] == name) & (table["damping_ratio"] == ratio)]
     power = fitted_power(rows["h_omega"], rows["mode_error"])
-    expected = DAMPED_ORDER.get(name, 1) if ratio else schemes[name].order
     return {
         "scheme": name,
         "damping_ratio": ratio,
@@ -209,31 +173,46 @@ def fit_orders(name: str, ratio: float, table: pd.DataFrame, schemes: Schemes) -
         "order": power.exponent,
         "order_low": power.low,
         "order_high": power.high,
-        "order_expected": expected,
-        "order_on_paper": on_paper(name, ratio, rows["steps"].to_numpy()),
+        "order_expected": scheme.damped_order if ratio else scheme.order,
+        "order_on_paper": on_paper(scheme, ratio, rows["steps"].to_numpy()),
     }
 
 
-def on_paper(name: str, ratio: float, numbers: Index) -> float:
+def steps_above_rounding(scheme: Integrator, ratio: float, numbers: tuple[int, ...]) -> Index:
+    """Numbers of steps, halved until every error on paper stands clear of `LEFT`.
+
+    Raises
+    ------
+    SolverError
+        If not even the fewest steps do.
+    """
+    steps = np.array(numbers)
+    while (errors_on_paper(scheme, ratio, steps) < CLEAR * LEFT).any():
+        if steps[0] < 4:
+            raise SolverError(f"{scheme.name}: no steps of which its order can be told")
+        steps = steps // 2
+    return steps
+
+
+def on_paper(scheme: Integrator, ratio: float, numbers: Index) -> float:
     """Order that the errors of a scheme's matrix show, steps by steps in `numbers`."""
-    return float(fitted_power(ANGLE / numbers, errors_on_paper(name, ratio, numbers)).exponent)
+    return float(fitted_power(ANGLE / numbers, errors_on_paper(scheme, ratio, numbers)).exponent)
 
 
-def order_uncertainty(name: str, ratio: float, numbers: Index) -> float:
+def order_uncertainty(scheme: Integrator, ratio: float, numbers: Index) -> float:
     """How far `LEFT` on every error moves the fitted order at most."""
     size = np.log(ANGLE / numbers)
     weight = np.abs(size - size.mean()) / ((size - size.mean()) ** 2).sum()
-    return float(weight @ (LEFT / errors_on_paper(name, ratio, numbers)))
+    return float(weight @ (LEFT / errors_on_paper(scheme, ratio, numbers)))
 
 
-def errors_on_paper(name: str, ratio: float, numbers: Index) -> Array:
+def errors_on_paper(scheme: Integrator, ratio: float, numbers: Index) -> Array:
     """Errors (n,) of the matrix's powers after `ANGLE`, over the amplitude."""
-    share = 0.5 if name == "verlet_as_printed" else 1.0
-    exact, sizes, left = exact_swing(share, ratio), ANGLE / numbers, []
+    exact, sizes, left = exact_swing(scheme.share, ratio), ANGLE / numbers, []
     for h, steps in zip(sizes, numbers, strict=True):
         # A staggered velocity is half a step back, where the mean of two around the start is zero.
-        start = np.array([1.0, h / 2 if name == "leapfrog" else 0.0])
-        power = np.linalg.matrix_power(ON_PAPER[name](float(h), 2 * ratio), int(steps))
+        start = np.array([1.0, h / 2 if scheme.staggered else 0.0])
+        power = np.linalg.matrix_power(scheme.matrix(float(h), 2 * ratio), int(steps))
         left.append(abs((power @ start)[0] - exact))
     return np.array(left)
 

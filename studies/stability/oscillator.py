@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
-from msvalidate.dynamics.integrators import Integrator, MotionState
+from msvalidate.dynamics.scheme import Integrator, MotionState
 
 
 def states(scheme: Integrator, h: float, damping: float = 0.0) -> Iterator[tuple[float, float]]:

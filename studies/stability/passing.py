@@ -20,7 +20,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from msvalidate.dynamics.integrators import INTEGRATORS, Integrator
+from msvalidate.dynamics.integrators import INTEGRATORS
+from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from msvalidate.dynamics.integrate import State, motion, stagger_velocity
-from msvalidate.dynamics.integrators import Integrator
+from msvalidate.dynamics.scheme import Integrator
 from msvalidate.lattice import Lattice
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError

@@ -15,7 +15,8 @@ from msvalidate.dynamics.integrate import (
     recommended_time_step,
     stagger_velocity,
 )
-from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS, MotionState
+from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
+from msvalidate.dynamics.scheme import MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import energy, spring_network, tangent
 from msvalidate.network.laws.volumes import Volumes

@@ -1,0 +1,111 @@
+"""What a time integration scheme is: a record of its step and of what it claims.
+
+A scheme advances a state (x, v, a): position (m), velocity (m/s) and the acceleration (m/s²) of
+springs and loads *without* damping at that position. The viscous acceleration is -c·v, c in 1/s.
+Each scheme says from which velocity it takes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from msvalidate.problem import Array
+
+Acceleration = Callable[[Array], Array]
+"""Acceleration (n, d) in m/s² of springs and loads at positions (n, d) in m."""
+
+
+class MotionState(NamedTuple):
+    """Position (m), velocity (m/s), and the undamped acceleration (m/s²) at that position."""
+
+    x: Array
+    v: Array
+    a: Array
+
+
+Step = Callable[[Acceleration, MotionState, float, Array | float], MotionState]
+"""One step of `h` (s) with damping `c` (1/s), a number or one a component."""
+Factors = Callable[[float, Array], tuple[Array, Array]]
+"""(keep, push) of a step of `h` (s) with damping `c` (1/s): v = keep·v + push·a, x += h·v."""
+Matrix = Callable[[float, float], Array]
+"""Matrix (2, 2) by which a step of `h` takes (x, v) of x'' = -x - c·x' to the next: ω = 1 rad/s."""
+
+
+class LeadingError(NamedTuple):
+    """First term of the error of an undamped oscillator at an angle ω·t (rad), from rest at 1.
+
+    Parameters
+    ----------
+    coefficient
+        Angle -> what (h·ω)^order enters it with, over the amplitude (1).
+    next_term
+        (h·ω, angle) -> bound of the next term over the first (1).
+    because
+        What that term is; ``{angle}`` stands for the angle.
+    """
+
+    coefficient: Callable[[float], float]
+    next_term: Callable[[float, float], float]
+    because: str
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """A time integration scheme.
+
+    Parameters
+    ----------
+    name, title
+        Its name in code and tables, and in words.
+    order, damped_order
+        Power of the step with which its error on a smooth motion falls, without damping and with
+        it: a viscous force from an old velocity is of first order.
+    symplectic
+        Whether it preserves areas in phase space without damping: its energy then only fluctuates.
+    keeps_energy
+        Whether the energy of a linear undamped motion does not even fluctuate.
+    step
+        One step.
+    matrix
+        The step of one mode in closed form, which `step` is held to.
+    damping
+        In words: from which velocity it takes the viscous force.
+    limit
+        Largest stable h·ω of one mode with damping ratio ζ = c/(2ω), in closed form; the whole
+        range below it is stable.
+    evaluations
+        Evaluations of the force that a step takes.
+    staggered
+        Whether the velocity belongs to half a step before the position.
+    variant
+        Whether it is kept for comparison: a scheme as it was misprinted or is mistaken.
+    share
+        Part of all forces that it follows (1): below 1 of a misprint.
+    swelling
+        What (h·ω)² times it is added to an area of phase space in an undamped step, of a scheme
+        that no step makes stable (1).
+    leading
+        First term of its error, where it is told.
+    factors
+        Of a scheme that moves with one new velocity: what `kernels.advance` needs of it.
+    """
+
+    name: str
+    title: str
+    order: int
+    symplectic: bool
+    step: Step
+    matrix: Matrix
+    damping: str
+    limit: Callable[[float], float]
+    damped_order: int = 1
+    evaluations: int = 1
+    staggered: bool = False
+    variant: bool = False
+    share: float = 1.0
+    swelling: float = 0.0
+    keeps_energy: bool = False
+    leading: LeadingError | None = None
+    factors: Factors | None = None
