@@ -31,7 +31,7 @@ from msvalidate.network import Network
 from msvalidate.output import figures
 from msvalidate.problem import Array, Index, SolverError
 
-from . import common
+from . import common, oscillator
 from .common import Schemes
 from .networks import Body, clamped, free_components, linear
 
@@ -47,17 +47,20 @@ RATIOS = (0.0, 0.3)
 LEFT = 5e-8
 """Of the amplitude, what is not the scheme's: positions of 1 m are rounded by 2e-8 of it, and the
 force of springs that turn by 1e-8 is linear to some parts of that."""
+LEFT_ALONE = 1e-13
+"""The same of one oscillator: the rounding of 800 steps, 1e-16 each."""
 CLEAR = 5.0
-"""Times `LEFT` that the least error of a fit has to be."""
+"""Times what is left that the least error of a fit has to be."""
 BECAUSE = (
-    "the step's matrix on paper has the very same errors but for 5e-8 of the amplitude, rounding "
-    "and springs that turn: the part of each error that this is, times what a point's logarithm "
+    "the step's matrix on paper has the very same errors but for {left:.0e} of the amplitude, "
+    "{what}: the part of each error that this is, times what a point's logarithm "
     "weighs in the slope of the line"
 )
 COLUMNS = {
     **common.COLUMNS,
     "motion": "the motion that it follows: under the force, or as printed under half of it, viscous"
-    " force included",
+    " force included; of a network, or of one oscillator where the network's rounding is larger "
+    "than the scheme's error",
     "mode_error": "distance to the exact motion at its end, after 2 rad, over the amplitude (1)",
     "order": "exponent of the step that fits the errors (1)",
     "order_low": "lower end of its 95 % confidence interval (1)",
@@ -85,8 +88,11 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     for row, ((scheme_name, scheme), ratio) in zip(orders.to_dict("records"), cases, strict=True):
         name = quantity(scheme_name, ratio)
         judged[name] = Observed(row["order"], row["order_on_paper"])
-        limit = order_uncertainty(scheme, ratio, steps_above_rounding(scheme, ratio, numbers))
-        tolerances.append(Tolerance(name, limit, "1", BECAUSE))
+        moves = mover(scheme, ratio, numbers)
+        what = "rounding" if moves.alone else "rounding and springs that turn"
+        because = BECAUSE.format(left=moves.left, what=what)
+        limit = order_uncertainty(scheme, ratio, moves.steps, moves.left)
+        tolerances.append(Tolerance(name, limit, "1", because))
     return Evidence(
         tables={"errors": table, "orders": orders},
         observed=judged,
@@ -103,17 +109,22 @@ def errors(
 ) -> list[dict[str, object]]:
     """Rows of one scheme at one damping ratio."""
     (name, scheme), ratio = case
-    exact, moving = exact_swing(scheme.share, ratio), lowest_mode()
+    exact, moves = exact_swing(scheme.share, ratio), mover(scheme, ratio, numbers)
+    force = "under half the force" if scheme.share < 1 else "under the force"
+    if moves.alone:
+        swung = partial(oscillator.swing, scheme, angle=ANGLE, ratio=ratio)
+    else:
+        swung = partial(swing, lowest_mode(), scheme, ratio=ratio)
     return [
         {
             "scheme": name,
             "damping_ratio": ratio,
-            "motion": "under half the force" if scheme.share < 1 else "under the force",
+            "motion": force + ", of one oscillator" if moves.alone else force,
             "steps": steps,
             "h_omega": ANGLE / steps,
-            "mode_error": abs(swing(moving, scheme, steps, ratio) - exact),
+            "mode_error": abs(swung(steps) - exact),
         }
-        for steps in steps_above_rounding(scheme, ratio, numbers).tolist()
+        for steps in moves.steps.tolist()
     ]
 
 
@@ -178,20 +189,47 @@ def fit_orders(
     }
 
 
-def steps_above_rounding(scheme: Integrator, ratio: float, numbers: tuple[int, ...]) -> Index:
-    """Numbers of steps, halved until every error on paper stands clear of `LEFT`.
+class Mover(NamedTuple):
+    """What moves to tell an order: its steps, and what is in its errors beside the scheme's own.
+
+    Parameters
+    ----------
+    steps
+        (s,) numbers of steps.
+    left
+        Of each error what is rounding, or springs that turn, over the amplitude (1).
+    alone
+        Whether it is one oscillator and no network.
+    """
+
+    steps: Index
+    left: float
+    alone: bool = False
+
+    def shows(self, scheme: Integrator, ratio: float) -> bool:
+        """Whether every error on paper stands clear of what is left."""
+        return bool((errors_on_paper(scheme, ratio, self.steps) >= CLEAR * self.left).all())
+
+
+def mover(scheme: Integrator, ratio: float, numbers: tuple[int, ...]) -> Mover:
+    """The network, or one oscillator for a scheme whose errors the network's rounding would hide.
+
+    Its steps are halved until they show. (A network's highest mode would not be stable at them.)
 
     Raises
     ------
     SolverError
-        If not even the fewest steps do.
+        If not even the fewest show the scheme's order.
     """
+    network = Mover(np.array(numbers), LEFT)
+    if network.shows(scheme, ratio):
+        return network
     steps = np.array(numbers)
-    while (errors_on_paper(scheme, ratio, steps) < CLEAR * LEFT).any():
-        if steps[0] < 4:
-            raise SolverError(f"{scheme.name}: no steps of which its order can be told")
+    while steps[0] > 1:
+        if (alone := Mover(steps, LEFT_ALONE, alone=True)).shows(scheme, ratio):
+            return alone
         steps = steps // 2
-    return steps
+    raise SolverError(f"{scheme.name}: order of accuracy: its errors are rounding at any step")
 
 
 def on_paper(scheme: Integrator, ratio: float, numbers: Index) -> float:
@@ -199,11 +237,13 @@ def on_paper(scheme: Integrator, ratio: float, numbers: Index) -> float:
     return float(fitted_power(ANGLE / numbers, errors_on_paper(scheme, ratio, numbers)).exponent)
 
 
-def order_uncertainty(scheme: Integrator, ratio: float, numbers: Index) -> float:
-    """How far `LEFT` on every error moves the fitted order at most."""
+def order_uncertainty(
+    scheme: Integrator, ratio: float, numbers: Index, left: float = LEFT
+) -> float:
+    """How far what is left on every error moves the fitted order at most."""
     size = np.log(ANGLE / numbers)
     weight = np.abs(size - size.mean()) / ((size - size.mean()) ** 2).sum()
-    return float(weight @ (LEFT / errors_on_paper(scheme, ratio, numbers)))
+    return float(weight @ (left / errors_on_paper(scheme, ratio, numbers)))
 
 
 def errors_on_paper(scheme: Integrator, ratio: float, numbers: Index) -> Array:

@@ -102,7 +102,7 @@ def test_orders(name, zeta):
     order = scheme.damped_order if zeta else scheme.order
     swing = OMEGA * np.sqrt(1 - zeta**2)
     exact = np.exp(-decay * time) * (np.cos(swing * time) + decay / swing * np.sin(swing * time))
-    steps = clear_steps(scheme, 1e-7)
+    steps = clear_steps(scheme, 1e-9)
     errors = [abs(end_of(scheme, n, time, damping=2 * decay) - exact) for n in steps]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.abs(orders[-3:] - order).max() < 0.1
