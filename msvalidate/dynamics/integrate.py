@@ -23,6 +23,7 @@ from msvalidate.dynamics.hidden import (
     is_at_rest,
     refuse_lost_digits,
 )
+from msvalidate.dynamics.implicit import NetworkAcceleration
 from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
@@ -119,11 +120,9 @@ def motion(
         _warn_beyond_limit(network, integrator, dt, rate.ravel())
     free, way = ~network.held, _choose_coordinates(network, state)
 
-    def acceleration(x: Array) -> Array:
-        if not (np.abs(x) <= LONGEST).all():  # nor where it is NaN
-            raise SolverError(_divergence_error(dt, integrator.name))
-        return np.where(free, (way.force(x) + network.force) / network.mass[:, None], 0)
-
+    acceleration = NetworkAcceleration(
+        network, way.origin, way.force, _divergence_error(dt, integrator.name)
+    )
     x = np.array(state.position, dtype=float) - way.origin
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
         now = start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
@@ -195,7 +194,7 @@ def recommended_time_step(
     Raises
     ------
     ProblemError
-        If the safety is not between 0 and 1, or no step is stable.
+        If the safety is not between 0 and 1, or no step is stable, or every one.
     SolverError
         If the network is a mechanism.
     """
@@ -207,6 +206,11 @@ def recommended_time_step(
         raise ProblemError(
             f"{integrator.name}: damping from {rate.min():g} to {rate.max():g} 1/s; it needs its "
             "damping, so give one rate for all points"
+        )
+    if math.isinf(integrator.limit(0.0)):
+        raise ProblemError(
+            f"{integrator.name}: stable at any step, so that no step is recommended; choose it by "
+            "accuracy, as a twentieth of the shortest period that matters"
         )
     lowest, highest = extreme_frequencies(network)
     limit = stability_limit(integrator, lowest, highest, rate)

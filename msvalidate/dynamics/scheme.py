@@ -74,9 +74,11 @@ class Integrator:
         In words: from which velocity it takes the viscous force.
     limit
         Largest stable h·ω of one mode with damping ratio ζ = c/(2ω), in closed form; the whole
-        range below it is stable.
+        range below it is stable. 0 where no step is stable, infinite where all are.
     evaluations
-        Evaluations of the force that a step takes.
+        Evaluations of the force that a step takes; of an implicit one, where the force is linear.
+    implicit
+        Whether a step solves for the new position (`dynamics.implicit`).
     staggered
         Whether the velocity belongs to half a step before the position.
     variant
@@ -102,6 +104,7 @@ class Integrator:
     limit: Callable[[float], float]
     damped_order: int = 1
     evaluations: int = 1
+    implicit: bool = False
     staggered: bool = False
     variant: bool = False
     share: float = 1.0

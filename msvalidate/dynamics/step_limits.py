@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from msvalidate.dynamics.implicit import ModeAcceleration
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import (
@@ -24,7 +25,9 @@ RATIOS = 400
 def stability_limit(
     integrator: Integrator, omega_min: float, omega_max: float, damping: ArrayLike = 0.0
 ) -> float:
-    """Largest stable time step (s) for all frequencies (rad/s) from one to another; 0 if none is.
+    """Largest stable time step (s) for all frequencies (rad/s) from one to another.
+
+    0 if none is stable, infinite if all are.
 
     The limit of a mode at a given damping (1/s) rises with its frequency, if at all, before it
     falls, so that the two ends bound the rest: explicit Euler needs both, the others the higher.
@@ -50,6 +53,8 @@ def stability_limit(
         raise ProblemError(
             f"damping: {format_value(damping)} 1/s; a negative rate feeds the motion"
         )
+    if math.isinf(integrator.limit(0.0)):
+        return math.inf
     limit = min(_limit(integrator, omega, rates) for omega in (low, high))
     if not limit < math.inf:
         raise SolverError(
@@ -87,10 +92,7 @@ def one_step_matrix(integrator: Integrator, omega: float, h: float, damping: flo
         finite_number(name, value)
         for name, value in (("omega", omega), ("h", h), ("damping", damping))
     )
-
-    def acceleration(x: Array) -> Array:
-        return np.asarray(-(omega**2) * x)
-
+    acceleration = ModeAcceleration(omega)
     columns = []
     for x, v in ((1.0, 0.0), (0.0, 1.0)):
         start = np.array([x])

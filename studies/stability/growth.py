@@ -13,10 +13,11 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from msvalidate.dynamics.implicit import ModeAcceleration
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.judging.compare import farthest_value
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity, merge
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Array
 
@@ -45,30 +46,46 @@ TOLERANCES = (
         "a growth factor above 1 at every step: the limit is 0",
     ),
 )
+ANY_SIZES = (0.1, 1.0, 10.0, 100.0)
+"""h·ω of schemes without a limit."""
+STAYS = Tolerance(
+    "growth a step of schemes that say they are stable at any step",
+    1e-12,
+    "1",
+    "none but rounding: a velocity takes half of h·ω times the rounding of an acceleration, 100 "
+    "times 1e-16 in a step",
+)
 COLUMNS = {
     **common.COLUMNS,
     "growth_measured": "factor by which the amplitude grows in a step, less 1, by running it (1)",
     "growth_predicted": "the same in closed form (1)",
+    "growth_here": "factor by which the amplitude grows in a step, less 1, of a scheme that is "
+    "stable at any step: rounding (1)",
     "steps_to_double": "steps in which the amplitude doubles, by the measured factor",
 }
 
 
 def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
-    """Run the schemes that no step makes stable without damping."""
+    """Run the schemes that no step makes stable without damping, and those that every step does."""
+    return merge(growing(candidate), staying(candidate))
+
+
+def growing(candidate: Schemes) -> Evidence:
+    """Schemes that no step makes stable."""
     schemes = common.chosen(candidate, GROWING)
-    rows = []
-    for name, scheme in schemes.items():
-        for size, factor in zip(SIZES, growth_factors(scheme, np.array(SIZES)), strict=True):
-            rows.append(
-                {
-                    "scheme": name,
-                    "h_omega": size,
-                    "growth_measured": factor - 1,
-                    "growth_predicted": np.sqrt(1 + scheme.swelling * size**2) - 1,
-                    "steps_to_double": np.log(2) / np.log(factor),
-                }
-            )
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(
+        [
+            {
+                "scheme": name,
+                "h_omega": size,
+                "growth_measured": factor - 1,
+                "growth_predicted": np.sqrt(1 + scheme.swelling * size**2) - 1,
+                "steps_to_double": np.log(2) / np.log(factor),
+            }
+            for name, scheme in schemes.items()
+            for size, factor in zip(SIZES, growth_factors(scheme, np.array(SIZES)), strict=True)
+        ]
+    )
     claimed = max(scheme.limit(0.0) for scheme in schemes.values())
     values = (
         farthest_value(table["growth_measured"] / table["growth_predicted"], 1.0),
@@ -76,21 +93,41 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     )
     return Evidence(
         tables={"growth": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=(finding(table),),
     )
 
 
+def staying(candidate: Schemes) -> Evidence:
+    """Schemes that are stable at any step, if there are any."""
+    sizes = np.array(ANY_SIZES)
+    rows = [
+        {"scheme": name, "h_omega": size, "growth_here": factor - 1}
+        for name, scheme in candidate.items()
+        if np.isinf(scheme.limit(0.0))
+        for size, factor in zip(ANY_SIZES, growth_factors(scheme, sizes), strict=True)
+    ]
+    if not rows:
+        return Evidence({}, {}, ())
+    table = pd.DataFrame(rows)
+    return Evidence(
+        tables={"any_step": table},
+        observed={STAYS.quantity: farthest_value(table["growth_here"], 0.0)},
+        tolerances=(STAYS,),
+        columns=COLUMNS,
+    )
+
+
 def growth_factors(scheme: Integrator, sizes: Array) -> Array:
     """Factors (n,) by which the amplitude of an undamped oscillator grows in a step of h·ω (n,)."""
-    body = linear(OSCILLATOR)
+    body, acceleration = linear(OSCILLATOR), ModeAcceleration(1.0)
     x = np.ones((1, len(sizes)))
-    now = MotionState(x, np.zeros_like(x), body.acceleration(x))
+    now = MotionState(x, np.zeros_like(x), acceleration(x))
     history = [energy(body, now)]
     for _ in range(STEPS):
-        now = scheme.step(body.acceleration, now, sizes, 0.0)  # type: ignore[arg-type]
+        now = scheme.step(acceleration, now, sizes, 0.0)  # type: ignore[arg-type]
         history.append(energy(body, now))
     rate = np.polyfit(np.arange(STEPS + 1), np.log(history), 1)[0]
     return np.asarray(np.exp(0.5 * rate))

@@ -67,12 +67,13 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     """Measure the limits of every scheme on every body."""
     setting = setting or Setting()
     common.chosen(candidate)  # of which the findings speak
+    limited = {name: scheme for name, scheme in candidate.items() if np.isfinite(scheme.limit(0.0))}
     sides = QUICK_SIDES if setting.quick else SIDES
     bodies = [OSCILLATOR, *(Body(lattice, n) for n, lattice in product(sides, LATTICES))]
     cases = [
         (body, moving, scheme)
         for body, moving in zip(bodies, map(linear, bodies), strict=True)
-        for scheme in candidate.items()
+        for scheme in limited.items()
     ]
     found = setting.sweep(partial(measure, setting.quick, setting.seed), cases, "stability limits")
     table = pd.DataFrame([row for rows in found for row in rows])
@@ -81,15 +82,15 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
         "unnoticed for another gap"
     )
     return Evidence(
-        tables={"limits": table, "limit_curves": curves(candidate)},
+        tables={"limits": table, "limit_curves": curves(limited)},
         observed={
             quantity(name): farthest_value(1 + table["limit_error"][table["scheme"] == name], 1.0)
-            for name in candidate
+            for name in limited
         },
-        tolerances=tuple(Tolerance(quantity(name), LIMIT, "1", because) for name in candidate),
+        tolerances=tuple(Tolerance(quantity(name), LIMIT, "1", because) for name in limited),
         figures={"atlas": draw},
         columns=COLUMNS,
-        findings=tuple(findings(table, candidate)),
+        findings=tuple(findings(table, limited)),
     )
 
 

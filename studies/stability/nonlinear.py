@@ -62,7 +62,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     cases = [
         (body, scheme, ratio)
         for (body, ratio), scheme in product(asked, candidate.items())
-        if scheme[1].limit(ratio) > 0
+        if 0 < scheme[1].limit(ratio) < np.inf
     ]
     found = setting.sweep(partial(outcomes, setting.seed), cases, "networks near their limits")
     table = pd.DataFrame([row for rows in found for row in rows])

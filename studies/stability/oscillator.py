@@ -8,16 +8,27 @@ from itertools import islice
 from msvalidate.dynamics.scheme import Integrator, MotionState
 
 
+class Oscillator:
+    """The acceleration -x of plain numbers, which `implicit.ModeAcceleration` has for arrays."""
+
+    linear = True
+
+    def __call__(self, x: float) -> float:
+        """Acceleration (m/s²)."""
+        return -x
+
+    def solve(self, _x: float, residual: float, p: float, q: float, *, fresh: bool) -> float:  # noqa: ARG002
+        """The δ in m of (p + q)·δ = residual."""
+        return residual / (p + q)
+
+
 def states(scheme: Integrator, h: float, damping: float = 0.0) -> Iterator[tuple[float, float]]:
     """Position and velocity at the same moment, step by step, from rest at 1; steps of `h` (s).
 
     A staggered scheme starts half a step earlier, as `integrate.staggered` does, and its velocity
     is the mean of the two around the moment.
     """
-
-    def acceleration(x: float) -> float:
-        return -x
-
+    acceleration = Oscillator()
     now = MotionState(1.0, 0.5 * h if scheme.staggered else 0.0, -1.0)  # type: ignore[arg-type]
     step = scheme.step
     while True:

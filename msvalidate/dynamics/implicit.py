@@ -1,0 +1,175 @@
+"""What an implicit scheme solves in a step: accelerations, and increments by Newton's method.
+
+A scheme whose new acceleration depends on the new position x + δ asks for the δ of
+
+    p·δ - q·a(x + δ) = b,    p = 1 + O(h·c), q = O(h²),
+
+with the Jacobian p - q·∂a/∂x: of a network the matrix p·m + q·K, K its tangent stiffness.
+
+Source: [Newmark1959]; Newton's iterations as in [Bathe2014], chapter 9.5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol, TypeGuard
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from msvalidate.dynamics.scheme import Acceleration
+from msvalidate.linear_algebra.factor import Factor, factorise
+from msvalidate.linear_algebra.norms import max_abs
+from msvalidate.network import Network, tangent
+from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
+from msvalidate.tangent.inverse import elimination_order
+
+MOST = 30
+"""Newton iterations of a step: with a fresh tangent each they converge quadratically, or not."""
+STALLED = 0.3
+"""Ratio of two corrections from which the second is rounding, or the tangent is too old."""
+ROUNDED = 1e-9
+"""Correction over the displacement that rounding may leave: where stiff parts stand beside soft
+ones the rounding of forces moves these by more than that of positions."""
+EPS = float(np.finfo(float).eps)
+
+
+class SolvableAcceleration(Protocol):
+    """An acceleration that can also be solved for its position.
+
+    `linear` says whether one solution with the Jacobian is exact.
+    """
+
+    linear: bool
+
+    def __call__(self, x: Array) -> Array:
+        """Acceleration in m/s² at positions in m."""
+
+    def solve(self, x: Array, residual: Array, p: Array | float, q: float, *, fresh: bool) -> Array:
+        """The δ in m of (p - q·∂a/∂x)·δ = residual; unless `fresh`, of an earlier x maybe."""
+
+
+class ModeAcceleration:
+    """Accelerations -ω²x of modes that do not know of each other."""
+
+    linear = True
+
+    def __init__(self, omega: float) -> None:
+        self.omega = omega
+
+    def __call__(self, x: Array) -> Array:
+        """Acceleration in m/s² at positions in m."""
+        return np.asarray(-(self.omega**2) * x)
+
+    def solve(
+        self,
+        x: Array,  # noqa: ARG002
+        residual: Array,
+        p: Array | float,
+        q: float,
+        *,
+        fresh: bool,  # noqa: ARG002
+    ) -> Array:
+        """The δ in m of (p + q·ω²)·δ = residual."""
+        return np.asarray(residual / (p + q * self.omega**2))
+
+
+class NetworkAcceleration:
+    """Accelerations (n, d) in m/s² of a network's free components, at positions less an origin.
+
+    Parameters
+    ----------
+    network
+        The network: springs, loads, masses.
+    origin
+        (n, d) in m, or a number: what is added to positions.
+    force
+        Positions less the origin (n, d) in m -> internal force (n, d) in N.
+    ran_away
+        What a refusal says where positions are beyond all bounds.
+    """
+
+    linear = False
+
+    def __init__(
+        self, network: Network, origin: Array, force: Callable[[Array], Array], ran_away: str
+    ) -> None:
+        self.network, self.origin, self.force, self.ran_away = network, origin, force, ran_away
+        self.free = ~network.held
+        self._factor: tuple[Factor, float] | None = None
+
+    def __call__(self, x: Array) -> Array:
+        """Acceleration (n, d) in m/s²; zero where the network is held."""
+        if not (np.abs(x) <= LONGEST).all():  # nor where it is NaN
+            raise SolverError(self.ran_away)
+        network = self.network
+        pull = (self.force(x) + network.force) / network.mass[:, None]
+        return np.where(self.free, pull, 0)
+
+    def solve(self, x: Array, residual: Array, p: Array | float, q: float, *, fresh: bool) -> Array:
+        """The δ (n, d) in m of (p·m + q·K)·δ = m·residual; zero where the network is held."""
+        mass = np.broadcast_to(self.network.mass[:, None], x.shape)
+        if fresh or self._factor is None or self._factor[1] != q:
+            K = tangent(self.network, self.origin + x)
+            A = csr_array(diags_array((p * mass).ravel()) + q * K)
+            free = np.flatnonzero(self.free.ravel())
+            self._factor = (
+                factorise(csr_array(A[free][:, free]), elimination_order(self.network)),
+                q,
+            )
+        found = np.zeros_like(x)
+        found[self.free] = self._factor[0].solve((mass * residual)[self.free])
+        return found
+
+
+def increment(
+    acceleration: Acceleration,
+    x: Array,
+    a: Array,
+    b: Array,
+    p: Array | float,
+    q: float,
+) -> tuple[Array, Array]:
+    """The δ of p·δ - q·a(x + δ) = b, and a(x + δ).
+
+    Parameters
+    ----------
+    acceleration
+        One that can be solved.
+    x, a
+        Position (m) and the acceleration (m/s²) there.
+    b, p, q
+        In m, 1 and s²; p one number, or one a component.
+
+    Raises
+    ------
+    ProblemError
+        If the acceleration is a plain function.
+    SolverError
+        If Newton's method does not converge.
+    """
+    if not _is_solvable(acceleration):
+        raise ProblemError(
+            "acceleration: a plain function; an implicit scheme needs one that it can solve, as "
+            "`dynamics.implicit.NetworkAcceleration`"
+        )
+    move, before, fresh = 0.0 * b, np.inf, False
+    for _ in range(MOST):
+        correction = acceleration.solve(x + move, b + q * a - p * move, p, q, fresh=fresh)
+        move = move + correction
+        a = acceleration(x + move)
+        if acceleration.linear:
+            return move, a
+        size, left = max(max_abs(move), max_abs(x)), max_abs(correction)
+        stalled = left > STALLED * before
+        if left <= 4 * EPS * size or (stalled and left <= ROUNDED * size):
+            return move, a
+        before, fresh = left, left > 0.1 * before
+    raise SolverError(
+        f"implicit step: corrections of {left:.1g} m after {MOST} Newton iterations, of "
+        f"displacements of {size:.1g} m; take smaller steps"
+    )
+
+
+def _is_solvable(acceleration: object) -> TypeGuard[SolvableAcceleration]:
+    return hasattr(acceleration, "solve")
