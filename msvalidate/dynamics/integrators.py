@@ -18,10 +18,15 @@ from msvalidate.dynamics.scheme import (
     LeadingError,
     MotionState,
 )
+from msvalidate.dynamics.variants import (
+    OLD,
+    VARIANTS,
+    explicit_euler_limit,
+    explicit_euler_matrix,
+    velocity_first,
+)
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_type
-
-OLD = "from the old velocity"
 
 
 def _with_one_velocity(
@@ -34,11 +39,6 @@ def _with_one_velocity(
     return MotionState(x, v, acceleration(x))
 
 
-def _velocity_first(h: float, keep: float, push: float) -> Array:
-    """Matrix of v' = keep·v - push·x, x' = x + h·v'."""
-    return np.array([[1 - h * push, h * keep], [-push, keep]])
-
-
 # Explicit Euler
 
 
@@ -47,16 +47,6 @@ def _explicit_euler(
 ) -> MotionState:
     x = now.x + h * now.v
     return MotionState(x, now.v + h * (now.a - c * now.v), acceleration(x))
-
-
-def _explicit_euler_matrix(h: float, c: float) -> Array:
-    return np.array([[1, h], [-h, 1 - c * h]])
-
-
-def _explicit_euler_limit(zeta: float) -> float:
-    # |λ|² = 1 - 2ζy + y² up to critical damping; beyond, the faster of two real roots reaches -1:
-    # y = 2(ζ - √(ζ² - 1)), written without cancellation.
-    return 2 * zeta if zeta <= 1 else 2 / (zeta * (1 + math.sqrt(1 - 1 / zeta / zeta)))
 
 
 def _explicit_euler_error(angle: float) -> float:
@@ -73,9 +63,9 @@ EXPLICIT_EULER = Integrator(
     order=1,
     symplectic=False,
     step=_explicit_euler,
-    matrix=_explicit_euler_matrix,
+    matrix=explicit_euler_matrix,
     damping=OLD,
-    limit=_explicit_euler_limit,
+    limit=explicit_euler_limit,
     swelling=1.0,
     leading=LeadingError(
         _explicit_euler_error,
@@ -98,7 +88,7 @@ def _euler_cromer_limit(zeta: float) -> float:
 
 
 def _euler_cromer_matrix(h: float, c: float) -> Array:
-    return _velocity_first(h, 1 - c * h, h)
+    return velocity_first(h, 1 - c * h, h)
 
 
 def _euler_cromer_error(angle: float) -> float:
@@ -157,7 +147,7 @@ def _leapfrog_limit(_: float) -> float:
 
 
 def _leapfrog_matrix(h: float, c: float) -> Array:
-    return _velocity_first(h, (1 - c * h / 2) / (1 + c * h / 2), h / (1 + c * h / 2))
+    return velocity_first(h, (1 - c * h / 2) / (1 + c * h / 2), h / (1 + c * h / 2))
 
 
 LEAPFROG = Integrator(
@@ -294,94 +284,6 @@ RUNGE_KUTTA = Integrator(
 )
 
 
-# Variants: as misprinted, or mistaken
-
-
-def _euler_cromer_as_printed(
-    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
-) -> MotionState:
-    # The report's section 5.4 (2): velocity first, but the position moves with the old one.
-    v = now.v + h * (now.a - c * now.v)
-    x = now.x + h * now.v
-    return MotionState(x, v, acceleration(x))
-
-
-EULER_CROMER_AS_PRINTED = Integrator(
-    "euler_cromer_as_printed",
-    "Euler-Cromer as printed",
-    order=1,
-    symplectic=False,
-    step=_euler_cromer_as_printed,
-    matrix=_explicit_euler_matrix,
-    damping=OLD,
-    limit=_explicit_euler_limit,
-    variant=True,
-    swelling=1.0,
-)
-
-
-def _verlet_as_printed(
-    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
-) -> MotionState:
-    # The report's section 5.4 (4): the second half kick starts again from v_t, with F_t.
-    half = now.v + 0.5 * h * (now.a - c * now.v)
-    x = now.x + h * half
-    return MotionState(x, half, acceleration(x))
-
-
-def _verlet_as_printed_limit(zeta: float) -> float:
-    return 4 / (math.hypot(math.sqrt(2), zeta) + zeta)  # 2(√(2 + ζ²) - ζ), the same way
-
-
-def _verlet_as_printed_matrix(h: float, c: float) -> Array:
-    return _velocity_first(h, 1 - c * h / 2, h / 2)
-
-
-VERLET_AS_PRINTED = Integrator(
-    "verlet_as_printed",
-    "Verlet as printed",
-    order=1,
-    symplectic=True,
-    step=_verlet_as_printed,
-    matrix=_verlet_as_printed_matrix,
-    damping=OLD,
-    limit=_verlet_as_printed_limit,
-    variant=True,
-    share=0.5,
-)
-
-
-def _verlet_lagged(
-    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
-) -> MotionState:
-    half = now.v + 0.5 * h * (now.a - c * now.v)
-    x = now.x + h * half
-    return MotionState(x, half + 0.5 * h * (now.a - c * now.v), acceleration(x))
-
-
-def _verlet_lagged_matrix(h: float, c: float) -> Array:
-    half = 1 - c * h / 2
-    return np.array([[1 - h * h / 2, h * half], [-h, 1 - c * h]])
-
-
-def _verlet_lagged_limit(zeta: float) -> float:
-    return min(4 * zeta, 1 / zeta) if zeta > 0 else 0.0
-
-
-VERLET_LAGGED = Integrator(
-    "verlet_lagged",
-    "Verlet with the old force",
-    order=1,
-    symplectic=False,
-    step=_verlet_lagged,
-    matrix=_verlet_lagged_matrix,
-    damping=OLD,
-    limit=_verlet_lagged_limit,
-    variant=True,
-    swelling=0.5,
-)
-
-
 INTEGRATORS = {
     scheme.name: scheme
     for scheme in (
@@ -390,9 +292,7 @@ INTEGRATORS = {
         LEAPFROG,
         VELOCITY_VERLET,
         RUNGE_KUTTA,
-        EULER_CROMER_AS_PRINTED,
-        VERLET_AS_PRINTED,
-        VERLET_LAGGED,
+        *VARIANTS,
     )
 }
 """Name -> scheme: the report's four in their true forms, others, and variants."""
