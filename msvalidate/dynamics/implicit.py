@@ -108,6 +108,8 @@ class NetworkAcceleration:
 
     def solve(self, x: Array, residual: Array, p: Array | float, q: float, *, fresh: bool) -> Array:
         """The δ (n, d) in m of (p·m + q·K)·δ = m·residual; zero where the network is held."""
+        if not np.isfinite(residual).all():
+            raise SolverError(self.ran_away)
         mass = np.broadcast_to(self.network.mass[:, None], x.shape)
         if fresh or self._factor is None or self._factor[1] != q:
             K = tangent(self.network, self.origin + x)
@@ -153,13 +155,14 @@ def increment(
             "acceleration: a plain function; an implicit scheme needs one that it can solve, as "
             "`dynamics.implicit.NetworkAcceleration`"
         )
-    move, before, fresh = 0.0 * b, np.inf, False
+    if acceleration.linear:
+        move = acceleration.solve(x, b + q * a, p, q, fresh=False)
+        return move, acceleration(x + move)
+    move, before, fresh = np.zeros_like(b), np.inf, False
     for _ in range(MOST):
         correction = acceleration.solve(x + move, b + q * a - p * move, p, q, fresh=fresh)
         move = move + correction
         a = acceleration(x + move)
-        if acceleration.linear:
-            return move, a
         size, left = max(max_abs(move), max_abs(x)), max_abs(correction)
         stalled = left > STALLED * before
         if left <= 4 * EPS * size or (stalled and left <= ROUNDED * size):

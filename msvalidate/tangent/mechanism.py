@@ -37,10 +37,13 @@ def relative_stiffness(network: Network, position: Array, motion: Array, stiffne
 def describe_motion(network: Network, motion: Array) -> str:
     """A sentence about a mechanism (n·d,): the point that moves most, and its place."""
     way = motion.reshape(network.points.shape)
-    point = int(np.linalg.norm(way, axis=1).argmax())
-    along = np.round(way[point] / np.linalg.norm(way[point]), 3)
+    far = np.linalg.norm(way, axis=1)
+    point = int(far.argmax())  # the first that is NaN, of a motion beyond all numbers
+    along = "some direction"
+    if 0 < far[point] < np.inf:
+        along = format_point(np.round(way[point] / far[point], 3))
     return (
         f"equilibrium: the network is a mechanism: nothing resists point {point} at "
-        f"{format_point(network.points[point])} moving along {format_point(along)}; "
+        f"{format_point(network.points[point])} moving along {along}; "
         "add springs or supports"
     )

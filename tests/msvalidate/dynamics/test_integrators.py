@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from msvalidate.dynamics.implicit import ModeAcceleration
 from msvalidate.dynamics.integrators import INTEGRATORS, step_factors
 from msvalidate.dynamics.scheme import MotionState
 from msvalidate.dynamics.step_limits import growth_factor, one_step_matrix, stability_limit
@@ -14,6 +15,9 @@ from msvalidate.problem import ProblemError, SolverError
 TRUE = {name: scheme for name, scheme in INTEGRATORS.items() if not scheme.variant}
 every_scheme = pytest.mark.parametrize("name", INTEGRATORS)
 true_schemes = pytest.mark.parametrize("name", TRUE)
+LIMITED = [name for name, scheme in INTEGRATORS.items() if scheme.limit(0.0) < np.inf]
+limited_schemes = pytest.mark.parametrize("name", LIMITED)
+unlimited_schemes = pytest.mark.parametrize("name", set(INTEGRATORS) - set(LIMITED))
 areas_kept = pytest.mark.parametrize("name", [n for n, one in TRUE.items() if one.symplectic])
 OMEGA = 2.0
 ZETAS = (0.0, 0.05, 0.3, 0.7, 1.0, 1.5, 2.0, 10.0)
@@ -27,7 +31,7 @@ def end_of(scheme, steps, time=2.0, *, omega=OMEGA, damping=0.0):
     return (np.linalg.matrix_power(matrix, steps) @ start)[0]
 
 
-@every_scheme
+@limited_schemes
 @pytest.mark.parametrize("zeta", ZETAS)
 def test_limits_are_where_the_matrix_says(name, zeta):
     """Stable over the whole range below the limit, unstable just above it."""
@@ -71,7 +75,16 @@ def test_explicit_euler_needs_both_ends_of_the_spectrum():
     assert stability_limit(scheme, 0.01, 0.6, damping) == pytest.approx(2 / damping, rel=1e-3)
 
 
-@every_scheme
+@unlimited_schemes
+@pytest.mark.parametrize("zeta", ZETAS)
+def test_what_has_no_limit_is_stable_at_any_step(name, zeta):
+    scheme, damping = INTEGRATORS[name], 2 * zeta * OMEGA
+    assert stability_limit(scheme, OMEGA, OMEGA, damping) == np.inf
+    for h in np.geomspace(1e-3, 1e4, 30):
+        assert growth_factor(scheme, OMEGA, h, damping) <= 1 + 1e-12
+
+
+@limited_schemes
 @pytest.mark.parametrize("damping", [0.05, 1.0, 7.0])
 def test_the_ends_bound_every_mode_between(name, damping):
     scheme = INTEGRATORS[name]
@@ -112,11 +125,12 @@ def test_orders(name, zeta):
 def test_a_step_costs_the_evaluations_that_are_told(name):
     scheme, asked = INTEGRATORS[name], []
 
-    def acceleration(x):
-        asked.append(x)
-        return -x
+    class Counted(ModeAcceleration):
+        def __call__(self, x):
+            asked.append(x)
+            return super().__call__(x)
 
-    scheme.step(acceleration, MotionState(*np.array([[1.0], [0.0], [-1.0]])), 0.1, 0.3)
+    scheme.step(Counted(1.0), MotionState(*np.array([[1.0], [0.0], [-1.0]])), 0.1, 0.3)
     assert len(asked) == scheme.evaluations
 
 
