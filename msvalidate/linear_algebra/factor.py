@@ -173,14 +173,16 @@ def inverse_iteration(
 ) -> Array:
     """Unit vector (size,) that a matrix resists least, by its inverse, from a fixed start.
 
-    `weight` (size,) measures motions, as the diagonal does where parts differ in stiffness.
+    `weight` (size,) measures motions, as the diagonal does where parts differ in stiffness. NaN
+    where the inverse is beyond all numbers.
 
     Source: [GolubVanLoan2013], section 8.2.
     """
     mode = np.random.default_rng(0).normal(size=size)
     unit = 1.0 if weight is None else weight / np.abs(weight).max()
-    for _ in range(SWEEPS):
-        mode = solve(unit * mode)
-        mode /= np.abs(mode).max()  # first by the largest: squares may overflow
-        mode /= np.linalg.norm(mode)
+    with np.errstate(invalid="ignore", over="ignore"):  # NaN, where nothing resists a motion
+        for _ in range(SWEEPS):
+            mode = solve(unit * mode)
+            mode /= np.abs(mode).max()  # first by the largest: squares may overflow
+            mode /= np.linalg.norm(mode)
     return np.asarray(mode)
