@@ -11,6 +11,7 @@ from functools import partial
 
 import numpy as np
 
+from msvalidate.dynamics.implicit import increment
 from msvalidate.dynamics.scheme import (
     Acceleration,
     Factors,
@@ -282,6 +283,62 @@ RUNGE_KUTTA = Integrator(
         "{angle:g}",
     ),
 )
+"""Source: [Kutta1901]."""
+
+
+# Newmark's average acceleration, the trapezoidal rule
+
+
+def _average_acceleration(
+    acceleration: Acceleration, now: MotionState, h: float, c: Array | float
+) -> MotionState:
+    # δ = h·(v + v')/2 and v' = v + h·(a - c·v + a' - c·v')/2: the second put into the first.
+    p, q = 1 + 0.5 * h * c, 0.25 * h * h
+    move, a = increment(acceleration, now.x, now.a, h * now.v + q * now.a, p, q)
+    v = ((1 - 0.5 * h * c) * now.v + 0.5 * h * (now.a + a)) / p
+    return MotionState(now.x + move, v, a)
+
+
+def _average_acceleration_matrix(h: float, c: float) -> Array:
+    half = 0.5 * h * np.array([[0.0, 1.0], [-1.0, -c]])
+    return np.asarray(np.linalg.solve(np.eye(2) - half, np.eye(2) + half))
+
+
+def _no_limit(_: float) -> float:
+    return math.inf
+
+
+def _average_acceleration_error(angle: float) -> float:
+    return angle / 12 * abs(math.sin(angle))
+
+
+def _average_acceleration_next(h: float, angle: float) -> float:
+    return h**2 * (3 / 20 + angle / 24 / abs(math.tan(angle)))
+
+
+AVERAGE_ACCELERATION = Integrator(
+    "average_acceleration",
+    "average acceleration",
+    order=2,
+    symplectic=True,
+    step=_average_acceleration,
+    matrix=_average_acceleration_matrix,
+    damping="from the mean of the old and the new velocity",
+    limit=_no_limit,
+    damped_order=2,
+    implicit=True,
+    keeps_energy=True,
+    leading=LeadingError(
+        _average_acceleration_error,
+        _average_acceleration_next,
+        "the frequency, 2/h·atan(h·ω/2), has the next term (h·ω)⁴/80, 3/20·(h·ω)² of the first; "
+        "the phase's own square adds {angle:g}/24·(h·ω)²·cot {angle:g}",
+    ),
+)
+"""Newmark's method with β = 1/4 and γ = 1/2. Of large rotations it keeps the angular momentum to
+its order only.
+
+Source: [Newmark1959]."""
 
 
 INTEGRATORS = {
@@ -292,6 +349,7 @@ INTEGRATORS = {
         LEAPFROG,
         VELOCITY_VERLET,
         RUNGE_KUTTA,
+        AVERAGE_ACCELERATION,
         *VARIANTS,
     )
 }
