@@ -27,7 +27,7 @@ from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.judging.candidate import check_table
 from msvalidate.judging.evidence import Evidence, gather_evidence
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 
 from . import (
     controls,
@@ -90,11 +90,10 @@ notices is enough, so the rest is left out."""
 
 def run(
     candidate: Schemes = INTEGRATORS,
-    setting: Setting | None = None,
+    setting: Setting = FULL,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
     """All questions, or those named, for one table of schemes."""
-    setting = setting or Setting()
     candidate = check_table(candidate, Integrator, {})
     asked = {name: partial(ask, candidate, setting) for name, ask in ASKED.items()}
     return gather_evidence(asked | {"controls": partial(controls.run, setting)}, questions)

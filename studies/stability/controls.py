@@ -24,7 +24,7 @@ from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Acceleration, Integrator, MotionState, Step
 from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array
 
 from . import cost, order, oscillator
@@ -113,9 +113,8 @@ FAULTS: dict[str, tuple[Callable[[float], Integrator], Callable[[Integrator], fl
 """Fault -> the scheme that has it in some size, what notices it, and that in words."""
 
 
-def run(setting: Setting | None = None) -> Evidence:
+def run(setting: Setting = FULL) -> Evidence:
     """State the smallest fault of each kind that the study notices."""
-    setting = setting or Setting()
     table = pd.DataFrame(setting.sweep(smallest, FAULTS, "smallest faults"))
     said = ", ".join(f"{row.fault} by {row.smallest_noticed:.1g}" for row in table.itertuples())
     return Evidence(

@@ -22,7 +22,7 @@ from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator, LeadingError
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
 from msvalidate.problem import ProblemError
 
@@ -87,9 +87,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     """Errors against evaluations, and evaluations for the errors that are wanted."""
-    setting = setting or Setting()
     numbers = QUICK_EVALUATIONS if setting.quick else EVALUATIONS
     schemes = common.chosen(candidate, tuple(TOLD))
     cases = list(product(schemes.items(), numbers))
@@ -188,5 +187,5 @@ def draw(tables: Tables) -> Figure:
     axis.set(xlabel="force evaluations for 20 rad", ylabel="error over amplitude (1)")
     axis.set_ylim(1e-8, 10)
     axis.set_xticks([100, 1000, 10000, 100000], ["100", "1000", "10000", "100000"])
-    figures.add_shared_legend(figure, [axis], columns=3)
+    figures.add_shared_legend(figure, [axis], columns=2)
     return figure

@@ -25,8 +25,8 @@ from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import one_step_matrix
 from msvalidate.judging.compare import fitted_power
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
 from msvalidate.problem import Array
 
@@ -114,9 +114,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     """Drift and fluctuation of the energy of every scheme in its true form."""
-    setting = setting or Setting()
     schemes = common.chosen(candidate, common.TRUE)
     periods = QUICK_PERIODS if setting.quick else PERIODS
     means = dict(
@@ -153,7 +152,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
             "fluctuation_powers": powers,
             "areas": areas,
         },
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"drift": draw},
         columns=COLUMNS,

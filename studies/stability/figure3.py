@@ -23,8 +23,8 @@ from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -80,9 +80,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     """Run the four schemes at the same steps and compare their curves."""
-    setting = setting or Setting()
     schemes = common.chosen(candidate)
     parts = QUICK_PARTS if setting.quick else PARTS
     cases = list(product(parts, schemes.items()))
@@ -101,7 +100,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     )
     return Evidence(
         tables={"figure3": table, "figure3_curves": curves},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"figure3": draw},
         columns=COLUMNS,

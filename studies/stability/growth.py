@@ -18,7 +18,7 @@ from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity, merge
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array
 
 from . import common
@@ -65,7 +65,7 @@ COLUMNS = {
 }
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     """Run the schemes that no step makes stable without damping, and those that every step does."""
     return merge(growing(candidate), staying(candidate))
 

@@ -22,7 +22,7 @@ from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.judging.compare import farthest_value
 from msvalidate.judging.evidence import Evidence, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
 
 from . import common
@@ -63,9 +63,8 @@ def quantity(name: str) -> str:
     return f"largest stable step, measured over closed form: {common.title(name)}"
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     """Measure the limits of every scheme on every body."""
-    setting = setting or Setting()
     common.chosen(candidate)  # of which the findings speak
     limited = {name: scheme for name, scheme in candidate.items() if np.isfinite(scheme.limit(0.0))}
     sides = QUICK_SIDES if setting.quick else SIDES
@@ -189,7 +188,7 @@ def draw(tables: Tables) -> Figure:
             axis.plot(*at, shape, mfc="none", mec=tint, ms=size, label=f"measured, {body}")
         axis.set_title(common.title(name))
     together, *unused = axes[len(names) :]
-    for name in [n for n in names if n in common.REPORTED]:
+    for name in [n for n in names if n in common.TRUE]:
         _curve(together, closed, name, common.colour(name), common.title(name))
     together.set_title("closed forms together")
     together.legend(fontsize=7)

@@ -17,8 +17,8 @@ from msvalidate.dynamics.integrate import State, motion
 from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
 from msvalidate.problem import Array
 
@@ -63,9 +63,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     """Compare both misprints with what they turn out to be."""
-    setting = setting or Setting()
     names = ("explicit_euler", "euler_cromer_as_printed", "verlet_as_printed")
     euler, printed, verlet = common.chosen(candidate, names).values()
     rows = [
@@ -103,7 +102,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     )
     return Evidence(
         tables={"misprints": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=(finding(table),),

@@ -20,7 +20,7 @@ from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
 
@@ -55,9 +55,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     """Run every scheme a little below and a little above its limit."""
-    setting = setting or Setting()
     asked = QUICK_CASES if setting.quick else CASES
     cases = [
         (body, scheme, ratio)

@@ -26,7 +26,7 @@ from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.judging.compare import fitted_power
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
 from msvalidate.output import figures
 from msvalidate.problem import Array, Index, SolverError
@@ -56,6 +56,8 @@ BECAUSE = (
     "{what}: the part of each error that this is, times what a point's logarithm "
     "weighs in the slope of the line"
 )
+ABOVE = 3.0
+"""Times the largest error of its schemes that the line of an order begins at, in the figure."""
 COLUMNS = {
     **common.COLUMNS,
     "motion": "the motion that it follows: under the force, or as printed under half of it, viscous"
@@ -76,9 +78,8 @@ def quantity(name: str, ratio: float) -> str:
     return f"order of accuracy, {'damped' if ratio else 'undamped'}: {common.title(name)}"
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     """Errors of every scheme at a row of steps, and the orders fitted to them."""
-    setting = setting or Setting()
     numbers = QUICK_STEPS if setting.quick else STEPS
     cases = list(product(candidate.items(), RATIOS))
     found = setting.sweep(partial(errors, numbers), cases, "orders")
@@ -285,13 +286,17 @@ def draw(tables: Tables) -> Figure:
                 marker=common.marker(scheme),
                 color=common.colour(scheme),
                 mfc="none",
-                ls="--" if scheme not in common.REPORTED else "-",
+                ls="-" if scheme in common.TRUE else "--",
                 label=common.title(scheme),
             )
-        ends = np.array([rows["h_omega"].min(), rows["h_omega"].max()])
-        for power, style, top in ((1, ":", 3.0), (2, "-.", 0.02)):
-            line = top * rows["mode_error"].max() * (ends / ends[1]) ** power
-            axis.loglog(ends, line, style, color="grey", lw=1, label=f"order {power}")
+        orders = tables["orders"][tables["orders"]["damping_ratio"] == ratio]
+        expected = orders.set_index("scheme")["order_expected"].to_dict()
+        for power, style in zip((1, 2, 4), (":", "-.", "--"), strict=True):
+            line = rows[rows["scheme"].map(expected) == power]
+            if len(line):
+                ends = np.array([line["h_omega"].min(), line["h_omega"].max()])
+                guide = ABOVE * line["mode_error"].max() * (ends / ends[1]) ** power
+                axis.loglog(ends, guide, style, color="grey", lw=1, label=f"order {power}")
         axis.set_title("undamped" if not ratio else f"damping ratio {ratio:g}")
         axis.set_xlabel("h·ω (rad)")
         ticks = sorted(set(rows["h_omega"]))

@@ -24,8 +24,8 @@ from msvalidate.dynamics.integrators import INTEGRATORS
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance
-from msvalidate.judging.sweep import Setting
+from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
+from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.lattice import Lattice
 from msvalidate.output import figures
 from msvalidate.problem import Array
@@ -76,9 +76,8 @@ COLUMNS = {
 }
 
 
-def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evidence:
+def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
     """Count the cells turned inside out at every load, damping and step."""
-    setting = setting or Setting()
     loads = QUICK_LOADS if setting.quick else LOADS
     dampings = QUICK_DAMPINGS if setting.quick else DAMPINGS
     parts = QUICK_PARTS if setting.quick else PARTS
@@ -95,7 +94,7 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting | None = None) -> Evi
     )
     return Evidence(
         tables={"passing": table},
-        observed={t.quantity: value for t, value in zip(TOLERANCES, values, strict=True)},
+        observed=by_quantity(TOLERANCES, values),
         tolerances=TOLERANCES,
         figures={"passing": draw},
         columns=COLUMNS,
