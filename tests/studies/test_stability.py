@@ -149,7 +149,9 @@ def test_another_scheme_is_held_to_its_claims():
 # --- the search for a limit -----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", INTEGRATORS)
+@pytest.mark.parametrize(
+    "name", [name for name, scheme in INTEGRATORS.items() if scheme.limit(0.0) < np.inf]
+)
 def test_search_finds_the_limit_from_any_bracket(name):
     scheme, body = INTEGRATORS[name], linear(OSCILLATOR)
     zetas = np.array([z for z in (0.0, 0.05, 0.47, 0.56, 1.0, 2.0) if scheme.limit(z) > 0])
@@ -245,7 +247,9 @@ def test_leading_terms_are_leading(name):
 
 @pytest.mark.parametrize("name", drift.KEPT)
 def test_a_period_is_whole(name):
-    states = oscillator.states(INTEGRATORS[name], drift.size(63))
+    scheme = INTEGRATORS[name]
+    size = 2 * np.tan(np.pi / 63) if scheme.implicit else drift.size(63)
+    states = oscillator.states(scheme, size)
     path = np.array([next(states) for _ in range(64)])
     np.testing.assert_allclose(path[63], path[0], atol=1e-12)
 
