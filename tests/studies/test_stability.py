@@ -38,7 +38,6 @@ from msvalidate.studies import stability
 
 QUICK = Setting(quick=True)
 REPORTED = {name: INTEGRATORS[name] for name in common.REPORTED}
-TRUE = [name for name, scheme in INTEGRATORS.items() if not scheme.variant]
 COLUMNS = {
     "limits": [
         "scheme",
