@@ -9,12 +9,9 @@ import pickle
 from functools import cache
 from pathlib import Path
 
-import pandas as pd
 import pytest
 
 from msvalidate.judging import catalogue
-from msvalidate.judging.sweep import Setting
-from msvalidate.output import baseline
 
 SLOW = Path(__file__).with_name("slow.csv")
 """Tests that are too long for each change: in `kept`, parts of names of the cases that stay in
@@ -46,6 +43,9 @@ def small_tables():
     `check` runs every study and holds it to these, so tests of what a table says do not run it
     once more. Columns that depend on the machine are left out.
     """
+    import pandas as pd  # noqa: PLC0415  a second, which most tests need not wait for
+
+    from msvalidate.output import baseline  # noqa: PLC0415
 
     @cache
     def of(name):
@@ -76,6 +76,8 @@ def small_form(tmp_path_factory):
                 fcntl.flock(lock, fcntl.LOCK_EX)
             if place.exists():
                 return pickle.loads(place.read_bytes())  # noqa: S301  our own
+            from msvalidate.judging.sweep import Setting  # noqa: PLC0415  not for all tests
+
             evidence = catalogue.load(name).run(setting=Setting(quick=True))
             # Figures that are made by a function cannot leave the process.
             with contextlib.suppress(AttributeError, pickle.PicklingError):
