@@ -53,7 +53,7 @@ CLEAR, CLEAR_ALONE = 5.0, 1e4
 """Times what is left that the least error of a fit has to be; steps of an oscillator may be few, so
 that its order on paper, of powers of a matrix, is the same on every processor."""
 BECAUSE = (
-    "the step's matrix on paper has the very same errors but for {left:.0e} of the amplitude, "
+    "the step's matrix on paper has the very same errors but for {left} of the amplitude, "
     "{what}: the part of each error that this is, times what a point's logarithm "
     "weighs in the slope of the line"
 )
@@ -92,7 +92,8 @@ def run(candidate: Schemes = INTEGRATORS, setting: Setting = FULL) -> Evidence:
         judged[name] = Observed(row["order"], row["order_on_paper"])
         moves = mover(scheme, ratio, numbers)
         what = "rounding" if moves.alone else "rounding and springs that turn"
-        because = BECAUSE.format(left=moves.left, what=what)
+        left = f"{moves.left:.0e}".replace("e-0", "e-")
+        because = BECAUSE.format(left=left, what=what)
         limit = order_uncertainty(scheme, ratio, moves.steps, moves.left)
         tolerances.append(Tolerance(name, limit, "1", because))
     return Evidence(
