@@ -240,17 +240,17 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
                 )
             force[at] += load.force
         elif isinstance(load, Traction):
-            facets = _loaded(problem.domain, load, body)
+            facets = _loaded_sides(problem.domain, load, body)
             x = facets.places
             field = vectors_at(f"traction on {load.region}", load.traction, x.reshape(-1, body.dim))
             force += thickness * facets.integrated(field.reshape(x.shape))
         elif isinstance(load, BodyForce):
             basis = body.quadrature(2 * body.element.degree + 2)
-            force += thickness * _integrated("body force", load.force, basis, body)
+            force += thickness * _integrate("body force", load.force, basis, body)
     return force
 
 
-def _loaded(domain: Domain, load: Traction, body: Discretisation) -> Facets:
+def _loaded_sides(domain: Domain, load: Traction, body: Discretisation) -> Facets:
     """The sides of cells that a traction acts on: all of their nodes lie on the loaded part.
 
     So does their middle: all corners of a side may belong to others that meet there.
@@ -270,7 +270,7 @@ def _loaded(domain: Domain, load: Traction, body: Discretisation) -> Facets:
     return facets
 
 
-def _integrated(
+def _integrate(
     name: str, vector: tuple[float, ...] | Field, basis: skfem.AbstractBasis, body: Discretisation
 ) -> Array:
     """∫ φ_i f, as (n, d) by node, of a vector or a field of points."""

@@ -710,7 +710,7 @@ def counted(act):
         if count == last: raise Killed
         return act(*given)
     return step
-os.fsync, exchange.exchanged = counted(os.fsync), counted(exchange.exchanged)
+os.fsync, exchange.exchange_folders = counted(os.fsync), counted(exchange.exchange_folders)
 exchange.replace = counted(exchange.replace)
 report.publish = lambda *_: []
 base, log = Path("base/quick/poisson/t.csv"), Path("CHANGELOG.md")

@@ -46,18 +46,20 @@ def main(arguments: Sequence[str]) -> int:
     """Run what the command line asks for; return the exit code."""
     args = parse(arguments)
     if args.verb == "list":
-        return _guarded(_list, args)
+        return _guard(_list, args)
     if args.verb == "report":
-        return _guarded(lambda: _report(args), args)
-    return _guarded(lambda: _run(args, arguments), args)
+        return _guard(lambda: _report(args), args)
+    return _guard(lambda: _run(args, arguments), args)
 
 
 def _list() -> int:
     width = max(map(len, catalogue.names()))
-    return _printed([f"{name:<{width}}  {catalogue.question(name)}" for name in catalogue.names()])
+    return _print_lines(
+        [f"{name:<{width}}  {catalogue.question(name)}" for name in catalogue.names()]
+    )
 
 
-def _guarded(act: Callable[[], int], args: argparse.Namespace) -> int:
+def _guard(act: Callable[[], int], args: argparse.Namespace) -> int:
     """Act; what goes wrong outside the studies is said in one line."""
     # One thread for dense algebra: the sparse solves here gain nothing from more, and sums come out
     # the same on any number of cores. Who asks for more has them, but not in each of several jobs.
@@ -93,7 +95,7 @@ def _tell(message: str) -> None:
     sys.stderr = _nowhere()
 
 
-def _printed(lines: Sequence[str]) -> int:
+def _print_lines(lines: Sequence[str]) -> int:
     """Lines to stdout; the exit code of a place where they do not fit."""
     try:
         for line in lines:
@@ -140,11 +142,11 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
     codes = _strangers(args)
     clock = time.perf_counter()
-    outcomes, told = _ended(args, arguments)
+    outcomes, told = _run_studies(args, arguments)
     codes += told
-    _written(outcomes, args)
+    _write(outcomes, args)
     results = [outcome.result for outcome in outcomes if outcome.result]
-    codes.append(_printed([line for result in results for line in _shown(result, args)]))
+    codes.append(_print_lines([line for result in results for line in _shown(result, args)]))
     codes += _tables_there(results, args)
     failed = [outcome.name for outcome in outcomes if not outcome.held]
     if args.update:
@@ -167,7 +169,9 @@ def _strangers(args: argparse.Namespace) -> list[int]:
     ]
 
 
-def _ended(args: argparse.Namespace, arguments: Sequence[str]) -> tuple[list[Outcome], list[int]]:
+def _run_studies(
+    args: argparse.Namespace, arguments: Sequence[str]
+) -> tuple[list[Outcome], list[int]]:
     """How each study ended, in the order asked, and exit codes; said of each as it ends.
 
     One that fails does not keep the others from running.
@@ -213,7 +217,7 @@ def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
     return codes
 
 
-def _written(outcomes: list[Outcome], args: argparse.Namespace) -> None:
+def _write(outcomes: list[Outcome], args: argparse.Namespace) -> None:
     """Write what was found."""
     from msvalidate.output import exchange, report, stored
     from msvalidate.output.junit import junit_xml
@@ -221,7 +225,7 @@ def _written(outcomes: list[Outcome], args: argparse.Namespace) -> None:
     files = {each.name: each.files for each in outcomes if each.result}
     late = {
         each.name: partial(
-            stored.unfinished,
+            stored.unfinished_files,
             question=each.question,
             origin=each.origin,
             error=each.error,
@@ -269,7 +273,7 @@ def _shown(result: Result, args: argparse.Namespace) -> list[str]:
     asked = [name for name in args.tables if name in tables] if args.tables else list(tables)
     whole = args.tables or args.verbose
     lines = [
-        f"\n{result.name}/{name}\n{_aligned(tables[name], None if whole else ROWS_SHOWN)}"
+        f"\n{result.name}/{name}\n{_align(tables[name], None if whole else ROWS_SHOWN)}"
         for name in asked
     ]
     findings = [] if args.tables else [f"- {finding}" for finding in result.evidence.findings]
@@ -308,7 +312,7 @@ def _tables_there(results: list[Result], args: argparse.Namespace) -> list[int]:
     return [_error(f"--table {unknown[0]}: no such table; choose from {known}", USAGE)]
 
 
-def _aligned(table: pd.DataFrame, most: int | None) -> str:
+def _align(table: pd.DataFrame, most: int | None) -> str:
     """Aligned text of a table's first rows, and how many more there are; None is all."""
     rows = len(table) if most is None else most
     text = table.head(rows).to_string(index=False, float_format=lambda value: f"{value:.6g}")
@@ -372,4 +376,4 @@ def run() -> NoReturn:
         code = end.code if isinstance(end.code, int) else HELD
     except KeyboardInterrupt:
         code = _error("interrupted; results are as they were", INTERRUPTED)
-    sys.exit(max(code, _printed([])))  # what --help left unwritten
+    sys.exit(max(code, _print_lines([])))  # what --help left unwritten

@@ -26,7 +26,7 @@ BUDGET = 50
 """Times the predicted steps after which a run has failed."""
 
 
-def predicted(root_kappa: float, threshold: float) -> int:
+def predict_steps(root_kappa: float, threshold: float) -> int:
     """Steps after which the slowest mode, critically damped, is left with `threshold`.
 
     x(t) = (1 + ωt) exp(-ωt) from rest, and ω dt = 2·SAFETY/√κ.
@@ -35,7 +35,7 @@ def predicted(root_kappa: float, threshold: float) -> int:
     return math.ceil(s * root_kappa / (2 * SAFETY))
 
 
-def counted(
+def count_steps(
     method: Method,
     network: Network,
     frequencies: tuple[float, float],
@@ -55,13 +55,13 @@ def counted(
                 reached.setdefault(threshold, (run.steps, run.evaluations))
         return len(reached) == len(THRESHOLDS)
 
-    stride = max(1, predicted(root_kappa, max(THRESHOLDS)) // LOOKS)
+    stride = max(1, predict_steps(root_kappa, max(THRESHOLDS)) // LOOKS)
     with suppress(SolverError):  # what was not reached is told as such
         relax(
             network,
             method,
             tolerance=AT_REST,
-            max_steps=BUDGET * predicted(root_kappa, min(THRESHOLDS)),
+            max_steps=BUDGET * predict_steps(root_kappa, min(THRESHOLDS)),
             watch=watch,
             look_every=1 if method.name in SINGLY else stride,
             frequencies=frequencies,

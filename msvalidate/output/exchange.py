@@ -44,7 +44,7 @@ def alone(folder: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def staged(folder: Path) -> Iterator[Path]:
+def stage_folder(folder: Path) -> Iterator[Path]:
     """A new folder in `folder`, gone at the end; what killed runs left is put back or cleared away.
 
     Call it alone: see `alone`.
@@ -83,14 +83,14 @@ def replace(new: Path, old: Path) -> None:
     """Put a file or folder in another's place: in one step where that can be done."""
     if new.is_file() or not old.exists():
         new.replace(old)
-    elif not exchanged(new, old):
+    elif not exchange_folders(new, old):
         aside = old.with_name(f"{ASIDE}{old.name}")
         old.rename(aside)
         new.rename(old)
         shutil.rmtree(aside, ignore_errors=True)
 
 
-def exchanged(one: Path, other: Path) -> bool:
+def exchange_folders(one: Path, other: Path) -> bool:
     """Exchange two folders atomically, where the operating system can."""
     library = ctypes.CDLL(None, use_errno=True) if os.name == "posix" else None
     a, b = os.fsencode(one), os.fsencode(other)
@@ -132,7 +132,7 @@ def replace_folder(
     """
     folder = folder.resolve()
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with alone(folder.parent), staged(folder.parent) as new:
+    with alone(folder.parent), stage_folder(folder.parent) as new:
         if keep and folder.is_dir():
             _copy_others(folder, new, files)
         for name, content in files.items():
@@ -162,7 +162,7 @@ def replace_file(
 ) -> None:
     """Replace a file whole, its content made when no other run can write it; `then` at once act."""
     path = path.resolve()
-    with alone(path.parent), staged(path.parent) as new:
+    with alone(path.parent), stage_folder(path.parent) as new:
         write(new, {path.name: content()})
         replace(new / path.name, path)
         then()

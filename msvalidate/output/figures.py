@@ -61,7 +61,7 @@ def new_figure(
     return figure, list(axes.ravel())
 
 
-def numbered(place: int) -> dict[str, Any]:
+def series_style(place: int) -> dict[str, Any]:
     """Colour and marker of a series by its number, the same in every figure."""
     return {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
 

@@ -43,7 +43,7 @@ def refuse_unwritable(out: Path, names: Sequence[str] = ()) -> None:
     names
         Studies whose folders will lie in it.
     """
-    _resolved("--out", out)
+    _resolve("--out", out)
     for name in names:
         if (out / name).exists() and not (out / name).is_dir():
             raise ProblemError(f"--out {out}: {out / name} is a file; name another folder")
@@ -78,7 +78,7 @@ def _refuse_unmakeable(out: Path) -> None:
 
 def refuse_place(option: str, path: Path, out: Path) -> None:
     """Raise `ProblemError`, before any work is done, if no file could be written at `path`."""
-    if out.resolve() in _resolved(option, path).parents:
+    if out.resolve() in _resolve(option, path).parents:
         raise ProblemError(f"{option} {path}: inside --out {out}; name a place outside")
     if path.is_dir():
         raise ProblemError(f"{option} {path}: a folder; name a file")
@@ -90,7 +90,7 @@ def refuse_place(option: str, path: Path, out: Path) -> None:
         raise ProblemError(f"{option} {path}: no permission to write there; name another place")
 
 
-def _resolved(option: str, path: Path) -> Path:
+def _resolve(option: str, path: Path) -> Path:
     """The place that a path leads to; raise `ProblemError` if it leads in a circle, or nowhere."""
     try:
         found = path.resolve()
@@ -143,7 +143,7 @@ def publish(
 
 def _exchanged_whole(studies: Mapping[str, exchange.Files], out: Path) -> bool:
     """Put new results and those that stay in the place of the old in one step, if that is known."""
-    with exchange.staged(out.parent) as new:
+    with exchange.stage_folder(out.parent) as new:
         for name, files in studies.items():
             exchange.write(new / name, files)
         for name in set(_studies(out)) - set(studies):
@@ -153,12 +153,12 @@ def _exchanged_whole(studies: Mapping[str, exchange.Files], out: Path) -> bool:
             new.rename(out)
             return True
         shutil.copymode(out, new)
-        return exchange.exchanged(new, out)
+        return exchange.exchange_folders(new, out)
 
 
 def _exchanged_one_by_one(studies: Mapping[str, exchange.Files], out: Path) -> None:
     out.mkdir(exist_ok=True)
-    with exchange.alone(out), exchange.staged(out) as new:
+    with exchange.alone(out), exchange.stage_folder(out) as new:
         for name, files in studies.items():
             exchange.write(new / name, files)
             exchange.replace(new / name, out / name)
@@ -180,16 +180,16 @@ def rebuild(out: Path) -> list[Stored]:
     if not _studies(out):
         raise ProblemError(f"--out {out}: no results there; run a study first")
     publish({}, out)
-    return stored(out)
+    return stored_studies(out)
 
 
-def stored(out: Path) -> list[Stored]:
+def stored_studies(out: Path) -> list[Stored]:
     """The studies whose results lie in a folder, by name; of damaged ones no more than that."""
     return [_read_or_said(out / name) for name in _studies(out)]
 
 
 def _pages(folder: Path) -> dict[str, bytes]:
-    studies = stored(folder)
+    studies = stored_studies(folder)
     return {"report.html": render_page(studies).encode(), "verdict.json": verdict_json(studies)}
 
 

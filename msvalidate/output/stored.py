@@ -175,7 +175,7 @@ def known_files(folder: Path) -> set[str]:
         return set()
 
 
-def unfinished(
+def unfinished_files(
     folder: Path, question: str, origin: Mapping[str, str], error: str, seconds: float = 0.0
 ) -> dict[str, bytes]:
     """The files of a study that did not finish: those of the run before, marked, if there are."""

@@ -141,10 +141,10 @@ def relax(
         begun = found.equilibrium.displacement
         if not at_ease:  # ended by its watcher
             return join_runs(done)
-    return _judged(join_runs(done), run, allow_folded=allow_folded)
+    return _judge(join_runs(done), run, allow_folded=allow_folded)
 
 
-def _judged(found: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:
+def _judge(found: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:
     """A run at rest with the error of where it rests; refused where that is no answer.
 
     Raises

@@ -137,7 +137,7 @@ def signed_factor(A: csr_matrix) -> tuple[Apply, int]:
     RuntimeError
         If a pivot is zero.
     """
-    factor = _eliminated(A)
+    factor = _eliminate(A)
     if (factor.perm_r != factor.perm_c).any():
         raise RuntimeError("a pivot is zero")
     return lambda load: np.asarray(factor.solve(load)), int((factor.U.diagonal() < 0).sum())
@@ -145,11 +145,11 @@ def signed_factor(A: csr_matrix) -> tuple[Apply, int]:
 
 def _superlu(A: csr_matrix) -> Apply:
     """L U of a symmetric matrix as it is ordered, its diagonal the pivots."""
-    factor = _eliminated(A)
+    factor = _eliminate(A)
     return lambda load: np.asarray(factor.solve(load))
 
 
-def _eliminated(A: csr_matrix) -> Any:
+def _eliminate(A: csr_matrix) -> Any:
     columns = csc_matrix((A.data, A.indices, A.indptr), shape=A.shape)  # its own transpose
     return splu(
         columns, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}

@@ -169,7 +169,7 @@ class Solver:
                         f"{scale:.3g} N; {self._remedy(displacement=displacement, force=force)}"
                     )
                 left = float(residual / scale) if scale else 0.0
-            found = self._refined(choice, u.reshape(self.body.dim, -1), force.T)
+            found = self._refine(choice, u.reshape(self.body.dim, -1), force.T)
         seconds = perf_counter() - began
         if not found.error <= ACCEPTED:
             raise SolverError(describe_lost_digits(found.error))
@@ -179,7 +179,7 @@ class Solver:
         )
         return moved, how
 
-    def _refined(self, choice: str, u: Array, load: Array) -> Refined:
+    def _refine(self, choice: str, u: Array, load: Array) -> Refined:
         """The answer (d, n), refined by the way that it was found."""
         inverse = self._roughly if choice == "multigrid" else self._directly
         with fits_in_memory(len(self._free), "unknowns"):

@@ -64,7 +64,7 @@ def orders(tables: Tables) -> Figure:
     figure, (falls, grows) = figures.new_figure(2, size=(5.2, 3.4))
     profile, edge = tables["profile"], tables["edges"]
     for place, (covered, rows) in enumerate(profile.groupby("covered", sort=False)):
-        title, style = TITLES[str(covered)], figures.numbered(place)
+        title, style = TITLES[str(covered)], figures.series_style(place)
         away, near = f"{title}, half a height and more away", f"{title}, nearer"
         falls.plot(rows["spacing"], rows["difference_away"], ls="-", label=away, **style)
         style |= {"ls": ":", "mfc": "none"}
@@ -78,7 +78,7 @@ def orders(tables: Tables) -> Figure:
     for place, (slab, component) in enumerate(lines):
         rows = edge[(edge["covered"] == slab) & (edge["component"] == component)]
         h, size = HEIGHT / rows["layers"].to_numpy(), rows["at_edge"].abs().to_numpy()
-        way, style = "outwards" if component == "x" else "down", figures.numbered(place)
+        way, style = "outwards" if component == "x" else "down", figures.series_style(place)
         grows.plot(h, size, ls="-", label=f"edge, {TITLES[str(slab)]}, {way}", **style)
         slope = float(rows["growth_exact"].abs().iloc[0]) / np.log(2)
         closed = size[-1] - slope * np.log(h / h[-1])

@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.judging import counting
 from msvalidate.judging.compare import farthest_value, fitted_power
-from msvalidate.judging.counting import THRESHOLDS, TIGHT, predicted
+from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
@@ -153,7 +153,7 @@ def count_steps(case: tuple[Method, str, int]) -> list[dict[str, object]]:
     network, reference = bodies.network(body, fineness), bodies.rest_displacement(body, fineness)
     low, high = bodies.frequencies(body, fineness)
     cells_x, cells_y = bodies.cells(body, fineness)[:2]
-    reached = counting.counted(
+    reached = counting.count_steps(
         method, network, (low, high), lambda move: bodies.relative_error(move, reference)
     )
     rows: list[dict[str, object]] = []
@@ -172,7 +172,7 @@ def count_steps(case: tuple[Method, str, int]) -> list[dict[str, object]]:
                 "outcome": "reached" if threshold in reached else "failed",
                 "steps": steps,
                 "evaluations": evaluations,
-                "predicted_steps": predicted(high / low, threshold),
+                "predicted_steps": predict_steps(high / low, threshold),
             }
         )
     return rows
@@ -291,7 +291,7 @@ def style(method: str) -> dict[str, Any]:
     """How a method is drawn, in every figure the same."""
     index = list(RELAXATIONS).index(method)
     line = "-" if index < len(figures.COLOURS) else "--"
-    return figures.numbered(index) | {"linestyle": line, "label": method.replace("_", " ")}
+    return figures.series_style(index) | {"linestyle": line, "label": method.replace("_", " ")}
 
 
 SLOPES = {2: ":", 3: "-."}

@@ -25,7 +25,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.judging.compare import farthest_value, fitted_power
-from msvalidate.judging.counting import THRESHOLDS, TIGHT, predicted
+from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.relaxation.relax import Method
@@ -126,7 +126,7 @@ def measure(rounds: int, case: tuple[Method, int]) -> list[dict[str, Any]]:
                 "outcome": "reached" if threshold in reached else "failed",
                 "steps_here": steps,
                 "evaluations_here": evaluations,
-                "predicted_steps": predicted(high / low, threshold),
+                "predicted_steps": predict_steps(high / low, threshold),
             }
             | (resting.seconds(method, nodes, steps, rounds) if steps else none)
         )

@@ -46,7 +46,7 @@ def counted(method: Method, nodes: int) -> dict[float, tuple[int, int]]:
     """Threshold -> steps and evaluations at the first look that met it."""
     reference = rest(nodes)
     largest = np.abs(reference).max()
-    return counting.counted(
+    return counting.count_steps(
         method,
         plate(nodes),
         frequencies(nodes),

@@ -116,7 +116,7 @@ def draw(tables: Tables) -> Figure:
     """Price of a wrong damping."""
     figure, (axis,) = figures.new_figure(size=(4.2, 3.4))
     for place, (name, own) in enumerate(tables["advice"].groupby("body", sort=False)):
-        style, c = figures.numbered(place), own["c_over_critical"]
+        style, c = figures.series_style(place), own["c_over_critical"]
         axis.loglog(c, own["price"], ls="", label=f"{name} cells", **style)
         axis.loglog(c, own["price_predicted"], color=style["color"], lw=0.9)
     axis.plot([], [], color="black", lw=0.9, label="slowest mode alone")

@@ -145,7 +145,7 @@ def draw(tables: Tables) -> Figure:
     """Factor of the velocity a step against time step times damping."""
     figure, (axis,) = figures.new_figure(size=(4.2, 3.3))
     for place, (name, own) in enumerate(tables["direction"].groupby("moving", sort=False)):
-        style = figures.numbered(place)
+        style = figures.series_style(place)
         axis.plot(own["h_c"], own["factor"], ls="", label=str(name), ms=6, **style)
         axis.plot(own["h_c"], own["factor_predicted"], ".", color="white", ms=3)
         axis.axvline(own["limit"].iloc[0], color=style["color"], lw=0.8, ls=":")

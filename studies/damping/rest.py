@@ -283,7 +283,7 @@ def draw(tables: Tables) -> Figure:
     for axis, error in zip(axes, ERRORS, strict=True):
         shown = rest[rest["error"] == error].groupby("body", sort=False)
         for place, (name, own) in enumerate(shown):
-            style, c = figures.numbered(place), own["c_over_critical"]
+            style, c = figures.series_style(place), own["c_over_critical"]
             axis.loglog(c, own["steps"], ls="", label=str(name), **style)
             axis.loglog(c, own["steps_slowest"], color=style["color"], lw=0.9)
         axis.plot([], [], color="black", lw=0.9, label="slowest excited mode alone")

@@ -271,7 +271,7 @@ def draw(tables: Tables) -> Figure:
     for axis, (column, title) in zip(axes, titles.items(), strict=True):
         groups = shown.groupby(["body", "asked"], sort=False)
         for place, ((name, asked), own) in enumerate(groups):
-            style = figures.numbered(place // 2) | {"ls": ":", "lw": 0.8}
+            style = figures.series_style(place // 2) | {"ls": ":", "lw": 0.8}
             fill = "none" if place % 2 else style["color"]
             label = f"{name}, τ = {asked:g}"
             axis.loglog(own["c_over_critical"], own[column], mfc=fill, label=label, **style)

@@ -295,7 +295,7 @@ def draw(tables: Tables) -> Figure:
     diagram.set_title("bar with its sides held, struck at the right")
     diagram.set(xlabel="place along the bar (m)", ylabel="time (s)")
     for place, (sides, own) in enumerate(table.groupby("sides", sort=False)):
-        style, fineness = figures.numbered(place), own["spacing_over_s"] ** 2
+        style, fineness = figures.series_style(place), own["spacing_over_s"] ** 2
         losses.plot(fineness, own["loss"], ls="", label=f"sides {sides}", **style)
         losses.plot(fineness, own["loss_predicted"], color=style["color"], lw=0.9)
     losses.plot([], [], color="black", lw=0.9, label="3β/s², predicted")

@@ -71,7 +71,7 @@ def draw_totals(axis: Axes, table: pd.DataFrame) -> None:
     names = [label(Model(*key)) for key in table[KEYS].itertuples(index=False)]
     places = np.arange(len(names))[::-1]
     for i, (column, name) in enumerate(TOTALS.items()):
-        style = figures.numbered(i)
+        style = figures.series_style(i)
         axis.semilogx(table[column], places + 0.12 * (1 - i), ls="", label=name, **style)
     axis.set_yticks(places, names, fontsize=7)
     axis.set(xlabel="over the plane model's (1)", ylabel="model")

@@ -182,7 +182,7 @@ def draw(tables: Tables) -> Figure:
     figure, (charge, stretch) = figures.new_figure(2, size=(3.5, 3.1))
     groups = table.groupby(["charges_on", "forces_by"], sort=False)
     for place, ((where, how), rows) in enumerate(groups):
-        style, name = figures.numbered(place), f"on {where}, {how}"
+        style, name = figures.series_style(place), f"on {where}, {how}"
         if how == "derivatives":
             charge.loglog(rows["segments"], rows["charge_error"].abs(), label=name, **style)
         stretch.loglog(rows["segments"], rows["stretch_error"].abs(), label=name, **style)

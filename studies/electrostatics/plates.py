@@ -123,7 +123,7 @@ def draw(tables: Tables) -> Figure:
     table = table.assign(error=(table["capacitance_over_accepted"] - 1).abs())
     figure, (axis,) = figures.new_figure(size=(4.2, 3.3))
     for place, (body, rows) in enumerate(table.groupby("body", sort=False)):
-        style = figures.numbered(place)
+        style = figures.series_style(place)
         axis.loglog(rows["patches_across"], rows["error"], label=str(body), **style)
     figures.draw_order(axis, table["patches_across"], 2 * table["error"].max(), ORDER)
     figures.tick_at(axis, table["patches_across"])

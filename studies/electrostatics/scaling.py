@@ -185,7 +185,7 @@ def draw(tables: Tables) -> Figure:
     if not (times["multipole_seconds"] == ABSENT).any():
         drawn["multipole_seconds"] = "charges by multipoles"
     for place, (column, name) in enumerate(drawn.items()):
-        style = figures.numbered(place)
+        style = figures.series_style(place)
         seconds.loglog(times["unknowns"], times[column].astype(float), label=name, **style)
     n = np.array([times["unknowns"].min(), times["unknowns"].max()])
     square = times["integrals_seconds"].max() * (n / n[-1]) ** 2 / 2
@@ -194,7 +194,7 @@ def draw(tables: Tables) -> Figure:
     seconds.set(xlabel="charges (1)", ylabel="time, here (s)")
     seconds.legend(fontsize=7)
     for place, (unknowns, rows) in enumerate(moves.groupby("unknowns", sort=False)):
-        style, label = figures.numbered(place), f"{unknowns} charges"
+        style, label = figures.series_style(place), f"{unknowns} charges"
         steps.semilogx(rows["motion_over_gap"], rows["iterations"], label=label, **style)
     steps.set(xlabel="largest displacement over the gap (1)", ylim=(0, None))
     steps.set_ylabel("GMRES steps with the old factor (1)")

@@ -229,7 +229,7 @@ def draw(tables: Tables) -> Figure:
     faces, points, tips = tables["both_faces"], tables["point_sums"], tables["halves"]
     figure, (both, sums, tip_axis) = figures.new_figure(3, size=(3.2, 3.0))
     for place, (grading, rows) in enumerate(by_grading(faces)):
-        style, n = figures.numbered(place), rows["segments"].to_numpy()
+        style, n = figures.series_style(place), rows["segments"].to_numpy()
         pull = rows["faces_over_exact"].to_numpy()
         both.semilogx(n, pull, ls="", label=f"{grading} segments", **style)
         slope = DOUBLINGS[grading] * 2 / (np.pi * RATIO)

@@ -192,7 +192,7 @@ def draw(tables: Tables) -> Figure:
     for axis, (grading, order) in zip(errors, GRADINGS.items(), strict=True):
         rows = table[table["grading"] == grading]
         for (ratio, weighting), line in rows.groupby(["width_over_gap", "weighting"], sort=False):
-            style = figures.numbered(RATIOS.index(ratio)) | {"ls": "-"}
+            style = figures.series_style(RATIOS.index(ratio)) | {"ls": "-"}
             if weighting != "galerkin":
                 style |= {"ls": "--", "mfc": "none"}
             label = f"w/d = {ratio:g}, {weighting}"

@@ -15,7 +15,7 @@ def draw(tables: Tables) -> Figure:
     figure, (points, closed) = figures.new_figure(2, size=(3.6, 3.2))
     pairs = table.groupby(["shape", "weighting"], sort=False)
     for place, ((shape, weighting), rows) in enumerate(pairs):
-        name, style = f"{weighting}, {shape}", figures.numbered(place)
+        name, style = f"{weighting}, {shape}", figures.series_style(place)
         points.loglog(rows["segments"], rows["force_error"], label=name, **style)
     figures.tick_at(points, table["segments"])
     points.set_title("point by point, against differences of W")
@@ -23,7 +23,7 @@ def draw(tables: Tables) -> Figure:
     for place, weighting in enumerate(WEIGHTINGS):
         rows = flat[flat["weighting"] == weighting]
         pull, stretch = rows["pull_error"].abs(), rows["stretch_error"].abs()
-        style = figures.numbered(place) | {"ls": "", "mfc": "none"}
+        style = figures.series_style(place) | {"ls": "", "mfc": "none"}
         closed.loglog(rows["segments"], pull, color=style["color"], label=f"{weighting}, pull")
         closed.loglog(rows["segments"], stretch, label=f"{weighting}, stretch", **style)
     figures.draw_order(closed, flat["segments"], 2 * flat["stretch_error"].abs().max(), 2)

@@ -28,7 +28,7 @@ def softest(tables: Tables) -> Figure:
     figure, axes = figures.new_figure(3, size=(3.3, 3.3), sharey=True)
     for axis, (branch, title) in zip(axes, TITLES.items(), strict=True):
         for place, (layers, own) in enumerate(table[table["branch"] == branch].groupby("layers")):
-            style, rest = figures.numbered(place), own["softest"].iloc[0]
+            style, rest = figures.series_style(place), own["softest"].iloc[0]
             volts = own["voltage_over_pull_in"]
             axis.plot(volts, own["softest"] / rest, label=f"{layers} layers", **style)
             if branch == "inside":
@@ -91,7 +91,7 @@ def waves(tables: Tables) -> Figure:
     table, limits = tables["waves"], tables["waves_softest"]
     inside = tables["instability"][tables["instability"]["branch"] == "inside"]
     for place, (layers, own) in enumerate(table.groupby("layers")):
-        volts, colour = own["critical_over_pull_in"], figures.numbered(place)["color"]
+        volts, colour = own["critical_over_pull_in"], figures.series_style(place)["color"]
         label = f"infinite, {layers} layers"
         threshold.semilogx(own["wavelength_over_h"], volts, color=colour, label=label)
     for place, row in enumerate(inside.to_dict("records")):
@@ -102,8 +102,8 @@ def waves(tables: Tables) -> Figure:
     threshold.set_xlabel("wavelength over the height (1)")
     threshold.set_ylabel("critical voltage over the uniform pull-in (1)")
     heights = 1 / limits["wavelength_infinite"]
-    length.semilogx(limits["layers"], heights, label="infinite slab", **figures.numbered(0))
-    heights, style = 1 / inside["mode_wavelength_over_h"].astype(float), figures.numbered(1)
+    length.semilogx(limits["layers"], heights, label="infinite slab", **figures.series_style(0))
+    heights, style = 1 / inside["mode_wavelength_over_h"].astype(float), figures.series_style(1)
     length.semilogx(inside["layers"], heights, ls="", label="slab: its mode", **style)
     length.set_xlabel("cells up the slab's height (1)")
     length.set_ylabel("height over the wavelength that goes first (1)")

@@ -47,4 +47,4 @@ def draw(tables: Tables) -> Figure:
 
 def _marked(axis: Axes, place: int, x: pd.Series, y: pd.Series, label: str) -> None:
     larger: dict[str, Any] = {"mfc": "none", "ms": 8} if place == 1 else {}
-    axis.plot(x, y.astype(float), ls="", label=label, **figures.numbered(place), **larger)
+    axis.plot(x, y.astype(float), ls="", label=label, **figures.series_style(place), **larger)

@@ -35,7 +35,7 @@ def draw(tables: Tables) -> Figure:
     thin.set_xlabel("thickness over that at no voltage (1)")
     thin.set_ylabel("nominal field over its unit, √(μ/ε) (1)")
     waves, kappa = tables["waves_of_a_film"], np.geomspace(0.4, 20.0, 200)
-    exact, style = [uniform.bonded_film_field(k) for k in kappa], figures.numbered(0)
+    exact, style = [uniform.bonded_film_field(k) for k in kappa], figures.series_style(0)
     wave.semilogx(kappa, exact, color=style["color"], label="bonded film, linear, volume kept")
     wave.semilogx(
         waves["kh"], waves["field_found"], ls="", label="its stiffness by elements", **style

@@ -60,7 +60,7 @@ def test_predicted_steps_are_those_of_a_critically_damped_oscillator():
         v = ((1 - h) * v - h * x) / (1 + h)
         x += h * v
         count += 1
-    assert counting.predicted(root_kappa, threshold) == pytest.approx(count, abs=2)
+    assert counting.predict_steps(root_kappa, threshold) == pytest.approx(count, abs=2)
 
 
 def test_counts_are_first_times_below_the_threshold():

@@ -173,7 +173,7 @@ class Moments:
     ) -> None:
         self._state(electrodes, permittivity, weighting)
         self._nearby: Neutral | None = None
-        self._own: Neutral | None = self._factorised()
+        self._own: Neutral | None = self._factorise()
 
     def _state(self, electrodes: Electrodes, permittivity: float, weighting: Weighting) -> None:
         self.electrodes = check_electrodes(electrodes)
@@ -194,39 +194,39 @@ class Moments:
         later._state(self.electrodes.moved(points), self.permittivity, self.weighting)
         few = len(self.electrodes.segments) < LEAST_ITERATED
         later._nearby = None if few else self._own or self._nearby
-        later._own = later._factorised() if few else None
+        later._own = later._factorise() if few else None
         return later
 
     def charges(self, voltages: ArrayLike) -> Charges:
         """Charges at potentials (k,) in V, one for each electrode."""
         given = check_voltages("an electrode", self.electrodes.count, voltages)
         level, middle = subtract_middle(given)
-        solved, steps, error = self._solved(level[self.electrodes.electrode])
+        solved, steps, error = self._solve(level[self.electrodes.electrode])
         constant = float(solved[-1]) + middle
         return Charges(self, given, solved[:-1], constant, check_error(error), steps)
 
     def solve(self, potential: Array) -> Array:
         """Charges (m,) or (m, k) in C/m at potentials of segments (V), neutral together."""
-        return self._solved(potential)[0][:-1]
+        return self._solve(potential)[0][:-1]
 
-    def _solved(self, potential: Array) -> tuple[Array, int, float]:
+    def _solve(self, potential: Array) -> tuple[Array, int, float]:
         """Charges (m,) or (m, k) and then the constant, the steps taken, and the charges' error."""
         if self._own is None and potential.ndim == 1:
-            found = self._iterated(potential)
+            found = self._iterate(potential)
             if found is not None:
                 return found
         if self._own is None:
-            self._own, self._nearby = self._factorised(), None
+            self._own, self._nearby = self._factorise(), None
         return self._own(potential), 0, self._rounding * self._own.condition
 
-    def _factorised(self) -> Neutral:
+    def _factorise(self) -> Neutral:
         """The solution by a factor, for which the matrix is given up."""
         matrix = self._coefficients()
         self._matrix = None
         solve, condition = factorise(matrix, symmetric=self.weighting == "galerkin")
         return Neutral(solve, len(matrix), condition)
 
-    def _iterated(self, potential: Array) -> tuple[Array, int, float] | None:
+    def _iterate(self, potential: Array) -> tuple[Array, int, float] | None:
         """GMRES, or None if it takes too many steps."""
         self._matrix = matrix = self._coefficients()
         m, nearby = len(matrix), self._nearby

@@ -65,7 +65,7 @@ def test_what_a_study_leaves(tmp_path):
 
 def test_what_is_read_back(tmp_path):
     report.publish({"poisson": files()}, tmp_path / "r")
-    (study,) = report.stored(tmp_path / "r")
+    (study,) = report.stored_studies(tmp_path / "r")
     assert (study.name, study.question, study.findings) == ("poisson", "How long?", ("A finding.",))
     assert study.columns == {"x": "place (m)"}
     assert study.origin == {"seed": "0"}
@@ -142,7 +142,7 @@ def test_an_unfinished_study_keeps_the_results_of_the_run_before(tmp_path):
     report.publish({"poisson": files(gap=1.2)}, out)
 
     def again(folder):
-        return stored.unfinished(folder, "How long?", {"seed": "1"}, "diverged")
+        return stored.unfinished_files(folder, "How long?", {"seed": "1"}, "diverged")
 
     (study,) = report.publish({}, out, {"poisson": again})
     assert (study.error, study.held, study.origin) == ("diverged", False, {"seed": "0"})
@@ -157,7 +157,9 @@ def test_an_unfinished_study_keeps_the_results_of_the_run_before(tmp_path):
 
 def test_an_unfinished_study_without_a_run_before(tmp_path):
     out = tmp_path / "r"
-    report.publish({}, out, {"poisson": lambda f: stored.unfinished(f, "Why?", {}, "diverged")})
+    report.publish(
+        {}, out, {"poisson": lambda f: stored.unfinished_files(f, "Why?", {}, "diverged")}
+    )
     assert set(content(out)) == {"poisson/study.json", "report.html", "verdict.json"}
     assert "diverged" in (out / "report.html").read_text(encoding="utf-8")
 
@@ -219,12 +221,12 @@ def test_folders_that_only_look_like_ours_stay(tmp_path):
 
 def test_what_was_put_aside_is_put_back(tmp_path, monkeypatch):
     """A run killed between two renames: the next one finds what it put aside."""
-    monkeypatch.setattr(exchange, "exchanged", lambda *_: False)
+    monkeypatch.setattr(exchange, "exchange_folders", lambda *_: False)
     out = tmp_path / "r"
     report.publish({"poisson": files()}, out)
     (out / "poisson").rename(out / f"{exchange.ASIDE}poisson")
     report.publish({"displacement": files("displacement")}, out)
-    assert [study.name for study in report.stored(out)] == ["displacement", "poisson"]
+    assert [study.name for study in report.stored_studies(out)] == ["displacement", "poisson"]
     assert not list(out.glob(".*"))
 
 
@@ -244,7 +246,7 @@ def test_results_in_the_current_folder(tmp_path, monkeypatch):
 
 
 def test_where_folders_cannot_be_exchanged(tmp_path, monkeypatch):
-    monkeypatch.setattr(exchange, "exchanged", lambda *_: False)
+    monkeypatch.setattr(exchange, "exchange_folders", lambda *_: False)
     out = tmp_path / "r"
     for gap in (2.0, 1.2):
         report.publish({"poisson": files(gap=gap)}, out)
