@@ -20,6 +20,7 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.output import baseline, stored
 from msvalidate.output.junit import printable
 from msvalidate.output.provenance import collect_provenance
+from msvalidate.output.results import Results
 from msvalidate.output.stored import Result
 from msvalidate.problem import ProblemError, SolverError
 
@@ -43,6 +44,8 @@ class Task:
         Whether its figures are drawn.
     against
         Form of the baseline that its tables are held to, "quick" or "full"; "" for none.
+    results
+        What other studies found, for one that puts that together; None for others.
     """
 
     name: str
@@ -50,6 +53,7 @@ class Task:
     command: tuple[str, ...] = ()
     plots: bool = True
     against: str = ""
+    results: Results | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +122,8 @@ def run_task(task: Task) -> Outcome:
     """
     clock = Clock()
     try:
-        evidence = catalogue.load(task.name).run(setting=task.setting)
+        given = {} if task.results is None else {"candidate": task.results}
+        evidence = catalogue.load(task.name).run(setting=task.setting, **given)
         seconds = clock.seconds
         verdict, rows = judge(evidence), []
         if task.against:

@@ -15,7 +15,8 @@ import sys
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from msvalidate.cli.outcome import Outcome
+    from msvalidate.output.results import Results
     from msvalidate.output.stored import Result, Stored
 
 ROWS_SHOWN = 40
@@ -191,16 +193,29 @@ def _run_studies(
         if args.verbose:
             _tell(f"{name}: {catalogue.question(name)}")
 
-    found, codes = {}, []
-    with contextlib.closing(jobs.run_tasks(tasks, args.jobs, began)) as outcomes:
-        for outcome in outcomes:
-            found[outcome.name] = outcome
-            codes += _told(outcome, args)
-            if compared[outcome.name] and outcome.result and not outcome.compared:
-                message = f"study {outcome.name}: no {against} baseline, nothing compared; make "
-                message += f"one with check {outcome.name} --update"
-                codes.append(_error(message, NOTHING))
+    found: dict[str, Outcome] = {}
+    codes = []
+    late = [task for task in tasks if catalogue.reads_results(task.name)]
+    for batch in ([task for task in tasks if task not in late], late):
+        found_so_far = _results(found, args)
+        ready = [replace(task, results=found_so_far) for task in batch] if batch is late else batch
+        with contextlib.closing(jobs.run_tasks(ready, args.jobs, began)) as outcomes:
+            for outcome in outcomes:
+                found[outcome.name] = outcome
+                codes += _told(outcome, args)
+                if compared[outcome.name] and outcome.result and not outcome.compared:
+                    message = f"study {outcome.name}: no {against} baseline, nothing compared; "
+                    message += f"make one with check {outcome.name} --update"
+                    codes.append(_error(message, NOTHING))
     return [found[name] for name in args.studies], codes
+
+
+def _results(found: Mapping[str, Outcome], args: argparse.Namespace) -> Results:
+    """What studies found in this run; what others left, unless this run is judged by itself."""
+    from msvalidate.output.results import Results
+
+    tables = {name: each.result.evidence.tables for name, each in found.items() if each.result}
+    return Results(args.form, tables, None if args.verb == "check" else args.out)
 
 
 def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:

@@ -20,11 +20,28 @@ from msvalidate import studies
 
 GROUP = "msvalidate.studies"
 """Entry points of this group name a study of another package: ``name = "package.module"``."""
+ORDER = (
+    "overview",
+    "displacement",
+    "poisson",
+    "lattices",
+    "benchmarks",
+    "convergence",
+    "stability",
+    "damping",
+    "cost",
+    "actuator",
+    "pull_in",
+    "electrostatics",
+    "claims",
+)
+"""The reader's order of our studies; others follow by name."""
 
 
 def names() -> list[str]:
-    """Names of all studies, in alphabetical order."""
-    return sorted(_places())
+    """Names of all studies, in the reader's order."""
+    rank = {name: place for place, name in enumerate(ORDER)}
+    return sorted(_places(), key=lambda name: (rank.get(name, len(rank)), name))
 
 
 def question(name: str) -> str:
@@ -52,6 +69,14 @@ def alone(name: str) -> bool:
     One that compares times does, as what runs beside it would take some of them.
     """
     return bool(getattr(load(name), "ALONE", False))
+
+
+def reads_results(name: str) -> bool:
+    """Whether a study puts together what others found: its constant `READS_RESULTS` is true.
+
+    It runs after them, and its candidate is their `output.results.Results`.
+    """
+    return bool(getattr(load(name), "READS_RESULTS", False))
 
 
 def is_ours(name: str) -> bool:

@@ -1,0 +1,104 @@
+"""The tables of all studies as one whole, for studies that put together what others found.
+
+A table is taken from this run, else from a folder of results, else from the committed baseline; it
+is the same table of text and numbers wherever it comes from.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import pandas as pd
+
+from msvalidate.judging.evidence import Tables
+from msvalidate.output.baseline import baseline_folder
+from msvalidate.output.stored import csv_bytes, read_csv, read_result
+from msvalidate.problem import ProblemError
+
+THIS_RUN, STORED, BASELINE = "this run", "stored results", "committed baseline"
+
+
+@dataclass(frozen=True)
+class Results:
+    """What the studies found.
+
+    Parameters
+    ----------
+    form
+        Of the baseline, "quick" or "full".
+    run
+        Study -> its tables, of those that have just run.
+    folder
+        Of stored results; None looks at none.
+    """
+
+    form: str
+    run: Mapping[str, Tables] = field(default_factory=dict)
+    folder: Path | None = None
+
+    def table(self, study: str, name: str) -> pd.DataFrame:
+        """A table; values that are numbers are floats, others text.
+
+        Columns of times are not in the committed baseline; see `evidence.UNGATED`.
+
+        Raises
+        ------
+        ProblemError
+            If no study left such a table.
+        """
+        source = self.source(study)
+        if source == THIS_RUN:
+            found = self.run[study].get(name)
+            text = None if found is None else read_csv(io.BytesIO(csv_bytes(found)))
+        elif source == STORED:
+            text = self._stored[study].get(name)
+        else:
+            path = baseline_folder(self.form) / study / f"{name}.csv"
+            text = read_csv(path) if path.is_file() else None
+        if text is None:
+            raise ProblemError(f"{source}: no table {study}/{name}; run {study} again")
+        return read_numbers(text)
+
+    def source(self, study: str) -> str:
+        """Where the tables of a study come from: `THIS_RUN`, `STORED` or `BASELINE`."""
+        if study in self.run:
+            return THIS_RUN
+        return STORED if study in self._stored else BASELINE
+
+    @cached_property
+    def _stored(self) -> dict[str, Tables]:
+        """Study -> its tables, of those that left whole results in the folder."""
+        if self.folder is None or not self.folder.is_dir():
+            return {}
+        found = {}
+        for place in self.folder.iterdir():
+            with contextlib.suppress(ProblemError):
+                result = read_result(place)
+                if not result.error:
+                    found[place.name] = result.tables
+        return found
+
+
+def read_numbers(table: pd.DataFrame) -> pd.DataFrame:
+    """A table of text whose columns of numbers are floats; in others each number is one."""
+    return pd.DataFrame({column: _numbers(list(table[column])) for column in table})
+
+
+def _numbers(values: list[str]) -> pd.Series:
+    found = [_number(value) for value in values]
+    mixed = any(isinstance(value, str) for value in found)
+    return pd.Series(found, dtype=object if mixed else float)
+
+
+def _number(text: str) -> float | str:
+    try:
+        value = float(text)
+    except ValueError:
+        return text
+    return value if math.isfinite(value) else text
