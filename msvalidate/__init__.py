@@ -17,7 +17,8 @@ _HOMES = {
     "bodies.lattice_network": ("lattice_network",),
     "bodies.mesh_file": ("read_mesh",),
     "constants.homogenise": ("homogenise",),
-    "dynamics.integrate": ("motion",),
+    "constants.stiffness": ("isotropic_moduli",),
+    "dynamics.integrate": ("State", "motion", "recommended_time_step"),
     "dynamics.integrators": ("INTEGRATORS",),
     "dynamics.spectrum": ("natural_frequencies",),
     "judging.evidence": ("judge",),
@@ -32,6 +33,7 @@ _HOMES = {
     ),
     "relaxation.relax": ("relax",),
     "relaxation.relaxations": ("RELAXATIONS",),
+    "relaxation.viscous": ("algorithm1",),
     "statics.equilibrium": ("equilibrium",),
     "statics.stress": ("fitted_stress",),
 }
@@ -46,7 +48,10 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.bodies.lattice_network import lattice_network as lattice_network
     from msvalidate.bodies.mesh_file import read_mesh as read_mesh
     from msvalidate.constants.homogenise import homogenise as homogenise
+    from msvalidate.constants.stiffness import isotropic_moduli as isotropic_moduli
+    from msvalidate.dynamics.integrate import State as State
     from msvalidate.dynamics.integrate import motion as motion
+    from msvalidate.dynamics.integrate import recommended_time_step as recommended_time_step
     from msvalidate.dynamics.integrators import INTEGRATORS as INTEGRATORS
     from msvalidate.dynamics.spectrum import natural_frequencies as natural_frequencies
     from msvalidate.judging.evidence import judge as judge
@@ -74,6 +79,7 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.problem import Traction as Traction
     from msvalidate.relaxation.relax import relax as relax
     from msvalidate.relaxation.relaxations import RELAXATIONS as RELAXATIONS
+    from msvalidate.relaxation.viscous import algorithm1 as algorithm1
     from msvalidate.statics.equilibrium import equilibrium as equilibrium
     from msvalidate.statics.stress import fitted_stress as fitted_stress
 
@@ -88,4 +94,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return list(__all__)

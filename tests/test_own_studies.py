@@ -97,3 +97,41 @@ def test_what_cannot_be_found_is_refused(own):
     for arguments, why in refusals.items():
         done = run(own, *arguments)
         assert (done.returncode, why in done.stderr) == (2, True), (arguments, done.stderr)
+
+
+def test_folders_keep_their_helpers_apart(own):
+    for name, end in (("one", 0.2), ("two", 0.4)):
+        (own / name).mkdir()
+        (own / name / "_mine.py").write_text(f"END = {end}\n", encoding="utf-8")
+        text = STUDY.replace("Observed(end, 0.2)", "Observed(end, END)")
+        text = text.replace("import points", "import points\nfrom ._mine import END")
+        (own / name / f"bar_{name}.py").write_text(text, encoding="utf-8")
+        helper = (own / "mine" / "_bar.py").read_text(encoding="utf-8")
+        (own / name / "_bar.py").write_text(helper, encoding="utf-8")
+    done = run(own, "bar_one", "bar_two", "--studies", "one", "--studies", "two", "--jobs", "2")
+    assert "bar_one: 1 of 1 held" in done.stderr
+    assert "bar_two: FAILED, 0 of 1 held" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("folder", "name", "text", "said"),
+    [
+        ("co:lon", "bar.py", STUDY, "':' separates folders"),
+        ("names", "list.py", STUDY, "'list' is a command"),
+        ("few", "bar.py", "x = 1\n", "no study in it"),
+    ],
+)
+def test_a_folder_that_cannot_be_told_is_refused(own, folder, name, text, said):
+    (own / folder).mkdir()
+    (own / folder / name).write_text(text, encoding="utf-8")
+    done = run(own, "list", "--studies", folder)
+    assert (done.returncode, said in done.stderr) == (2, True), done.stderr
+
+
+def test_one_broken_study_costs_the_list_no_other(own):
+    (own / "mine" / "broken.py").write_text("def run(:\n", encoding="utf-8")
+    listed = run(own, "list", "--studies", "mine")
+    assert "broken" in listed.stdout
+    assert "line 1" in listed.stdout
+    assert "poisson " in listed.stdout
+    assert run(own, "broken", "--studies", "mine").returncode == 2

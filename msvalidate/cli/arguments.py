@@ -61,11 +61,12 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 def _join(parser: argparse.ArgumentParser, folders: Sequence[Path]) -> None:
     """Let a user's own studies be found, or end the program with the reason why not."""
-    for folder in folders:
-        try:
+    try:
+        catalogue.check_joined()
+        for folder in folders:
             catalogue.join(folder)
-        except ImportError as error:
-            parser.error(str(error))
+    except ImportError as error:
+        parser.error(str(error))
 
 
 def _refuse_mixed(

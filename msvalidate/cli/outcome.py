@@ -15,7 +15,7 @@ from typing import Literal
 import pandas as pd
 
 from msvalidate.judging import catalogue
-from msvalidate.judging.evidence import all_passed, judge
+from msvalidate.judging.evidence import Evidence, all_passed, judge
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import baseline, stored
 from msvalidate.output.junit import printable
@@ -23,6 +23,7 @@ from msvalidate.output.provenance import collect_provenance
 from msvalidate.output.results import Results
 from msvalidate.output.stored import Result
 from msvalidate.problem import ProblemError, SolverError
+from msvalidate.problem.checks import require_type
 
 Fault = Literal["", "problem", "solver", "crash"]
 """Why a study did not finish: an ill-posed question, no trustworthy answer, anything else."""
@@ -124,6 +125,7 @@ def run_task(task: Task) -> Outcome:
     try:
         given = {} if task.results is None else {"candidate": task.results}
         evidence = catalogue.load(task.name).run(setting=task.setting, **given)
+        require_type("what its run returns", evidence, Evidence)
         seconds = clock.seconds
         verdict, rows = judge(evidence), []
         if task.against:

@@ -56,9 +56,15 @@ def main(arguments: Sequence[str]) -> int:
 
 def _list() -> int:
     width = max(map(len, catalogue.names()))
-    return _print_lines(
-        [f"{name:<{width}}  {catalogue.question(name)}" for name in catalogue.names()]
-    )
+    return _print_lines([f"{name:<{width}}  {_question(name)}" for name in catalogue.names()])
+
+
+def _question(name: str) -> str:
+    """What a study asks, or why it cannot be read: that must not cost the others their line."""
+    try:
+        return catalogue.question(name)
+    except ImportError as error:
+        return f"(cannot be read: {error})"
 
 
 def _guard(act: Callable[[], int], args: argparse.Namespace) -> int:

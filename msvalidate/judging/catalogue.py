@@ -20,6 +20,8 @@ from msvalidate import studies
 
 GROUP = "msvalidate.studies"
 """Entry points of this group name a study of another package: ``name = "package.module"``."""
+RESERVED = ("all", "list", "run", "check", "report", "case")
+"""Words of the command line, which no study may be called."""
 ORDER = (
     "overview",
     "displacement",
@@ -50,15 +52,21 @@ def question(name: str) -> str:
 
 
 def docstring(name: str) -> str:
-    """A study's docstring from its source: Python drops it under -OO."""
-    return ast.get_docstring(ast.parse(_text(_first(_source(name))))) or ""
+    """A study's docstring from its source: Python drops it under -OO.
+
+    Raises
+    ------
+    ImportError
+        If its source cannot be read as Python.
+    """
+    return ast.get_docstring(_parse(name, _first(_source(name)))) or ""
 
 
 def words(name: str) -> set[str]:
     """All texts that stand as such in a study's sources: names of tables are among them."""
     place = _source(name)
     sources = sorted(place.rglob("*.py")) if place.is_dir() else [place]
-    nodes = [node for source in sources for node in ast.walk(ast.parse(_text(source)))]
+    nodes = [node for source in sources for node in ast.walk(_parse(name, source))]
     texts = [node.value for node in nodes if isinstance(node, ast.Constant)]
     return {text for text in texts if isinstance(text, str)}
 
@@ -99,7 +107,10 @@ def load(name: str) -> ModuleType:
         If a module that it needs is missing, or it has no function `run`.
     """
     place = _places()[name]
-    module = importlib.import_module(place if isinstance(place, str) else f"{GROUP}.{name}")
+    try:
+        module = importlib.import_module(place if isinstance(place, str) else _module(place))
+    except (ImportError, SyntaxError) as error:
+        raise ImportError(f"study {name}: {error}; mend {_source(name)}") from error
     if not hasattr(module, "run"):
         raise ImportError(
             f"study {name}: {module.__file__} has no function run(candidate, setting=…)"
@@ -118,29 +129,49 @@ def join(folder: Path) -> None:
         If there is no such folder, or no study in it, or one by the name of another study.
     """
     place = str(folder.resolve())
-    if not folder.is_dir():
-        raise ImportError(f"--studies {folder}: no such folder")
-    found = _in_folder(place)
-    if not found:
-        raise ImportError(
-            f"--studies {folder}: no study in it; one is a module with a function run"
-        )
-    if place in studies.__path__:
+    if os.pathsep in place:
+        raise ImportError(f"--studies {folder}: {os.pathsep!r} separates folders; rename it")
+    if place in studies.joined():
         return
-    for name in found:
-        if name in _places():
-            raise ImportError(f"--studies {folder}: there is a study {name} already; rename one")
+    check_folder(f"--studies {folder}", place, set(_places()))
     os.environ[studies.VARIABLE] = os.pathsep.join([*studies.joined(), place])
-    studies.__path__.append(place)
     importlib.invalidate_caches()
+
+
+def check_joined() -> None:
+    """Raise ImportError if a folder of the environment holds no studies, or one of a known name."""
+    known = set(_in_folder(str(studies.OURS)))
+    for folder in studies.joined():
+        check_folder(f"{studies.VARIABLE} {folder}", folder, known)
+        known |= set(_in_folder(folder))
+
+
+def check_folder(said: str, folder: str, known: set[str]) -> None:
+    """Raise ImportError, with what is `said` first, if a folder has no study, or one known."""
+    if not Path(folder).is_dir():
+        raise ImportError(f"{said}: no such folder")
+    found = _in_folder(folder)
+    if not found:
+        raise ImportError(f"{said}: no study in it; one is a module with a function run")
+    for name in found:
+        if name in RESERVED:
+            raise ImportError(f"{said}: {name!r} is a command; rename the study")
+        if name in known:
+            raise ImportError(f"{said}: there is a study {name} already; rename one")
 
 
 def _places() -> dict[str, Path | str]:
     """Name -> the source of a study, or the module that an entry point names."""
     found: dict[str, Path | str] = dict(_installed())
-    for folder in reversed(studies.__path__):
+    for folder in reversed([str(studies.OURS), *studies.joined()]):
         found |= _in_folder(folder)
     return found
+
+
+def _module(place: Path) -> str:
+    """The name under which a study in a folder is imported."""
+    ours = place.parent == studies.OURS
+    return f"{GROUP if ours else studies.package(str(place.parent))}.{place.stem}"
 
 
 @cache
@@ -162,9 +193,16 @@ def _runs(source: Path) -> bool:
     """Whether a module binds the name `run` as it is imported."""
     try:
         tree = ast.parse(_text(source))
-    except (SyntaxError, ValueError):  # said by Python when it is run
+    except (SyntaxError, ValueError):  # said when it is run
         return True
     bound = [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
+    bound += [
+        target.id
+        for node in tree.body
+        if isinstance(node, ast.Assign)
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    ]
     bound += [
         alias.asname or alias.name
         for node in tree.body
@@ -190,6 +228,14 @@ def _source(name: str) -> Path:
 
 def _first(place: Path) -> Path:
     return place / "__init__.py" if place.is_dir() else place
+
+
+def _parse(name: str, source: Path) -> ast.Module:
+    """The syntax of a study's source."""
+    try:
+        return ast.parse(_text(source), source.name)
+    except (SyntaxError, ValueError) as error:
+        raise ImportError(f"study {name}: {source}: {error}; mend it") from error
 
 
 def _text(source: Path) -> str:

@@ -1,19 +1,69 @@
 """What are springs good for, and where must they not be used?
 
-- `part`: one part by every spring model and by elements: error against springs and against time.
+- `good_for`: eight rows to choose by, from the tables of the other studies;
+- `part`: one part by every spring model and by elements, error against springs and against time.
+
+It runs after the others and reads what they found; what has not run is read from the committed
+baseline. Candidate: those results; and, for the part, displacements predicted for a problem and its
+network. Reference: elasticity, as in each study.
 """
 
 from __future__ import annotations
 
-from msvalidate.judging.candidate import DisplacementSolver, check_displacements, solve_springs
-from msvalidate.judging.evidence import Evidence
+from dataclasses import replace
+
+from msvalidate.judging.candidate import (
+    Answer,
+    DisplacementSolver,
+    check_displacements,
+    solve_springs,
+)
+from msvalidate.judging.evidence import Evidence, merge
 from msvalidate.judging.sweep import FULL, Setting
+from msvalidate.network import Network, faults
+from msvalidate.output.results import Results
+from msvalidate.problem import Array, Problem
 
-from . import part
+from . import good_for, part
 
-FAULTS: dict[str, dict[str, object]] = {}
+READS_RESULTS = True
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
-    """All questions."""
-    return part.run(check_displacements(candidate), setting)
+def solve_stiffened(problem: Problem, network: Network, answer: Answer) -> Array:
+    """A candidate whose springs are 1 % stiffer."""
+    return solve_springs(problem, faults.stiffen_all(network, 0.01), answer)
+
+
+def solve_slanted(problem: Problem, network: Network, answer: Answer) -> Array:
+    """A candidate whose diagonals are 2 % stiffer."""
+    return solve_springs(problem, faults.stiffen_diagonals(network, 0.02), answer)
+
+
+def solve_without_volumes(problem: Problem, network: Network, answer: Answer) -> Array:
+    """A candidate that leaves the energy of volumes out."""
+    return solve_springs(problem, replace(network, volumes=None), answer)
+
+
+def solve_reversed(problem: Problem, network: Network, answer: Answer) -> Array:
+    """A candidate whose displacements have the wrong sign."""
+    return -solve_springs(problem, network, answer)
+
+
+FAULTS = {
+    "every spring 1 % stiffer": {"springs": solve_stiffened},
+    "diagonals 2 % stiffer": {"springs": solve_slanted},
+    "energy of volumes left out": {"springs": solve_without_volumes},
+    "displacements of the wrong sign": {"springs": solve_reversed},
+}
+"""Negative controls: arguments of `run` under which a tolerance must fail."""
+
+
+def run(
+    candidate: Results | None = None,
+    setting: Setting = FULL,
+    springs: DisplacementSolver = solve_springs,
+) -> Evidence:
+    """Both questions."""
+    results = candidate or Results("quick" if setting.quick else "full")
+    own = part.run(check_displacements(springs), setting)
+    return merge(good_for.run(results, own.tables), own)
