@@ -6,7 +6,6 @@ What a study says reaches the template as plain text and is escaped there; nothi
 
 from __future__ import annotations
 
-import base64
 import inspect
 import re
 from collections.abc import Mapping, Sequence
@@ -15,10 +14,14 @@ from dataclasses import dataclass
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from msvalidate.output.front import FIGURE, first_screen
+from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.output.stored import NUMBERS, Stored
 
-ROWS_SHOWN = 40
+ROWS_SHOWN = 12
 """Longer tables are shown by their first rows; the CSV has them all."""
+PICTURES = 1_800_000
+"""Bytes of pictures inside the page, shared out evenly among the studies."""
 LAYERS = {
     "theory": "formulas, orders, identities and the reference's own accuracy",
     "agreement": "a band between springs and elasticity",
@@ -30,8 +33,6 @@ SUMMARISED = "baseline"
 """Of this layer, only what failed is listed: it holds every number of every table."""
 TABLES_FIRST = ("summary", "cases")
 """Tables that a reader wants first: above the others, and open."""
-WIDE = 460.0
-"""Width (pt) beyond which a picture is not shrunk to a phone's screen but scrolls there."""
 MANY_COLUMNS = 10
 """Tables with more columns are printed on pages that lie on their side."""
 LONG = 28
@@ -40,7 +41,6 @@ PASS, FAIL, NOT_FINISHED = "pass", "FAIL", "not finished"
 
 _NUMBER = re.compile(r"[+-]?(?P<digits>\d+\.?\d*|\.\d+)(?P<power>[eE][+-]?\d+)?")
 _CODE = re.compile(r"``(.+?)``|`([^`]+)`")
-_WIDTH = re.compile(rb"<svg\b[^>]*?\swidth=\"([0-9.]+)(?:pt)?\"")
 
 
 @dataclass(frozen=True)
@@ -104,15 +104,6 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Picture:
-    """A picture inside the page."""
-
-    caption: str
-    source: str
-    wide: bool
-
-
-@dataclass(frozen=True)
 class Section:
     """A study as the page shows it."""
 
@@ -152,13 +143,17 @@ def render_page(studies: Sequence[Stored]) -> str:
         keep_trailing_newline=True,
     )
     environment.filters["pieces"] = split_at_backticks
-    sections = [study_section(study) for study in studies]
+    room = PICTURES // max(1, len(studies))
+    sections = [study_section(study, room) for study in studies]
     status, sentence = overall_verdict(sections)
     common, own = common_provenance(sections)
     return environment.get_template("report.html").render(
         status=status,
         sentence=sentence,
         sections=sections,
+        front=first_screen(studies),
+        picture=next((p for s in sections for p in s.pictures if p.file == FIGURE), None),
+        there={section.name: section.anchor for section in sections},
         # An unfinished study's rows are of the run before: they say nothing about this one.
         failed=[row for s in sections if not s.error for row in s.failed],
         unjudged=[s for s in sections if s.error or not s.judged],
@@ -169,8 +164,8 @@ def render_page(studies: Sequence[Stored]) -> str:
     )
 
 
-def study_section(study: Stored) -> Section:
-    """A study as the page shows it."""
+def study_section(study: Stored, room: int = PICTURES) -> Section:
+    """A study as the page shows it, with so much room (bytes) for pictures."""
     question, _, rest = inspect.cleandoc(study.question).partition("\n")
     rows = judgements(study)
     return Section(
@@ -181,7 +176,7 @@ def study_section(study: Stored) -> Section:
         about=paragraphs_and_lists(rest),
         error=study.error,
         findings=study.findings,
-        pictures=tuple(embed_picture(*found) for found in study.pictures.values()),
+        pictures=embed_pictures(study.name, study.pictures, room),
         tables=tables(study),
         layers=tuple(layer_judgements(name, rows) for name in layer_names(rows)),
         failed=tuple(row for row in rows if row.status != PASS),
@@ -298,13 +293,6 @@ def format_column(values: Sequence[str]) -> list[str]:
 def format_number(value: float) -> str:
     """A number with six digits; zero has no sign."""
     return f"{value + 0.0:.6g}"
-
-
-def embed_picture(caption: str, svg: bytes) -> Picture:
-    """A picture as a data address, and whether it is too wide for a phone."""
-    width = _WIDTH.search(svg)
-    source = "data:image/svg+xml;base64," + base64.b64encode(svg).decode("ascii")
-    return Picture(caption, source, bool(width and float(width[1]) > WIDE))
 
 
 def paragraphs_and_lists(text: str) -> tuple[Block, ...]:

@@ -24,6 +24,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.judging.evidence import Evidence, Layer, all_passed
 from msvalidate.output.figures import figure_style, plain_logarithms
+from msvalidate.output.pictures import shorten_paths
 from msvalidate.problem import ProblemError
 
 FORMATS = ("png", "svg")
@@ -346,4 +347,4 @@ def _render_figure(figure: Figure, kind: str) -> bytes:
     page = io.BytesIO()
     # A date inside the file would make two equal pictures differ.
     figure.savefig(page, format=kind, metadata={"Date": None} if kind == "svg" else None)
-    return page.getvalue()
+    return shorten_paths(page.getvalue()) if kind == "svg" else page.getvalue()

@@ -16,7 +16,7 @@ def draw(tables: Tables) -> Figure:
     """Error of every spring model and of elements on one part, by couplings and by time."""
     table = tables["part"]
     measured = "solve_seconds" in table
-    figure, axes = new_figure(2 if measured else 1, size=(4.0, 3.8))
+    figure, axes = new_figure(2 if measured else 1, size=(4.6, 4.0))
     for place, (model, rows) in enumerate(table.groupby("model", sort=False)):
         line = ELEMENTS.get(str(model))
         style = (
@@ -29,8 +29,6 @@ def draw(tables: Tables) -> Figure:
     for axis, label in zip(axes, AXES, strict=False):
         axis.set(xlabel=label, ylabel="error of the displacement (%)")
         axis.axhline(1.0, color="grey", lw=0.8, ls=(0, (1, 3)))
-    figure.suptitle(
-        "A clamped plate, 3 m by 1 m, Poisson's ratio 0.4, sheared at its end", fontsize=9
-    )
+    figure.suptitle(TITLE, fontsize=9)
     add_shared_legend(figure, axes, columns=2)
     return figure

@@ -1,16 +1,17 @@
 """The page: what it says, in which order, and that nothing a study says can become markup."""
 
-import base64
 from dataclasses import fields, replace
 from html.parser import HTMLParser
+from urllib.parse import unquote_to_bytes
 
 import pandas as pd
 import pytest
 
 from msvalidate.output import page
+from msvalidate.output.pictures import embed_pictures, shorten_paths
 from msvalidate.output.stored import NUMBERS, Stored
 
-VOID = {"meta", "link", "img"}
+VOID = {"meta", "link", "img", "br"}
 APART = {"dt", "li", "p", "td", "th"}
 LOADING = {"src", "srcset", "action", "data", "poster", "background"}
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg" width="%dpt" height="9pt"></svg>'
@@ -81,10 +82,11 @@ def test_page_of_a_study_that_passed():
     text = Read(html).text
     said = (
         "pass The one tolerance of 1 study held.",
-        "theory agreement regression baseline time of run",
-        "lines pass 1 of 1 held not compared not compared not compared 2026-01-01 00:00 UTC",
+        "theory agreement regression baseline seconds time of run",
+        "lines pass 1 of 1 held none none none 9.6 2026-01-01 00:00 UTC",
         "What failed Nothing failed.",
-        "How long? pass 1 of 1 tolerance held, 9.6 s As long as it is.",
+        "How long? pass 1 of 1 tolerance held, 9.6 s findings pictures tables tolerances",
+        "As long as it is.",
         "Findings A finding.",
         "A straight line.",
         "line 2 rows, 2 columns",
@@ -114,7 +116,7 @@ def test_page_of_a_study_that_failed():
 def test_page_of_a_study_that_did_not_finish():
     text = Read(page.render_page([stored(error="no pivot"), stored("other")])).text
     assert "not finished The one tolerance of 1 study held; did not finish: lines." in text
-    assert "lines not finished no pivot 2026" in text
+    assert "lines not finished no pivot 9.6 2026" in text
     assert "lines did not finish: no pivot" in text
     assert "not finished: no pivot The results shown here are from the run before." in text
     assert "Nothing failed in the run before." in text
@@ -292,7 +294,7 @@ def test_provenance_that_differs_is_given_by_study():
 
 
 def test_study_without_a_time():
-    assert "not compared unknown" in Read(page.render_page([stored(origin={})])).text
+    assert "none 9.6 unknown" in Read(page.render_page([stored(origin={})])).text
 
 
 # --- markup ---------------------------------------------------------------------------------------
@@ -335,7 +337,7 @@ def test_what_a_study_says_never_becomes_markup(name):
         *("p", "b", "ul", "li", "code", "h4"),
     }
     assert not [key for _, found in read.elements for key in found if key.startswith("on")]
-    assert all(image["src"].startswith("data:image/svg+xml;base64,") for image in read.all("img"))
+    assert all(image["src"].startswith("data:image/svg+xml,") for image in read.all("img"))
     if name != "pictures":
         assert "49" not in read.text  # nor a template
         assert EVIL in "".join(read.words)
@@ -351,7 +353,7 @@ def test_page_loads_nothing_and_runs_nothing():
         for key in LOADING & set(found):
             assert found[key].startswith("data:"), (tag, key)
         if "href" in found:
-            assert found["href"].startswith("#") or found["href"] == "data:,", tag
+            assert found["href"].startswith(("#", "./")) or found["href"] == "data:,", tag
     style = page.render_page([]).partition("<style>")[2].partition("</style>")[0]
     assert style
     for loading in ("url(", "@import", "http:", "https:"):
@@ -365,14 +367,28 @@ def test_page_loads_nothing_and_runs_nothing():
 def test_picture_is_inside_the_page_with_its_caption():
     (image,) = Read(PLAIN).all("img")
     assert image["alt"] == "A straight line."
-    assert base64.b64decode(image["src"].partition("base64,")[2]) == SVG % 300
+    assert unquote_to_bytes(image["src"].partition(",")[2]) == SVG % 300
     assert "A straight line." in Read(PLAIN).text
 
 
 def test_wide_picture_scrolls_on_a_small_screen():
-    assert page.embed_picture("", SVG % 900).wide
-    assert not page.embed_picture("", SVG % 300).wide
-    assert not page.embed_picture("", b"no picture").wide
+    found = {
+        name: ("", svg) for name, svg in zip("abc", (SVG % 900, SVG % 300, b"none"), strict=True)
+    }
+    assert [each.wide for each in embed_pictures("s", found, 1000)] == [True, False, False]
+
+
+def test_pictures_beyond_the_room_are_linked():
+    found = {name: (name, SVG % 300) for name in "abc"}
+    length = len(embed_pictures("s", found, 10_000)[0].source)
+    first, second, third = embed_pictures("s", found, 2 * length)
+    assert [bool(each.source) for each in (first, second, third)] == [True, True, False]
+    assert third.file == "s/c.svg"
+
+
+def test_paths_are_shortened_and_nothing_else():
+    svg = b'<path d="M 1.23456 -0.00012 \nL 2.5 3" transform="scale(0.015625)"/>'
+    assert shorten_paths(svg) == b'<path d="M 1.23 0\nL 2.5 3" transform="scale(0.015625)"/>'
 
 
 def test_page_can_be_read_without_seeing_it():

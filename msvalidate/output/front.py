@@ -1,0 +1,111 @@
+"""The first screen of the page: what springs are good for, from the studies' own tables."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+
+from msvalidate.output.baseline import baseline_folder
+from msvalidate.output.stored import Stored, read_csv
+
+OVERVIEW, ROWS = "overview", "good_for"
+FIGURE = "overview/part.svg"
+LEDGER, SENTENCES = "claims", "ledger"
+COMMITTED = "the committed baseline"
+COLUMNS = (
+    *("body", "springs", "across_coarse", "error_coarse", "across_fine", "error_fine"),
+    *("verdict", "condition", "cells_over_linear", "study", "table"),
+)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A row of the first screen, as words."""
+
+    body: str
+    springs: str
+    coarse: str
+    fine: str
+    verdict: str
+    condition: str
+    cost: str
+    study: str
+    table: str
+
+
+@dataclass(frozen=True)
+class Front:
+    """The first screen: its rows, where they come from, and the count of the ledger's verdicts."""
+
+    lines: tuple[Line, ...]
+    source: str
+    sentences: str
+    judged_from: str
+
+
+def first_screen(studies: Sequence[Stored]) -> Front:
+    """The rows that were stored, else those of the committed baseline, else none."""
+    rows, source = _table(studies, OVERVIEW, ROWS)
+    ledger, judged_from = _table(studies, LEDGER, SENTENCES)
+    whole = rows if set(COLUMNS) <= set(rows) else pd.DataFrame()
+    lines = tuple(_line(*map(str, row)) for row in whole.reindex(columns=COLUMNS).to_numpy())
+    counts = Counter(_plain(verdict) for verdict in ledger.get("verdict", []))
+    said = ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common())
+    return Front(lines, source, said, judged_from)
+
+
+def _table(studies: Sequence[Stored], study: str, name: str) -> tuple[pd.DataFrame, str]:
+    """A table as text, and in words where it comes from."""
+    for stored in studies:
+        if stored.name == study and not stored.error and name in stored.tables:
+            return stored.tables[name], f"the run of {stored.origin.get('time', 'unknown time')}"
+    path = baseline_folder("full") / study / f"{name}.csv"
+    return (read_csv(path) if path.is_file() else pd.DataFrame()), COMMITTED
+
+
+def _line(
+    body: str,
+    springs: str,
+    coarse: str,
+    first: str,
+    fine: str,
+    last: str,
+    verdict: str,
+    condition: str,
+    cost: str,
+    study: str,
+    table: str,
+) -> Line:
+    """A row in words, from its `COLUMNS`."""
+    return Line(
+        body=body,
+        springs=springs,
+        coarse=f"{percent(first)} at {coarse}",
+        fine=f"{percent(last)} at {fine}",
+        verdict=verdict,
+        condition=condition,
+        cost=f"{float(cost):.2g} times" if _is_number(cost) else cost,
+        study=study,
+        table=table,
+    )
+
+
+def percent(text: str) -> str:
+    """A share in per cent with two digits."""
+    return f"{100 * float(text):.2g} %" if _is_number(text) else text
+
+
+def _plain(verdict: str) -> str:
+    """A verdict without its condition."""
+    return "hold only on a condition" if verdict.startswith("holds only") else verdict
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
