@@ -8,7 +8,7 @@ must not wait for numpy.
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = {
     "bodies.calibrate": ("calibrate",),

@@ -1,4 +1,4 @@
-"""README names every table that studies leave, and its code is of this package."""
+"""README and docs: code imports, links lead somewhere, numbers and tables are there."""
 
 from __future__ import annotations
 
@@ -9,37 +9,74 @@ from pathlib import Path
 
 import pytest
 
+import msvalidate
+from msvalidate.judging import catalogue
+from msvalidate.output.front import first_screen
 from tests.table import table
 
 ROOT = Path(__file__).resolve().parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
 FULL = ROOT / "reports" / "baseline" / "full"
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
+TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
+README = TEXTS["README.md"]
 STUDIES = sorted(folder.name for folder in FULL.iterdir() if folder.is_dir())
-BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+BLOCKS = [b for text in TEXTS.values() for b in re.findall(r"```python\n(.*?)```", text, re.DOTALL)]
+MOST_WORDS = 1000
 
 
-def unnamed(study, text, tables):
-    """Tables of a study that no text names; "begin" and "end" let a part of a name stand for it."""
-    section = text[text.index(f"**`{study}`**") :]
-    section = section[section.index("Its tables") :].split("\n**`")[0].split("\n## ")[0]
-    names = set(re.findall(r"`([a-z0-9_]+)(?:\.csv)?`", section))
-    starts = tuple(f"{name.rstrip('_')}_" for name in names if "begin" in section)
-    ends = tuple(name for name in names if name.startswith("_"))
-    return {
-        t for t in tables if t not in names and not t.startswith(starts) and not t.endswith(ends)
-    }
+def unnamed(text, study):
+    """Tables and columns of a study's baseline that its page does not name."""
+    found = []
+    for path in (FULL / study).glob("*.csv"):
+        if f"### {path.stem}\n" not in text:
+            found.append(path.stem)
+            continue
+        part = text.partition(f"### {path.stem}\n")[2].partition("\n### ")[0]
+        columns = path.read_text(encoding="utf-8").partition("\n")[0].split(",")
+        found += [f"{path.stem}: {c}" for c in columns if f"- `{c}`: " not in part]
+    return found
 
 
 @table("study", STUDIES)
-def test_every_table_is_named(study):
-    assert not unnamed(study, README, {path.stem for path in (FULL / study).glob("*.csv")})
+def test_every_study_has_its_page_with_all_tables_and_columns(study):
+    assert unnamed(TEXTS[f"docs/studies/{study}.md"], study) == []
 
 
-def test_a_table_left_out_is_noticed():
-    text = (
-        "**`one`** asks.\n\nIts tables: `a.csv`, `b`, and those that end in `_c`.\n\n**`two`** `d`"
-    )
-    assert unnamed("one", text, {"a", "b", "x_c", "d", "b_e"}) == {"d", "b_e"}
+def test_what_a_page_leaves_out_is_noticed():
+    text = TEXTS["docs/studies/poisson.md"]
+    assert unnamed(text.replace("### drift\n", ""), "poisson") == ["drift"]
+    assert unnamed(text.replace("- `nu_tensor`", ""), "poisson")
+
+
+def test_every_link_leads_somewhere():
+    lost = []
+    for name, text in TEXTS.items():
+        for link in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
+            if not link.startswith("http") and not (ROOT / name).parent.joinpath(link).exists():
+                lost.append(f"{name}: {link}")
+    assert lost == []
+
+
+def test_the_first_table_is_that_of_the_committed_baseline():
+    for line in first_screen([]).lines:
+        row = (line.body, line.springs, line.coarse, line.fine, line.verdict, line.condition)
+        assert f"| {' | '.join(row)} |" in README
+
+
+def test_readme_is_short():
+    assert len(README.split()) <= MOST_WORDS
+
+
+def test_findings_are_of_every_study_in_the_readers_order():
+    told = re.findall(r"^## (\w+)$", TEXTS["docs/findings.md"], re.MULTILINE)
+    ours = [
+        name for name in catalogue.names() if not catalogue.load(name).__dict__.get("READS_RESULTS")
+    ]
+    assert told == ours
+
+
+def test_the_citation_is_of_this_version():
+    assert f"version: {msvalidate.__version__}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
 
 
 @pytest.mark.parametrize("number", range(len(BLOCKS)))

@@ -1,0 +1,78 @@
+"""Write docs/studies: a page a study, from the results of a full run.
+
+    python -m msvalidate.study all        # in the full form, results in reports/latest
+    python docs/write_studies.py          # from there; another folder may be named
+
+Each page says what the study asks and finds, what it holds itself to, and what every column of its
+tables means. The picture of README comes from there too.
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from pathlib import Path
+
+from msvalidate.output.report import stored_studies
+from msvalidate.output.stored import Stored
+
+HERE = Path(__file__).resolve().parent
+PICTURE = ("overview", "part")
+"""Study and figure that README shows."""
+
+
+def main(results: Path) -> None:
+    """Write the pages of all studies that left results, and the picture."""
+    studies = [study for study in stored_studies(results) if not study.error]
+    (HERE / "studies").mkdir(exist_ok=True)
+    for study in studies:
+        (HERE / "studies" / f"{study.name}.md").write_text(page(study), encoding="utf-8")
+        if study.name == PICTURE[0]:
+            (HERE / "part.svg").write_bytes(study.pictures[PICTURE[1]][1])
+    sys.stdout.write(f"{len(studies)} pages in {HERE / 'studies'}\n")
+
+
+def page(study: Stored) -> str:
+    """A study's page as Markdown."""
+    question, _, about = inspect.cleandoc(study.question).partition("\n")
+    parts = [
+        f"# {study.name}: {question}",
+        "Made from the study's own results by `docs/write_studies.py`; not to be edited.",
+        about.strip(),
+        "## Findings",
+        "\n".join(f"- {finding}" for finding in study.findings),
+        "## What it is held to",
+        tolerances(study),
+        "## Tables",
+        *(table(study, name) for name in study.tables),
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def tolerances(study: Stored) -> str:
+    """The tolerances of a study, a row each."""
+    rows = study.verdict[study.verdict["layer"] != "baseline"].to_dict("records")
+    lines = [
+        f"| {row['layer']} | {cell(row['quantity'])} | {row['limit']:.3g} {row['unit']} | "
+        f"{cell(row['because'])} |"
+        for row in rows
+    ]
+    return "\n".join(
+        ["| layer | quantity | limit | because |", "| --- | --- | --- | --- |", *lines]
+    )
+
+
+def table(study: Stored, name: str) -> str:
+    """A table's columns and what they mean."""
+    columns = [str(column) for column in study.tables[name]]
+    said = [f"- `{column}`: {study.columns.get(column, '')}" for column in columns]
+    return "\n".join([f"### {name}", "", *said])
+
+
+def cell(text: str) -> str:
+    """A text as a cell of a table."""
+    return " ".join(text.split()).replace("|", "\\|")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("reports/latest"))
