@@ -17,7 +17,14 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import farthest_value, observed_order
+from msvalidate.judging.compare import (
+    AGREES,
+    DIFFERS,
+    NOT_RESOLVED,
+    agreement,
+    farthest_value,
+    observed_order,
+)
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.problem import Array
 from reference_fem.elasticity import elastic_tensor
@@ -30,7 +37,7 @@ from .measuring import WEIGHTS, Block, Measurement
 from .models import ISOTROPIC, MODELS, homogenised
 
 
-def agreement(case: str) -> str:
+def agreement_of(case: str) -> str:
     """Name of the judged quantity of a load case."""
     return f"{case}, square, isotropic, shared, finest: largest |total| + reference"
 
@@ -77,7 +84,7 @@ TOLERANCES = (
     ),
     *(
         Tolerance(
-            agreement(case), BAND, "1",
+            agreement_of(case), BAND, "1",
             "the band of the table: from 20 cells on, springs of the right constants stand for "
             "the body they are made for",
             layer="agreement",
@@ -100,7 +107,8 @@ COLUMNS = {
     "total": "(u_springs - u_target) over the length of the target's displacement there (1)",
     "reference": "estimated error of the FEM values on the same scale (1)",
     "difference": "length of springs - u_fem over the largest |u_fem|, isotropic, shared (1)",
-    "verdict": "agree, disagree or not resolved: |total| with and without reference against band",
+    "verdict": "agrees or differs where |total| does, whatever reference and at_rest leave open; else "
+    "not resolved or not at rest, after the larger of the two",
     "cells_y_coarse": "cells_y of the coarser of two sizes",
     "order": "power of the spacing with which discretisation falls between the two; "
     '"not asymptotic" where the two sizes show none, "not resolved" where the reference may be off '
@@ -157,18 +165,9 @@ def rows(block: Block, measured: Measurement, bodies: Bodies) -> list[dict[str, 
                     | whole
                     | parts
                     | {"total": total, "reference": doubt}
-                    | {"verdict": verdict(total, doubt, BAND)}
+                    | {"verdict": agreement(total, doubt, BAND, parts["at_rest"])}
                 )
     return found
-
-
-def verdict(total: float, doubt: float, band: float) -> str:
-    """Whether springs and target agree within the band, whatever the reference's error."""
-    if abs(total) + doubt <= band:
-        return "agree"
-    if abs(total) - doubt > band:
-        return "disagree"
-    return "not resolved"
 
 
 def run(measured: Mapping[Block, Measurement], bodies: Bodies) -> Evidence:
@@ -244,8 +243,8 @@ def findings(cases: pd.DataFrame, order: pd.DataFrame) -> tuple[str, ...]:
         f"{np.min(smooth):.2f} to {np.max(smooth):.2f} at the finest pair."
     )
     verdicts = (
-        f"Of {len(cases)} rows, {shares.get('agree', 0)} agree with their target within the band, "
-        f"{shares.get('disagree', 0)} disagree, {shares.get('not resolved', 0)} are not resolved."
+        f"Of {len(cases)} rows, {shares.get(AGREES, 0)} agree with their target within the band, "
+        f"{shares.get(DIFFERS, 0)} differ from it, {shares.get(NOT_RESOLVED, 0)} are not resolved."
     )
     return own, orders_seen, verdicts
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from msvalidate.judging.compare import AGREES, NOT_ASKED, agreement
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.output.results import Results
 from msvalidate.problem import SolverError
@@ -25,7 +26,6 @@ from . import part
 BAND = 0.05
 """What an engineer takes for agreement of displacements, as in the study `displacement`."""
 ONE_PERCENT = 0.01
-NOT_ASKED = "not asked"
 HALF = "half springs on the boundary"
 TOLERANCES = (
     Tolerance(
@@ -106,7 +106,7 @@ def row(question: Question, results: Results, own: Mapping[str, pd.DataFrame]) -
         "error_coarse": first,
         "across_fine": int(fine),
         "error_fine": last,
-        "verdict": "agrees" if last <= BAND else "differs",
+        "verdict": agreement(last, 0.0, BAND),
         "condition": question.condition,
         "cells_over_linear": over_linear(question, errors, found),
         "study": question.study,
@@ -227,7 +227,7 @@ def observe(table: pd.DataFrame) -> list[Observed]:
     return [
         Observed(float(good["error_fine"].max())),
         Observed(float((good["error_fine"] >= good["error_coarse"]).sum())),
-        Observed(float((other["verdict"] == "agrees").sum())),
+        Observed(float((other["verdict"] == AGREES).sum())),
     ]
 
 

@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from msvalidate.judging.compare import farthest_value, fitted_power, observed_order
+from msvalidate.judging.compare import (
+    agreement,
+    farthest_value,
+    fitted_power,
+    observed_order,
+)
 from msvalidate.judging.evidence import Observed
 from msvalidate.problem import ProblemError
 
@@ -28,3 +33,23 @@ def test_each_spacing_once_and_above_zero(spacings):
 def test_three_values_make_a_power():
     # On a line without scatter the interval is the slope itself.
     np.testing.assert_allclose(fitted_power([0.37, 1.0, 2.0], [0.37**2, 1.0, 4.0]), 2, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("difference", "doubt", "unrest", "word"),
+    [
+        (0.03, 0.01, 0.0, "agrees"),
+        (-0.04, 0.01, 0.0, "agrees"),
+        (0.045, 0.01, 0.0, "not resolved"),
+        (-0.055, 0.01, 0.0, "not resolved"),
+        (0.07, 0.01, 0.0, "differs"),
+        (-0.07, 0.01, 0.0, "differs"),
+        (0.0, 0.06, 0.0, "not resolved"),
+        (0.53, 0.01, -0.6, "not at rest"),
+        (0.03, 0.005, 0.01, "agrees"),
+        (0.04, 0.005, 0.01, "not at rest"),
+        (0.9, 0.01, 0.6, "differs"),
+    ],
+)
+def test_agreement_is_said_where_nothing_left_open_can_change_it(difference, doubt, unrest, word):
+    assert agreement(difference, doubt, 0.05, unrest) == word
