@@ -107,7 +107,7 @@ COLUMNS = {
     "total": "(u_springs - u_target) over the length of the target's displacement there (1)",
     "reference": "estimated error of the FEM values on the same scale (1)",
     "difference": "length of springs - u_fem over the largest |u_fem|, isotropic, shared (1)",
-    "verdict": "agrees or differs where |total| does, whatever reference and at_rest leave open; else "
+    "verdict": "agrees or differs, as |total| does whatever reference and at_rest leave open; else "
     "not resolved or not at rest, after the larger of the two",
     "cells_y_coarse": "cells_y of the coarser of two sizes",
     "order": "power of the spacing with which discretisation falls between the two; "
