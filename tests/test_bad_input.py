@@ -28,6 +28,7 @@ from msvalidate.constants.stiffness import (
     square_tensor,
 )
 from msvalidate.dynamics.divergence import StabilityWarning
+from msvalidate.dynamics.implicit import ConvergenceError
 from msvalidate.dynamics.integrate import State, damping_rate, euler_cromer, motion
 from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
 from msvalidate.dynamics.spectrum import natural_frequencies
@@ -85,6 +86,7 @@ MESH = reference_fem.box_discretisation(BOX, (4, 2), "Q1")
 ZIGZAG = zigzag_block(1.0, (4, 3))
 BAR = trapezium(0.2, (5, 3))
 TENSOR = square_tensor(2.0, 1.0)
+SWUNG = State(np.where(NETWORK.held, NETWORK.points, 1.3 * NETWORK.points), 0 * NETWORK.points)
 STILL = State(NETWORK.start, np.zeros_like(NETWORK.points))
 TRIANGLE = ([[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 2], [0, 2]])
 QUAD = ([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]])
@@ -198,6 +200,7 @@ BAD = [
         "E: expected numbers, got None",
     ),
     ("infinite modulus", lambda: Isotropic(INF, 0.3), ProblemError, "E: inf; every value must be"),
+    ("ratio of a list", lambda: Isotropic(1.0, [0.3]), ProblemError, "nu: [0.3] is a list; give o"),
     ("no thickness", lambda: Isotropic(1.0, 0.3, thickness=0.0), ProblemError, "thickness: 0.0 m"),
     ("state in a list", lambda: Isotropic(1.0, 0.3, ["solid"]), ProblemError, "state: ['solid'];"),
     ("tensor of zeros", lambda: Anisotropic(np.zeros((3, 3))), ProblemError, "eigenvalue 0 Pa;"),
@@ -428,6 +431,12 @@ BAD = [
         lambda: euler_cromer(FALLING, STILL, 1e9, 1, compiled=False, warn=False),
         SolverError,
         "beyond all bounds with steps of 1e+09 s; take steps below stability_limit, 0.01464 s",
+    ),
+    (
+        "steps too long for Newton's method",
+        lambda: motion(FALLING, SWUNG, INTEGRATORS["average_acceleration"], 1e9, 1),
+        ConvergenceError,
+        "implicit step: a move of",
     ),
     (
         "steps of a list",

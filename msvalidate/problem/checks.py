@@ -210,7 +210,7 @@ def finite_number(
     unit: str = "",
 ) -> float:
     """Return `value` as a float; raise `ProblemError` unless it is one finite number in a range."""
-    given = _single(name, value)
+    given = _one_number(name, value)
     if not (above < given < below and least <= given <= most):
         said = {f"above {above:g}": above, f"of {least:g} or more": least}
         said |= {f"at most {most:g}": most, f"below {below:g}": below}
@@ -221,7 +221,7 @@ def finite_number(
     return float(given)
 
 
-def _single(name: str, value: ArrayLike) -> Array:
+def _one_number(name: str, value: ArrayLike) -> Array:
     """Return a finite number as an array without axes; raise `ProblemError` for several."""
     given = finite(name, value)
     if given.ndim:
@@ -312,7 +312,7 @@ def refuse_too_many(name: str, count: float, most: int = MOST_POINTS, what: str 
 
 def positive_number(name: str, value: float, unit: str = "") -> float:
     """Return `value` as a float; raise `ProblemError` unless it is finite and above zero."""
-    given = _single(name, value)
+    given = _one_number(name, value)
     if given <= 0:
         raise ProblemError(
             f"{name}: {format_value(value)}{unit and ' ' + unit}; it must be above zero"

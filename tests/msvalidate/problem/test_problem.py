@@ -76,7 +76,7 @@ def refused(message):
         (lambda: Isotropic(E=1.0, nu=0.51), "nu: 0.51; a stable material has -1 < nu <= 1/2"),
         (lambda: Isotropic(E=1.0, nu=-1.0), "nu: -1.0; a stable material has -1 < nu <= 1/2"),
         (lambda: Isotropic(E=1.0, nu=NAN), "Poisson's ratio nu: nan"),
-        (lambda: Isotropic(E=1.0, nu=[0.3]), "nu: [0.3]; a stable material"),
+        (lambda: Isotropic(E=1.0, nu=[0.3]), "nu: [0.3] is a list; give one number"),
         (lambda: Isotropic(E=1.0, nu=0.3, state="membrane"), "material state: 'membrane'; choose"),
         (lambda: Isotropic(E=1.0, nu=0.3, density=0.0), "density: 0.0 kg/m³"),
         (lambda: Isotropic(E=1.0, nu=0.3, thickness=-1.0), "thickness: -1.0 m"),
