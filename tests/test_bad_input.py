@@ -27,12 +27,15 @@ from msvalidate.constants.stiffness import (
     square_constants,
     square_tensor,
 )
-from msvalidate.dynamics.integrate import StabilityWarning, State, damping_rate, euler_cromer
+from msvalidate.dynamics.divergence import StabilityWarning
+from msvalidate.dynamics.implicit import ConvergenceError
+from msvalidate.dynamics.integrate import State, damping_rate, euler_cromer, motion
 from msvalidate.dynamics.integrators import EULER_CROMER, INTEGRATORS
 from msvalidate.dynamics.spectrum import natural_frequencies
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.judging.candidate import solve_springs
 from msvalidate.judging.compare import farthest_value, observed_order
+from msvalidate.judging.evidence import judge
 from msvalidate.judging.singularity import clamped_free_exponent, free_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import (
@@ -62,7 +65,7 @@ from msvalidate.problem import (
     vectors_at,
 )
 from msvalidate.problem.checks import finite, format_value, whole_number
-from msvalidate.relaxation.viscous import algorithm1
+from msvalidate.relaxation.relax import algorithm1, relax
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.tangents import is_stable
 from reference_fem import body as fem_body
@@ -78,10 +81,12 @@ PULL = Traction(BOX.side("right"), (1.0, 0.0))
 PROBLEM = Problem(BOX, SHEET, (CLAMP,), (PULL,))
 LATTICE = square(BOX, (4, 2))
 NETWORK = lattice_network(PROBLEM, LATTICE)
+FALLING = lattice_network(Problem(BOX, SHEET, (CLAMP,), (BodyForce((3.0, -1e4)),)), LATTICE)
 MESH = reference_fem.box_discretisation(BOX, (4, 2), "Q1")
 ZIGZAG = zigzag_block(1.0, (4, 3))
 BAR = trapezium(0.2, (5, 3))
 TENSOR = square_tensor(2.0, 1.0)
+SWUNG = State(np.where(NETWORK.held, NETWORK.points, 1.3 * NETWORK.points), 0 * NETWORK.points)
 STILL = State(NETWORK.start, np.zeros_like(NETWORK.points))
 TRIANGLE = ([[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 2], [0, 2]])
 QUAD = ([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]])
@@ -195,6 +200,7 @@ BAD = [
         "E: expected numbers, got None",
     ),
     ("infinite modulus", lambda: Isotropic(INF, 0.3), ProblemError, "E: inf; every value must be"),
+    ("ratio of a list", lambda: Isotropic(1.0, [0.3]), ProblemError, "nu: [0.3] is a list; give o"),
     ("no thickness", lambda: Isotropic(1.0, 0.3, thickness=0.0), ProblemError, "thickness: 0.0 m"),
     ("state in a list", lambda: Isotropic(1.0, 0.3, ["solid"]), ProblemError, "state: ['solid'];"),
     ("tensor of zeros", lambda: Anisotropic(np.zeros((3, 3))), ProblemError, "eigenvalue 0 Pa;"),
@@ -203,7 +209,26 @@ BAD = [
     ("support far away", lambda: Support(BOX.side("left"), (1e200, 0.0)), ProblemError, "1e+200"),
     ("support of a list", lambda: Support(BOX.side("left"), [0.0]), ProblemError, "give a tuple"),
     ("force at a list", lambda: PointForce([0.0, 0.0], (1.0, 0.0)), ProblemError, "give a tuple"),
-    ("body force", lambda: plate(loads=(BodyForce(None),)), ProblemError, "body force: expected"),
+    ("body force", lambda: BodyForce("down"), ProblemError, "body force: expected numbers, got 'd"),
+    ("body force of one axis", lambda: BodyForce((1.0,)), ProblemError, "give 2 or 3 components"),
+    (
+        "body force of three axes",
+        lambda: plate(loads=(BodyForce((0.0, 0.0, 1.0)),)),
+        ProblemError,
+        "body force: (0.0, 0.0, 1.0); give 2 components",
+    ),
+    (
+        "weight beyond numbers",
+        lambda: BodyForce.gravity(1e308, (0.0, -1e10)),
+        ProblemError,
+        "gravity: density 1e+308 kg/m³ by (0.0, -10000000000.0) m/s² is no ordinary number; choose",
+    ),
+    (
+        "weight below numbers",
+        lambda: BodyForce.gravity(1e-300, (0.0, -1e-10)),
+        ProblemError,
+        "gravity: density 1e-300 kg/m³ by (0.0, -1e-10) m/s² is no ordinary number; choose units",
+    ),
     ("no domain", lambda: Problem(None, SHEET, (CLAMP,)), ProblemError, "give a Box or a Polygon"),
     ("no material", lambda: Problem(BOX, None, (CLAMP,)), ProblemError, "material: None; give an"),
     ("no supports", lambda: plate(supports=()), ProblemError, "leave the body free: translation"),
@@ -301,7 +326,7 @@ BAD = [
         "fault of three sizes",
         lambda: faults.stiffen_all(NETWORK, np.ones(3)),
         ProblemError,
-        "size of the fault: [1. 1. 1.]; give one number",
+        "size of the fault: [1. 1. 1.] is an array (3,); give one number",
     ),
     ("fault in None", lambda: faults.stiffen_all(None, 0.1), ProblemError, "give a Network"),
     (
@@ -393,13 +418,56 @@ BAD = [
         "steps too long",
         lambda: euler_cromer(NETWORK, STILL, 1e9, 200, warn=False),
         SolverError,
-        "the motion grew beyond all bounds with steps of 1e+09 s; take steps below",
+        "beyond all bounds with steps of 1e+09 s; take steps below stability_limit, 0.01464 s",
     ),
     (
         "plain steps too long",
         lambda: euler_cromer(NETWORK, STILL, 1e9, 200, compiled=False, warn=False),
         SolverError,
-        "the motion grew beyond all bounds with steps of 1e+09 s; take steps below",
+        "beyond all bounds with steps of 1e+09 s; take steps below stability_limit, 0.01464 s",
+    ),
+    (
+        "steps too long for springs' lengths",
+        lambda: euler_cromer(FALLING, STILL, 1e9, 1, compiled=False, warn=False),
+        SolverError,
+        "beyond all bounds with steps of 1e+09 s; take steps below stability_limit, 0.01464 s",
+    ),
+    (
+        "steps too long for Newton's method",
+        lambda: motion(FALLING, SWUNG, INTEGRATORS["average_acceleration"], 1e9, 1),
+        ConvergenceError,
+        "implicit step: a move of",
+    ),
+    (
+        "steps of a list",
+        lambda: euler_cromer(NETWORK, STILL, [1e-3], 1),
+        ProblemError,
+        "time step dt: [0.001] is a list; give one number",
+    ),
+    (
+        "steps of an array",
+        lambda: euler_cromer(NETWORK, STILL, np.ones(1), 1),
+        ProblemError,
+        "time step dt: [1.] is an array (1,); give one number",
+    ),
+    (
+        "name of an integrator",
+        lambda: motion(NETWORK, STILL, "Leap frog", 1.0, 1),
+        ProblemError,
+        "integrator: 'Leap frog' is a name; give INTEGRATORS['leapfrog']",
+    ),
+    (
+        "name of no integrator",
+        lambda: stability_limit("rk45", 1.0, 1.0),
+        ProblemError,
+        "integrator: 'rk45' is a name; give an entry of INTEGRATORS: explicit_euler, euler_cromer,",
+    ),
+    ("integrator of None", lambda: motion(NETWORK, STILL, None, 1.0, 1), ProblemError, "give an I"),
+    (
+        "name of a method",
+        lambda: relax(NETWORK, "fire"),
+        ProblemError,
+        "method: 'fire' is a name; give RELAXATIONS['fire']",
     ),
     ("steps without end", lambda: euler_cromer(NETWORK, STILL, 1.0, 10**12), ProblemError, "steps"),
     (
@@ -441,6 +509,7 @@ BAD = [
     ("frequencies of None", lambda: natural_frequencies(None), ProblemError, "give a Network"),
     ("no frequency", lambda: natural_frequencies(NETWORK, True), ProblemError, "count: True freq"),
     # comparisons and settings
+    ("evidence of a number", lambda: judge(3), ProblemError, "evidence: 3; give an Evidence"),
     ("nothing to compare", lambda: farthest_value([], []), ProblemError, "comparison of no values"),
     (
         "unlike rows",
@@ -752,7 +821,9 @@ def test_any_support_and_load(x, y, u, p):
     support = judged(lambda: Support(Region((x, None)), (u, None)))
     pull = judged(lambda: Traction(BOX.side("right"), (p, u)))
     force = judged(lambda: PointForce((x, y), (p, u)))
-    loads = tuple(load for load in (pull, force, BodyForce((p, u))) if load)
+    weight = judged(lambda: BodyForce.gravity(p, (u, 0.0)))
+    assert weight is None or all_finite(weight.force)
+    loads = tuple(load for load in (pull, force, weight) if load)
     line = part and judged(lambda: Support(part, (u, 0.0)))
     supports = tuple(s for s in (CLAMP, support, line) if s)
     for some in (loads, loads[:1]):

@@ -26,12 +26,16 @@ from msvalidate.tangent.inverse import elimination_order
 
 MOST = 30
 """Newton iterations of a step: with a fresh tangent each they converge quadratically, or not."""
-STALLED = 0.3
-"""Ratio of two corrections from which the second is rounding, or the tangent is too old."""
+SLOW = 0.1
+"""Ratio of two corrections from which the tangent is too old, or the second is rounding."""
 ROUNDED = 1e-9
-"""Correction over the displacement that rounding may leave: where stiff parts stand beside soft
-ones the rounding of forces moves these by more than that of positions."""
+"""Correction with a fresh tangent over the largest coordinate that rounding may leave: where stiff
+parts stand beside soft ones the rounding of forces moves these by more than that of positions."""
 EPS = float(np.finfo(float).eps)
+
+
+class ConvergenceError(SolverError):
+    """Newton's method did not converge."""
 
 
 class SolvableAcceleration(Protocol):
@@ -46,7 +50,7 @@ class SolvableAcceleration(Protocol):
         """Acceleration in m/s² at positions in m."""
 
     def solve(self, x: Array, residual: Array, p: Array | float, q: float, *, fresh: bool) -> Array:
-        """The δ in m of (p - q·∂a/∂x)·δ = residual; unless `fresh`, of an earlier x maybe."""
+        """The δ in m of (p - q·∂a/∂x)·δ = residual; unless `fresh`, ∂a/∂x of an earlier x maybe."""
 
 
 class ModeAcceleration:
@@ -85,23 +89,21 @@ class NetworkAcceleration:
         (n, d) in m, or a number: what is added to positions.
     force
         Positions less the origin (n, d) in m -> internal force (n, d) in N.
-    ran_away
-        What a refusal says where positions are beyond all bounds.
     """
 
     linear = False
 
     def __init__(
-        self, network: Network, origin: Array, force: Callable[[Array], Array], ran_away: str
+        self, network: Network, origin: Array | float, force: Callable[[Array], Array]
     ) -> None:
-        self.network, self.origin, self.force, self.ran_away = network, origin, force, ran_away
+        self.network, self.origin, self.force = network, origin, force
         self.free = ~network.held
         self._factor: tuple[Factor, float] | None = None
 
     def __call__(self, x: Array) -> Array:
         """Acceleration (n, d) in m/s²; zero where the network is held."""
         if not (np.abs(x) <= LONGEST).all():  # nor where it is NaN
-            raise SolverError(self.ran_away)
+            raise SolverError(f"motion: positions beyond {LONGEST:g} m; take smaller steps")
         network = self.network
         pull = (self.force(x) + network.force) / network.mass[:, None]
         return np.where(self.free, pull, 0)
@@ -109,16 +111,20 @@ class NetworkAcceleration:
     def solve(self, x: Array, residual: Array, p: Array | float, q: float, *, fresh: bool) -> Array:
         """The δ (n, d) in m of (p·m + q·K)·δ = m·residual; zero where the network is held."""
         if not np.isfinite(residual).all():
-            raise SolverError(self.ran_away)
+            raise SolverError("implicit step: it is beyond all numbers; take smaller steps")
         mass = np.broadcast_to(self.network.mass[:, None], x.shape)
         if fresh or self._factor is None or self._factor[1] != q:
             K = tangent(self.network, self.origin + x)
             A = csr_array(diags_array((p * mass).ravel()) + q * K)
             free = np.flatnonzero(self.free.ravel())
-            self._factor = (
-                factorise(csr_array(A[free][:, free]), elimination_order(self.network)),
-                q,
-            )
+            order = elimination_order(self.network)
+            try:
+                self._factor = factorise(csr_array(A[free][:, free]), order), q
+            except RuntimeError as error:  # singular, as K is where the body is free
+                raise SolverError(
+                    f"implicit step: masses are lost in rounding beside {q:.3g} s² times the "
+                    "stiffness; take smaller steps"
+                ) from error
         found = np.zeros_like(x)
         found[self.free] = self._factor[0].solve((mass * residual)[self.free])
         return found
@@ -147,8 +153,10 @@ def increment(
     ------
     ProblemError
         If the acceleration is a plain function.
-    SolverError
+    ConvergenceError
         If Newton's method does not converge.
+    SolverError
+        If the step is beyond what numbers hold.
     """
     if not _is_solvable(acceleration):
         raise ProblemError(
@@ -164,13 +172,12 @@ def increment(
         move = move + correction
         a = acceleration(x + move)
         size, left = max(max_abs(move), max_abs(x)), max_abs(correction)
-        stalled = left > STALLED * before
-        if left <= 4 * EPS * size or (stalled and left <= ROUNDED * size):
+        if left <= 4 * EPS * size or (fresh and left <= ROUNDED * size):
             return move, a
-        before, fresh = left, left > 0.1 * before
-    raise SolverError(
-        f"implicit step: corrections of {left:.1g} m after {MOST} Newton iterations, of "
-        f"displacements of {size:.1g} m; take smaller steps"
+        before, fresh = left, left > SLOW * before
+    raise ConvergenceError(
+        f"implicit step: a move of {max_abs(move):.1g} m is still corrected by {left:.1g} m after "
+        f"{MOST} Newton iterations; take smaller steps"
     )
 
 

@@ -7,7 +7,6 @@ the viscous force, then the position with the new velocity.
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -17,6 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate import kernels
+from msvalidate.dynamics.divergence import (
+    Stepping,
+    largest_reach,
+    refuse_diverged,
+    refuse_long_step,
+    warn_beyond_limit,
+)
 from msvalidate.dynamics.hidden import (
     MotionRecord,
     has_position_digits,
@@ -24,14 +30,14 @@ from msvalidate.dynamics.hidden import (
     refuse_lost_digits,
 )
 from msvalidate.dynamics.implicit import NetworkAcceleration
-from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
+from msvalidate.dynamics.integrators import EULER_CROMER, require_integrator, step_factors
 from msvalidate.dynamics.scheme import Integrator, MotionState
-from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
+from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network, internal_force
 from msvalidate.network.displaced import Displaced
 from msvalidate.network.folds import count_folded
-from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
+from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
@@ -42,18 +48,6 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from msvalidate.statics.polish import centre_points
-
-SPECTRUM_ERROR = 1e-4
-"""Of the squared frequencies from which limits are told: their last digits cost the most."""
-
-
-RUNAWAY = 1e6
-"""Times the body's size, and the distance that a free point would go in a run: a motion that is
-farther from its start has blown up."""
-
-
-class StabilityWarning(UserWarning):
-    """A run is about to start with a time step beyond its stability limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,29 +104,29 @@ def motion(
     SolverError
         If the motion grows beyond all numbers, or rounding of positions hides it (`hidden`).
     """
-    require_type("integrator", integrator, Integrator)
+    require_integrator("integrator", integrator)
     if not (watch is None or callable(watch)):
         raise ProblemError(
             f"watch: {format_value(watch)}; give a function of step and state, or None"
         )
-    rate = _check_arguments(network, state, dt, steps, damping)[:, None]
+    rate = _check_arguments(network, state, dt, steps, damping)
+    run = Stepping(network, integrator, dt, steps, rate)
     if warn:
-        _warn_beyond_limit(network, integrator, dt, rate.ravel())
+        warn_beyond_limit(run)
     free, way = ~network.held, _choose_coordinates(network, state)
-
-    acceleration = NetworkAcceleration(
-        network, way.origin, way.force, _divergence_error(dt, integrator.name)
-    )
+    acceleration = NetworkAcceleration(network, way.origin, way.force)
     x = np.array(state.position, dtype=float) - way.origin
-    with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
+    with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
         now = start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
-        reach, still = (
-            _largest_reach(network, now, dt * steps),
-            way.displaced is not None and is_at_rest(network, now),
-        )
+        reach = largest_reach(run, start)
+        still = way.displaced is not None and is_at_rest(network, now)
         for step in range(1, steps + 1):
-            now = now if still else integrator.step(acceleration, now, dt, rate)
-            _refuse_diverged(now, x, reach, (dt, integrator.name))
+            try:
+                now = now if still else integrator.step(acceleration, now, dt, rate[:, None])
+            except SolverError as error:
+                refuse_long_step(run, start, error)
+                raise
+            refuse_diverged(run, start, now, reach)
             if watch is not None:
                 watch(step, State(way.origin + now.x, now.v))
     if steps and way.displaced is not None and not still:
@@ -200,7 +194,7 @@ def recommended_time_step(
     """
     if not 0 < finite_number("safety", safety) <= 1:
         raise ProblemError(f"safety: {safety:g}; give a part of the limit, above 0 and at most 1")
-    require_type("integrator", integrator, Integrator)
+    require_integrator("integrator", integrator)
     rate = damping_rate(network, damping)
     if np.ptp(rate) > 0 and integrator.limit(0.0) == 0:
         raise ProblemError(
@@ -267,21 +261,22 @@ def euler_cromer(
     if not compiled:
         return motion(network, state, EULER_CROMER, dt, steps, damping, warn=warn)
     rate = _check_arguments(network, state, dt, steps, damping)
+    run = Stepping(network, EULER_CROMER, dt, steps, rate)
     if warn:
-        _warn_beyond_limit(network, EULER_CROMER, dt, rate)
+        warn_beyond_limit(run)
     u = np.array(state.position, dtype=float) - network.points
     v = np.where(network.held, 0.0, state.velocity)
     force = np.empty_like(u)
-    with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
+    with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
         moving = kernels.Motion(network, path=path, threads=threads)
         moving.force_and_energy(u, force)
         pushed = np.where(network.held, 0.0, (force + network.force) / network.mass[:, None])
         start = MotionState(u.copy(), v.copy(), pushed)
         if steps and not is_at_rest(network, start):
-            reach = _largest_reach(network, start, dt * steps)
+            reach = largest_reach(run, start)
             moving.advance(u, v, *step_factors(EULER_CROMER)(dt, rate), dt, steps)
             now = MotionState(u, v, pushed)
-            _refuse_diverged(now, start.x, reach, (dt, EULER_CROMER.name))
+            refuse_diverged(run, start, now, reach)
             longest = float(network.rest_length.max())
             refuse_lost_digits(network, MotionRecord(EULER_CROMER.name, start, now, longest))
     end = network.points + u
@@ -303,56 +298,6 @@ def _check_arguments(
         if (shape := checked(name, value).shape) != network.points.shape:
             raise ProblemError(f"{name}: shape {shape}; give {network.points.shape}")
     return damping_rate(network, damping)
-
-
-def _warn_beyond_limit(network: Network, scheme: Integrator, dt: float, rate: Array) -> None:
-    """Warn of a step beyond the limit; where Gershgorin's bound allows it, at no cost.
-
-    Nothing is said of a mechanism under a scheme whose limit depends on the lowest frequency.
-    """
-    bound = network.frequency_bound
-    if not (bound > 0 and math.isfinite(bound)):
-        return
-    alone = scheme.limit(0.0) > 0  # the highest frequency alone decides
-    try:
-        if alone and dt <= stability_limit(scheme, bound, bound, rate):
-            return
-        if alone:
-            highest = lowest = highest_frequency(network, tolerance=SPECTRUM_ERROR)
-        else:
-            lowest, highest = extreme_frequencies(network, tolerance=SPECTRUM_ERROR)
-        limit = stability_limit(scheme, lowest, highest, rate)
-    except (ProblemError, SolverError):
-        return
-    if dt > limit:
-        warnings.warn(
-            f"{scheme.name}: steps of {dt:.4g} s are beyond the stability limit, {limit:.4g} s at "
-            f"damping {rate.max():.4g} 1/s; the motion will grow",
-            StabilityWarning,
-            stacklevel=3,
-        )
-
-
-def _largest_reach(network: Network, start: MotionState, time: float) -> float:
-    """Distance (m) from the start beyond which a motion has blown up."""
-    size = float(np.ptp(network.points, axis=0).max())
-    flight = time * (float(np.abs(start.v).max()) + time * float(np.abs(start.a).max()))
-    reach = RUNAWAY * (size + flight)
-    return reach if reach < LONGEST else LONGEST  # nor is it NaN
-
-
-def _refuse_diverged(now: MotionState, start: Array, reach: float, run: tuple[float, str]) -> None:
-    """Refuse what has run away from its start (n, d) in m, before its numbers are NaN."""
-    near = (np.abs(now.x - start) <= reach).all()  # not so where it is NaN
-    if not (near and np.isfinite(now.v).all()):
-        raise SolverError(_divergence_error(*run))
-
-
-def _divergence_error(dt: float, scheme: str) -> str:
-    return (
-        f"{scheme}: the motion grew beyond all bounds with steps of {dt:.4g} s; take steps below "
-        "stability_limit"
-    )
 
 
 def damping_rate(network: Network, damping: ArrayLike) -> Array:

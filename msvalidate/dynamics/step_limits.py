@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.dynamics.implicit import ModeAcceleration
+from msvalidate.dynamics.integrators import require_integrator
 from msvalidate.dynamics.scheme import Integrator, MotionState
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import (
@@ -15,7 +16,6 @@ from msvalidate.problem.checks import (
     finite_number,
     format_value,
     positive_number,
-    require_type,
 )
 
 RATIOS = 400
@@ -43,7 +43,7 @@ def stability_limit(
     SolverError
         If the limit is beyond the largest number or below the smallest.
     """
-    require_type("integrator", integrator, Integrator)
+    require_integrator("integrator", integrator)
     low = positive_number("lowest frequency", omega_min, "rad/s")
     high = positive_number("highest frequency", omega_max, "rad/s")
     if low > high:

@@ -18,7 +18,7 @@ from msvalidate.dynamics.integrate import State
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Problem, ProblemError, SolverError
 from msvalidate.problem.checks import format_value, numbers, require_one_of, require_type
-from msvalidate.relaxation.viscous import algorithm1
+from msvalidate.relaxation.relax import algorithm1
 from msvalidate.statics.equilibrium import equilibrium
 
 AT_REST = 3e-11

@@ -10,7 +10,8 @@ from scipy.optimize import brentq
 
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
-from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.method import Method
+from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.run import SAFETY, Run
 
 THRESHOLDS = (1e-3, 1e-6)

@@ -11,6 +11,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.problem import ProblemError, SolverError
+from msvalidate.problem.checks import require_type
 
 T = TypeVar("T")
 Tables = Mapping[str, pd.DataFrame]
@@ -176,7 +177,14 @@ def gather_evidence(
 
 
 def judge(evidence: Evidence) -> pd.DataFrame:
-    """Verdict: one row per tolerance; see `judge_one`."""
+    """Verdict: one row per tolerance; see `judge_one`.
+
+    Raises
+    ------
+    ProblemError
+        If it is no evidence.
+    """
+    require_type("evidence", evidence, Evidence)
     return pd.DataFrame(
         [
             judge_one(tolerance, evidence.observed[tolerance.quantity])

@@ -21,6 +21,7 @@ in one place.
 
 from __future__ import annotations
 
+import difflib
 import math
 import reprlib
 from collections.abc import Iterable
@@ -209,9 +210,7 @@ def finite_number(
     unit: str = "",
 ) -> float:
     """Return `value` as a float; raise `ProblemError` unless it is one finite number in a range."""
-    given = finite(name, value)
-    if given.ndim:
-        raise ProblemError(f"{name}: {format_value(value)}; give one number")
+    given = _one_number(name, value)
     if not (above < given < below and least <= given <= most):
         said = {f"above {above:g}": above, f"of {least:g} or more": least}
         said |= {f"at most {most:g}": most, f"below {below:g}": below}
@@ -220,6 +219,15 @@ def finite_number(
             f"{name}: {format_value(value)}{unit and ' ' + unit}; give a number {ends}"
         )
     return float(given)
+
+
+def _one_number(name: str, value: ArrayLike) -> Array:
+    """Return a finite number as an array without axes; raise `ProblemError` for several."""
+    given = finite(name, value)
+    if given.ndim:
+        kind = "a list" if isinstance(value, list | tuple) else f"an array {given.shape}"
+        raise ProblemError(f"{name}: {format_value(value)} is {kind}; give one number")
+    return given
 
 
 def finite_angle(name: str, value: ArrayLike) -> float:
@@ -252,6 +260,17 @@ def rotation_matrix(turn: ArrayLike, dim: int) -> Array:
             f"rotation: {format_value(turn)}; give {need}, orthonormal and not mirrored"
         )
     return given
+
+
+def require_entry(name: str, value: object, kind: type, table: str, keys: Iterable[str]) -> None:
+    """As `require_type`, of an entry of a table: who gives a key is told how to look it up."""
+    if not isinstance(value, str):
+        require_type(name, value, kind)
+        return
+    known = tuple(keys)
+    near = difflib.get_close_matches(value.lower(), known, n=1)
+    entry = f"{table}[{near[0]!r}]" if near else f"an entry of {table}: {', '.join(known)}"
+    raise ProblemError(f"{name}: {format_value(value)} is a name; give {entry}")
 
 
 def require_one_of(name: str, value: object, names: Iterable[str]) -> None:
@@ -293,8 +312,8 @@ def refuse_too_many(name: str, count: float, most: int = MOST_POINTS, what: str 
 
 def positive_number(name: str, value: float, unit: str = "") -> float:
     """Return `value` as a float; raise `ProblemError` unless it is finite and above zero."""
-    given = finite(name, value)
-    if given.ndim or given <= 0:
+    given = _one_number(name, value)
+    if given <= 0:
         raise ProblemError(
             f"{name}: {format_value(value)}{unit and ' ' + unit}; it must be above zero"
         )

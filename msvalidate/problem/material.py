@@ -8,7 +8,13 @@ from typing import Literal, get_args
 import numpy as np
 
 from msvalidate.problem.arrays import Array
-from msvalidate.problem.checks import finite, format_value, positive_number, require_one_of
+from msvalidate.problem.checks import (
+    finite,
+    finite_number,
+    format_value,
+    positive_number,
+    require_one_of,
+)
 from msvalidate.problem.errors import ProblemError
 
 State = Literal["plane_stress", "plane_strain", "solid"]
@@ -40,8 +46,8 @@ class Isotropic:
         positive_number("Young's modulus E", self.E, "Pa")
         positive_number("density", self.density, "kg/m³")
         positive_number("thickness", self.thickness, "m")
-        nu = finite("Poisson's ratio nu", self.nu)
-        if nu.ndim or not -1 < nu <= 0.5:
+        nu = finite_number("Poisson's ratio nu", self.nu)
+        if not -1 < nu <= 0.5:
             raise ProblemError(
                 f"Poisson's ratio nu: {format_value(self.nu)}; a stable material has -1 < nu <= 1/2"
             )

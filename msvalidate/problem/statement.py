@@ -117,6 +117,10 @@ class BodyForce:
 
     force: tuple[float, ...] | Field
 
+    def __post_init__(self) -> None:
+        if not callable(self.force):
+            finite("body force", self.force, (2, 3), need="give 2 or 3 components or a field")
+
     @classmethod
     def gravity(cls, density: float, acceleration: tuple[float, ...]) -> BodyForce:
         """The weight of a body, or what else accelerates all of its mass alike.
@@ -131,18 +135,26 @@ class BodyForce:
         Raises
         ------
         ProblemError
-            If the density is not above zero, or the acceleration not 2 or 3 finite numbers.
+            If the density is not above zero, the acceleration not 2 or 3 finite numbers, or their
+            product beyond the largest number or below the smallest: a weight that is none would
+            pass for a body without weight.
         """
-        rho, g = (
-            positive_number("gravity: density", density, "kg/m³"),
-            finite("gravity", acceleration),
-        )
+        rho = positive_number("gravity: density", density, "kg/m³")
+        g = finite("gravity", acceleration)
         if g.shape not in {(2,), (3,)}:
             raise ProblemError(
                 f"gravity: {format_value(acceleration)}; give 2 or 3 components in m/s², such as "
                 "(0.0, -9.81)"
             )
-        return cls(tuple(rho * float(each) for each in g))
+        with np.errstate(over="ignore", under="ignore"):
+            weight = rho * g
+        size = np.abs(weight[g != 0])
+        if not ((size >= np.finfo(float).tiny) & (size < np.inf)).all():
+            raise ProblemError(
+                f"gravity: density {rho:g} kg/m³ by {format_value(acceleration)} m/s² is no "
+                "ordinary number; choose units in which it is"
+            )
+        return cls(tuple(weight.tolist()))
 
 
 Load = PointForce | Traction | BodyForce

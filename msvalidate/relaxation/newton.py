@@ -14,7 +14,7 @@ import numpy as np
 
 from msvalidate.network import tangent_blocks
 from msvalidate.problem import Array, SolverError
-from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.run import Run
 from msvalidate.statics.tangents import (
     LARGEST_TURN,

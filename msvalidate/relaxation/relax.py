@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 from tqdm import tqdm
 
+from msvalidate.dynamics.integrate import damping_rate
+from msvalidate.dynamics.integrators import EULER_CROMER
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
@@ -22,11 +25,15 @@ from msvalidate.problem.checks import (
     finite,
     format_value,
     positive_number,
+    require_entry,
     require_type,
     whole_number,
 )
+from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.monitor import Monitor
-from msvalidate.relaxation.run import LOOK_EVERY, Relaxation, Run, join_runs
+from msvalidate.relaxation.relaxations import RELAXATIONS
+from msvalidate.relaxation.run import Relaxation, Run, join_runs
+from msvalidate.relaxation.viscous import ALGORITHM1, viscous
 from msvalidate.statics.equilibrium import Equilibrium, refuse_folded, start_displacement
 from msvalidate.statics.path import LoadPath, Path, load_path
 from msvalidate.statics.polish import error_of_displacement
@@ -44,30 +51,6 @@ LOOSEST = 0.01
 
 Watch = Callable[[Run], bool]
 """Shown the run at every look; True ends it there. It must not change the run."""
-
-
-@dataclass(frozen=True)
-class Method:
-    """A relaxation method.
-
-    Parameters
-    ----------
-    name, title
-        Its name in tables, and in sentences.
-    source
-        The paper that it and its parameters come from.
-    walk
-        Moves a run for ever, from one `yield` to the next, each where a look may be taken: the
-        first before any step, the others at most `Run.block` steps on.
-    look_every
-        Steps between two looks, at the least.
-    """
-
-    name: str
-    title: str
-    source: str
-    walk: Callable[[Run], Iterator[None]]
-    look_every: int = LOOK_EVERY
 
 
 def relax(
@@ -126,7 +109,7 @@ def relax(
         cells that are folded, or where it is off by all of its displacement.
     """
     require_type("network", network, Network)
-    require_type("method", method, Method)
+    require_entry("method", method, Method, "RELAXATIONS", RELAXATIONS)
     _check_stopping(tolerance, max_steps, look_every, watch)
     require_type("allow_folded", allow_folded, bool)
     refuse_free_motions("network", network.points, network.held)
@@ -142,6 +125,37 @@ def relax(
         if not at_ease:  # ended by its watcher
             return join_runs(done)
     return _judge(join_runs(done), run, allow_folded=allow_folded)
+
+
+def algorithm1(
+    network: Network,
+    *,
+    dt: float | None = None,
+    damping: ArrayLike | None = None,
+    tolerance: float = 1e-10,
+    max_steps: int | None = None,
+) -> Relaxation:
+    """Relax a network by the report's Algorithm 1: Euler-Cromer with virtual viscosity.
+
+    Source: [Report], section 4, Algorithm 1.
+
+    Parameters
+    ----------
+    network, tolerance, max_steps
+        As in `relax`.
+    dt, damping
+        As in `viscous.viscous`.
+
+    Raises
+    ------
+    ProblemError, SolverError
+        As in `relax`.
+    """
+    require_type("network", network, Network)
+    if damping is not None:
+        damping_rate(network, damping)
+    method = viscous(EULER_CROMER, dt=dt, damping=damping, title=ALGORITHM1.title)
+    return relax(network, method, tolerance=tolerance, max_steps=max_steps)
 
 
 def _judge(found: Relaxation, run: Run, *, allow_folded: bool) -> Relaxation:

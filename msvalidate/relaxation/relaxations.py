@@ -17,8 +17,8 @@ from msvalidate.dynamics.integrators import LEAPFROG
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import tangent
 from msvalidate.problem import Array, SolverError
+from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.newton import NEWTON, NEWTON_MULTIGRID
-from msvalidate.relaxation.relax import Method
 from msvalidate.relaxation.run import SAFETY, Run, step_limit
 from msvalidate.relaxation.viscous import ALGORITHM1, viscous
 

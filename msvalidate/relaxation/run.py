@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from msvalidate.dynamics.integrate import SPECTRUM_ERROR
+from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError

@@ -14,46 +14,15 @@ from functools import partial
 
 from numpy.typing import ArrayLike
 
-from msvalidate.dynamics.integrate import StabilityWarning, damping_rate
+from msvalidate.dynamics.divergence import StabilityWarning
+from msvalidate.dynamics.integrate import damping_rate
 from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
 from msvalidate.dynamics.scheme import Integrator
 from msvalidate.dynamics.step_limits import stability_limit
-from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError
-from msvalidate.problem.checks import positive_number, require_type
-from msvalidate.relaxation.relax import Method, relax
-from msvalidate.relaxation.run import MOST_STEPS, PATIENCE, SAFETY, Relaxation, Run, step_limit
-
-
-def algorithm1(
-    network: Network,
-    *,
-    dt: float | None = None,
-    damping: ArrayLike | None = None,
-    tolerance: float = 1e-10,
-    max_steps: int | None = None,
-) -> Relaxation:
-    """Relax a network by the report's Algorithm 1: Euler-Cromer with virtual viscosity.
-
-    Source: [Report], section 4, Algorithm 1.
-
-    Parameters
-    ----------
-    network, tolerance, max_steps
-        As in `relax`.
-    dt, damping
-        As in `viscous`.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        As in `relax`.
-    """
-    require_type("network", network, Network)
-    if damping is not None:
-        damping_rate(network, damping)
-    method = viscous(EULER_CROMER, dt=dt, damping=damping, title=ALGORITHM1.title)
-    return relax(network, method, tolerance=tolerance, max_steps=max_steps)
+from msvalidate.problem.checks import positive_number
+from msvalidate.relaxation.method import Method
+from msvalidate.relaxation.run import MOST_STEPS, PATIENCE, SAFETY, Run, step_limit
 
 
 def viscous(

@@ -24,6 +24,7 @@ from msvalidate.problem import Array, Isotropic, Material, ProblemError
 from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
+    finite_number,
     format_value,
     positive_number,
     require_type,
@@ -82,10 +83,10 @@ class NeoHookean:
 
     def __post_init__(self) -> None:
         positive_number("neo-Hookean mu", self.mu, "Pa")
-        lam = finite("neo-Hookean lam", self.lam)
+        lam = finite_number("neo-Hookean lam", self.lam)
         if self.dim not in (2, 3):
             raise ProblemError(f"neo-Hookean law: {self.dim} axes; give 2 or 3")
-        if lam.ndim or 2 * self.mu + self.dim * lam <= 0:
+        if 2 * self.mu + self.dim * lam <= 0:
             raise ProblemError(
                 f"neo-Hookean lam: {self.lam} Pa with mu = {self.mu} Pa; a stable solid has "
                 f"2 mu + {self.dim} lam > 0"

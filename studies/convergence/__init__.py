@@ -25,7 +25,7 @@ import pandas as pd
 from msvalidate.judging.candidate import check_table
 from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
-from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 
 from . import dynamic_relaxation, frontier, space, spoilt, steps, strained, times

@@ -31,7 +31,8 @@ from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, b
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.figures import COLOURS, new_figure
 from msvalidate.problem import SolverError
-from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.method import Method
+from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.run import Run
 from msvalidate.relaxation.viscous import viscous
 

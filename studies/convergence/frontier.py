@@ -33,7 +33,8 @@ from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.figures import COLOURS, MARKERS, add_shared_legend, new_figure
 from msvalidate.problem import Array
-from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.method import Method
+from msvalidate.relaxation.relax import relax
 
 from . import bodies, steps
 

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import spsolve
 from msvalidate.dynamics.integrators import LEAPFROG, step_factors
 from msvalidate.network import spring_vectors, tangent
 from msvalidate.problem import Array
-from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.run import SAFETY, Run
 from msvalidate.relaxation.viscous import viscous

@@ -30,7 +30,7 @@ from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import figures
-from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 
 from . import bodies

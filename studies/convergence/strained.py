@@ -25,7 +25,8 @@ from msvalidate.judging.sweep import Setting
 from msvalidate.lattice import square
 from msvalidate.network import Network, spring_vectors
 from msvalidate.problem import Array, Box, Isotropic, Problem, SolverError, Support, Traction
-from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.method import Method
+from msvalidate.relaxation.relax import relax
 
 from . import bodies, steps
 

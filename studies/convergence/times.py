@@ -26,7 +26,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import reference_fem
-from msvalidate.dynamics.integrate import SPECTRUM_ERROR
+from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging import counting
 from msvalidate.judging.compare import fitted_power
@@ -34,7 +34,8 @@ from msvalidate.judging.counting import TIGHT
 from msvalidate.judging.evidence import Evidence, Tables
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.figures import add_shared_legend, new_figure
-from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.method import Method
+from msvalidate.relaxation.relax import relax
 
 from . import bodies, steps
 

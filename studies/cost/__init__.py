@@ -34,7 +34,7 @@ from msvalidate.judging.candidate import check_functions
 from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
-from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.statics.equilibrium import equilibrium
 

@@ -29,7 +29,8 @@ from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quanti
 from msvalidate.judging.sweep import Setting
 from msvalidate.network import Network, tangent
 from msvalidate.problem import SolverError
-from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.method import Method
+from msvalidate.relaxation.relax import relax
 from reference_fem.elasticity import stiffness
 
 from . import bodies, drawing, fem, kernel, start_up

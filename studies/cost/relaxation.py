@@ -28,7 +28,7 @@ from msvalidate.judging.compare import farthest_value, fitted_power
 from msvalidate.judging.counting import THRESHOLDS, TIGHT, predict_steps
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
-from msvalidate.relaxation.relax import Method
+from msvalidate.relaxation.method import Method
 from msvalidate.relaxation.relaxations import RELAXATIONS
 
 from . import drawing, kernel, resting

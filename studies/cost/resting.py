@@ -11,7 +11,8 @@ from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.judging import counting
 from msvalidate.network import Network
 from msvalidate.problem import Array
-from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.method import Method
+from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.run import SAFETY
 from msvalidate.statics.equilibrium import equilibrium
 

@@ -25,8 +25,8 @@ from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, b
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
 from msvalidate.output import figures
+from msvalidate.relaxation.relax import algorithm1
 from msvalidate.relaxation.run import Relaxation
-from msvalidate.relaxation.viscous import algorithm1
 
 from . import block
 

@@ -16,7 +16,7 @@ from msvalidate.dielectric.actuator.equilibria import (
     refuse_other_network,
 )
 from msvalidate.dielectric.actuator.models import Electric, charge_actuator
-from msvalidate.dynamics.integrate import SPECTRUM_ERROR
+from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.integrators import EULER_CROMER, step_factors
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.dynamics.step_limits import stability_limit

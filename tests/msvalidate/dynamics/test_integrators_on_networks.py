@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msvalidate.dynamics import integrate
+from msvalidate.dynamics.divergence import StabilityWarning
 from msvalidate.dynamics.integrate import (
-    StabilityWarning,
     State,
     motion,
     recommended_time_step,
@@ -333,6 +333,37 @@ def test_a_single_step_beyond_all_numbers_is_the_motions_failure(name):
     start = State(pair.points, np.full((2, 2), 1e60))
     with pytest.raises(SolverError, match=f"{name}: the motion grew beyond all bounds"):
         motion(pair, start, INTEGRATORS[name], 1e200, 3, warn=False)
+
+
+def test_a_step_beyond_all_numbers_is_told_how_long_it_may_be():
+    """Of a scheme without a limit, in flight and under a load; what is told can be taken."""
+    pair = spring_network([[0, 0], [1, 0]], [[0, 1]], 1.0)
+    pulled = spring_network(
+        pair.points, [[0, 1]], 1.0, held=[[1, 1], [0, 1]], force=[[0, 0], [1, 0]]
+    )
+    scheme = INTEGRATORS["average_acceleration"]
+    for network, speed, dt, least in (
+        (pair, 1e60, 1e200, 3e-49),
+        (pair, 0.1, 1e12, 6e6),
+        (pulled, 0.0, 1e200, 3e5),
+    ):
+        start = State(network.points, np.full((2, 2), speed))
+        told = "stable at any step, but digits are lost beyond .* s: take smaller ones"
+        with pytest.raises(SolverError, match=told) as error:
+            motion(network, start, scheme, dt, 3)
+        most = float(str(error.value).split()[-5])
+        assert least < most < 1.2 * least
+        motion(network, start, scheme, 0.99 * most, 3)
+
+
+def test_a_motion_that_grows_below_the_limit_of_small_ones_is_told_so():
+    """A string that is a hundredth too short: aside by ten lengths it is ten times as fast."""
+    points, held = [[-1, 0], [0, 0], [1, 0]], [[1, 1], [1, 0], [1, 1]]
+    tight = spring_network(points, [[0, 1], [1, 2]], 3.0, mass=2.0, rest_length=0.99, held=held)
+    dt = recommended_time_step(tight, EULER_CROMER)
+    aside = State(tight.points + np.array([[0, 0], [0, 10.0], [0, 0]]), np.zeros((3, 2)))
+    with pytest.raises(SolverError, match="s, is that of small motions: take smaller"):
+        motion(tight, aside, EULER_CROMER, dt, 100)
 
 
 @pytest.mark.parametrize("compiled", [True, False])

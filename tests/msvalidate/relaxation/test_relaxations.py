@@ -14,7 +14,8 @@ from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import internal_force, spring_network, tangent
 from msvalidate.network.residual import force_scale
 from msvalidate.problem import Box, PointForce, ProblemError, Region, SolverError, Support, Traction
-from msvalidate.relaxation.relax import Method, relax
+from msvalidate.relaxation.method import Method
+from msvalidate.relaxation.relax import relax
 from msvalidate.relaxation.relaxations import RELAXATIONS
 from msvalidate.relaxation.viscous import viscous
 from msvalidate.statics.equilibrium import equilibrium

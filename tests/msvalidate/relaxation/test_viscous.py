@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.dynamics.integrate import StabilityWarning
+from msvalidate.dynamics.divergence import StabilityWarning
 from msvalidate.network import energy, internal_force, spring_network
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import (
@@ -21,7 +21,7 @@ from msvalidate.problem import (
     Support,
     Traction,
 )
-from msvalidate.relaxation.viscous import algorithm1
+from msvalidate.relaxation.relax import algorithm1
 from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.imposing import impose_supports
 from tests.table import table

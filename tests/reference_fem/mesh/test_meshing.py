@@ -384,7 +384,7 @@ hold have the very area and perimeter of the outline."""
         ((BAR, 0.0), {}, "mesh spacing: 0.0 m; it must be above zero"),
         ((BAR, -0.2), {}, "mesh spacing: -0.2 m; it must be above zero"),
         ((BAR, NAN), {}, "mesh spacing: nan; every value must be finite"),
-        ((BAR, (0.2, 0.2)), {}, "mesh spacing: (0.2, 0.2) m; it must be above zero"),
+        ((BAR, (0.2, 0.2)), {}, "mesh spacing: (0.2, 0.2) is a list; give one number"),
         ((BAR, "fine"), {}, "mesh spacing: expected numbers, got 'fine'"),
         ((BAR, 0.3), {}, "mesh spacing: triangles of side 0.3 m cover 0.662509 of 0.6755 m²"),
         ((BAR, 0.1999), {}, "choose one that divides every edge"),

@@ -1,0 +1,32 @@
+"""What a relaxation method is: a generator that moves a run, and how it is named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from msvalidate.relaxation.run import LOOK_EVERY, Run
+
+
+@dataclass(frozen=True)
+class Method:
+    """A relaxation method.
+
+    Parameters
+    ----------
+    name, title
+        Its name in tables, and in sentences.
+    source
+        The paper that it and its parameters come from.
+    walk
+        Moves a run for ever, from one `yield` to the next, each where a look may be taken: the
+        first before any step, the others at most `Run.block` steps on.
+    look_every
+        Steps between two looks, at the least.
+    """
+
+    name: str
+    title: str
+    source: str
+    walk: Callable[[Run], Iterator[None]]
+    look_every: int = LOOK_EVERY
