@@ -118,28 +118,26 @@ def motion(
     rate = _check_arguments(network, state, dt, steps, damping)[:, None]
     if warn:
         _warn_beyond_limit(network, integrator, dt, rate.ravel())
-    free, way = ~network.held, _choose_coordinates(network, state)
+    free, coordinates = ~network.held, _choose_coordinates(network, state)
 
     acceleration = NetworkAcceleration(
-        network, way.origin, way.force, _divergence_error(dt, integrator.name)
+        network, coordinates.origin, coordinates.force, _divergence_error(dt, integrator.name)
     )
-    x = np.array(state.position, dtype=float) - way.origin
+    x = np.array(state.position, dtype=float) - coordinates.origin
     with np.errstate(over="ignore", invalid="ignore"):  # refused by _finite_motion
         now = start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
-        reach, still = (
-            _largest_reach(network, now, dt * steps),
-            way.displaced is not None and is_at_rest(network, now),
-        )
+        reach = _largest_reach(network, now, dt * steps)
+        at_rest = coordinates.displaced is not None and is_at_rest(network, now)
         for step in range(1, steps + 1):
-            now = now if still else integrator.step(acceleration, now, dt, rate)
+            now = now if at_rest else integrator.step(acceleration, now, dt, rate)
             _refuse_diverged(now, x, reach, (dt, integrator.name))
             if watch is not None:
-                watch(step, State(way.origin + now.x, now.v))
-    if steps and way.displaced is not None and not still:
+                watch(step, State(coordinates.origin + now.x, now.v))
+    if steps and coordinates.displaced is not None and not at_rest:
         refuse_lost_digits(
-            network, MotionRecord(integrator.name, start, now, way.displaced.rounded)
+            network, MotionRecord(integrator.name, start, now, coordinates.displaced.rounded)
         )
-    end = way.origin + now.x
+    end = coordinates.origin + now.x
     return State(end, now.v, count_folded(network.simplices, end))
 
 
@@ -173,8 +171,8 @@ def stagger_velocity(network: Network, state: State, dt: float, damping: ArrayLi
     I.1.4.
     """
     rate = _check_arguments(network, state, dt, 0, damping)[:, None]
-    way = _choose_coordinates(network, state)
-    pull = way.force(np.asarray(state.position, dtype=float) - way.origin)
+    coordinates = _choose_coordinates(network, state)
+    pull = coordinates.force(np.asarray(state.position, dtype=float) - coordinates.origin)
     a = (pull + network.force) / network.mass[:, None]
     v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
     return State(state.position, np.where(network.held, 0.0, v))
