@@ -15,7 +15,7 @@ from msvalidate.tangent.mechanism import describe_motion, is_mechanism
 from msvalidate.tangent.multigrid import (
     UNSEEN,
     Cycle,
-    Solved,
+    MultigridSolution,
     conjugate_gradients,
     make_cycle,
     softest_motion,
@@ -108,7 +108,7 @@ class Cycles:
         found = self._settled(load, ROUGHLY)
         return found.solution[self._free], not found.negative and found.left <= ROUGHLY
 
-    def _settled(self, right: Array, part: float) -> Solved:
+    def _settled(self, right: Array, part: float) -> MultigridSolution:
         """What conjugate gradients make of a load (f,), with a cycle of its own where it must."""
         while True:
             load = np.zeros(self.A.shape[0])
