@@ -42,8 +42,8 @@ def factor_envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:
 def _breadth_first_order(graph: csr_matrix) -> Index:
     """Nodes (n,) of each part in breadth from one of fewest neighbours, those with fewer first.
 
-    Ties go by number. The library's `reverse_cuthill_mckee` leaves its start to an unstable sort,
-    and so to the processor.
+    Ties go by number. `scipy.sparse.csgraph.reverse_cuthill_mckee` leaves its start to an unstable
+    sort, and so to the processor.
     """
     by_degree = np.argsort(np.diff(graph.indptr), kind="stable")
     graph = graph[by_degree][:, by_degree]

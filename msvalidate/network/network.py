@@ -47,7 +47,7 @@ from msvalidate.problem.checks import (
 class Network:
     """Points joined by springs, with masses, supports and loads. Arrays are made read-only.
 
-    `spring_network` fills in what is usual; `body.lattice_network` builds one from a problem.
+    `spring_network` fills in what is usual; `bodies.lattice_network` builds one from a problem.
 
     Parameters
     ----------

@@ -126,7 +126,7 @@ class Cycles:
 def refuse_mechanism_motion(A: bsr_array, network: Network, position: Array) -> None:
     """Raise `SolverError` if a motion is found that meets no stiffness: a long search.
 
-    `A` is `restrained` at `position` (n, d) in m.
+    `A` is `restrained_tangent` at `position` (n, d) in m.
     """
     mode = softest_motion(A, network, position)
     if mode.any() and is_mechanism(network, position, mode, A.diagonal()):
