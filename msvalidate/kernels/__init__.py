@@ -1,9 +1,9 @@
 """The compiled loops: forces of springs and cells, and steps of what moves by them.
 
-The only compiled code of the package beside `dielectric.kernels`. Its plain form is
-`network.internal_force` and the plain loop of `dynamics.integrate`; tests hold them together on
-random networks. A uniform lattice takes steps by `stencil`, which knows its springs without lists,
-any other network by `sweep`.
+The only compiled code of the package beside `dielectric.kernels`, by Numba [Numba2015]. Its plain
+form is `network.internal_force` and the plain loop of `dynamics.integrate`; tests hold them
+together on random networks. A uniform lattice takes steps by `stencil`, which knows its springs
+without lists, any other network by `sweep`.
 
 Displacements are advanced, not positions: a spring is its vector at rest plus the difference of two
 displacements. Positions are rounded to an eps of the body, and stiff modes that decay slowly gather

@@ -115,8 +115,9 @@ _columns = compiled(_columns, fused=True, inner=True)
 def _hexahedron(X: Body, u: Body) -> tuple[Lane, Body]:
     """12 V, three determinants round the diagonal from corner 0 to corner 6.
 
-    The volume of the trilinear map, so the one between bilinear faces: J. Grandy, *Efficient
-    computation of volume of hexahedral cells*, UCRL-ID-128886 (1997).
+    The volume of the trilinear map, so the one between bilinear faces.
+
+    Source: [Grandy1997].
     """
     X1, X2, X3, X4, X5, X6, X7 = X
     u1, u2, u3, u4, u5, u6, u7 = u

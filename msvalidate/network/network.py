@@ -181,6 +181,8 @@ class Network:
         """Frequency (rad/s) that none exceeds at the reference positions: Gershgorin's circles.
 
         ω² ≤ max over free components i of Σ_j |K_ij|/m_i: no eigenvalues are solved for.
+
+        Source: [Gershgorin1931].
         """
         free = ~self.held.ravel()
         mass = np.repeat(self.mass, self.dim)[free]

@@ -221,28 +221,25 @@ RELAXATIONS = {
     "kinetic_damping": Method(
         "kinetic_damping",
         "kinetic damping",
-        "Cundall (1976), Explicit finite-difference methods in geomechanics; Barnes (1999), Int. "
-        "J. Space Struct. 14, 89",
+        "[Cundall1976]; [Barnes1999]",
         _kinetic_damping,
     ),
     "fire": Method(
         "fire",
         "FIRE",
-        "Bitzek et al. (2006), Phys. Rev. Lett. 97, 170201, with semi-implicit Euler steps",
+        "[Bitzek2006], with semi-implicit Euler steps",
         _fire,
     ),
     "adaptive": Method(
         "adaptive",
         "adaptive dynamic relaxation",
-        "Underwood (1983), Dynamic relaxation, in: Computational Methods for Transient Analysis; "
-        "Papadrakakis (1981), Comput. Methods Appl. Mech. Eng. 25, 35",
+        "[Underwood1983]; [Papadrakakis1981]",
         _adaptive_relaxation,
     ),
     "conjugate_gradients": Method(
         "conjugate_gradients",
         "nonlinear conjugate gradients",
-        "Polak and Ribière (1969), Rev. Fr. Inform. Rech. Opér. 3, 35, restarted as in Nocedal and "
-        "Wright (2006), Numerical Optimization, section 5.2",
+        "[PolakRibiere1969], restarted as in [NocedalWright2006], section 5.2",
         _conjugate_gradients,
         look_every=1,
     ),

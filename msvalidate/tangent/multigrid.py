@@ -232,7 +232,7 @@ def conjugate_gradients(
 
     The error is what a cycle makes of the residual: that hardly knows of a slender body's bending.
     If `spectral`, both are to be smaller by the lowest eigenvalue, of which the error may be one
-    over as large: conjugate gradients know it (Lanczos; Golub and Van Loan 2013, section 11.3).
+    over as large: conjugate gradients know it (Lanczos; [GolubVanLoan2013], section 11.3).
 
     Source: [HestenesStiefel1952].
     """
