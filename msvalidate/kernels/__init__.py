@@ -199,10 +199,10 @@ def force_and_energy(network: Network, displacement: Array, out: Array) -> float
     return Motion(network, path="general").force_and_energy(displacement, out)
 
 
-def curvature(network: Network, displacement: Array, way: Array) -> float:
-    """Second derivative (N·m) of the stored energy along `way` (n, d) in m: wayᵀ K way."""
+def curvature(network: Network, displacement: Array, direction: Array) -> float:
+    """Second derivative (N·m) of the stored energy along `direction` d, (n, d) in m: dᵀ K d."""
     axes = tuple(range(network.dim))
-    return float(bending.curvature(axes, displacement, way, *_laws(network)))
+    return float(bending.curvature(axes, displacement, direction, *_laws(network)))
 
 
 def advance(

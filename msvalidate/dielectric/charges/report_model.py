@@ -257,7 +257,7 @@ def potential_slopes(charges: ReportCharges) -> Array:
     share = charges.charge[of.owner] / gathered[of.owner]
     stretch = carried * view.stretch + share * (view.mean - usual)
     turn = carried * view.turn / length
-    end = stretch[..., None] * view.way + turn[..., None] * view.normal
+    end = stretch[..., None] * view.direction + turn[..., None] * view.normal
     number, joints = np.arange(len(of.charge_joint)), of.joints.shape[0]
     at = np.zeros((joints, len(number), 2))
     np.add.at(at, of.ends[:, 0], np.swapaxes(-0.5 * pull - end, 0, 1))
