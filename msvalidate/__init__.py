@@ -31,9 +31,8 @@ _HOMES = {
         *("Anisotropic", "BodyForce", "Box", "Isotropic", "Mesh", "PointForce", "Polygon"),
         *("Problem", "ProblemError", "SolverError", "Support", "Traction"),
     ),
-    "relaxation.relax": ("relax",),
+    "relaxation.relax": ("algorithm1", "relax"),
     "relaxation.relaxations": ("RELAXATIONS",),
-    "relaxation.viscous": ("algorithm1",),
     "statics.equilibrium": ("equilibrium",),
     "statics.stress": ("fitted_stress",),
 }
@@ -77,9 +76,9 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.problem import SolverError as SolverError
     from msvalidate.problem import Support as Support
     from msvalidate.problem import Traction as Traction
+    from msvalidate.relaxation.relax import algorithm1 as algorithm1
     from msvalidate.relaxation.relax import relax as relax
     from msvalidate.relaxation.relaxations import RELAXATIONS as RELAXATIONS
-    from msvalidate.relaxation.viscous import algorithm1 as algorithm1
     from msvalidate.statics.equilibrium import equilibrium as equilibrium
     from msvalidate.statics.stress import fitted_stress as fitted_stress
 

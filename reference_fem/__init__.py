@@ -1,11 +1,10 @@
-"""Finite element reference on scikit-fem; shares the statement of the problem, no numerical code.
+"""Finite element reference; shares the statement of the problem, no numerical code.
 
-Entry points: `solve_problem` for a `Problem`, `solve` or `solve_mixed` for a mesh as arrays, and a
-`Solver` for many loads of one body. Of a dielectric `Slab` with electrodes in air: `slab_mesh`,
-`solve_charges` and `respond`, or `capacitance` and `surface_profile` with their errors;
-`solve_potential`
-for a mesh as arrays. At large strain: `large_strain` for a solid, `actuator` for a slab squeezed by
-its field.
+It stands on scikit-fem [scikitfem]. Entry points: `solve_problem` for a `Problem`, `solve` or
+`solve_mixed` for a mesh as arrays, and a `Solver` for many loads of one body. Of a dielectric
+`Slab` with electrodes in air: `slab_mesh`, `solve_charges` and `respond`, or `capacitance` and
+`surface_profile` with their errors; `solve_potential` for a mesh as arrays. At large strain:
+`large_strain` for a solid, `actuator` for a slab squeezed by its field.
 """
 
 from reference_fem.body import Solution, solve_problem

@@ -15,8 +15,8 @@ from msvalidate.problem import Index, Mask, SolverError
 def factor_envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:
     """Entries of a factor within the envelope, and products to make it: Σ b and Σ b² by row.
 
-    b is how far a row reaches to the left of the diagonal in the ordering of Cuthill and McKee
-    (1969), reversed. A factor is made by nested dissection, with half as many entries in a cube of
+    b is how far a row reaches to the left of the diagonal in the reversed ordering of Cuthill and
+    McKee. A factor is made by nested dissection, with half as many entries in a cube of
     hexahedra and twice as many in a bar: the count is for choosing, cheap and the same on every
     machine.
 
@@ -42,8 +42,8 @@ def factor_envelope(links: csr_matrix, held: Mask) -> tuple[float, float]:
 def _breadth_first_order(graph: csr_matrix) -> Index:
     """Nodes (n,) of each part in breadth from one of fewest neighbours, those with fewer first.
 
-    Ties go by number. The library's `reverse_cuthill_mckee` leaves its start to an unstable sort,
-    and so to the processor.
+    Ties go by number. `scipy.sparse.csgraph.reverse_cuthill_mckee` leaves its start to an unstable
+    sort, and so to the processor.
     """
     by_degree = np.argsort(np.diff(graph.indptr), kind="stable")
     graph = graph[by_degree][:, by_degree]

@@ -6,9 +6,9 @@ A linear cell of size h that is bent by a curvature κ changes its volume by κh
     (λ/μ) (h/H)²,
 
 is the part by which the cells are too stiff: at 1 the constraint of the cells rules, not the body,
-and refinement first hardly changes the answer, so that three meshes agree on a wrong one (Hughes
-2000, The Finite Element Method, section 4.4). Cells of the second degree lose an order at most, and
-mixed elements nothing. Plane stress has no such constraint: its λ is at most 2μ.
+and refinement first hardly changes the answer, so that three meshes agree on a wrong one
+([Hughes2000], section 4.4). Cells of the second degree lose an order at most, and mixed elements
+nothing. Plane stress has no such constraint: its λ is at most 2μ.
 """
 
 from __future__ import annotations

@@ -4,8 +4,8 @@
     ∫ q div u - 1/λ ∫ p q = 0            for all q,
 
 with continuous displacement of the second degree and continuous pressure of the first, which stay
-accurate as 1/λ goes to 0 (Taylor and Hood 1973, doi:10.1016/0045-7930(73)90027-3; Boffi, Brezzi and
-Fortin 2013, doi:10.1007/978-3-642-36519-5, section 8.8). Displacement elements lock there.
+accurate as 1/λ goes to 0 ([TaylorHood1973]; [BoffiBrezziFortin2013], section 8.8). Displacement
+elements lock there.
 
 The pressure is p = λ div u, positive in tension: σ = 2με + p I.
 """

@@ -12,8 +12,7 @@ from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import format_value, numbers, positive_number, whole_number
 
 SAFETY = 1.25
-"""Factor on Richardson's estimate where three meshes show a plausible order (Roache 1994,
-doi:10.1115/1.2910291)."""
+"""Factor on Richardson's estimate where three meshes show a plausible order [Roache1994]."""
 TRUSTED_ORDER = 2.0
 """Higher observed orders are not relied on: near a singular corner they come and go."""
 CAUTION = 3.0

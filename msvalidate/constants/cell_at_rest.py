@@ -256,7 +256,9 @@ def _solve_by_modes(K: Array) -> tuple[Solve, int]:
 def _solve_by_least_squares(B: Array, k: Array) -> tuple[Relieve, int | None]:
     """By rows of springs (m, f), the stiff ones first: rounded by themselves, not by each other.
 
-    Householder's method with columns exchanged (Cox and Higham 1998, in Numerical Analysis 1997).
+    Householder's method with columns exchanged.
+
+    Source: [CoxHigham1998].
     """
     order = np.argsort(-k, kind="stable")
     root = np.sqrt(k[order])[:, None]

@@ -7,7 +7,7 @@ published one, leads no further and is for those who ask for it:
   relation λ = μ, so there is one ratio: 1/3 in the plane, 1/4 in a solid.
 - ``volume energy``: springs that carry λ = μ, and beside them an energy ½ κ V0 (V/V0 - 1)² a cell,
   which resists nothing but a change of its volume: κ = λ - μ brings any ratio (the idea is that of
-  Golec et al., *The Visual Computer* 36, 2020). With E and nu of the d axes, in-plane ones for d=2,
+  [Golec2020]). With E and nu of the d axes, in-plane ones for d=2,
 
       κ = E ((d + 1) nu - 1) / (2 (1 + nu) (1 - (d - 1) nu)).
 

@@ -69,7 +69,7 @@ def spring_tensor(vectors: Array, stiffness: Array, volume: float) -> Array:
 
     C = (1/V) Σ k L² v vᵀ with v the Voigt vector of n⊗n and n the spring's direction: the energy of
     a uniform strain. Exact where every point is a centre of symmetry, an upper bound elsewhere
-    (Born and Huang, *Dynamical Theory of Crystal Lattices*, 1954, for central forces).
+    ([BornHuang1954], for central forces).
 
     Parameters
     ----------
@@ -249,7 +249,7 @@ def moduli(tensor: Array) -> Moduli:
 def isotropic_moduli(tensor: Array) -> Moduli:
     """E and nu of the isotropic tensor nearest to a tensor, and how far the tensor is from it.
 
-    Nearest in the sum of squares of all components: the mean over all rotations (Voigt 1889). From
+    Nearest in the sum of squares of all components: the mean over all rotations [Voigt1889]. From
     the invariants a = C_iijj and b = C_ijij, in d axes: bulk modulus a/d², and shear modulus
     (b - a/d)/((d - 1)(d + 2)), in Pa, or N/m in the plane.
 
@@ -352,8 +352,7 @@ def rotate_tensor(tensor: Array, turn: float | Array) -> Array:
 def directional_modulus(tensor: Array, directions: Array) -> Array:
     """Young's modulus (q,), in Pa or N/m, of a body pulled along unit vectors (q, d).
 
-    1/E = v S v, v the Voigt vector of n⊗n and S the compliance (Nye, *Physical Properties of
-    Crystals*, 1957).
+    1/E = v S v, v the Voigt vector of n⊗n and S the compliance.
 
     Source: [Nye1957], chapter VIII: E = 1/S of the rotated compliance.
 

@@ -113,27 +113,27 @@ def motion(
     run = Stepping(network, integrator, dt, steps, rate)
     if warn:
         warn_beyond_limit(run)
-    free, way = ~network.held, _choose_coordinates(network, state)
-    acceleration = NetworkAcceleration(network, way.origin, way.force)
-    x = np.array(state.position, dtype=float) - way.origin
+    free, coordinates = ~network.held, _choose_coordinates(network, state)
+    acceleration = NetworkAcceleration(network, coordinates.origin, coordinates.force)
+    x = np.array(state.position, dtype=float) - coordinates.origin
     with np.errstate(over="ignore", invalid="ignore"):  # refused by refuse_diverged
         now = start = MotionState(x, np.where(free, state.velocity, 0.0), acceleration(x))
         reach = largest_reach(run, start)
-        still = way.displaced is not None and is_at_rest(network, now)
+        at_rest = coordinates.displaced is not None and is_at_rest(network, now)
         for step in range(1, steps + 1):
             try:
-                now = now if still else integrator.step(acceleration, now, dt, rate[:, None])
+                now = now if at_rest else integrator.step(acceleration, now, dt, rate[:, None])
             except SolverError as error:
                 refuse_long_step(run, start, error)
                 raise
             refuse_diverged(run, start, now, reach)
             if watch is not None:
-                watch(step, State(way.origin + now.x, now.v))
-    if steps and way.displaced is not None and not still:
+                watch(step, State(coordinates.origin + now.x, now.v))
+    if steps and coordinates.displaced is not None and not at_rest:
         refuse_lost_digits(
-            network, MotionRecord(integrator.name, start, now, way.displaced.rounded)
+            network, MotionRecord(integrator.name, start, now, coordinates.displaced.rounded)
         )
-    end = way.origin + now.x
+    end = coordinates.origin + now.x
     return State(end, now.v, count_folded(network.simplices, end))
 
 
@@ -167,8 +167,8 @@ def stagger_velocity(network: Network, state: State, dt: float, damping: ArrayLi
     I.1.4.
     """
     rate = _check_arguments(network, state, dt, 0, damping)[:, None]
-    way = _choose_coordinates(network, state)
-    pull = way.force(np.asarray(state.position, dtype=float) - way.origin)
+    coordinates = _choose_coordinates(network, state)
+    pull = coordinates.force(np.asarray(state.position, dtype=float) - coordinates.origin)
     a = (pull + network.force) / network.mass[:, None]
     v = state.velocity - 0.5 * dt * (a - rate * state.velocity)
     return State(state.position, np.where(network.held, 0.0, v))

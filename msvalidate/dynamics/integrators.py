@@ -119,7 +119,7 @@ EULER_CROMER = Integrator(
 )
 
 
-# Leapfrog, and velocity Verlet, whose undamped positions are the same
+# Leapfrog [Verlet1967], and velocity Verlet [Swope1982], whose undamped positions are the same
 
 
 def _verlet_error(angle: float) -> float:

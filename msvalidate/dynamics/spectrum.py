@@ -343,7 +343,7 @@ def _smallest_by_multigrid(
 def _smallest_of_many(
     matrix: csr_array, inverse: LinearOperator, count: int, highest: float, tolerance: float
 ) -> Array:
-    """Without a factor: locally optimal conjugate gradients (Knyazev 2001), by multigrid.
+    """Without a factor: locally optimal conjugate gradients, by multigrid.
 
     The error of a square is that of its residual squared over the gap to the next (Kato), so a
     tenth of the tolerance's root is asked of the residual; rounding is of the highest square.

@@ -42,7 +42,7 @@ def count_steps(
     frequencies: tuple[float, float],
     error: Callable[[Array], float],
 ) -> dict[float, tuple[int, int]]:
-    """Threshold -> steps and evaluations at the first look that met it, of those that were met.
+    """Steps and evaluations of force until the error is first below each threshold that was met.
 
     `frequencies` are the lowest and the highest (rad/s), `error` is that of displacements (n, d).
     """

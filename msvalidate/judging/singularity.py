@@ -5,9 +5,9 @@ its exponent: below 1 the stress grows like r^(λ-1), and the displacement far f
 uniform meshes and lattices an error of order 2λ in the spacing, where smooth bodies may do better.
 
 Voigt order xx, yy, xy with engineering shear strain; only ratios of the tensor's entries matter.
-Williams (1952, doi:10.1115/1.4010553) has the exponents of isotropic wedges; those of any tensor
-come from Stroh's formalism (Ting, *Anisotropic Elasticity*, 1996). With stress functions φ, zero
-along a free side, σ_i1 = -∂φ_i/∂y and σ_i2 = ∂φ_i/∂x, the state (u, φ) = r^λ w(θ) obeys
+Exponents of isotropic wedges are in [Williams1952]; those of any tensor come from Stroh's formalism
+[Ting1996]. With stress functions φ, zero along a free side, σ_i1 = -∂φ_i/∂y and σ_i2 = ∂φ_i/∂x, the
+state (u, φ) = r^λ w(θ) obeys
 
     dw/dθ = λ N(θ) w    with    N = | -T⁻¹Rᵀ   T⁻¹   |,    R_ik = C_ijkl m_j n_l,
                                     | -E m mᵀ  -RT⁻¹ |     T_ik = C_ijkl n_j n_l,

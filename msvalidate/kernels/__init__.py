@@ -1,9 +1,9 @@
 """The compiled loops: forces of springs and cells, and steps of what moves by them.
 
-The only compiled code of the package beside `dielectric.kernels`. Its plain form is
-`network.internal_force` and the plain loop of `dynamics.integrate`; tests hold them together on
-random networks. A uniform lattice takes steps by `stencil`, which knows its springs without lists,
-any other network by `sweep`.
+The only compiled code of the package beside `dielectric.kernels`, by Numba [Numba2015]. Its plain
+form is `network.internal_force` and the plain loop of `dynamics.integrate`; tests hold them
+together on random networks. A uniform lattice takes steps by `stencil`, which knows its springs
+without lists, any other network by `sweep`.
 
 Displacements are advanced, not positions: a spring is its vector at rest plus the difference of two
 displacements. Positions are rounded to an eps of the body, and stiff modes that decay slowly gather
@@ -199,10 +199,10 @@ def force_and_energy(network: Network, displacement: Array, out: Array) -> float
     return Motion(network, path="general").force_and_energy(displacement, out)
 
 
-def curvature(network: Network, displacement: Array, way: Array) -> float:
-    """Second derivative (N·m) of the stored energy along `way` (n, d) in m: wayᵀ K way."""
+def curvature(network: Network, displacement: Array, direction: Array) -> float:
+    """Second derivative (N·m) of the stored energy along `direction` d, (n, d) in m: dᵀ K d."""
     axes = tuple(range(network.dim))
-    return float(bending.curvature(axes, displacement, way, *_laws(network)))
+    return float(bending.curvature(axes, displacement, direction, *_laws(network)))
 
 
 def advance(

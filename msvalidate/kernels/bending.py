@@ -13,21 +13,21 @@ from msvalidate.problem import Array, Index
 def curvature(
     axes: Axes,
     u: Array,
-    way: Array,
+    direction: Array,
     springs: Index,
     vector: Array,
     stiffness: Array,
     rest_length: Array,
     volumes: Cells,
 ) -> float:
-    """Second derivative of the energy along `way`."""
-    total = volume_curvature(axes, u, way, volumes)
+    """Second derivative of the energy along `direction`."""
+    total = volume_curvature(axes, u, direction, volumes)
     for e in range(len(springs)):
         i, j = springs[e, 0], springs[e, 1]
         square = apart = along = 0.0
         for a in range(len(axes)):
             now = vector[e, a] + (u[j, a] - u[i, a])
-            change = way[j, a] - way[i, a]
+            change = direction[j, a] - direction[i, a]
             square += now * now
             apart += change * change
             along += now * change

@@ -115,8 +115,9 @@ _columns = compiled(_columns, fused=True, inner=True)
 def _hexahedron(X: Body, u: Body) -> tuple[Lane, Body]:
     """12 V, three determinants round the diagonal from corner 0 to corner 6.
 
-    The volume of the trilinear map, so the one between bilinear faces: J. Grandy, *Efficient
-    computation of volume of hexahedral cells*, UCRL-ID-128886 (1997).
+    The volume of the trilinear map, so the one between bilinear faces.
+
+    Source: [Grandy1997].
     """
     X1, X2, X3, X4, X5, X6, X7 = X
     u1, u2, u3, u4, u5, u6, u7 = u
@@ -239,13 +240,13 @@ def push(
 push = compiled(push, fused=True)
 
 
-def _bent(axes: Axes, u: Array, way: Array, volumes: Cells) -> float:
+def _bent(axes: Axes, u: Array, direction: Array, volumes: Cells) -> float:
     corners, points, cells, kappa, rest = volumes  # type: ignore[misc]  # some
     bend = spread(0.0)
     for e in range(0, len(cells), WIDTH):
         count = min(WIDTH, len(cells) - e)
         _, pressure, slope = _response(axes, corners, points, u, (cells, kappa, rest), e, count)
-        w = gather(axes, corners, way, cells, e, count)
+        w = gather(axes, corners, direction, cells, e, count)
         change = _part(w) * inner(slope, w)
         strained = quotient(change * change, numbers(rest, e, count))
         # V is a form of degree d: its second derivative is (d - 1) slope(w)·(w, or x in space).
@@ -258,15 +259,17 @@ def _bent(axes: Axes, u: Array, way: Array, volumes: Cells) -> float:
     return total(bend)
 
 
-def _nothing_bent(axes: Axes, u: Array, way: Array, volumes: Cells) -> float:
+def _nothing_bent(axes: Axes, u: Array, direction: Array, volumes: Cells) -> float:
     return 0.0
 
 
-def volume_curvature(axes: Axes, u: Array, way: Array, volumes: Cells) -> float:
-    """Second derivative of the energy of all cells along `way`. No volumes are ()."""
+def volume_curvature(axes: Axes, u: Array, direction: Array, volumes: Cells) -> float:
+    """Second derivative of the energy of all cells along `direction`. No volumes are ()."""
     raise NotImplementedError
 
 
 @overload(volume_curvature, jit_options={"fastmath": {"contract"}})
-def _volume_curvature(axes: Axes, u: Array, way: Array, volumes: Cells) -> Callable[..., float]:
+def _volume_curvature(
+    axes: Axes, u: Array, direction: Array, volumes: Cells
+) -> Callable[..., float]:
     return _bent if len(volumes) else _nothing_bent

@@ -2,9 +2,8 @@
 
 **The rule** ``area`` takes a cell's edges, and the diagonals of quadrilaterals and of hexahedra's
 faces, with stiffness w E V/L²: V the cell's area (times the thickness) or volume, L the edge's
-length, w by the shape of the cell. For triangles w = 1 is the plainest rule of Van Gelder,
-*Approximate simulation of elastic membranes by triangulated spring meshes*, J. Graphics Tools 3(2)
-(1998), and for tetrahedra its counterpart. Under affine motion a cell of such springs has the
+length, w by the shape of the cell. For triangles w = 1 is the plainest rule of [vanGelder1998],
+and for tetrahedra its counterpart. Under affine motion a cell of such springs has the
 tensor E Σ w v vᵀ, v of the edges' directions, whatever their lengths. Its isotropic part is then
 the material's, modulus E and ratio 1/3 in the plane or 1/4 in space, in a cell of any shape: its
 invariants C_iijj and C_ijij are both E Σ w, so Σ w = 3 in the plane and 6 in space does it. The

@@ -34,7 +34,7 @@ SAME_DISTANCE = 1e-9
 class Pattern:
     """One rectangular cell of an endless lattice, its edges along the axes; lengths in spacings.
 
-    A lattice is a function without arguments that returns one; `patterns.known` finds it.
+    A lattice is a function without arguments that returns one; `patterns.all_patterns` finds it.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 """The lattices: one function each, found by what it returns.
 
 Closed forms are the affine rule C_ijkl = (1/2V) Σ k L² n_i n_j n_k n_l over all neighbours of a
-point of volume V (Born and Huang, *Dynamical Theory of Crystal Lattices*, 1954, for central
-forces): exact where every point is a centre of symmetry, as it is in all of these but honeycomb.
-There central forces make C12 = C44 (Cauchy), so isotropic means C11 = 3·C12.
+point of volume V ([BornHuang1954], for central forces): exact where every point is a centre of
+symmetry, as it is in all of these but honeycomb. There central forces make C12 = C44 (Cauchy), so
+isotropic means C11 = 3·C12.
 """
 
 from __future__ import annotations

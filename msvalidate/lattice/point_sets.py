@@ -4,13 +4,12 @@ Three kinds, from the least to the most even:
 
 - ``uniform``: every point anywhere, independent of the others.
 - ``jittered``: the body is cut into as many parts of equal volume as there are points, nearly
-  cubic, and each part has one point anywhere in it (stratified sampling; Cook 1986,
-  doi:10.1145/7529.8927). The parts are layers, rows in them, and bricks in those: a grid of cubes
-  where the number allows one, and otherwise layers and rows of which some hold a point more and
-  are thicker for it.
+  cubic, and each part has one point anywhere in it (stratified sampling [Cook1986]). The parts are
+  layers, rows in them, and bricks in those: a grid of cubes where the number allows one, and
+  otherwise layers and rows of which some hold a point more and are thicker for it.
 - ``blue_noise``: no two points near each other. Of five times as many uniform points the most
-  crowded is removed until the number is right (weighted sample elimination; Yuksel 2015,
-  doi:10.1111/cgf.12538), so any number can be had and no radius is asked for.
+  crowded is removed until the number is right (weighted sample elimination [Yuksel2015]), so any
+  number can be had and no radius is asked for.
 
 Same arguments and seed, same numbers.
 """

@@ -1,10 +1,10 @@
 """Order of points for a sparse factor, by nested dissection, and what the factor takes.
 
 A body is cut in two across its longest axis, these pieces in two, and so on; a cut is made of the
-points that springs from one half to the other end in, and comes after both halves (George 1973,
-doi:10.1137/0710032). Entries of the factor then grow as n log n in the plane and n^(4/3) in space,
-its work as n^(3/2) and n²; no order does better (Hoffman, Martin and Rose 1973,
-doi:10.1137/0710035). Lattices and random points are cut alike, by places and springs alone.
+points that springs from one half to the other end in, and comes after both halves [George1973].
+Entries of the factor then grow as n log n in the plane and n^(4/3) in space, its work as n^(3/2)
+and n²; no order does better [HoffmanMartinRose1973]. Lattices and random points are cut alike, by
+places and springs alone.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Numbers as sums of two doubles: some 32 digits, by operations whose errors are known.
 
 A pair (hi, lo) of arrays stands for hi + lo, lo below half a unit in hi's last place. Sums and
-products of doubles are exact as pairs (Knuth 1969; Dekker 1971, doi:10.1007/BF01397083, whose
-splitting needs no fused operation). Results are right to a few 1e-32 of the numbers that went in,
-while these are far from the ends of the range of doubles: scale by powers of two.
+products of doubles are exact as pairs ([Knuth1997]; [Dekker1971], whose splitting needs no fused
+operation). Results are right to a few 1e-32 of the numbers that went in, while these are far from
+the ends of the range of doubles: scale by powers of two.
 """
 
 from __future__ import annotations
@@ -157,8 +157,8 @@ def sum_pairs(parts: list[Pair]) -> Pair:
 def scatter_sum(x: Pair, ends: Ends, count: int) -> list[Array]:
     """Sums of entries (m,) by where they belong, for `count` places: parts that add up to it.
 
-    The leading parts are multiples of one unit and sum without rounding (Rump, Ogita and Oishi
-    2008, doi:10.1137/050645671); what two of them leave of the largest entry is below 1e-27, and
+    The leading parts are multiples of one unit and sum without rounding
+    [RumpOgitaOishi2008]; what two of them leave of the largest entry is below 1e-27, and
     rounded by another 1e-16.
     """
     rest = x.hi

@@ -93,8 +93,9 @@ def factorise(matrix: csr_array, order: Index | None = None) -> Factor:
     matrix
         (f, f), symmetric.
     order
-        (f,) in which its unknowns are eliminated, such as that of `inverse.order_of`; by default
-        of minimum degree, which is as good for a few thousand unknowns.
+        (f,) in which its unknowns are eliminated, such as that of
+        `inverse.elimination_order`; by default of minimum degree, which is as good for a few
+        thousand unknowns.
 
     Raises
     ------

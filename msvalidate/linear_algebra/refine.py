@@ -2,10 +2,9 @@
 
 A residual that is right to many more digits than the solution (`accurate`) gives a correction, that
 one the next, until no digit moves: with a factor of an assembled, rounded matrix the answer becomes
-that of the exact one (Wilkinson 1963; Demmel and others 2006, doi:10.1145/1141885.1141894). Where
-the factor is wrong along a few motions the corrections fall slowly, or grow; a least-squares
-combination of the last ones takes these motions out (Anderson 1965; for a linear system it is GMRES
-preconditioned by the factor: Walker and Ni 2011, doi:10.1137/10078356X).
+that of the exact one [Wilkinson1963, Demmel2006]. Where the factor is wrong along a few motions the
+corrections fall slowly, or grow; a least-squares combination of the last ones takes these motions
+out ([Anderson1965]; for a linear system it is GMRES preconditioned by the factor [WalkerNi2011]).
 """
 
 from __future__ import annotations

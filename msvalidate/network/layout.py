@@ -126,7 +126,7 @@ def make_layout(
 
 
 def _choose_order(points: int, dim: int, springs: Index) -> Index:
-    """The ordering of Cuthill and McKee (1969), reversed; empty where the network's own serves."""
+    """The ordering of [CuthillMcKee1969], reversed; empty where the network's own serves."""
     apart = np.abs(springs[:, 1] - springs[:, 0]).mean()
     if apart <= NARROW * points ** (1 - 1 / dim):
         return np.zeros(0, dtype=np.intp)
@@ -142,7 +142,7 @@ def _choose_order(points: int, dim: int, springs: Index) -> Index:
 
 
 def cuthill_mckee(graph: csr_array) -> Index:
-    """The ordering (n,) of Cuthill and McKee (1969), reversed, of a symmetric graph (n, n).
+    """The ordering (n,) of [CuthillMcKee1969], reversed, of a symmetric graph (n, n).
 
     Each piece is searched in breadth from a point of fewest neighbours, those with fewer first, and
     of as many the one of lower number. SciPy's starts wherever an unstable sort, which goes by the

@@ -47,7 +47,7 @@ from msvalidate.problem.checks import (
 class Network:
     """Points joined by springs, with masses, supports and loads. Arrays are made read-only.
 
-    `spring_network` fills in what is usual; `body.lattice_network` builds one from a problem.
+    `spring_network` fills in what is usual; `bodies.lattice_network` builds one from a problem.
 
     Parameters
     ----------
@@ -181,6 +181,8 @@ class Network:
         """Frequency (rad/s) that none exceeds at the reference positions: Gershgorin's circles.
 
         ω² ≤ max over free components i of Σ_j |K_ij|/m_i: no eigenvalues are solved for.
+
+        Source: [Gershgorin1931].
         """
         free = ~self.held.ravel()
         mass = np.repeat(self.mass, self.dim)[free]

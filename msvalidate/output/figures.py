@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from msvalidate.problem import Array, Index
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
-"""Told apart by colour-blind readers (Okabe and Ito 2008, Color Universal Design)."""
+"""Told apart by colour-blind readers [OkabeIto2008]."""
 FEW_DECADES = 2.5
 WIDE_LABELS = 1e5
 """Numbers whose labels collide below an axis, where 50000 is followed by 100000."""

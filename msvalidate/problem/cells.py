@@ -42,8 +42,7 @@ def refuse_folded(points: Array, cells: Index, kind: Shape) -> None:
     """Raise `ProblemError` unless the Jacobian of each cell is positive everywhere.
 
     Its Jacobian is a polynomial, which lies above its least Bernstein coefficient. Where that is
-    below zero, each half of the cell is looked into, and so on (Johnen, Remacle and Geuzaine 2013,
-    doi:10.1016/j.jcp.2012.08.051).
+    below zero, each half of the cell is looked into, and so on [JohnenRemacleGeuzaine2013].
     """
     whole = np.vstack([np.zeros(kind.dim), np.eye(kind.dim)])
     for start in range(0, len(cells), AT_ONCE):

@@ -100,8 +100,7 @@ class Shape:
             return np.array([p for p in every if sum(p) <= self.degree])
         if len(self.nodes) == (self.degree + 1) ** self.dim:
             return np.array(list(every))
-        # Serendipity: of degree 2 but for linear factors (Arnold and Awanou 2011,
-        # doi:10.1007/s10208-011-9087-3).
+        # Serendipity: of degree 2 but for linear factors [ArnoldAwanou2011].
         return np.array([p for p in every if sum(q for q in p if q > 1) <= self.degree])
 
     @cached_property
@@ -151,7 +150,7 @@ class Shape:
     def quadrature(self) -> tuple[Array, Array]:
         """Places (q, dim) and weights (q,) of Gauss's rule; a triangle's is a square's, collapsed.
 
-        With x = s, y = (1 - s) t the square's unit area becomes 1 - s (Duffy 1982).
+        With x = s, y = (1 - s) t the square's unit area becomes 1 - s [Duffy1982].
         """
         x, w = np.polynomial.legendre.leggauss(GAUSS[self.dim])
         x, w = (x + 1) / 2, w / 2

@@ -17,7 +17,7 @@ class Method:
     name, title
         Its name in tables, and in sentences.
     source
-        The paper that it and its parameters come from.
+        What it and its parameters come from, by keys of docs/references.bib.
     walk
         Moves a run for ever, from one `yield` to the next, each where a look may be taken: the
         first before any step, the others at most `Run.block` steps on.

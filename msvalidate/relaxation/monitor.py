@@ -1,4 +1,4 @@
-"""What is seen of a relaxation: its looks, whether it diverges, and how far it has come."""
+"""What is seen of a relaxation: its history, whether it diverges, and how far it has come."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DIVERGED = 1e3
 """Displacement, in sizes of the body, that no equilibrium of interest has."""
 
 
-class Look(NamedTuple):
+class HistoryRow(NamedTuple):
     """Step, residual force (N) and kinetic energy (J) of a run at one moment."""
 
     step: int
@@ -26,7 +26,7 @@ class Look(NamedTuple):
 
 
 class Monitor:
-    """Looks at a run.
+    """Watches a run.
 
     Parameters
     ----------
@@ -35,23 +35,23 @@ class Monitor:
 
     Attributes
     ----------
-    looks
-        All looks so far, the first before any step.
+    history
+        All rows so far, the first before any step.
     """
 
     def __init__(self, run: Run) -> None:
         self.run = run
-        self.looks: list[Look] = []
+        self.history: list[HistoryRow] = []
         self._reach = DIVERGED * max(float(np.ptp(x)) for x in run.network.points.T)
 
-    def look(self) -> Look:
-        """Look at the run as it is now; raise `SolverError` if it has diverged."""
+    def record(self) -> HistoryRow:
+        """Add the run as it is now to the history; raise `SolverError` if it has diverged."""
         run = self.run
-        seen = Look(run.steps, max_abs(run.balance()), run.kinetic)
+        seen = HistoryRow(run.steps, max_abs(run.balance()), run.kinetic)
         near = max_abs(run.displacement) < self._reach
         if not (math.isfinite(seen.residual) and math.isfinite(seen.kinetic) and near):
             raise SolverError(self._diverged)
-        self.looks.append(seen)
+        self.history.append(seen)
         return seen
 
     @property
@@ -67,7 +67,7 @@ class Monitor:
     @property
     def unfinished(self) -> str:
         """What to say of a run that has used up its steps."""
-        run, last = self.run, self.looks[-1]
+        run, last = self.run, self.history[-1]
         return (
             f"{run.title} is not at rest after {run.steps} steps: {run.time_step}residual "
             f"{last.residual:.3g} N, kinetic energy {last.kinetic:.3g} J; "
@@ -90,14 +90,14 @@ class Monitor:
             dt=run.dt,
             damping=float(run.rate.max()),
             stability_limit=run.limit,
-            history=np.array(self.looks, dtype=float).reshape(-1, len(Look._fields)),
+            history=np.array(self.history, dtype=float).reshape(-1, len(HistoryRow._fields)),
             evaluations=run.evaluations,
             seconds=seconds,
         )
 
     def show(self, bar: tqdm[None]) -> None:
         """Show how far it is on the way to rest, in logarithms of the residual."""
-        first, last = self.looks[0].residual, self.looks[-1]
+        first, last = self.history[0].residual, self.history[-1]
         if not first:
             return
         target = self.run.test.target()

@@ -136,15 +136,14 @@ class _Multigrid:
 NEWTON = Method(
     "newton",
     "Newton's method",
-    "Nocedal and Wright (2006), Numerical Optimization, section 11.1; factor by SuperLU",
+    "[NocedalWright2006], section 11.1; factor by [SuperLU]",
     partial(_newton, _direct_moves),
     look_every=1,
 )
 NEWTON_MULTIGRID = Method(
     "newton_multigrid",
     "Newton's method by multigrid",
-    "Vaněk, Mandel and Brezina (1996), Computing 56, 179; Eisenstat and Walker (1996), SIAM J. "
-    "Sci. Comput. 17, 16; Bell, Olson and Schroder (2022), PyAMG, J. Open Source Softw. 7, 4142",
+    "[Vanek1996]; [EisenstatWalker1996]; hierarchy by [PyAMG2022]",
     partial(_newton, _Multigrid),
     look_every=1,
 )

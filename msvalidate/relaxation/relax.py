@@ -201,16 +201,16 @@ def _refuse_inaccurate(network: Network, found: Relaxation, error: float, title:
     )
 
 
-def _load_stages(way: LoadPath) -> list[Network]:
-    """The networks with what is applied at each stop of a way."""
-    held = way.network.held
+def _load_stages(path: LoadPath) -> list[Network]:
+    """The networks with what is applied at each stop of a path."""
+    held = path.network.held
     early = [
         replace(
-            way.network, force=way.force(t), displacement=np.where(held, way.prescribed(t), 0.0)
+            path.network, force=path.force(t), displacement=np.where(held, path.prescribed(t), 0.0)
         )
-        for t in way.stops[:-1]
+        for t in path.stops[:-1]
     ]
-    return [*early, way.network]
+    return [*early, path.network]
 
 
 def _check_stopping(
@@ -269,7 +269,7 @@ def _looked_after(
         bar_format="{desc}: {percentage:3.0f}% of the way to rest{postfix} [{elapsed}]",
     ) as bar:
         while True:
-            seen = monitor.look()
+            seen = monitor.record()
             if not bar.disable:
                 monitor.show(bar)
             at_ease = run.test.met(seen.residual, seen.kinetic)

@@ -169,18 +169,18 @@ def _conjugate_gradients(run: Run) -> Iterator[None]:
     run.most_steps = partial(step_limit, network.points.size)  # in exact arithmetic, so many
     stiffness = np.abs(tangent(network, network.points).diagonal()).reshape(network.points.shape)
     stiffness[stiffness == 0] = 1.0
-    way, before = np.zeros_like(run.displacement), 0.0
-    old = np.zeros_like(way)
+    direction, before = np.zeros_like(run.displacement), 0.0
+    old = np.zeros_like(direction)
     while True:
         yield
         force = run.balance().copy()
         steepest = force / stiffness
         turned = float(np.vdot(force - old, steepest))
-        way *= max(0.0, turned / before) if before else 0.0
-        way += steepest
-        if np.vdot(force, way) <= 0 or not _line_search(run, way):
-            way[:] = steepest
-            if not _line_search(run, way) and max_abs(force) > ROUNDED * run.test.rounding:
+        direction *= max(0.0, turned / before) if before else 0.0
+        direction += steepest
+        if np.vdot(force, direction) <= 0 or not _line_search(run, direction):
+            direction[:] = steepest
+            if not _line_search(run, direction) and max_abs(force) > ROUNDED * run.test.rounding:
                 raise SolverError(
                     f"{run.title}: no step along the force lowers its slope at iteration "
                     f"{run.steps + 1}; the network collapses under this load: reduce it"
@@ -189,23 +189,23 @@ def _conjugate_gradients(run: Run) -> Iterator[None]:
         run.moved(1)
 
 
-def _line_search(run: Run, way: Array) -> bool:
-    """Move along `way` to where no more than half of the slope is left; else stay, and say so.
+def _line_search(run: Run, direction: Array) -> bool:
+    """Move along `direction` to where half of the slope is left at most; else stay, and say so.
 
     No point moves by more than half of the shortest spring.
     """
-    slope = float(np.vdot(run.balance(), way))
+    slope = float(np.vdot(run.balance(), direction))
     if slope == 0:
         return False
-    bend = kernels.curvature(run.network, run.displacement, way)
+    bend = kernels.curvature(run.network, run.displacement, direction)
     run.moved(evaluations=1)
-    farthest = 0.5 * float(run.network.rest_length.min()) / max_abs(way)
+    farthest = 0.5 * float(run.network.rest_length.min()) / max_abs(direction)
     length = min(slope / bend, farthest) if bend > 0 else farthest
     start, near, far = run.displacement.copy(), 0.0, math.inf
     for _ in range(TRIALS):
-        run.displacement[:] = start + length * way
+        run.displacement[:] = start + length * direction
         run.moved(evaluations=1)
-        left = float(np.vdot(run.balance(), way))
+        left = float(np.vdot(run.balance(), direction))
         if abs(left) <= SLOPE_LEFT * slope or (left > 0 and length == farthest):
             return True
         near, far = (length, far) if left > 0 else (near, length)
@@ -221,28 +221,25 @@ RELAXATIONS = {
     "kinetic_damping": Method(
         "kinetic_damping",
         "kinetic damping",
-        "Cundall (1976), Explicit finite-difference methods in geomechanics; Barnes (1999), Int. "
-        "J. Space Struct. 14, 89",
+        "[Cundall1976]; [Barnes1999]",
         _kinetic_damping,
     ),
     "fire": Method(
         "fire",
         "FIRE",
-        "Bitzek et al. (2006), Phys. Rev. Lett. 97, 170201, with semi-implicit Euler steps",
+        "[Bitzek2006], with semi-implicit Euler steps",
         _fire,
     ),
     "adaptive": Method(
         "adaptive",
         "adaptive dynamic relaxation",
-        "Underwood (1983), Dynamic relaxation, in: Computational Methods for Transient Analysis; "
-        "Papadrakakis (1981), Comput. Methods Appl. Mech. Eng. 25, 35",
+        "[Underwood1983]; [Papadrakakis1981]",
         _adaptive_relaxation,
     ),
     "conjugate_gradients": Method(
         "conjugate_gradients",
         "nonlinear conjugate gradients",
-        "Polak and Ribière (1969), Rev. Fr. Inform. Rech. Opér. 3, 35, restarted as in Nocedal and "
-        "Wright (2006), Numerical Optimization, section 5.2",
+        "[PolakRibiere1969], restarted as in [NocedalWright2006], section 5.2",
         _conjugate_gradients,
         look_every=1,
     ),

@@ -60,8 +60,7 @@ def viscous(
     return Method(
         name,
         title or f"viscous {scheme.name}",
-        "the report's section 4 (Euler-Cromer); Papadrakakis (1981), Comput. Methods Appl. Mech. "
-        "Eng. 25, 35 (leapfrog with centred damping)",
+        "[Report], section 4 (Euler-Cromer); [Papadrakakis1981] (leapfrog with centred damping)",
         partial(_viscous, scheme, dt, damping),
     )
 

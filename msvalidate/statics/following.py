@@ -114,7 +114,7 @@ class PathResult:
     legs: list[tuple[PathPoint, PathPoint, bool | None]] = field(default_factory=list)
 
 
-def follow_path(way: LoadPath, solver: Solver) -> PathResult:
+def follow_path(path: LoadPath, solver: Solver) -> PathResult:
     """Follow a load path, halving each step that does not converge.
 
     `solver` inverts the tangents.
@@ -124,11 +124,11 @@ def follow_path(way: LoadPath, solver: Solver) -> PathResult:
     SolverError
         If the network is a mechanism where it stands.
     """
-    found = PathResult(way.start)
-    here, increment = PathPoint(0.0, way.start), 1.0
-    for stop in way.stops:
+    found = PathResult(path.start)
+    here, increment = PathPoint(0.0, path.start), 1.0
+    for stop in path.stops:
         while here.t < stop:
-            arrival = newton_step_along(way, solver, here, min(stop, here.t + increment))
+            arrival = newton_step_along(path, solver, here, min(stop, here.t + increment))
             found.solves += arrival.solves
             if arrival.station is None:
                 increment = min(increment, stop - here.t) / 2
@@ -140,16 +140,16 @@ def follow_path(way: LoadPath, solver: Solver) -> PathResult:
             found.position, found.reached = here.position, here.t
             end = arrival.factor
             found.factor = end if end is not None and is_inertia_certain(end) else None
-    found.passed_limit = _find_limit_point(way, solver, found)
+    found.passed_limit = _find_limit_point(path, solver, found)
     return found
 
 
 def newton_step_along(
-    way: LoadPath, solver: Solver, start: PathPoint, t: float, steps: int = ITERATIONS
+    path: LoadPath, solver: Solver, start: PathPoint, t: float, steps: int = ITERATIONS
 ) -> NewtonResult:
     """The stable equilibrium at `t` that Newton's method finds from a station, if it finds one."""
-    network, x = way.network_at(t), start.position
-    force, target = way.force(t), network.points + way.prescribed(t)
+    network, x = path.network_at(t), start.position
+    force, target = path.force(t), network.points + path.prescribed(t)
     rounding = 4 * force_roundoff(network)
     first, calm = None, True
     for iteration in range(steps):
@@ -168,7 +168,7 @@ def newton_step_along(
             if not _is_stable(network, x, K):
                 return NewtonResult(None, iteration + 1)
             there = PathPoint(t, x)
-            smooth = first is None or (calm and _is_smooth(way, start, there, first, K))
+            smooth = first is None or (calm and _is_smooth(path, start, there, first, K))
             return NewtonResult(there, iteration + 1, smooth, K.found)
         try:
             move = K.move(balance, ahead)
@@ -193,20 +193,20 @@ def _is_stable(network: Network, x: Array, K: Tangent) -> bool:
         return False
 
 
-def _is_smooth(way: LoadPath, a: PathPoint, b: PathPoint, first: Array, K: Tangent) -> bool:
+def _is_smooth(path: LoadPath, a: PathPoint, b: PathPoint, first: Array, K: Tangent) -> bool:
     """Whether the way from a to b has no sign of a jump; `first` is m_a, `K` the tangent at b."""
-    network = way.network_at(b.t)
+    network = path.network_at(b.t)
     i, j = network.springs.T
 
     def spring(move: Array) -> Array:
         return np.asarray(np.sqrt(((move[j] - move[i]) ** 2).sum(axis=1)))
 
     change = b.position - a.position
-    force = way.force(a.t), way.force(b.t)
+    force = path.force(a.t), path.force(b.t)
     load = force[1] - force[0]
-    if way.present is not None:
+    if path.present is not None:
         load = load + internal_force(network, b.position)
-        load = load - internal_force(way.network_at(a.t), b.position)
+        load = load - internal_force(path.network_at(a.t), b.position)
     last = K.move(load, np.where(network.held, change, 0.0))
     size = spring(change)
     size = np.maximum(size, SMALL * size.max(initial=0.0) + _position_rounding(b.position) / MISSED)
@@ -214,15 +214,15 @@ def _is_smooth(way: LoadPath, a: PathPoint, b: PathPoint, first: Array, K: Tange
         return False
     middle = (a.position + b.position) / 2 + (first - last) / 8
     try:
-        balance = internal_force(way.network_at((a.t + b.t) / 2), middle)
+        balance = internal_force(path.network_at((a.t + b.t) / 2), middle)
         balance += (force[0] + force[1]) / 2
     except SolverError:  # a spring without length
         return False
     return not (spring(K.move(balance, np.zeros(change.shape))) > MISSED * size).any()
 
 
-def _find_limit_point(way: LoadPath, solver: Solver, found: PathResult) -> float | None:
-    """T of the first limit point on the legs of a way; counts the solves it takes.
+def _find_limit_point(path: LoadPath, solver: Solver, found: PathResult) -> float | None:
+    """T of the first limit point on the legs of a path; counts the solves it takes.
 
     Source: limit points as in [Crisfield1991].
     """
@@ -230,17 +230,17 @@ def _find_limit_point(way: LoadPath, solver: Solver, found: PathResult) -> float
     while legs:
         a, b, smooth = legs.pop()
         if smooth is None:
-            onward = newton_step_along(way, solver, a, b.t, SEARCHING)
+            onward = newton_step_along(path, solver, a, b.t, SEARCHING)
             found.solves += onward.solves
             same = onward.station is not None and _is_same_point(onward.station, b, a)
             smooth = same and onward.smooth
         if smooth:
             continue
         if b.t - a.t <= RESOLVED:
-            if _is_jump(way, solver, a, b, found):
+            if _is_jump(path, solver, a, b, found):
                 return b.t
             continue
-        arrival = _point_between(way, solver, a, b.t, found)
+        arrival = _point_between(path, solver, a, b.t, found)
         if arrival.station is None:  # b was leapt to
             return a.t
         legs.append((arrival.station, b, None))
@@ -249,22 +249,22 @@ def _find_limit_point(way: LoadPath, solver: Solver, found: PathResult) -> float
 
 
 def _point_between(
-    way: LoadPath, solver: Solver, a: PathPoint, end: float, found: PathResult
+    path: LoadPath, solver: Solver, a: PathPoint, end: float, found: PathResult
 ) -> NewtonResult:
     """An equilibrium halfway from a to an end, or nearer to a where none is found there."""
     t = end
     while True:
         t = (a.t + t) / 2
-        arrival = newton_step_along(way, solver, a, t, SEARCHING)
+        arrival = newton_step_along(path, solver, a, t, SEARCHING)
         found.solves += arrival.solves
         if arrival.station is not None or t - a.t <= RESOLVED / 2:
             return arrival
 
 
-def _is_jump(way: LoadPath, solver: Solver, a: PathPoint, b: PathPoint, found: PathResult) -> bool:
+def _is_jump(path: LoadPath, solver: Solver, a: PathPoint, b: PathPoint, found: PathResult) -> bool:
     """Whether b, led back to the load of a, is not a."""
     try:
-        back = newton_step_along(way, solver, b, a.t, SEARCHING)
+        back = newton_step_along(path, solver, b, a.t, SEARCHING)
     except SolverError:
         return True
     found.solves += back.solves

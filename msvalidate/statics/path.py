@@ -94,12 +94,12 @@ def load_path(
     *,
     tightened: bool = False,
 ) -> LoadPath:
-    """The way of a network from a start to its own loads and displacements.
+    """The path of a network from a start to its own loads and displacements.
 
     Parameters
     ----------
     network
-        Its force and displacement are where the way ends.
+        Its force and displacement are where the path ends.
     path
         By default in proportion, with no stop before the end.
     start
@@ -116,11 +116,11 @@ def load_path(
     if given is not None:
         _refuse_other_end(network, given)
     present = spring_vectors(network, x)[1] if tightened else None
-    way = LoadPath(network, x, stops, given, start is not None, present)
-    left = internal_force(way.network_at(0.0), x) + way.load(0.0)
+    begun = LoadPath(network, x, stops, given, start is not None, present)
+    left = internal_force(begun.network_at(0.0), x) + begun.load(0.0)
     rounding = 4 * force_roundoff(network)
     left = np.where(network.held | (np.abs(left) <= rounding), 0.0, left)
-    return replace(way, released=left)
+    return replace(begun, released=left)
 
 
 def _check_stops(path: Path | None) -> tuple[float, ...]:

@@ -10,9 +10,8 @@ to that of the forces from outside, Σ F⊗x: stress times volume, whatever the 
 - `fitted_stress`: at any place: the strain of a polynomial through the displacements of points near
   by, times the solid's tensor. Of higher order, and the one for values at a boundary.
 
-The virial is that of Clausius (1870) with the part of the motion left out; the mean over cells of
-a network is in Born and Huang, *Dynamical Theory of Crystal Lattices* (1954). Stresses are Voigt's,
-xx, yy, xy or xx, yy, zz, yz, xz, xy, in Pa.
+The virial is that of [Clausius1870] with the part of the motion left out; the mean over cells of a
+network is in [BornHuang1954]. Stresses are Voigt's, xx, yy, xy or xx, yy, zz, yz, xz, xy, in Pa.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from msvalidate.tangent.mechanism import describe_motion, is_mechanism
 from msvalidate.tangent.multigrid import (
     UNSEEN,
     Cycle,
-    Solved,
+    MultigridSolution,
     conjugate_gradients,
     make_cycle,
     softest_motion,
@@ -108,7 +108,7 @@ class Cycles:
         found = self._settled(load, ROUGHLY)
         return found.solution[self._free], not found.negative and found.left <= ROUGHLY
 
-    def _settled(self, right: Array, part: float) -> Solved:
+    def _settled(self, right: Array, part: float) -> MultigridSolution:
         """What conjugate gradients make of a load (f,), with a cycle of its own where it must."""
         while True:
             load = np.zeros(self.A.shape[0])
@@ -126,7 +126,7 @@ class Cycles:
 def refuse_mechanism_motion(A: bsr_array, network: Network, position: Array) -> None:
     """Raise `SolverError` if a motion is found that meets no stiffness: a long search.
 
-    `A` is `restrained` at `position` (n, d) in m.
+    `A` is `restrained_tangent` at `position` (n, d) in m.
     """
     mode = softest_motion(A, network, position)
     if mode.any() and is_mechanism(network, position, mode, A.diagonal()):

@@ -106,7 +106,7 @@ class Cycle:
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class MultigridSolution:
     """What conjugate gradients found.
 
     Parameters
@@ -227,12 +227,12 @@ def conjugate_gradients(
     *,
     most: int = MOST_CYCLES,
     spectral: bool = False,
-) -> Solved:
+) -> MultigridSolution:
     """Solve A x = force (n·d,) in N until the residual and the error are `part` of the first.
 
     The error is what a cycle makes of the residual: that hardly knows of a slender body's bending.
     If `spectral`, both are to be smaller by the lowest eigenvalue, of which the error may be one
-    over as large: conjugate gradients know it (Lanczos; Golub and Van Loan 2013, section 11.3).
+    over as large: conjugate gradients know it (Lanczos; [GolubVanLoan2013], section 11.3).
 
     Source: [HestenesStiefel1952].
     """
@@ -241,7 +241,7 @@ def conjugate_gradients(
     first = _norm(force), _norm(ahead)
     direction, power, left = ahead.copy(), _dot(residual, ahead), 1.0
     if not all(first):  # no load, or one whose squares are too small for numbers
-        return Solved(x, 0, float(force.any()), negative=False)
+        return MultigridSolution(x, 0, float(force.any()), negative=False)
     lengths: list[float] = []
     turns: list[float] = []
     lowest = math.inf
@@ -250,7 +250,7 @@ def conjugate_gradients(
         stiff = _dot(direction, push)
         if not (stiff > 0 and power > 0):
             negative = bool(stiff <= 0 or power <= 0)
-            return Solved(x, len(lengths), left, negative, lowest)
+            return MultigridSolution(x, len(lengths), left, negative, lowest)
         lengths.append(power / stiff)
         x += lengths[-1] * direction
         residual -= lengths[-1] * push
@@ -263,7 +263,7 @@ def conjugate_gradients(
         direction += ahead
         if spectral and left <= part:
             lowest = _lowest_eigenvalue(np.array(lengths), np.array(turns))
-    return Solved(x, len(lengths), left, negative=False, lowest=lowest)
+    return MultigridSolution(x, len(lengths), left, negative=False, lowest=lowest)
 
 
 def _lowest_eigenvalue(lengths: Array, turns: Array) -> float:

@@ -166,7 +166,7 @@ def turning_point(
 ) -> ActuatedSlab:
     """The equilibrium with the largest voltage, followed from `start` over the charge.
 
-    The charge is raised until the voltage falls, and then sought between (Brent 1973).
+    The charge is raised until the voltage falls, and then sought between [Brent1973].
 
     Parameters
     ----------

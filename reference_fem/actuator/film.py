@@ -6,7 +6,7 @@ stretch λ. Per volume of the film at rest the free energy at a fixed voltage V 
     W(λ, l) - ½ ε (V/h)² λ^(d-1)/l,
 
 the second term the energy of its capacitance, of which equal and opposite charges pay twice. At
-rest its derivatives vanish (Zhao and Suo 2007, doi:10.1063/1.2768641):
+rest its derivatives vanish [ZhaoSuo2007]:
 
     -∂W/∂l = ½ ε (V/h)² λ^(d-1)/l²       and, of free sides,       λ ∂W/∂λ = -(d - 1) l ∂W/∂l.
 

@@ -1,7 +1,9 @@
-"""Fixed points of an expensive map, by Anderson acceleration (Anderson 1965).
+"""Fixed points of an expensive map, by Anderson acceleration.
 
 Of the differences of points and of their images the combination is taken that makes the next
-movement least; Walker and Ni (2011), doi:10.1137/10078356X, equation 2.1, without damping.
+movement least, without damping.
+
+Source: [Anderson1965]; [WalkerNi2011], equation 2.1.
 """
 
 from __future__ import annotations

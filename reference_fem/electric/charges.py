@@ -107,7 +107,7 @@ def solve_charges(
     Parameters
     ----------
     mesh
-        As `slab_mesh` or `moved_air` give it.
+        As `slab_mesh` or `move_air` give it.
     voltages
         (k,) of the electrodes (V); those of the slab's statement by default.
     far

@@ -1,8 +1,8 @@
 """Where the lines of a slab's mesh stand: graded to edges of electrodes and corners of the slab.
 
 At an edge of an electrode the potential goes as √r. Elements of degree p keep their order there if
-lines stand at distances s^g from it, s evenly spaced, with g > 2p in theory (Babuška, Kellogg and
-Pitkäranta 1979, doi:10.1007/BF01399326); energies already have order 3 with g = 3. Farther out the
+lines stand at distances s^g from it, s evenly spaced, with g > 2p in theory
+[BabuskaKelloggPitkaranta1979]; energies already have order 3 with g = 3. Farther out the
 lines grow geometrically, so that a far boundary at many lengths of the slab costs little. Twice as
 many lines are the same lines and one between each two.
 """

@@ -41,7 +41,7 @@ SHORTENINGS = 8
 """Times that a step may be halved before the part of the load is."""
 DESCENT = 0.8
 """Of the slope of the energy along a step, what may be left at its end: above it, the step went too
-far or turned back (Crisfield 1991, Non-linear Finite Element Analysis, section 9.2)."""
+far or turned back ([Crisfield1991], section 9.2)."""
 
 
 @dataclass(frozen=True, eq=False)

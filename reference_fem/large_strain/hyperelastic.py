@@ -59,9 +59,9 @@ def refuse_other_laws(law: object) -> None:
 class NeoHookean:
     """W = μ/2 (F:F - d - 2 ln J) + λ/2 (ln J)², with J = det F.
 
-    The volumetric form is that of Simo and Pister (1984), doi:10.1016/0045-7825(84)90062-8, in
-    ln J: other neo-Hookean laws with the same μ and λ differ at large strain. In the plane d = 2 is
-    plane strain of the solid: the stretch across is 1 and adds nothing.
+    The volumetric form is that of [SimoPister1984], in ln J: other neo-Hookean laws with the same μ
+    and λ differ at large strain. In the plane d = 2 is plane strain of the solid: the stretch
+    across is 1 and adds nothing.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ class Fibres:
     """W = Σ ½ k (|F r| - |r|)² / cell: a lattice of springs that follows F as a whole.
 
     The rule of Cauchy and Born: exact where the deformation is uniform, as each point is then a
-    centre of symmetry (Born and Huang 1954, §11). It differs from the lattice by the gradients of F
+    centre of symmetry ([BornHuang1954], §11). It differs from the lattice by the gradients of F
     over a spacing and by what its surface cuts. The spacing enters by r²/cell alone.
 
     Parameters

@@ -1,7 +1,7 @@
 """Cells with curved sides: which they are, the map onto them, and whether it folds.
 
 The map from the unit cell is x(ξ) = Σ x_k φ_k(ξ), with the element's own functions (isoparametric:
-Zienkiewicz, Taylor and Zhu 2013, doi:10.1016/C2009-0-24909-9, chapter 5).
+[ZienkiewiczTaylorZhu2013], chapter 5).
 """
 
 from __future__ import annotations
@@ -44,8 +44,7 @@ def refuse_folded(points: Array, cells: Index, number: Index, kind: Element) -> 
 
     Its Jacobian is a polynomial, so it lies between the least and the largest of its Bernstein
     coefficients, and the coefficients at corners are values of it. A cell is halved (de Casteljau)
-    until all of them are above zero or one at a corner is not (Johnen, Remacle and Geuzaine 2013,
-    doi:10.1016/j.jcp.2012.08.051).
+    until all of them are above zero or one at a corner is not [JohnenRemacleGeuzaine2013].
 
     Parameters
     ----------

@@ -31,8 +31,8 @@ class Element:
         Of the polynomials that it holds on parallelograms, parallelepipeds and simplices.
     complete
         Of those that it holds on any cells with straight edges. Below `degree` the error in the
-        mean falls by an order less on cells that are no parallelograms (Arnold, Boffi and Falk
-        2002, doi:10.1090/S0025-5718-02-01439-4).
+        mean falls by an order less on cells that are no parallelograms
+        [ArnoldBoffiFalk2002].
     integration_order
         Polynomial degree integrated exactly. The library's default is far higher: it costs several
         times as much and differs from the usual Gauss rules.
@@ -198,7 +198,7 @@ HALVES = (((0, 0), (1, 0), (1, 1)), ((0, 0), (1, 1), (0, 1)))
 
 
 def _six_tetrahedra() -> tuple[Rings, ...]:
-    """The six that share a unit cube's rising diagonal (Kuhn 1960).
+    """The six that share a unit cube's rising diagonal [Kuhn1960].
 
     Each goes from the lowest corner to the highest along three edges, one for each order of axes.
     """

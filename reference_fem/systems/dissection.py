@@ -1,9 +1,9 @@
 """Order of the unknowns for a factor: nested dissection of a mesh by the places of its cells.
 
 A body is cut in two halves, these in halves, and so on; the nodes that two halves share come after
-all that they part (George 1973, doi:10.1137/0710032). A factor's entries then grow as n log n in
-the plane and n^(4/3) in space, no ordering's less (Hoffman, Martin and Rose 1973,
-doi:10.1137/0710035). The mesh knows where its cells are, so that the cuts cost a few sorts.
+all that they part [George1973]. A factor's entries then grow as n log n in the plane and n^(4/3) in
+space, no ordering's less [HoffmanMartinRose1973]. The mesh knows where its cells are, so that the
+cuts cost a few sorts.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Factors of a symmetric positive stiffness: SciPy's SuperLU, or CHOLMOD where cvxopt is there."""
+"""Factors of a symmetric positive stiffness: SciPy's SuperLU, or CHOLMOD where cvxopt is there.
+
+Source: [SuperLU]; [CHOLMOD], by [cvxopt].
+"""
 
 from __future__ import annotations
 

@@ -3,10 +3,9 @@
 A factor of a slender body's matrix is off by the rounding of the entries times the condition, which
 grows as the fourth power of length over thickness: at 10,000 to 1 nothing is left. The residual of
 an answer, though, can be had from strains of differences (`Gradients`) far more exactly, and the
-same factor turns it into a correction (Wilkinson 1963, Rounding Errors in Algebraic Processes,
-chapter 3; Higham 2002, doi:10.1137/1.9780898718027, chapter 12). Where even that does not contract,
-corrections are combined so that the energy of the error is least, as in conjugate gradients with
-every direction kept (Notay 2000, doi:10.1137/S1064827599362314).
+same factor turns it into a correction ([Wilkinson1963], chapter 3; [Higham2002], chapter 12). Where
+even that does not contract, corrections are combined so that the energy of the error is least, as
+in conjugate gradients with every direction kept [Notay2000].
 """
 
 from __future__ import annotations
@@ -308,8 +307,8 @@ def change_by_rewriting(
 def add_with_remainder(value: Array, rest: Array, change: Array) -> tuple[Array, Array]:
     """A sum of value and rest with a change, as its doubles and the digits that these cannot hold.
 
-    The rounding of a sum is a double itself, and six operations find it (Knuth 1997, The Art of
-    Computer Programming, volume 2, section 4.2.2).
+    The rounding of a sum is a double itself, and six operations find it ([Knuth1997],
+    section 4.2.2).
     """
     change = change + rest
     total = value + change

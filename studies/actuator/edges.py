@@ -2,8 +2,8 @@
 
 The charge of an edge grows with the inverse root of the distance, and pulls on a single point with
 a finite force along the electrode, outwards. It is the energy that the edge gains as it moves,
-F = ½V²·dC/dx. Under a point force on a wedge stresses fall as 1/r (Michell 1902; Timoshenko and
-Goodier, Theory of Elasticity, §§36-38): with Θ the opening, b the bisector and p across it,
+F = ½V²·dC/dx. Under a point force on a wedge stresses fall as 1/r ([Michell1902];
+[TimoshenkoGoodier1970], §§36-38): with Θ the opening, b the bisector and p across it,
 
     σ_rr = -(1/r)·[F_b·cosθ/(Θ/2 + ½sinΘ) + F_p·sinθ/(Θ/2 - ½sinΘ)],
 

@@ -2,9 +2,9 @@
 
 Question   Deflection of the end's middle, and where the field is farthest from the exact one.
 Candidate  Linear equilibrium of square cells, springs shared.
-Reference  The exact field (Timoshenko and Goodier 1970, Theory of Elasticity, art. 21; in the
-           form of Augarde and Deeks 2008, doi:10.1016/j.finel.2008.01.010), prescribed where the
-           beam is held, so that no corner is singular. With y from the beam's axis and P downward
+Reference  The exact field ([TimoshenkoGoodier1970], art. 21; in the form of
+           [AugardeDeeks2008]), prescribed where the beam is held, so that no corner is singular.
+           With y from the beam's axis and P downward
 
                u_x =  P y/(6EI) ((6L - 3x) x + (2 + nu)(y² - D²/4)),
                u_y = -P/(6EI) (3 nu y² (L - x) + (4 + 5 nu) D² x/4 + (3L - x) x²),

@@ -2,8 +2,8 @@
 
 Question   Deflection of the middle of the right edge, (48, 52), in the problem's own units.
 Candidate  Linear equilibrium of springs: a square lattice cut to the outline, and a spring on every
-           edge of a mesh (van Gelder 1998), of quadrilaterals with diagonals and of triangles.
-Reference  23.967 for E = 1, nu = 1/3, F = 1 (Cook 1974, J. Struct. Div. ASCE 100, posed it; the
+           edge of a mesh [vanGelder1998], of quadrilaterals with diagonals and of triangles.
+Reference  23.967 for E = 1, nu = 1/3, F = 1 ([Cook1974] posed it; the
            value is that of fine meshes, 23.96 in most of the literature), and our own limit by
            quadratic elements graded to the corners.
 Expected   The clamped upper corner measures 108 degrees: its exponent λ makes order 2λ on even

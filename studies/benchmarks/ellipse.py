@@ -4,7 +4,7 @@ Question   σ_yy at (2, 0) m of a quarter of a membrane 0.1 m thick between the 
            (x/2)² + y² = 1 and (x/3.25)² + (y/2.75)² = 1, under an outward pressure of 10 MPa on the
            outer one; E = 210 GPa, nu = 0.3, mirror symmetry about both axes.
 Candidate  Square cells cut to the outline: springs alone (nu = 1/3), with volume energy (nu = 0.3).
-Reference  92.7 MPa (NAFEMS 1990, The Standard NAFEMS Benchmarks, LE1). More digits: the ellipses
+Reference  92.7 MPa ([NAFEMS1990], LE1). More digits: the ellipses
            share their foci, so a conformal map makes circles of them and Kolosov's potentials
            Laurent series (`potentials`). Quadratic elements on the same conformal map.
 Expected   Nothing of the series depends on nu: the hole bears no resultant, which is what Michell's

@@ -3,7 +3,7 @@
 Question   Stress on the hole's side, across the tension and along it, of a piece of an endless
            plate; of elements shear and von Mises stress between the two as well.
 Candidate  Square cells cut to the outline, springs alone (nu = 1/3).
-Reference  Kirsch's field (1898; Timoshenko and Goodier 1970, Theory of Elasticity, art. 35): 3 and
+Reference  Kirsch's field ([Kirsch1898]; [TimoshenkoGoodier1970], art. 35): 3 and
            -1 times the tension.
 Expected   A piece of the endless plate is given the exact tractions on its rim, so nothing is left
            but the mesh: order 2 of elements' stresses at nodes, and of springs' by a quadratic fit.

@@ -5,11 +5,11 @@ Question   Displacement of the inner points, mean stress, and stress at the poin
            seven hexahedra; at a negative Poisson's ratio too.
 Candidate  Linear equilibrium of springs: regular lattices in the patch's outline, and a spring on
            every edge of the irregular patch cut into triangles.
-Reference  The field itself (MacNeal and Harder 1985, doi:10.1016/0168-874X(85)90003-4).
+Reference  The field itself [MacNealHarder1985].
 Expected   Elements are exact, for they hold every linear field. Regular lattices are, for the
            springs at an inner point balance by symmetry. At an irregular point they do not: no
-           constants make springs on edges of any triangles an element (van Gelder 1998,
-           doi:10.1080/10867651.1998.10487490), whose E·area/length² is used here.
+           constants make springs on edges of any triangles an element [vanGelder1998],
+           whose E·area/length² is used here.
 """
 
 from __future__ import annotations

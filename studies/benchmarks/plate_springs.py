@@ -4,7 +4,7 @@ Question   σ_yy at (2, 0, 0.6) m of the plate of `thick_plate`, and how far the
            first with the rim held all over, which has a limit, then with its line held.
 Candidate  Cubes cut to the plate, 18 neighbours, with volume energy (nu = 0.3).
 Reference  Quadratic hexahedra with cells graded towards the edges of the rim that is held. For the
-           line, -5.38 MPa (NAFEMS 1990).
+           line, -5.38 MPa [NAFEMS1990].
 Expected   A support holds every point of the cells that the rim runs through. They stand as a wall
            (|cos t| + |sin t|)/2 spacings deep where the rim's normal is at t from an axis, 2/π in
            the mean: so the lattice's plate has its rim as much further out. The wall has steps of

@@ -1,7 +1,6 @@
 """Plane bodies with a hole by Kolosov's potentials: stresses to many digits, without a mesh.
 
-Of a plane body without body forces the stresses are (Muskhelishvili 1963, Some Basic Problems of
-the Mathematical Theory of Elasticity, §§ 32, 39)
+Of a plane body without body forces the stresses are ([Muskhelishvili1963], §§ 32, 39)
 
     σ_xx + σ_yy = 4 Re Φ,      σ_yy - σ_xx + 2i σ_xy = 2 (z̄ Φ' + Ψ),
 
@@ -11,7 +10,7 @@ with Φ = φ'(z) and Ψ = ψ'(z) analytic in the body. On a side whose outward n
 
 Where no hole has a resultant, displacements are single-valued without logarithms, and no material
 constant is left in φ, ψ and the sides' tractions: stresses are the same for every nu, in plane
-stress as in plane strain (Michell 1899). Here φ and ψ are odd Laurent polynomials with real
+stress as in plane strain [Michell1899]. Here φ and ψ are odd Laurent polynomials with real
 coefficients, for bodies and loads symmetric about both axes, in z or in a variable ζ that is mapped
 onto it; tractions are met at many places by least squares. What is missed on the sides bounds what
 is wrong inside.

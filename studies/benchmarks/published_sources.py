@@ -1,4 +1,9 @@
-"""Where a published table of springs beside elasticity was sought, and what could be had of it."""
+"""Where a published table of springs beside elasticity was sought, and what could be had of it.
+
+In the order of the table: [Brisard2021, Hansen1996, Golec2020, Golec2018, KotNagahashiSzymczak2015,
+KotNagahashi2015, Baudet2009, LloydSzekelyHarders2007, vanGelder1998, OstojaStarzewski2002, Kot2021,
+LiHe2026, SuryawanshiGupta2023].
+"""
 
 from __future__ import annotations
 

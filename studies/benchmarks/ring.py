@@ -5,7 +5,7 @@ Question   Displacement and stress along the hoop of a ring of radii 1 and 2 m, 
            stress; the displacement also where nu nears 1/2 in plane strain.
 Candidate  Square cells cut to the outline, with volume energy where nu is not 1/3; plane strain
            with volume energy alone.
-Reference  Lamé's field (Timoshenko and Goodier 1970, Theory of Elasticity, art. 28), in plane
+Reference  Lamé's field ([TimoshenkoGoodier1970], art. 28), in plane
            stress
 
                u(r) = p a²/(E (b² - a²)) ((1 - nu) r + (1 + nu) b²/r),

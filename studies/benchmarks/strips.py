@@ -4,8 +4,7 @@ Question   Largest stress on the hole of a strip in tension, of which the hole t
            the width, over the mean stress of the net section: K_tn.
 Candidate  Square cells cut to the outline, springs alone (nu = 1/3).
 Reference  Quadratic elements, and Kolosov's potentials as another way to the same value. Beside
-           them Heywood's K_tn = 2 + (1 - d/W)³ (Heywood 1952, Designing by Photoelasticity), a fit
-           to measurements and series.
+           them Heywood's K_tn = 2 + (1 - d/W)³ [Heywood1952], a fit to measurements and series.
 Expected   Elements and potentials agree within what both leave uncertain. Heywood is no limit that
            meshes go to: the table says how far it is from elements. A strip three times as long as
            wide is endless: what its ends do decays as exp(-4.2 y/W) on its way to the hole, and as

@@ -4,7 +4,7 @@ Question   σ_yy at (2, 0, 0.6) m, on the upper face, of a quarter of a plate 0.
            ellipses of LE1 under a pressure of 1 MPa from above; E = 210 GPa, nu = 0.3. The rim
            is held across (u_x = u_y = 0), and along its middle line, z = 0.3 m, upwards as well.
 Candidate  None here: springs are asked in `plate_springs`.
-Reference  -5.38 MPa (NAFEMS 1990, The Standard NAFEMS Benchmarks, LE10). Quadratic hexahedra.
+Reference  -5.38 MPa ([NAFEMS1990], LE10). Quadratic hexahedra.
 Expected   A line in a solid has no capacity: a line load of q per length sinks in by
            q (3 - 4 nu)/(4 pi G (1 - nu)) ln(1/h) on a side that is held across (Kelvin's line
            force, doubled by the mirror), for ever deeper with the cells' size h. So the plate sinks

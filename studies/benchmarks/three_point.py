@@ -36,7 +36,7 @@ LENGTH, HEIGHT, LOADED, LOAD, MODULUS = 8.0, 1.0, 1.0, 100.0, 1e5
 """m, m, m of the top, N and Pa, one metre thick; the answer is linear."""
 BEAM = Box((LENGTH, HEIGHT))
 INERTIA, SHAPE_FACTOR = HEIGHT**3 / 12, 5 / 6
-"""κ of a rectangular section in shear (Reissner 1945)."""
+"""κ of a rectangular section in shear [Reissner1945]."""
 MIDSPAN = np.array([[LENGTH / 2, HEIGHT / 2]])
 SIZES, QUICK_SIZES = (4, 8, 16, 32), (4, 8, 16)
 """Cells through the height."""

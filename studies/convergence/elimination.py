@@ -2,9 +2,8 @@
 
 No number is computed, so the counts are the same on every machine, and those of any program that
 eliminates the nodes in the same order. What is counted is a Cholesky factor: a column of c entries
-takes c² products, half of them if symmetry is used, as is usual (George and Liu 1981, Computer
-Solution of Large Sparse Positive Definite Systems, section 2.2.2). Programs that keep both
-triangles have twice the entries.
+takes c² products, half of them if symmetry is used, as is usual ([GeorgeLiu1981], section 2.2.2).
+Programs that keep both triangles have twice the entries.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ def nodes_below(links: csr_matrix, order: Index) -> Index:
     """Nodes (n,) below the diagonal in each column of the factor.
 
     A column has what its own row of the matrix has, and what the columns have whose first node
-    below the diagonal it is: its children in the elimination tree (Liu 1990, doi:10.1137/0611010).
+    below the diagonal it is: its children in the elimination tree [Liu1990].
     """
     links = links[order][:, order].tocsr()
     size = len(order)

@@ -9,9 +9,9 @@ Reference  Exponents by theory. Of elements: the factor of the order that `refer
            in, counted entry by entry, and the steps of its multigrid.
 Expected   The lowest frequency falls as 1/L, the highest is fixed by the spacing: steps grow as the
            cells along an edge, nodes^(1/3), and work as nodes^(4/3). A factor by nested dissection
-           has unknowns^(4/3) entries and takes unknowns^2 products (George 1973,
-           doi:10.1137/0710032; in space Lipton, Rose and Tarjan 1979, doi:10.1137/0716027): n^6
-           along an edge. A full matrix takes n^9. Multigrid takes as many steps at any size: n^3.
+           has unknowns^(4/3) entries and takes unknowns^2 products ([George1973]; in space
+           [LiptonRoseTarjan1979]): n^6 along an edge. A full matrix takes n^9. Multigrid takes as
+           many steps at any size: n^3.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ def tetrahedra(nodes: int) -> Network:
 
 
 def strewn(nodes: int, dim: int, seed: int = 0) -> Network:
-    """Random points, in random order, joined as Delaunay (1934) does; one tenth is held."""
+    """Random points, in random order, joined as Delaunay [Delaunay1934] does; one tenth is held."""
     rng = np.random.default_rng(seed)
     spacing = SIDE * nodes ** (-1 / dim)
     points = SIDE * rng.random((nodes, dim))

@@ -3,7 +3,7 @@
 Question   Seconds to assemble the stiffness of a clamped block and to solve for its displacement,
            in the plane and in space, against the unknowns; and for many loads on one body.
 Candidate  `reference_fem` as it chooses: first order, E = 1 Pa, nu = 0.3.
-Reference  `scipy.sparse.linalg.spsolve` of the same matrix, and NGSolve, its own matrix and its
+Reference  `scipy.sparse.linalg.spsolve` of the same matrix, and [NGSolve], its own matrix and its
            sparse Cholesky, where it is installed.
 Expected   The same displacement by every way. In space a factor grows as the square of the
            unknowns, multigrid as the unknowns.

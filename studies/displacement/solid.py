@@ -59,7 +59,7 @@ QUICK_BODIES = (
     ("cantilever", "cubic 18"),
 )
 SHAPE_FACTOR = 5 / 6
-"""κ of a rectangular section in shear (Reissner 1945)."""
+"""κ of a rectangular section in shear [Reissner1945]."""
 CONVERGED = 5e-3
 TOLERANCES = (
     Tolerance(

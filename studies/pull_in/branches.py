@@ -5,7 +5,7 @@
 - `inside`: points within a height of the ends are held where an infinite slab has them at each
   voltage, so that there is no edge to give way first, and the rest is in equilibrium.
 
-Held where they start, as `actuator.without_tips` has them, the points at the edges would leave a
+Held where they start, as `actuator.fix_near_tips` has them, the points at the edges would leave a
 step in the surface that is an edge of its own.
 """
 

@@ -7,11 +7,10 @@ Reference  Closed forms (`dielectric.actuator.uniform`). Of creases there is the
            neither springs nor smooth elements fold by themselves, and nothing is asked of them.
 Expected   Stress linear in the thickness, area held: l = 2/3, V² = 8Ch²/27ε, the third of the gap
            of electrostatic actuators. The lattice, area held: l = 0.692. A free neo-Hookean sheet:
-           stretch 2^(1/3), thickness 0.630, nominal field 0.687, true field 1.091 √(μ/ε) (Zhao and
-           Suo 2007, doi:10.1063/1.2768641). In plane strain the nominal field
-           (1 - λ⁻⁴)^½ rises for ever: no pull-in. A bonded film that keeps its volume: √2 as waves
-           shorten. Creases come before these waves: linear stability overestimates the field
-           (Wang, Zhang and Zhao 2011, doi:10.1103/PhysRevLett.106.118301).
+           stretch 2^(1/3), thickness 0.630, nominal field 0.687, true field 1.091 √(μ/ε)
+           [ZhaoSuo2007]. In plane strain the nominal field (1 - λ⁻⁴)^½ rises for ever: no pull-in.
+           A bonded film that keeps its volume: √2 as waves shorten. Creases come before these
+           waves: linear stability overestimates the field [WangZhangZhao2011, WangTahir2011].
 """
 
 from __future__ import annotations

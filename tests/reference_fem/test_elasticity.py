@@ -65,7 +65,7 @@ def test_independent_values(path):
 
 # --- patch test -----------------------------------------------------------------------------------
 
-# MacNeal and Harder 1985, doi:10.1016/0168-874X(85)90003-4: the mesh of their membrane patch test.
+# [MacNealHarder1985]: the mesh of their membrane patch test.
 OUTLINE = [(0, 0), (0.24, 0), (0.24, 0.12), (0, 0.12)]
 INNER = [(0.04, 0.02), (0.18, 0.03), (0.16, 0.08), (0.08, 0.08)]
 QUADRILATERALS = [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7)]

@@ -246,7 +246,7 @@ def test_rates_on_curved_cells(element):
 def cylinder(nu, element, mixed, n=4):
     """Error of the displacement at the nodes of a thick cylinder under pressure, plane strain.
 
-    Lamé and Clapeyron 1833: u = (1 + nu) p a²/(E (b² - a²)) ((1 - 2nu) r + b²/r), a = 1, b = 2.
+    [LameClapeyron1833]: u = (1 + nu) p a²/(E (b² - a²)) ((1 - 2nu) r + b²/r), a = 1, b = 2.
     """
     flat = reference_fem.box_discretisation(Box((1.0, 1.0)), (n, 2 * n), element)
     radius, angle = 1 + flat.points[:, 0], np.pi / 2 * flat.points[:, 1]

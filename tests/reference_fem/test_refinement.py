@@ -330,7 +330,7 @@ def test_error_of_a_body_with_singular_corners_is_covered(grading):
     assert estimate.status == ("asymptotic",)
     assert np.abs(estimate.value - TIP) <= estimate.uncertainty
     if grading == 1.0:
-        # Twice the exponent at a corner clamped on one side (Williams 1952).
+        # Twice the exponent at a corner clamped on one side [Williams1952].
         assert 1.3 < estimate.order[0] < 1.6
 
 

@@ -74,7 +74,7 @@ def distorted(element, seed=0, n=3, box=BOX):
     return points, body.cells.copy()
 
 
-# After MacNeal and Harder 1985, doi:10.1016/0168-874X(85)90003-4: a hexahedron and six about it.
+# After [MacNealHarder1985]: a hexahedron and six about it.
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 OUTER = [(x, y, z) for z in (0, 1) for x, y in SQUARE]
 INNER = [

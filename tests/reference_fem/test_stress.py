@@ -206,8 +206,7 @@ def test_bad_questions_are_named():
 def elliptic_membrane(element, n):
     """σyy (Pa) at D of the quarter of a plate between two ellipses, pulled outwards by 10 MPa.
 
-    National Agency for Finite Element Methods and Standards 1990, The Standard NAFEMS Benchmarks,
-    test LE1: x²/4 + y² = 1 within, (x/3.25)² + (y/2.75)² = 1 without, thickness 0.1 m.
+    [NAFEMS1990], test LE1: x²/4 + y² = 1 within, (x/3.25)² + (y/2.75)² = 1 without, 0.1 m thick.
     """
     flat = reference_fem.box_discretisation(Box((1.0, 1.0)), (n, 2 * n), element)
     s, t = flat.points.T

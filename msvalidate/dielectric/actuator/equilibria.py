@@ -41,7 +41,7 @@ class ActuatorEquilibrium:
     displacement
         (n, 2) from the network's points (m).
     charges
-        As its model describes them; of the "plane" model `electrostatics.Charges`.
+        As its model describes them; of the "plane" model `charges.moments.Charges`.
     iterations
         Linear solves on the way from the start, without those of refused steps.
     residual

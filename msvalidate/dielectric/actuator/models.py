@@ -323,13 +323,13 @@ class Model:
 
     Parameters
     ----------
-    electrified
-        What it makes of a device at positions (n, 2) in m and a voltage (V).
+    charge
+        Makes charges of a device at positions (n, 2) in m and a voltage (V).
     refuse
         Raises `ProblemError` for a device that it is not for.
     """
 
-    electrified: Callable[[Device, Array, float], Electric]
+    charge: Callable[[Device, Array, float], Electric]
     refuse: Callable[[Device], None] = _accept
 
 
@@ -350,4 +350,4 @@ def charge_actuator(device: Device, position: Array, voltage: float) -> Electric
     ProblemError
         If electrodes cross or touch there.
     """
-    return MODELS[device.model].electrified(device, position, voltage)
+    return MODELS[device.model].charge(device, position, voltage)

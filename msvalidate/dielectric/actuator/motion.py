@@ -98,17 +98,19 @@ def relax_actuator(
     finite_number("tolerance", tolerance, above=0, most=LOOSEST)
     every = whole_number("charges_every", charges_every, 1)
     step, rate, patience = _time_stepping(actuator.network, dt, damping, tolerance, max_steps)
-    run, looks = _Run(actuator, volts, start, step, rate), []
+    run, history = _Run(actuator, volts, start, step, rate), []
     for count in range(patience + 1):
-        look = count % LOOK_EVERY == 0
-        if look or count % every == 0:
+        is_recorded = count % LOOK_EVERY == 0
+        if is_recorded or count % every == 0:
             run.charge(count)
-        if look:
-            looks.append(run.look(count))
-            if run.resting(looks[-1], tolerance):
-                return RelaxedActuator(run.held(count), step, rate, np.array(looks), run.charged)
+        if is_recorded:
+            history.append(run.measure(count))
+            if run.is_at_rest(history[-1], tolerance):
+                return RelaxedActuator(
+                    run.equilibrium(count), step, rate, np.array(history), run.charged
+                )
         run.advance()
-    raise SolverError(run.unfinished(looks[-1], patience))
+    raise SolverError(run.unfinished(history[-1], patience))
 
 
 def _time_stepping(
@@ -191,28 +193,28 @@ class _Run:
                 f"{self.name} diverged by step {step}; take a smaller dt, or a lower voltage"
             )
 
-    def look(self, step: int) -> tuple[int, float, float, float]:
+    def measure(self, step: int) -> tuple[int, float, float, float]:
         """Step, residual (N), kinetic energy (J) and mean height of the top (m)."""
         residual = float(np.abs(self.balance()).max())
         kinetic = 0.5 * float((self.inertia * self.velocity**2).sum())
         height = float(self.position[self.actuator.electrodes[0], 1].mean())
         return step, residual, kinetic, height
 
-    def resting(self, look: tuple[int, float, float, float], tolerance: float) -> bool:
-        if look[2] > tolerance**2 * self.stored or self.electric is None:
+    def is_at_rest(self, row: tuple[int, float, float, float], tolerance: float) -> bool:
+        if row[2] > tolerance**2 * self.stored or self.electric is None:
             return False
         return is_balanced(self.actuator, self.displacement, self.electric, tolerance)
 
-    def unfinished(self, look: tuple[int, float, float, float], steps: int) -> str:
+    def unfinished(self, row: tuple[int, float, float, float], steps: int) -> str:
         """Message for a run that is not at rest after so many steps."""
         return (
-            f"{self.name} is not at rest after {steps} steps: residual {look[1]:.3g} N, "
-            f"kinetic energy {look[2]:.3g} J; raise max_steps, or stay below pull-in"
+            f"{self.name} is not at rest after {steps} steps: residual {row[1]:.3g} N, "
+            f"kinetic energy {row[2]:.3g} J; raise max_steps, or stay below pull-in"
         )
 
-    def held(self, steps: int) -> ActuatorEquilibrium:
+    def equilibrium(self, steps: int) -> ActuatorEquilibrium:
         """Where it rests, if that is stable."""
-        assert self.electric is not None  # noqa: S101  # charged before any look
+        assert self.electric is not None  # noqa: S101  # charged before any row
         if factor_at(self.actuator, self.position, self.electric) is None:
             raise SolverError(
                 f"{self.name} came to rest after {steps} steps where it is unstable; disturb the "

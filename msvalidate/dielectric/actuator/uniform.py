@@ -1,9 +1,9 @@
 """Closed forms of dielectric films that stay uniform, and which pull-in is which.
 
 A film of thickness h0 and thickness ratio l, under a voltage V, is squeezed by ½εE² where it cannot
-widen and by εE² where its edges are drawn outwards as well (Pelrine et al. 1998, Sens. Actuators A
-64, 77), E = V/(l·h0). Where the voltage that holds a ratio has a maximum in it, the film is pulled
-in there. Voltages are in V, moduli in Pa, permittivities in F/m, lengths in m.
+widen and by εE² where its edges are drawn outwards as well ([Pelrine1998]), E = V/(l·h0). Where the
+voltage that holds a ratio has a maximum in it, the film is pulled in there. Voltages are in V,
+moduli in Pa, permittivities in F/m, lengths in m.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from msvalidate.problem.checks import finite_number, positive_number
 CREASING_FIELD_THEORY = 1.03
 CREASING_FIELD_EXPERIMENT = 0.85
 """True field over √(μ/ε) at which the surface of a bonded neo-Hookean film creases, computed and
-measured: literature, not derived here (Wang, Zhang and Zhao 2011, Phys. Rev. Lett. 106, 118301)."""
+measured: literature, not derived here [WangZhangZhao2011]."""
 CREASING_WAVELENGTH = 1.5
 """Distance of creases over the thickness, from the same source."""
 MOST_STRETCHED = 1e6

@@ -43,7 +43,9 @@ def solve_staggered(
     """The same in turns: the network rests under the forces it has, then is charged anew.
 
     A round leaves the part λ(K_mech⁻¹·K_elec) of an error, which is 1 at pull-in; Aitken's factor
-    makes up for one such part (Küttler and Wall 2008, Comput. Mech. 43, 61).
+    makes up for one such part.
+
+    Source: [KuettlerWall2008].
     """
     solves, part, before = 0, 1.0, None
     for _ in range(ROUNDS):

@@ -14,16 +14,16 @@ NARROWEST, WIDEST = 0.1, 50.0
 3e-6 against the method of moments all along."""
 UNIT_SQUARE = 0.36679
 """Capacitance of a square plate over 4πε times its side. It has no closed form; patches graded
-towards the edges, up to 128 x 128 of them, extrapolate to 0.366788, and the literature on it (Read,
-1997, J. Comput. Phys. 133, 1, and others by other methods) agrees in these five digits."""
+towards the edges, up to 128 x 128 of them, extrapolate to 0.366788, and the literature on it
+([Read1997], and others by other methods) agrees in these five digits."""
 
 
 def facing_strips_capacitance(ratio: float) -> float:
     """Capacitance per depth over the permittivity, of two facing strips without thickness.
 
-    Love's conformal map (1923, Proc. London Math. Soc. 22, 337) opens the half plane above the
-    plane of symmetry: C/ε = K(m)/K(1-m) where w/d = (2/π)·[K·E(φ|m) - E·F(φ|m)] and sin²φ =
-    (K-E)/(mK). It is solved for ln(1-m), which is -2πw/d or so of wide strips.
+    Love's conformal map [Love1923] opens the half plane above the plane of symmetry: C/ε =
+    K(m)/K(1-m) where w/d = (2/π)·[K·E(φ|m) - E·F(φ|m)] and sin²φ = (K-E)/(mK). It is solved for
+    ln(1-m), which is -2πw/d or so of wide strips.
 
     Parameters
     ----------

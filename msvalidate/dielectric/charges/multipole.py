@@ -54,7 +54,7 @@ class Multipole:
     that `Moments` is quicker up to some 10,000. `forces` of the charges look at all pairs, without
     a matrix; `tangent` needs one.
 
-    Source: [GreengardRokhlin1987], by the library pyfmmlib.
+    Source: [GreengardRokhlin1987], by the library [pyfmmlib].
 
     Parameters
     ----------

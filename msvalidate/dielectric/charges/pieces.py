@@ -27,7 +27,7 @@ class Pieces:
         (p, 2) joints that each piece ends at.
     owner
         (p,) the charge that each piece carries a part of, in proportion to its length.
-    seat
+    charge_joint
         (k,) joints at which charges have their potential prescribed, and act as points.
     electrode
         (k,) which electrode each charge belongs to.
@@ -36,7 +36,7 @@ class Pieces:
     joints: sparse.csr_array
     ends: Index
     owner: Index
-    seat: Index
+    charge_joint: Index
     electrode: Index
 
 

@@ -120,12 +120,12 @@ class ReportModel:
         )
 
     def solve(self, potential: Array, *, adjoint: bool = False) -> Array:
-        """Charges (k, ...) in C/m at potentials of their seats (V); `adjoint` transposes."""
+        """Charges (k, ...) in C/m at potentials at their joints (V); `adjoint` transposes."""
         if self.kernel == "plane":
             neutral = np.zeros((1, *potential.shape[1:]))
             potential = np.concatenate([potential, neutral])
         solved: Array = lu_solve(self._factor, potential, trans=int(adjoint))
-        return solved[: len(self.pieces.seat)]
+        return solved[: len(self.pieces.charge_joint)]
 
     def places(self) -> Array:
         """(e, 2) joints of the pieces (m)."""
@@ -141,14 +141,14 @@ class ReportModel:
     def spread(self) -> Array:
         """(p, k) part of each charge that each piece carries."""
         length, owner = self.lengths(), self.pieces.owner
-        part = np.zeros((len(owner), len(self.pieces.seat)))
+        part = np.zeros((len(owner), len(self.pieces.charge_joint)))
         part[np.arange(len(owner)), owner] = length / np.bincount(owner, length)[owner]
         return part
 
     def views(self, points: Array | None = None) -> Views:
-        """How points (k, 2) see the pieces; the seats, if none are given."""
+        """How points (k, 2) see the pieces; the joints of charges, if none are given."""
         at = self.places()
-        seen_from = at[self.pieces.seat] if points is None else points
+        seen_from = at[self.pieces.charge_joint] if points is None else points
         return views_of(
             seen_from,
             at[self.pieces.ends],
@@ -186,7 +186,7 @@ class ReportCharges:
     @property
     def places(self) -> Array:
         """(c, 2) where the charges act as points (m)."""
-        at: Array = self.moments.places()[self.moments.pieces.seat]
+        at: Array = self.moments.places()[self.moments.pieces.charge_joint]
         return at
 
     @property
@@ -230,7 +230,7 @@ def report_forces(charges: ReportCharges) -> Array:
     moments = charges.moments
     apart, law, _ = _kernel_of_depth(moments, charges.places)
     force = (law * np.outer(charges.charge, charges.charge))[..., None] * apart
-    return _sum_to_points(moments, moments.pieces.seat, force.sum(axis=1))
+    return _sum_to_points(moments, moments.pieces.charge_joint, force.sum(axis=1))
 
 
 def consistent_forces(charges: ReportCharges) -> Array:
@@ -246,7 +246,7 @@ def consistent_forces(charges: ReportCharges) -> Array:
 
 
 def potential_slopes(charges: ReportCharges) -> Array:
-    """Derivatives (c, n, 2) in V/m of the potentials at seats as points move with their charges."""
+    """Derivatives (c, n, 2) in V/m of potentials at charges as points move with their charges."""
     moments = charges.moments
     of, view, length = moments.pieces, moments.views(), moments.lengths()
     gathered = np.bincount(of.owner, length)
@@ -257,14 +257,14 @@ def potential_slopes(charges: ReportCharges) -> Array:
     share = charges.charge[of.owner] / gathered[of.owner]
     stretch = carried * view.stretch + share * (view.mean - usual)
     turn = carried * view.turn / length
-    end = stretch[..., None] * view.way + turn[..., None] * view.normal
-    seats, joints = np.arange(len(of.seat)), of.joints.shape[0]
-    at = np.zeros((joints, len(seats), 2))
+    end = stretch[..., None] * view.direction + turn[..., None] * view.normal
+    number, joints = np.arange(len(of.charge_joint)), of.joints.shape[0]
+    at = np.zeros((joints, len(number), 2))
     np.add.at(at, of.ends[:, 0], np.swapaxes(-0.5 * pull - end, 0, 1))
     np.add.at(at, of.ends[:, 1], np.swapaxes(-0.5 * pull + end, 0, 1))
-    at[of.seat, seats] += pull.sum(axis=1)
+    at[of.charge_joint, number] += pull.sum(axis=1)
     total: Array = of.joints.T @ at.reshape(joints, -1)
-    return np.swapaxes(total.reshape(-1, len(seats), 2), 0, 1)
+    return np.swapaxes(total.reshape(-1, len(number), 2), 0, 1)
 
 
 def report_tangent(charges: ReportCharges) -> Array:
@@ -287,11 +287,11 @@ def report_tangent(charges: ReportCharges) -> Array:
     answer = law[..., None] * apart * charge[:, None, None]
     answer[every, every] += (law[..., None] * apart * charge[:, None]).sum(axis=1)
     moved = -moments.solve(potential_slopes(charges).reshape(count, -1))
-    seats = np.asarray(moments.pieces.joints[moments.pieces.seat].todense())
-    n = seats.shape[1]
-    force = np.einsum("icjd,jn->icnd", stiff, seats).reshape(count, 2, 2 * n)
+    weights = np.asarray(moments.pieces.joints[moments.pieces.charge_joint].todense())
+    n = weights.shape[1]
+    force = np.einsum("icjd,jn->icnd", stiff, weights).reshape(count, 2, 2 * n)
     force += np.einsum("ijc,jb->icb", answer, moved)
-    total: Array = np.einsum("in,icb->ncb", seats, force).reshape(2 * n, 2 * n)
+    total: Array = np.einsum("in,icb->ncb", weights, force).reshape(2 * n, 2 * n)
     return total
 
 

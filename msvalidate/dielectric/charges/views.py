@@ -28,14 +28,14 @@ class Views:
     """Potentials (k, p) of unit charges per depth on pieces, and how they change.
 
     `pull` (k, p, 2) by moving the point, `turn` by turning the piece, `stretch` by lengthening it;
-    `way` and `normal` (p, 2) are directions of the pieces.
+    `direction` and `normal` (p, 2) are directions of the pieces.
     """
 
     mean: Array
     pull: Array
     turn: Array
     stretch: Array
-    way: Array
+    direction: Array
     normal: Array
 
 
@@ -45,10 +45,10 @@ def views_of(
     """How points (k, 2) see straight pieces from ends[:, 0] to ends[:, 1], (p, 2, 2), in m."""
     along = ends[:, 1] - ends[:, 0]
     length = np.hypot(*along.T)
-    way = along / length[:, None]
-    normal = np.column_stack([-way[:, 1], way[:, 0]])
+    direction = along / length[:, None]
+    normal = np.column_stack([-direction[:, 1], direction[:, 0]])
     apart = points[:, None] - ends.mean(axis=1)
-    u, z = (apart * way).sum(axis=-1), (apart * normal).sum(axis=-1)
+    u, z = (apart * direction).sum(axis=-1), (apart * normal).sum(axis=-1)
     z = np.where(np.abs(z) < ON_IT * length, 0.0, z)
     antiderivative = _in_plane if kernel == "plane" else _in_space
     right, right_u, right_z = antiderivative(u + 0.5 * length, z, depth)
@@ -58,10 +58,10 @@ def views_of(
     in_u, in_z = scale * (right_u - left_u), scale * (right_z - left_z)
     return Views(
         mean=mean,
-        pull=in_u[..., None] * way + in_z[..., None] * normal,
+        pull=in_u[..., None] * direction + in_z[..., None] * normal,
         turn=in_u * z - in_z * u,
         stretch=0.5 * scale * (right_u + left_u) - mean / length,
-        way=way,
+        direction=direction,
         normal=normal,
     )
 

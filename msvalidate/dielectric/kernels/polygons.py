@@ -5,9 +5,9 @@ places s along the edge counted from the foot of its perpendicular,
 
     ∫dA/r = Σ away·[asinh(s/near)] - height·[atan(away·s/(near² + height·r))],
 
-near² = away² + height², r² = near² + s², the brackets from the edge's start to its end (Wilton and
-others, 1984, IEEE Trans. Antennas Propag. 32, 276). The first is the integral in the plane, the
-second takes off what r does not fall below.
+near² = away² + height², r² = near² + s², the brackets from the edge's start to its end
+[Wilton1984]. The first is the integral in the plane, the second takes off what r does not fall
+below.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 A central spring alone has one ratio. Beside it a spring of stiffness k_t resists the shear of its
 own direction n. If that shear were the motion of one end across the other, a rigid turn would cost
-energy; read from the strain near by it costs none (distinct lattice spring model: Zhao, Fang and
-Zhao, *Int. J. Numer. Anal. Meth. Geomech.* 35, 2011). Here also for finite turns: with F the
+energy; read from the strain near by it costs none (distinct lattice spring model
+[ZhaoFangZhao2011]). Here also for finite turns: with F the
 deformation gradient at a point, by weighted least squares over its springs,
 
     E = (FᵀF - I)/2,   Ē = (E_i + E_j)/2,   s = L (Ēn - (n·Ēn) n),   U = ½ k_t |s|²,

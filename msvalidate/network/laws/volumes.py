@@ -5,8 +5,8 @@ A cell of volume V (in the plane its area), V0 at rest, stores
     U = ½ κ V0 (V/V0 - 1)²,   and pulls its corners by  -κ (V/V0 - 1) ∂V/∂x.
 
 Springs give an isotropic solid with λ = μ; κ = λ - μ makes any λ of it, for a uniform strain
-changes V by its trace (Golec et al. 2020, doi:10.1007/s00371-019-01663-0, add such an energy to
-springs). Only V enters, one number a cell, so that no other motion of the cell is stiffened.
+changes V by its trace ([Golec2020] adds such an energy to springs). Only V enters, one number a
+cell, so that no other motion of the cell is stiffened.
 
 V is the sum of determinants of the corners of triangles that cover the cell's surface. A
 quadrilateral face of a hexahedron is the bilinear one: the mean of its two pairs of triangles. In

@@ -6,11 +6,10 @@ Candidate  Square cells with a volume each, on springs.
 Reference  A stable pair of displacement and pressure has a least push above zero whatever the size.
            Pressures of mixed elements at the middle of the same cells.
 Expected   Cell by cell this is the element of bilinear displacement and constant pressure (Q1-P0),
-           which is no stable pair (Boland and Nicolaides 1985, SIAM J. Numer. Anal. 22): its least
-           push falls as the spacing. Held all round, an even grid has two patterns that push
-           nothing: a constant, and black against white. A pressure is κ times a dilatation,
-           and so has no part in such patterns; what is left are those that push little. A free
-           side forbids both.
+           which is no stable pair [BolandNicolaides1985]: its least push falls as the spacing. Held
+           all round, an even grid has two patterns that push nothing: a constant, and black against
+           white. A pressure is κ times a dilatation, and so has no part in such patterns; what is
+           left are those that push little. A free side forbids both.
 """
 
 from __future__ import annotations

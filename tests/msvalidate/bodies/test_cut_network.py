@@ -1,6 +1,6 @@
 """Errors of lattices cut to an outline: of second order, then first, where they do not fit.
 
-Closed forms: Lamé's ring (1852) under pressure from inside, plane stress,
+Closed forms: Lamé's ring [Lame1852] under pressure from inside, plane stress,
 
     u = p a²/(E (b² - a²)) ((1 - nu) r + (1 + nu) b²/r),   sigma = p a²/(b² - a²) (1 -+ b²/r²);
 
@@ -182,7 +182,7 @@ def test_stress_at_the_outline_and_inside_converges(pressed_ring):
 
 @pytest.mark.parametrize("nu", [1 / 3, 0.3])
 def test_the_elliptic_membrane_le1(nu, quarter_ring, on_rollers):
-    # The stress of a plane body under tractions alone does not depend on the ratio (Michell 1899),
+    # The stress of a plane body under tractions alone does not depend on the ratio [Michell1899],
     # so springs at 1/3 may answer for 0.3; with the cells' volumes they are at 0.3 themselves.
     E, t = 210e9, 0.1
     mu, kappa = E * t / (2 * (1 + nu)), E * t * (3 * nu - 1) / (2 * (1 - nu**2))

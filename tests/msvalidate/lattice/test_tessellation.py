@@ -176,7 +176,7 @@ def test_mean_coordination_in_the_plane_is_six(kind):
 
 
 def test_mean_coordination_of_uniform_points_in_space_is_that_of_poisson_voronoi():
-    # 2 + 48π²/35 = 15.54 (Meijering 1953); the mean over 2000 points scatters by about 0.05.
+    # 2 + 48π²/35 = 15.54 [Meijering1953]; the mean over 2000 points scatters by about 0.05.
     size = (1.0, 1.0, 1.0)
     sets = [periodic_points("uniform", 500, size, seed) for seed in range(4)]
     mean = np.mean([2 * len(periodic_tessellation(p, size).springs) / 500 for p in sets])

@@ -216,7 +216,7 @@ def test_tractions_of_uniform_stress_are_what_the_stiffness_needs(element):
 
 
 def lame(r, p=1.0, E=2.0, nu=0.3, a=INNER, b=OUTER):
-    """Radial displacement (m) under pressure p inside, plane stress (Lamé and Clapeyron 1833)."""
+    """Radial displacement (m) under pressure p inside, plane stress [LameClapeyron1833]."""
     return p * a**2 / (E * (b**2 - a**2)) * ((1 - nu) * r + (1 + nu) * b**2 / r)
 
 

@@ -58,8 +58,7 @@ def monomials(element):
     """Exponents (p, q) of x^p y^q that the element holds on any mesh with straight edges.
 
     On a quadrilateral that is no parallelogram, these are those of the triangle: the map is
-    bilinear, so x^2 y^2 is not a biquadratic of the reference square (Arnold, Boffi and Falk 2002,
-    doi:10.1090/S0025-5718-02-01439-4).
+    bilinear, so x^2 y^2 is not a biquadratic of the reference square [ArnoldBoffiFalk2002].
     """
     degree = ELEMENTS[element].complete
     return [(p, q) for p in range(degree + 1) for q in range(degree + 1 - p)]

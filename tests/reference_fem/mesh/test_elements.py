@@ -24,8 +24,8 @@ SHARES = {
     "H2": (1 / 216, 1 / 54, 2 / 27, 8 / 27),
     "T2": (-1 / 20, 1 / 5),
 }
-"""Of a cell's weight: a corner's, a mid-side's, a face's, the middle's (Zienkiewicz, Taylor and Zhu
-2013, doi:10.1016/C2009-0-24909-9; of boxes, products of Simpson's 1/6, 4/6, 1/6)."""
+"""Of a cell's weight: a corner's, a mid-side's, a face's, the middle's ([ZienkiewiczTaylorZhu2013];
+of boxes, products of Simpson's 1/6, 4/6, 1/6)."""
 SLANTED = np.array([[0.37, 0.11, -0.05], [-0.08, 0.29, 0.07], [0.03, -0.04, 0.41]])
 """Edges (m) of a parallelepiped: what the unit cell's axes are mapped to."""
 

@@ -109,7 +109,7 @@ def test_electrodes_may_run_either_way(model):
 
 def test_a_model_is_a_function_and_a_row(monkeypatch):
     def halved(device, position, voltage):
-        return MODELS["plane"].electrified(device, position, voltage / 2)
+        return MODELS["plane"].charge(device, position, voltage / 2)
 
     def refuse(device):
         if device.depth > 1:

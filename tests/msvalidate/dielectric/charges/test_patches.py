@@ -161,8 +161,8 @@ def test_disc():
 def love(gap, count=400):
     """Capacitance over the permittivity of two discs of 1 m, by Love's integral equation.
 
-    Love (1949, Q. J. Mech. Appl. Math. 2, 428): f(x) - ∫κ/(κ²+(x-t)²) f(t) dt/π = 1 over
-    -1 < t < 1, C = 2∫f, for opposite potentials.
+    [Love1949]: f(x) - ∫κ/(κ²+(x-t)²) f(t) dt/π = 1 over -1 < t < 1, C = 2∫f, for opposite
+    potentials.
     """
     x, weight = leggauss(count)
     kernel = gap / (gap**2 + (x[:, None] - x) ** 2) / np.pi
