@@ -299,7 +299,7 @@ def test_study_without_a_time():
 
 # --- markup ---------------------------------------------------------------------------------------
 
-EVIL = """<script>alert("1")</script>'"><img src=x onerror=alert(2)>&amp;{{ 7*7 }}"""
+EVIL = """<script>alert("1")</script>'"><img src=x onerror=alert(2)>&amp;{{ 777*777 }}"""
 
 
 def spoilt(name):
@@ -339,7 +339,7 @@ def test_what_a_study_says_never_becomes_markup(name):
     assert not [key for _, found in read.elements for key in found if key.startswith("on")]
     assert all(image["src"].startswith("data:image/svg+xml,") for image in read.all("img"))
     if name != "pictures":
-        assert "49" not in read.text  # nor a template
+        assert "603729" not in read.text  # nor a template
         assert EVIL in "".join(read.words)
 
 
