@@ -60,10 +60,12 @@ def test_a_study_writes_its_files(finished):
     assert written == expected
 
 
-def test_tables_on_stdout_messages_on_stderr(finished):
+def test_findings_on_stdout_messages_on_stderr(finished):
     done, _ = finished
-    assert "poisson/finite_size" in done.stdout
-    assert "poisson/verdict" in done.stdout
+    first, *findings = done.stdout.splitlines()
+    assert first.startswith("poisson: Poisson's ratio of a lattice")
+    assert findings[0].startswith("  - The report's k2/(2k1+k2) holds for one isolated cell")
+    assert len(findings) < 10
     assert re.search(r"^poisson: (\d+) of \1 held, \d+\.\d s$", done.stderr, re.MULTILINE)
     assert "\r" not in done.stderr, "no progress bar off a terminal"
 
@@ -113,6 +115,49 @@ def run(setting):
                     columns={"x": "place (m)"}, findings=("found",))"""
 
 
+def test_tables_are_printed_when_asked_for(tmp_path):
+    done = run("-v", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
+    for words in ("poisson/block\n", "poisson/cube\n", "poisson/verdict\n", "  - found\n"):
+        assert words in done.stdout
+    assert done.stdout.count("\n49\n") == 2
+
+
+def test_without_a_word_it_is_said_what_to_do_first():
+    done = run()
+    assert (done.returncode, done.stderr) == (2, "")
+    assert "poisson      one study, a few seconds" in done.stdout
+    assert len(done.stdout.splitlines()) <= 10
+
+
+def test_a_command_helps_with_its_own_options():
+    whole = {verb: run(*verb.split(), "--help").stdout for verb in ("", "run", "check", "list")}
+    shown = {verb: set(re.findall(r"--[a-z-]+", text)) for verb, text in whole.items()}
+    assert {"--quick", "--seed", "--table"} <= shown["run"] - shown["check"] - shown["list"]
+    assert {"--full", "--update", "--junit"} <= shown["check"] - shown["run"] - shown[""]
+    assert all(text.isascii() and text.startswith("usage: ") for text in whole.values())
+    assert run("run", "poison").stderr == run("poison").stderr
+
+
+MANY = """
+import pandas as pd
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance
+def run(setting):
+    names = [f"gap {i}" for i in range(9)]
+    gaps = (2.0, 1.5, 9.0, 3.0, float("nan"), 4.0, 5.0, 6.0, 1.1)
+    return Evidence({"t": pd.DataFrame({"x": [1.0]})}, dict(zip(names, map(Observed, gaps))),
+                    tuple(Tolerance(name, 1.2, "m", "so") for name in names),
+                    columns={"x": "place (m)"})"""
+
+
+def test_the_worst_failures_are_told_and_where_the_others_are(tmp_path):
+    done = run("--no-plots", cwd=tmp_path, script=PATCHED.format(body=MANY))
+    assert done.returncode == 1
+    told = re.findall(r"FAIL gap (\d)", done.stderr)
+    assert told == ["4", "2", "7", "6", "5"]
+    assert f"poisson: … 3 more in r{os.sep}poisson{os.sep}verdict.csv\n" in done.stderr
+    assert "poisson: FAILED, 9 rows: 1 held, 8 missed, " in done.stderr
+
+
 def test_a_table_alone_is_printed_whole(tmp_path):
     done = run("--table", "block", cwd=tmp_path, script=PATCHED.format(body=TWO_TABLES))
     assert done.returncode == 0, done.stderr
@@ -157,7 +202,9 @@ def test_help_and_list_import_nothing_heavy():
 
 
 BAD_COMMANDS = [
-    ([], "the following arguments are required: NAME"),
+    (["--quick"], "no study named; name some, or 'all'"),
+    (["run"], "no study named; name some, or 'all'"),
+    (["--bogus"], "unrecognized arguments: --bogus"),
     (["poison"], "unknown study 'poison': did you mean 'poisson'?"),
     (["poisson", "qqqq"], "unknown study 'qqqq': choose from: "),
     (["POISSON"], "unknown study 'POISSON': did you mean 'poisson'?"),
@@ -316,7 +363,7 @@ catalogue.load, catalogue.names = load, lambda: ["actuator", "poisson"]""",
     for name, each in about.items():
         assert f"took {each['seconds']:.1f} s" in each["origin"]["time"]
         assert f"0 of 1 tolerance held, {each['seconds']:.1f} s</p>" in page
-        assert f"{name}: FAILED, 0 of 1 held, {each['seconds']:.1f} s\n" in done.stderr
+        assert f"{name}: FAILED, 1 row: 0 held, 1 missed, {each['seconds']:.1f} s\n" in done.stderr
     rows = json.loads((tmp_path / "r" / "verdict.json").read_text(encoding="utf-8"))
     assert [row["seconds"] for row in rows] == [each["seconds"] for each in about.values()]
 

@@ -235,4 +235,4 @@ def test_check_says_of_each_study_what_the_baseline_says(tmp_path):
     log = read(tmp_path / "log")
     assert "study poisson: no quick baseline, nothing compared; make one with check" in log
     assert "stability: FAIL t.csv: x: observed" in log
-    assert re.search(r"^stability: FAILED, \d of \d held, ", log, re.MULTILINE)
+    assert re.search(r"^stability: FAILED, \d rows: \d held, \d missed, ", log, re.MULTILINE)

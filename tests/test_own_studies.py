@@ -110,7 +110,7 @@ def test_folders_keep_their_helpers_apart(own):
         (own / name / "_bar.py").write_text(helper, encoding="utf-8")
     done = run(own, "bar_one", "bar_two", "--studies", "one", "--studies", "two", "--jobs", "2")
     assert "bar_one: 1 of 1 held" in done.stderr
-    assert "bar_two: FAILED, 0 of 1 held" in done.stderr
+    assert "bar_two: FAILED, 1 row: 0 held" in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -11,41 +12,63 @@ from msvalidate.judging import catalogue
 
 HELD, MISSED, USAGE, FAILED, NOTHING, INTERRUPTED = 0, 1, 2, 3, 4, 130
 PROGRAM = "python -m msvalidate.study"
-VERBS = ("list", "check", "report")
-"""Names that are no studies."""
+VERBS = {
+    "run": "run studies; the word may be left out: `poisson` is `run poisson`",
+    "check": "judge studies against theory, agreement bands and the committed baseline",
+    "list": "what can be studied",
+    "report": "report.html again, from stored results",
+}
+"""Commands, and what each does."""
 PLACES = {"--out": "DIR", "--junit": "FILE", "--studies": "DIR"}
 """Options whose value is the reader's own affair: option -> what a report shows in its place."""
-EPILOG = f"""\
-examples:
-  {PROGRAM} list                   what can be studied
-  {PROGRAM} poisson                one study, results in reports/latest
-  {PROGRAM} all --quick --out new  every study in its small form, results in new
-  {PROGRAM} check                  every study against theory, bands and baseline
-  {PROGRAM} check poisson          one study against them
-  {PROGRAM} check --jobs 2         every study, two at once
-  {PROGRAM} report                 report.html again, from stored results
+VALUED = {*PLACES, "--seed", "--jobs", "--table", "--reason"}
+"""Options that take the next word."""
+COMMANDS = "\n".join(f"  {verb:<8}{said}" for verb, said in VERBS.items())
+FIRST = f"""\
+What are springs good for, and how wrong are they? First try:
 
+  {PROGRAM} poisson      one study, a few seconds: its findings, and a page to read
+  {PROGRAM} list         what can be studied
+  {PROGRAM} all --quick  every study in its small form, two minutes
+  {PROGRAM} --help       all commands
+"""
+EXIT_CODES = """\
 exit codes:
   0  every tolerance held       2  wrong usage or bad input             4  nothing to compare with
   1  a tolerance was missed     3  a solver failed or a study crashed   130  interrupted
 """
+EPILOG = f"""\
+commands:
+{COMMANDS}
+
+  {PROGRAM} COMMAND --help tells the options of one.
+
+examples:
+  {PROGRAM} poisson                one study, results in reports/latest
+  {PROGRAM} all --quick --out new  every study in its small form, results in new
+  {PROGRAM} check --jobs 2         every study judged, two at once
+
+{EXIT_CODES}"""
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """The command line's options, and `verb` ("run" or one of `VERBS`), `studies` and `form`.
+    """The command line's options, and `verb` (one of `VERBS`), `studies` and `form`.
 
     `named` is whether the studies were named one by one. Wrong usage ends the program with one line
-    and exit code 2.
+    and exit code 2; no word at all, with what to do first.
     """
-    parser = _parser()
-    args = parser.parse_intermixed_args(arguments)  # names may follow options
-    args.verb = args.names[0] if args.names[0] in VERBS else "run"
-    asked = args.names[args.verb != "run" :]
-    _refuse_mixed(parser, args.names, asked)
+    if not arguments:
+        sys.stdout.write(FIRST)
+        sys.exit(USAGE)
+    verb, words = _verb(arguments)
+    parser = _parser(verb)
+    args = parser.parse_intermixed_args(words)  # names may follow options
+    args.verb = verb or "run"
+    _refuse_mixed(parser, args.verb, args.names)
     _join(parser, args.folders)
     known = catalogue.names()
-    args.named = asked not in ([], ["all"])
-    args.studies = list(dict.fromkeys(asked)) if args.named else known
+    args.named = args.names not in ([], ["all"])
+    args.studies = list(dict.fromkeys(args.names)) if args.named else known
     for name in args.studies:
         if name not in known:
             parser.error(f"unknown study {name!r}: {catalogue.suggestion(name)}")
@@ -59,6 +82,17 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     return args
 
 
+def _verb(arguments: Sequence[str]) -> tuple[str, list[str]]:
+    """The command, "" for none, and the other words: it is the first that is no option's."""
+    for place, word in enumerate(arguments):
+        if word.startswith("-") or (place and arguments[place - 1] in VALUED):
+            continue
+        if word in VERBS:
+            return word, [*arguments[:place], *arguments[place + 1 :]]
+        break
+    return "", list(arguments)
+
+
 def _join(parser: argparse.ArgumentParser, folders: Sequence[Path]) -> None:
     """Let a user's own studies be found, or end the program with the reason why not."""
     try:
@@ -69,15 +103,19 @@ def _join(parser: argparse.ArgumentParser, folders: Sequence[Path]) -> None:
         parser.error(str(error))
 
 
-def _refuse_mixed(
-    parser: argparse.ArgumentParser, names: Sequence[str], asked: Sequence[str]
-) -> None:
-    """End the program if a word that is no study stands where it does not belong."""
-    for alone, among in (("list", names), ("report", names), ("all", asked)):
-        if alone in among and len(among) > 1:
-            parser.error(f"{alone!r} stands alone; leave the other names out")
-    if "check" in asked:
-        parser.error("'check' comes first, and once; move it before the studies")
+def _refuse_mixed(parser: argparse.ArgumentParser, verb: str, names: Sequence[str]) -> None:
+    """End the program if a word stands where it does not belong, or one is missing."""
+    if verb == "run" and not names:
+        parser.error("no study named; name some, or 'all'")
+    if verb in {"list", "report"} and names:
+        parser.error(f"{verb!r} stands alone; leave the other names out")
+    if "all" in names and len(names) > 1:
+        parser.error("'all' stands alone; leave the other names out")
+    for word in VERBS:
+        if word in names and word in {"list", "report"}:
+            parser.error(f"{word!r} stands alone; leave the other names out")
+        if word in names:
+            parser.error(f"{word!r} comes first, and once; move it before the studies")
 
 
 def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
@@ -101,32 +139,44 @@ def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace)
         parser.error("check has its own form and seed; leave --quick and --seed out")
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(verb: str) -> argparse.ArgumentParser:
+    """What takes all options, and helps with those of one command."""
     parser = argparse.ArgumentParser(
-        prog=PROGRAM,
-        description="Run studies that compare spring networks with elasticity theory and finite "
-        "elements, and judge them by their tolerances.",
-        epilog=EPILOG,
+        prog=f"{PROGRAM} {verb}".strip(),
+        description=f"{VERBS[verb]}."
+        if verb
+        else "Run studies that compare spring networks with "
+        "elasticity theory and finite elements, and judge them by their tolerances.",
+        epilog=EXIT_CODES if verb in {"run", "check"} else None if verb else EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,  # a report shows the command, and must know where a path is in it
     )
+    # Options of other commands are known, so that what is misplaced can be told; help is silent.
+    runs, checks = verb in {"", "run"}, verb == "check"
+    solves = runs or checks
+
+    def told(shown: bool, text: str) -> str:
+        return text if shown else argparse.SUPPRESS
+
     parser.add_argument(
         "names",
-        nargs="+",
+        nargs="*",
         metavar="NAME",
-        help="studies to run, 'all' of them; 'list' to see what there is, 'check' to judge all, or "
-        "those named after it, by theory, agreement bands and the committed baseline, 'report' to "
-        "make report.html again",
+        help=told(solves, "studies, or 'all' of them; check judges all if none is named"),
     )
-    parser.add_argument("--quick", action="store_true", help="the small form: fewer sizes")
-    parser.add_argument(
+    add = parser.add_argument
+    add("--quick", action="store_true", help=told(runs, "the small form: fewer sizes"))
+    add(
         "--out",
         type=_path,
         default=Path("reports/latest"),
         metavar="DIR",
-        help="folder for tables, figures, report.html and verdict.json (default: %(default)s)",
+        help=told(
+            verb != "list",
+            "folder for tables, figures, report.html and verdict.json (default: %(default)s)",
+        ),
     )
-    parser.add_argument(
+    add(
         "--studies",
         dest="folders",
         action="append",
@@ -136,58 +186,69 @@ def _parser() -> argparse.ArgumentParser:
         help="a folder with studies of your own, each a module with a function run; may be given "
         "again for another",
     )
-    parser.add_argument(
+    add(
         "--seed",
         type=_whole(0),
         default=0,
         metavar="N",
-        help="where random numbers start (default: %(default)s)",
+        help=told(runs, "where random numbers start (default: %(default)s)"),
     )
-    parser.add_argument(
+    add(
         "--jobs",
         type=_whole(1),
         default=1,
         metavar="N",
-        help="studies that run at once, each in a process of its own, on one thread; those that "
-        "compare times run last and alone; numbers do not depend on it (default: %(default)s)",
+        help=told(
+            solves,
+            "studies that run at once, each in a process of its own, on one thread; those that "
+            "compare times run last and alone; numbers do not depend on it (default: %(default)s)",
+        ),
     )
-    parser.add_argument(
-        "--no-plots", dest="plots", action="store_false", help="write tables and report only"
+    add(
+        "--no-plots",
+        dest="plots",
+        action="store_false",
+        help=told(solves, "write tables and report only"),
     )
-    parser.add_argument(
+    add(
         "--table",
         dest="tables",
         action="append",
         default=[],
         metavar="TABLE",
-        help="print this table alone, and whole; may be given again for another",
+        help=told(runs, "print this table alone, and whole; may be given again for another"),
     )
-    _add_check(parser)
-    volume = parser.add_mutually_exclusive_group()
-    volume.add_argument("-q", "--quiet", action="store_true", help="print failures only")
-    volume.add_argument(
-        "-v", "--verbose", action="store_true", help="print whole tables, and tracebacks of crashes"
-    )
+    _add_check(parser, shown=checks)
+    _add_volume(parser)
     # One line, without the usage.
     parser.error = lambda message: parser.exit(  # type: ignore[method-assign]
         USAGE, f"{PROGRAM}: error: {message}; see --help\n"
     )
-    parser.add_argument("--version", action="version", version=f"msvalidate {__version__}")
     return parser
 
 
-def _add_check(parser: argparse.ArgumentParser) -> None:
-    check = parser.add_argument_group("with check")
-    check.add_argument("--full", action="store_true", help="the full form, not the small one")
-    check.add_argument(
+def _add_volume(parser: argparse.ArgumentParser) -> None:
+    volume = parser.add_mutually_exclusive_group()
+    volume.add_argument("-q", "--quiet", action="store_true", help="print failures only")
+    volume.add_argument(
+        "-v", "--verbose", action="store_true", help="print all tables, and tracebacks of crashes"
+    )
+    parser.add_argument("--version", action="version", version=f"msvalidate {__version__}")
+
+
+def _add_check(parser: argparse.ArgumentParser, *, shown: bool) -> None:
+    def told(text: str) -> str:
+        return text if shown else argparse.SUPPRESS
+
+    add = parser.add_argument
+    add("--full", action="store_true", help=told("the full form, not the small one"))
+    add(
         "--update",
         action="store_true",
-        help="make what is found the baseline of the studies that were run, if all holds",
+        help=told("make what is found the baseline of the studies that were run, if all holds"),
     )
-    check.add_argument(
-        "--reason", type=_line, metavar="TEXT", help="why it moved, for CHANGELOG.md"
-    )
-    check.add_argument("--junit", type=_path, metavar="FILE", help="write a JUnit file for a CI")
+    add("--reason", type=_line, metavar="TEXT", help=told("why it moved, for CHANGELOG.md"))
+    add("--junit", type=_path, metavar="FILE", help=told("write a JUnit file for a CI"))
 
 
 def as_shown(arguments: Sequence[str]) -> list[str]:

@@ -10,15 +10,15 @@ import argparse
 import contextlib
 import difflib
 import gc
+import logging
 import os
 import sys
 import time
 import traceback
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, NoReturn, TextIO
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from msvalidate.cli.arguments import (
     FAILED,
@@ -26,22 +26,29 @@ from msvalidate.cli.arguments import (
     INTERRUPTED,
     MISSED,
     NOTHING,
-    PROGRAM,
     USAGE,
     as_shown,
     parse,
 )
+from msvalidate.cli.terminal import (
+    CompilationNotice,
+    ending,
+    ending_of_all,
+    failure_lines,
+    nowhere,
+    print_lines,
+    summary_lines,
+    suspect_line,
+    table_lines,
+    tell,
+    tell_error,
+)
 from msvalidate.judging import catalogue
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from msvalidate.cli.outcome import Outcome
     from msvalidate.output.results import Results
     from msvalidate.output.stored import Result, Stored
-
-ROWS_SHOWN = 40
-"""Longer tables are shown by their first rows; the CSV has them all."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -56,7 +63,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def _list() -> int:
     width = max(map(len, catalogue.names()))
-    return _print_lines([f"{name:<{width}}  {_question(name)}" for name in catalogue.names()])
+    return print_lines([f"{name:<{width}}  {_question(name)}" for name in catalogue.names()])
 
 
 def _question(name: str) -> str:
@@ -80,45 +87,19 @@ def _guard(act: Callable[[], int], args: argparse.Namespace) -> int:
     try:
         return act()
     except ImportError as error:
-        return _error(str(error), USAGE)
+        return tell_error(str(error), USAGE)
     except OSError as error:
         what = f"{error.strerror}: {error.filename}" if error.filename else str(error)
-        return _error(f"writing results: {what}", USAGE)
+        return tell_error(f"writing results: {what}", USAGE)
     except Exception as error:  # noqa: BLE001  a fault of ours: one line, and a code of its own
         from msvalidate.problem import ProblemError
 
         if isinstance(error, ProblemError):
-            return _error(str(error), USAGE)
+            return tell_error(str(error), USAGE)
         if args.verbose:
-            _tell(traceback.format_exc())
+            tell(traceback.format_exc())
         said = " ".join(f"{type(error).__name__}: {error}".split())
-        return _error(f"a fault of the program itself: {said}; -v shows where", FAILED)
-
-
-def _tell(message: str) -> None:
-    """A line to stderr; one that cannot be read any more is not missed."""
-    with contextlib.suppress(OSError):
-        print(message, file=sys.stderr, flush=True)  # a killed run has said all that it could
-        return
-    sys.stderr = _nowhere()
-
-
-def _print_lines(lines: Sequence[str]) -> int:
-    """Lines to stdout; the exit code of a place where they do not fit."""
-    try:
-        for line in lines:
-            print(line)
-        print(end="", flush=True)
-    except BrokenPipeError:  # the reader left; the verdict stands
-        sys.stdout = _nowhere()
-    except OSError as error:  # a full disk; results are in files
-        sys.stdout = _nowhere()
-        return _error(f"stdout: {error.strerror}", USAGE)
-    return HELD
-
-
-def _nowhere() -> TextIO:
-    return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123  as long as the process
+        return tell_error(f"a fault of the program itself: {said}; -v shows where", FAILED)
 
 
 def _report(args: argparse.Namespace) -> int:
@@ -129,7 +110,7 @@ def _report(args: argparse.Namespace) -> int:
     for study in studies:
         _say(study, args)
     if not args.quiet:
-        _tell(f"report in {args.out / 'report.html'}")
+        tell(f"report in {args.out / 'report.html'}")
     if any(study.error for study in studies):
         return FAILED
     return HELD if all(study.held for study in studies) else MISSED
@@ -147,6 +128,10 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     _refuse_unknown_tables(args)
     for name in args.studies:
         catalogue.load(name)
+    if not args.quiet:
+        kernels = logging.getLogger("msvalidate.kernels")
+        kernels.setLevel(logging.INFO)
+        kernels.addHandler(CompilationNotice())
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
     codes = _strangers(args)
     clock = time.perf_counter()
@@ -154,14 +139,15 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     codes += told
     _write(outcomes, args)
     results = [outcome.result for outcome in outcomes if outcome.result]
-    codes.append(_print_lines([line for result in results for line in _shown(result, args)]))
+    codes.append(print_lines([line for result in results for line in _lines(result, args)]))
     codes += _tables_there(results, args)
     failed = [outcome.name for outcome in outcomes if not outcome.held]
     if args.update:
         codes.append(_update(results, args, failed))
     if not args.quiet:
-        _say_all(outcomes, time.perf_counter() - clock)
-        _tell(f"results in {args.out}, to read in {args.out / 'report.html'}")
+        if len(outcomes) > 1:
+            tell(ending_of_all(outcomes, time.perf_counter() - clock))
+        tell(f"results in {args.out}, to read in {args.out / 'report.html'}")
     return max([*codes, HELD])
 
 
@@ -172,7 +158,9 @@ def _strangers(args: argparse.Namespace) -> list[int]:
     from msvalidate.output import baseline
 
     return [
-        _error(f"{args.form} baseline: {name} is no study; check --update leaves it out", NOTHING)
+        tell_error(
+            f"{args.form} baseline: {name} is no study; check --update leaves it out", NOTHING
+        )
         for name in baseline.unknown_folders(args.form, catalogue.names())
     ]
 
@@ -197,7 +185,7 @@ def _run_studies(
 
     def began(name: str) -> None:
         if args.verbose:
-            _tell(f"{name}: {catalogue.question(name)}")
+            tell(f"{name}: {catalogue.question(name)}")
 
     found: dict[str, Outcome] = {}
     codes = []
@@ -212,7 +200,7 @@ def _run_studies(
                 if compared[outcome.name] and outcome.result and not outcome.compared:
                     message = f"study {outcome.name}: no {against} baseline, nothing compared; "
                     message += f"make one with check {outcome.name} --update"
-                    codes.append(_error(message, NOTHING))
+                    codes.append(tell_error(message, NOTHING))
     return [found[name] for name in args.studies], codes
 
 
@@ -229,9 +217,9 @@ def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
     codes = []
     if outcome.fault:
         code = USAGE if outcome.fault == "problem" else FAILED
-        codes.append(_error(f"study {outcome.name}: {outcome.said}", code))
+        codes.append(tell_error(f"study {outcome.name}: {outcome.said}", code))
         if args.verbose and outcome.fault == "crash":
-            _tell(outcome.trace)
+            tell(outcome.trace)
     elif not outcome.held:
         codes.append(MISSED)
     _say(outcome, args)
@@ -265,7 +253,7 @@ def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) 
     from msvalidate.output import baseline, exchange
 
     if failed:
-        return _error(
+        return tell_error(
             f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
         )
     tables = {result.name: baseline.baseline_files(result.evidence) for result in results}
@@ -275,7 +263,7 @@ def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) 
         baseline.baseline_folder(args.form), tables, keep=args.named, beside=reason
     )
     whose = f" of {', '.join(args.studies)}" if args.named else ""
-    _tell(f"{args.form} baseline{whose} renewed; CHANGELOG.md says why")
+    tell(f"{args.form} baseline{whose} renewed; CHANGELOG.md says why")
     return HELD
 
 
@@ -285,20 +273,25 @@ def _changelog(args: argparse.Namespace) -> bytes:
     return baseline.changelog_entry(args.form, args.reason, args.studies if args.named else ())
 
 
-def _shown(result: Result, args: argparse.Namespace) -> list[str]:
-    """A study's tables and findings as stdout has them."""
+def _lines(result: Result, args: argparse.Namespace) -> list[str]:
+    """What stdout says of a study: its findings, or the tables asked for."""
     if args.quiet or args.verb == "check":
         return []
-    tables: dict[str, Any] = {**result.evidence.tables}
-    tables["verdict"] = result.verdict.drop(columns="because")
-    asked = [name for name in args.tables if name in tables] if args.tables else list(tables)
-    whole = args.tables or args.verbose
-    lines = [
-        f"\n{result.name}/{name}\n{_align(tables[name], None if whole else ROWS_SHOWN)}"
-        for name in asked
-    ]
-    findings = [] if args.tables else [f"- {finding}" for finding in result.evidence.findings]
-    return [*lines, *([] if args.tables else [""]), *findings]
+    if args.tables:
+        return table_lines(result, args.tables)
+    tables = [*table_lines(result, ()), ""] if args.verbose else []
+    return [*tables, *summary_lines(result)]
+
+
+def _say(study: Stored | Outcome, args: argparse.Namespace) -> None:
+    """What a study missed, and how it ended, to stderr."""
+    for line in failure_lines(study, f"{args.out / study.name}{os.sep}verdict.csv"):
+        tell(line)
+    if args.form == "quick" and not (study.held or study.error):
+        for line in suspect_line(study):
+            tell(line)
+    if not args.quiet:
+        tell(ending(study))
 
 
 def _refuse_unknown_tables(args: argparse.Namespace) -> None:
@@ -330,48 +323,7 @@ def _tables_there(results: list[Result], args: argparse.Namespace) -> list[int]:
     if not (results and unknown):
         return []
     known = ", ".join(sorted(made))
-    return [_error(f"--table {unknown[0]}: no such table; choose from {known}", USAGE)]
-
-
-def _align(table: pd.DataFrame, most: int | None) -> str:
-    """Aligned text of a table's first rows, and how many more there are; None is all."""
-    rows = len(table) if most is None else most
-    text = table.head(rows).to_string(index=False, float_format=lambda value: f"{value:.6g}")
-    return text + (f"\n… {len(table) - rows} more rows" if len(table) > rows else "")
-
-
-def _say(study: Stored | Outcome, args: argparse.Namespace) -> None:
-    """What a study missed, a line each, and in one how it ended, to stderr."""
-    from msvalidate.output.junit import failure_line
-
-    rows = [] if study.error else study.verdict.to_dict("records")
-    missed = [row for row in rows if row["verdict"] != "pass"]
-    for row in missed:
-        why = f" ({row['because']})" if row["layer"] == "baseline" else ""
-        _tell(f"{study.name}: FAIL {failure_line(row)}{why}")
-    if args.quiet:
-        return
-    held = f"{len(rows) - len(missed)} of {len(rows)} held"
-    said = "not finished" if study.error else held if study.held else f"FAILED, {held}"
-    _tell(f"{study.name}: {said}" + (f", {study.seconds:.1f} s" if study.seconds else ""))
-
-
-def _say_all(outcomes: Sequence[Outcome], seconds: float) -> None:
-    """How several studies ended together, layer by layer, to stderr."""
-    if len(outcomes) < 2:
-        return
-    judged, held = Counter[str](), Counter[str]()
-    for outcome in outcomes:
-        judged.update(outcome.verdict["layer"])
-        held.update(outcome.verdict.loc[outcome.verdict["verdict"] == "pass", "layer"])
-    layers = [f"{layer} {held[layer]} of {many}" for layer, many in judged.items()]
-    whole = f"{sum(each.held for each in outcomes)} of {len(outcomes)} studies held"
-    _tell(f"{', '.join([whole, *layers])}, {seconds:.1f} s")
-
-
-def _error(message: str, code: int) -> int:
-    _tell(f"{PROGRAM}: error: {message}")
-    return code
+    return [tell_error(f"--table {unknown[0]}: no such table; choose from {known}", USAGE)]
 
 
 def _prepare_streams() -> None:
@@ -383,7 +335,7 @@ def _prepare_streams() -> None:
         pass
     os.close(number)
     for name in ("stdout", "stderr"):
-        stream: Any = getattr(sys, name) or _nowhere()
+        stream: Any = getattr(sys, name) or nowhere()
         stream.reconfigure(errors="replace")
         setattr(sys, name, stream)
 
@@ -396,5 +348,5 @@ def run() -> NoReturn:
     except SystemExit as end:  # --help, or wrong usage
         code = end.code if isinstance(end.code, int) else HELD
     except KeyboardInterrupt:
-        code = _error("interrupted; results are as they were", INTERRUPTED)
-    sys.exit(max(code, _print_lines([])))  # what --help left unwritten
+        code = tell_error("interrupted; results are as they were", INTERRUPTED)
+    sys.exit(max(code, print_lines([])))  # what --help left unwritten

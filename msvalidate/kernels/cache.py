@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import logging
 import os
 import pickle
 import secrets
@@ -29,6 +30,8 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
 
+LOG = logging.getLogger(__name__)
+"""Says what is compiled, at level INFO."""
 HERE = Path(__file__).resolve().parent
 OUTSIDE = (
     HERE.parent / "network" / "layout.py",
@@ -119,9 +122,10 @@ class KernelCache(_Cache):
         try:
             content = path.read_bytes() if path else b""
         except OSError:
-            return None
+            content = b""
         told, data = content[:32], content[32:]
         if not data or hashlib.sha256(data).digest() != told:
+            LOG.info("%s: compiling", self._name)
             return None
         rebuilt: Any = CompileResult._rebuild
         return rebuilt(target_context, *pickle.loads(data))  # noqa: S301  our own

@@ -46,6 +46,15 @@ def baseline_folder(form: str) -> Path:
     return (CHECKOUT if (HOME.parent / "pyproject.toml").is_file() else HOME / "baseline") / form
 
 
+def recorded_faults(study: str) -> pd.DataFrame | None:
+    """What a study's faults move in its small form, see `judging.suspects`; None if unknown."""
+    path = baseline_folder("faults") / f"{study}.csv"
+    try:
+        return pd.read_csv(path) if path.is_file() else None
+    except ValueError:  # damaged: nothing to go by
+        return None
+
+
 def unknown_folders(form: str, studies: list[str]) -> list[str]:
     """Folders of a baseline that belong to no study, so that nothing is compared with them."""
     folder = baseline_folder(form)

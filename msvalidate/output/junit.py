@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -44,7 +44,7 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
-def failure_line(row: Mapping[Hashable, Any]) -> str:
+def failure_line(row: Mapping[Any, Any]) -> str:
     """What failed, in one line: value, reference, error and limit."""
     return (
         f"{row['quantity']}: observed {row['observed']:.9g}, reference {row['reference']:.9g}, "

@@ -211,7 +211,9 @@ def test_closed_tables_are_printed(browser, address):
     closed = browser.execute_script(
         "return document.querySelectorAll('details:not([open])').length"
     )
-    assert closed or not browser.execute_script("return document.querySelectorAll('section section, details').length")
+    assert closed or not browser.execute_script(
+        "return document.querySelectorAll('section section, details').length"
+    )
     as_it_is = printed_pages(browser)
     browser.execute_script("for (const d of document.querySelectorAll('details')) d.open = true")
     assert as_it_is == printed_pages(browser) > 0

@@ -1,0 +1,174 @@
+"""What is said on the terminal: results to stdout, messages to stderr, both in few lines."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import math
+import os
+import re
+import sys
+import textwrap
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TextIO
+
+from msvalidate.cli.arguments import HELD, PROGRAM, USAGE
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from msvalidate.cli.outcome import Outcome
+    from msvalidate.output.stored import Result, Stored
+
+WIDTH = 100
+"""Of findings, in characters."""
+FINDINGS = 8
+"""Lines of findings a study: with its question and what was left out, ten."""
+FIRST_SENTENCE = re.compile(r"(?<=[.!?]) (?=[A-Z])")
+FAILURES = 5
+"""Failures a study that are told one by one."""
+
+
+def tell(message: str) -> None:
+    """A line to stderr; one that cannot be read any more is not missed."""
+    with contextlib.suppress(OSError):
+        print(message, file=sys.stderr, flush=True)  # a killed run has said all that it could
+        return
+    sys.stderr = nowhere()
+
+
+def tell_error(message: str, code: int) -> int:
+    """An error in one line; its exit code."""
+    tell(f"{PROGRAM}: error: {message}")
+    return code
+
+
+def print_lines(lines: Sequence[str]) -> int:
+    """Lines to stdout; the exit code of a place where they do not fit."""
+    try:
+        for line in lines:
+            print(line)
+        print(end="", flush=True)
+    except BrokenPipeError:  # the reader left; the verdict stands
+        sys.stdout = nowhere()
+    except OSError as error:  # a full disk; results are in files
+        sys.stdout = nowhere()
+        return tell_error(f"stdout: {error.strerror}", USAGE)
+    return HELD
+
+
+def nowhere() -> TextIO:
+    """A stream that leads nowhere."""
+    return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123  as long as the process
+
+
+def summary_lines(result: Result) -> list[str]:
+    """What a study asks, and the first sentences of what it finds, in at most ten lines."""
+    lines = [f"{result.name}: {result.question.partition(chr(10))[0]}"]
+    findings = result.evidence.findings
+    for place, finding in enumerate(findings):
+        wrapped = textwrap.wrap(
+            FIRST_SENTENCE.split(finding, maxsplit=1)[0],
+            WIDTH,
+            initial_indent="  - ",
+            subsequent_indent="    ",
+            break_on_hyphens=False,
+        )
+        if place and len(lines) + len(wrapped) > FINDINGS + 1:
+            left = len(findings) - place
+            return [*lines, f"  … {left} more finding{'s' * (left > 1)} in the report"]
+        lines += wrapped[:FINDINGS]
+    return lines
+
+
+def table_lines(result: Result, names: Sequence[str]) -> list[str]:
+    """The tables of these names, whole; all of them for none."""
+    tables: dict[str, Any] = {**result.evidence.tables}
+    tables["verdict"] = result.verdict.drop(columns="because")
+    asked = [name for name in names if name in tables] if names else list(tables)
+    return [f"\n{result.name}/{name}\n{align(tables[name])}" for name in asked]
+
+
+def align(table: pd.DataFrame) -> str:
+    """Aligned text of a table."""
+    return table.to_string(index=False, float_format=lambda value: f"{value:.6g}")
+
+
+def failure_lines(study: Stored | Outcome, where: str) -> list[str]:
+    """What a study missed, the worst first and at most five, and where the others are."""
+    from msvalidate.output.junit import failure_line
+
+    missed = missed_rows(study)
+    lines = []
+    for row in missed[:FAILURES]:
+        why = f" ({row['because']})" if row["layer"] == "baseline" else ""
+        lines.append(f"{study.name}: FAIL {failure_line(row)}{why}")
+    if len(missed) > FAILURES:
+        lines.append(f"{study.name}: … {len(missed) - FAILURES} more in {where}")
+    return lines
+
+
+def suspect_line(study: Stored | Outcome) -> list[str]:
+    """Which of the study's own faults a failure in the small form looks like, if one fits."""
+    from msvalidate.judging.suspects import find_suspect
+    from msvalidate.output.baseline import recorded_faults
+
+    recorded = recorded_faults(study.name)
+    found = None if recorded is None else find_suspect(study.verdict, recorded)
+    if found is None:
+        return []
+    size = "" if abs(found.size - 1) < 0.05 else f", {found.size:.2g} times as much"
+    return [f"{study.name}: like: {found.fault}{size}"]
+
+
+def missed_rows(study: Stored | Outcome) -> list[dict[str, Any]]:
+    """Rows of a verdict that were missed: theory and agreement before the baseline, worst first."""
+    rows: list[Any] = [] if study.error else study.verdict.to_dict("records")
+    missed = [row for row in rows if row["verdict"] != "pass"]
+    return sorted(missed, key=lambda row: (row["layer"] == "baseline", -_excess(row)))
+
+
+def ending(study: Stored | Outcome) -> str:
+    """How a study ended, in one line."""
+    rows = 0 if study.error else len(study.verdict)
+    missed = len(missed_rows(study))
+    said = f"{rows - missed} of {rows} held"
+    if study.error:
+        said = "not finished"
+    elif not study.held:
+        said = f"FAILED, {rows} row{'s' * (rows != 1)}: {rows - missed} held, {missed} missed"
+    return f"{study.name}: {said}" + (f", {study.seconds:.1f} s" if study.seconds else "")
+
+
+def ending_of_all(outcomes: Sequence[Outcome], seconds: float) -> str:
+    """How several studies ended together, layer by layer."""
+    judged, held = Counter[str](), Counter[str]()
+    for outcome in outcomes:
+        judged.update(outcome.verdict["layer"])
+        held.update(outcome.verdict.loc[outcome.verdict["verdict"] == "pass", "layer"])
+    layers = [f"{layer} {held[layer]} of {many}" for layer, many in judged.items()]
+    whole = f"{sum(each.held for each in outcomes)} of {len(outcomes)} studies held"
+    return f"{', '.join([whole, *layers])}, {seconds:.1f} s"
+
+
+class CompilationNotice(logging.Handler):
+    """Says once that kernels are being compiled, which only a first run has to wait for."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.INFO)
+        self._said = False
+
+    def emit(self, record: logging.LogRecord) -> None:  # noqa: ARG002  what is compiled
+        """Take the first message for all."""
+        if not self._said:
+            self._said = True
+            tell("first run: compiling, some 5 to 20 s; later runs find it compiled")
+
+
+def _excess(row: Mapping[str, Any]) -> float:
+    """Error over limit; what is no number is worst."""
+    error, limit = float(row["error"]), float(row["limit"])
+    if not math.isfinite(error):
+        return math.inf
+    return error / limit if limit > 0 else error * sys.float_info.max
