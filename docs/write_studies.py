@@ -53,7 +53,7 @@ def tolerances(study: Stored) -> str:
     """The tolerances of a study, a row each."""
     rows = study.verdict[study.verdict["layer"] != "baseline"].to_dict("records")
     lines = [
-        f"| {row['layer']} | {cell(row['quantity'])} | {row['limit']:.3g} {row['unit']} | "
+        f"| {row['layer']} | {cell(row['quantity'])} | {row['limit']:.3g}{unit(row['unit'])} | "
         f"{cell(row['because'])} |"
         for row in rows
     ]
@@ -67,6 +67,11 @@ def table(study: Stored, name: str) -> str:
     columns = [str(column) for column in study.tables[name]]
     said = [f"- `{column}`: {study.columns.get(column, '')}" for column in columns]
     return "\n".join([f"### {name}", "", *said])
+
+
+def unit(text: str) -> str:
+    """A unit behind a number; a bare number has none."""
+    return "" if text == "1" else f" {text}"
 
 
 def cell(text: str) -> str:

@@ -480,7 +480,8 @@ WRITING = {
     "msvalidate.output.exchange": ("",),
     "msvalidate.output.report": ("",),
     "msvalidate.output.stored": ("figure.savefig(page,", "table.to_csv(index="),
-    "msvalidate.cli.program": ("open(os.devnull,", "os.open(os.devnull,"),
+    "msvalidate.cli.program": ("os.open(os.devnull,",),
+    "msvalidate.cli.terminal": ("open(os.devnull,",),
     "msvalidate.linear_algebra.factor": ("os.open(os.devnull,",),
     "msvalidate.kernels.cache": (
         *("path.parent.mkdir(", "part.write_bytes(", "part.unlink()"),

@@ -42,7 +42,7 @@ from msvalidate.problem.checks import require_one_of, require_type
 
 EDGE_RULES = ("area", "equilateral", "cotangent")
 """Rules for the stiffness of a mesh's edges: see the module's text."""
-WEIGHTS = {"quad": (3 / 8, 3 / 4), "hexahedron": (1 / 10, 2 / 5)}
+EDGE_SHARES = {"quad": (3 / 8, 3 / 4), "hexahedron": (1 / 10, 2 / 5)}
 """Of edges and of faces' diagonals: those that make squares and cubes isotropic."""
 
 
@@ -106,13 +106,13 @@ def mesh_lattice(mesh: Mesh, rule: str = "area") -> Lattice:
 def _edges(shape: str, corners: int) -> tuple[Index, Array]:
     """Ends (e, 2) among a cell's corners of its springs, and their weights (e,)."""
     pairs = np.array(list(combinations(range(corners), 2)))
-    if shape not in WEIGHTS:
+    if shape not in EDGE_SHARES:
         return pairs, np.ones(len(pairs))
     # Along an edge one coordinate of a cell changes, along a face's diagonal two.
     at = corners_of_cell(int(math.log2(corners)))
     changes = np.abs(at[pairs[:, 0]] - at[pairs[:, 1]]).sum(axis=1)
     inside = changes <= 2
-    return pairs[inside], np.array(WEIGHTS[shape])[changes[inside] - 1]
+    return pairs[inside], np.array(EDGE_SHARES[shape])[changes[inside] - 1]
 
 
 def _edge_contributions(ends: Array, weights: Array, volume: Array, rule: str) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from itertools import combinations, product
 from typing import TypeVar
@@ -25,8 +26,6 @@ from msvalidate.problem.checks import (
 Kind = TypeVar("Kind", bound=np.generic)
 VTK_ORDER = {2: (0, 1, 3, 2), 3: (0, 1, 3, 2, 4, 5, 7, 6)}
 """Axes -> corners of a box, listed x fastest, in VTK's order: round the low side, then the high."""
-WEIGHTS = ("shared", "equal", "per_cell")
-"""Rules for the weight of a spring on the boundary: see `boundary_weights`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +116,42 @@ class PatternLattice(Lattice):
     spacing: float
 
 
+@dataclass(frozen=True)
+class BoundaryRule:
+    """A rule for the weight of a spring, by the cells that it borders.
+
+    Parameters
+    ----------
+    weight
+        Lattice -> weight (m,) of each spring.
+    per_cell
+        Whether every cell brings springs of its own, so that weights differ from 1 inside too.
+    """
+
+    weight: Callable[[Lattice], Array]
+    per_cell: bool = False
+
+
+def _share(lattice: Lattice) -> Array:
+    return lattice.share
+
+
+def _whole(lattice: Lattice) -> Array:
+    return np.ones(len(lattice.springs))
+
+
+def _borders(lattice: Lattice) -> Array:
+    return lattice.borders
+
+
+WEIGHTS: Mapping[str, BoundaryRule] = {
+    "shared": BoundaryRule(_share),
+    "equal": BoundaryRule(_whole),
+    "per_cell": BoundaryRule(_borders, per_cell=True),
+}
+"""Rules for the weight of a spring on the boundary: see `boundary_weights`."""
+
+
 def boundary_weights(lattice: Lattice, rule: str) -> Array:
     """Weight (m,) of each spring, by the number of cells that it borders.
 
@@ -133,11 +168,7 @@ def boundary_weights(lattice: Lattice, rule: str) -> Array:
     """
     require_type("lattice", lattice, Lattice)
     require_one_of("boundary weights", rule, WEIGHTS)
-    if rule == "shared":
-        return lattice.share
-    if rule == "equal":
-        return np.ones(len(lattice.springs))
-    return lattice.borders
+    return WEIGHTS[rule].weight(lattice)
 
 
 def fill(pattern: Pattern, box: Box, cells: int | tuple[int, ...]) -> PatternLattice:

@@ -221,7 +221,11 @@ def test_strips_moved_by_whole_sides_are_triangles():
         ),
         (trapezium(0.2, (3, 2)), 0.0, "triangular lattice: spacing: 0.0 m"),
         (trapezium(0.2, (3, 2)), NAN, "triangular lattice: spacing: nan; every value must be"),
-        (trapezium(0.2, (3, 2)), (0.2, 0.2), "triangular lattice: spacing: (0.2, 0.2) m; it must"),
+        (
+            trapezium(0.2, (3, 2)),
+            (0.2, 0.2),
+            "triangular lattice: spacing: (0.2, 0.2) is a list; give one number",
+        ),
         (Box((1.0, 1.0)), 0.2, "triangular lattice: a box 1 x 1 m; give a Polygon, such as zigzag"),
     ],
 )

@@ -5,9 +5,12 @@ from __future__ import annotations
 import pytest
 
 from msvalidate.dielectric.actuator import slab
+from msvalidate.dielectric.actuator.models import MODELS
 
 
-@pytest.fixture(scope="session", params=["plane", "parallel_plates", "in_air"])
+@pytest.fixture(
+    scope="session", params=[name for name, model in MODELS.items() if model.conservative]
+)
 def body(request):
     """A half covered slab, under every model whose forces are slopes of an energy."""
     return slab(
