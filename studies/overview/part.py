@@ -116,9 +116,9 @@ ROUNDING = {"error": 1e-9, "deflection_error": 1e-9, "reference_error": 1e-9, "o
 ONE_PERCENT = 0.01
 TOLD = 20
 WORDS = {
-    "never": "none is enough",
-    "finer": "more than were tried",
-    "coarser": "fewer than were tried",
+    "never": "no number",
+    "finer": "more than tried",
+    "coarser": "fewer than tried",
 }
 STALLED = 0.5
 """An order below it, between the two finest sizes: more springs do not bring the error down."""
@@ -351,13 +351,13 @@ def observe(table: pd.DataFrame, fitted: pd.DataFrame, other: float) -> list[Obs
 def findings(table: pd.DataFrame, fitted: pd.DataFrame) -> tuple[str, ...]:
     """What each model reaches at 20 cells across, and what 1 % takes."""
     told = table[table["across"] == TOLD].set_index("model")
-    said = ", ".join(f"{100 * row['error']:.2g} % by {model}" for model, row in told.iterrows())
+    said = "; ".join(f"{model} {100 * row['error']:.2g} %" for model, row in told.iterrows())
     needed = fitted.set_index("model")["to_one_percent"]
-    counts = ", ".join(
-        f"{model} {value:,.0f}" if isinstance(value, float) else f"{model}: {WORDS[value]}"
+    counts = "; ".join(
+        f"{model} {value:,.0f}" if isinstance(value, float) else f"{model} {WORDS[value]}"
         for model, value in needed.items()
     )
     return (
-        f"A block of Poisson's ratio {NU:g}, {TOLD} cells across: off by {said}.",
-        f"For an error of 1 % it takes so many springs, or pairs of nodes: {counts}.",
+        f"How far off a block of Poisson's ratio {NU:g} is with {TOLD} cells across: {said}.",
+        f"Springs, or pairs of nodes, that an error of 1 % takes: {counts}.",
     )
