@@ -20,7 +20,7 @@ from msvalidate.output.stored import NUMBERS, Stored
 
 ROWS_SHOWN = 12
 """Longer tables are shown by their first rows; the CSV has them all."""
-PICTURES = 1_800_000
+PICTURES = 1_500_000
 """Bytes of pictures inside the page, shared out evenly among the studies."""
 LAYERS = {
     "theory": "formulas, orders, identities and the reference's own accuracy",
