@@ -20,6 +20,7 @@ from msvalidate.judging.evidence import Tables
 from msvalidate.output.baseline import baseline_folder
 from msvalidate.output.stored import csv_bytes, read_csv, read_result
 from msvalidate.problem import ProblemError
+from msvalidate.problem.checks import require_type
 
 THIS_RUN, STORED, BASELINE = "this run", "stored results", "committed baseline"
 
@@ -83,6 +84,20 @@ class Results:
                 if not result.error:
                     found[place.name] = result.tables
         return found
+
+
+def check_results(candidate: Results | None, *, quick: bool) -> Results:
+    """The candidate of a study that reads results; None is the committed baseline of its form.
+
+    Raises
+    ------
+    ProblemError
+        If it is neither.
+    """
+    if candidate is None:
+        return Results("quick" if quick else "full")
+    require_type("candidate", candidate, Results)
+    return candidate
 
 
 def read_numbers(table: pd.DataFrame) -> pd.DataFrame:

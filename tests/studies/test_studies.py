@@ -22,6 +22,7 @@ TELLING = {
     "displacement": "every spring 0.1 % softer",
     "electrostatics": "half of a segment's force to each end",
     "lattices": "one neighbour direction missing",
+    "overview": "energy of volumes left out",
     "poisson": "wrong boundary weights",
     "pull_in": "a voltage beyond pull-in is held",
     "stability": "a thousandth of Verlet's second kick missing",
@@ -102,7 +103,8 @@ def test_fails_under_a_known_fault(name, fault):
 
 
 def test_a_candidate_that_is_none_is_refused_in_one_line(study):
-    for candidate in (None, 3, [], {"a": 1}):
+    reads = getattr(study, "READS_RESULTS", False)  # of the committed baseline, if none is given
+    for candidate in (*(() if reads else (None,)), 3, [], {"a": 1}):
         with pytest.raises(ProblemError, match=r"^candidate: ") as refused:
             study.run(candidate=candidate, setting=QUICK)
         assert "\n" not in str(refused.value)
