@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import textwrap
 from collections.abc import Iterator
 from itertools import combinations, product
 from typing import Any
@@ -23,6 +24,8 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 FEW_DECADES = 2.5
 WIDE_LABELS = 1e5
 """Numbers whose labels collide below an axis, where 50000 is followed by 100000."""
+TITLE_SIZE, LETTERS_AN_INCH = 9, 14
+"""Points of a title's letters, and how many of them an inch holds."""
 MARKERS = ("o", "s", "^", "D", "v", "P")
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
@@ -97,6 +100,13 @@ def plain_logarithms(figure: Figure) -> None:
                 subs = ((1.0, 3.0) if wide else (1.0, 2.0, 5.0)) if few else (1.0,)
                 axis.set_major_locator(LogLocator(subs=subs, numticks=12))
             axis.set_minor_locator(NullLocator())
+
+
+def add_title(figure: Figure, text: str) -> None:
+    """What a figure shows, above it, in lines as wide as it is; one that has a title keeps it."""
+    if not figure.get_suptitle():
+        wide = int(LETTERS_AN_INCH * figure.get_figwidth())
+        figure.suptitle("\n".join(textwrap.wrap(text.rstrip("."), wide)), fontsize=TITLE_SIZE)
 
 
 def add_shared_legend(figure: Figure, axes: list[Axes], columns: int = 4) -> None:

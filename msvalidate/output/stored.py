@@ -23,7 +23,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.judging.evidence import Evidence, Layer, all_passed
-from msvalidate.output.figures import figure_style, plain_logarithms
+from msvalidate.output.figures import add_title, figure_style, plain_logarithms
 from msvalidate.output.pictures import shorten_paths
 from msvalidate.problem import ProblemError
 
@@ -152,6 +152,7 @@ def result_files(
         captions[name] = (draw.__doc__ or name).partition("\n")[0]
         with figure_style():
             figure = draw(evidence.tables)
+            add_title(figure, captions[name])
             _lay_out(figure)
             found |= {f"{name}.{kind}": _render_figure(figure, kind) for kind in FORMATS}
     used = {column for table in evidence.tables.values() for column in table}

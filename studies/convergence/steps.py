@@ -291,7 +291,7 @@ def style(method: str) -> dict[str, Any]:
     """How a method is drawn, in every figure the same."""
     index = list(RELAXATIONS).index(method)
     line = "-" if index < len(figures.COLOURS) else "--"
-    return figures.series_style(index) | {"linestyle": line, "label": method.replace("_", " ")}
+    return figures.series_style(index) | {"linestyle": line, "label": RELAXATIONS[method].title}
 
 
 SLOPES = {2: ":", 3: "-."}

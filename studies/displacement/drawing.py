@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
@@ -14,6 +15,18 @@ from .load_cases import BAND, CASES
 
 PARTS = ("at_rest", "geometric", "boundary", "discretisation", "model_form")
 """Of the error budget, from the candidate's run to the target."""
+WORDS = {
+    "at_rest": "not at rest",
+    "geometric": "geometric nonlinearity",
+    "boundary": "springs on the boundary",
+    "discretisation": "discretisation",
+    "model_form": "another material",
+}
+"""Of these parts in figures."""
+RULES = {"shared": "half", "equal": "full"}
+"""Of springs on the boundary in figures."""
+MIDDLE = 0.5
+"""Power of the scale of colours: small differences show beside large ones."""
 
 
 def convergence(tables: Tables) -> Figure:
@@ -34,7 +47,7 @@ def convergence(tables: Tables) -> Figure:
                 marker=figures.MARKERS[i // 2],
                 color=figures.COLOURS[i // 2],
                 mfc=None if shared else "white",
-                label=f"{name}, {weights}",
+                label=f"{name}, {RULES[str(weights)]} springs on the boundary",
             )
         spacing = np.array([1 / rows["cells_y"].max(), 1 / rows["cells_y"].min()])
         top = float(rows["rel_l2"].max())
@@ -53,14 +66,14 @@ def convergence(tables: Tables) -> Figure:
         axis.set_xticks(ticks, [f"1/{round(1 / t)}" for t in ticks])
         axis.set(title=case, xlabel="spacing over height (1)")
     axes[0].set_ylabel("relative L2 difference to FEM (1)")
-    figures.add_shared_legend(figure, axes, columns=4)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 
 def budget(tables: Tables) -> Figure:
     """Signed parts of the error at one probe, along the load, stacked, for the coarsest bodies."""
     cases = tables["cases"]
-    figure, axes = figures.new_figure(2, 2, size=(5.2, 3.2))
+    figure, axes = figures.new_figure(2, 2, size=(5.2, 3.2), sharey=True)
     for axis, case in zip(axes, CASES, strict=True):
         rows = cases[(cases["case"] == case)]
         first = rows.groupby("lattice")["cells_y"].transform("min")
@@ -68,14 +81,15 @@ def budget(tables: Tables) -> Figure:
         rows = rows[rows["component"] == ("uy" if case in {"shear", "bending"} else "ux")]
         rows = rows[rows["probe"] == rows["probe"].iloc[-1]]
         labels = [
-            f"{r.lattice}\n{_model(r.k1, r.k2)}\n{r.weights}" for r in rows.itertuples(index=False)
+            f"{r.lattice}\n{_model(r.k1, r.k2)}\n{RULES[str(r.weights)]}"
+            for r in rows.itertuples(index=False)
         ]
         place = np.arange(len(rows))
         up, down = np.zeros(len(rows)), np.zeros(len(rows))
         for part, colour in zip(PARTS, figures.COLOURS, strict=False):
             value = 100 * rows[part].to_numpy()
             base = np.where(value >= 0, up, down)
-            axis.bar(place, value, bottom=base, color=colour, label=part, width=0.6)
+            axis.bar(place, value, bottom=base, color=colour, label=WORDS[part], width=0.6)
             up, down = up + np.maximum(value, 0), down + np.minimum(value, 0)
         axis.errorbar(
             place,
@@ -90,10 +104,12 @@ def budget(tables: Tables) -> Figure:
         band = 100 * BAND
         axis.axhspan(-band, band, color="#e6e6e6", lw=0, zorder=0, label="band")
         axis.set_xticks(place, labels, fontsize=7)
-        axis.set_title(f"{case}: {rows['component'].iloc[0]} at '{rows['probe'].iloc[0]}'")
-        axis.set_ylabel("part of |u_target| (%)")
-        axis.set_xlabel("lattice, constants and weights, 6 particles on a side")
-    figures.add_shared_legend(figure, axes, columns=7)
+        component = str(rows["component"].iloc[0])[-1]
+        axis.set_title(f"{case}: displacement along {component}, {rows['probe'].iloc[0]}")
+        axis.set_xlabel("lattice, constants, springs on the boundary; 6 points on a side")
+    for axis in axes[::2]:
+        axis.set_ylabel("part of the target's displacement (%)")
+    figures.add_shared_legend(figure, axes, columns=4)
     return figure
 
 
@@ -101,7 +117,9 @@ def field(tables: Tables) -> Figure:
     """Where springs and homogenised body differ: length of the difference over the largest |u|."""
     table = tables["field"]
     lattices = list(dict.fromkeys(table["lattice"]))
-    figure, axes = figures.new_figure(len(CASES), len(lattices), size=(3.0, 2.5))
+    figure, axes = figures.new_figure(len(CASES), len(lattices), size=(2.7, 2.3))
+    # One scale for all; the root lets differences of 1 % show beside those of 10 %.
+    scale = PowerNorm(MIDDLE, 0.0, 100 * float(table["difference"].max()))
     for row, lattice in enumerate(lattices):
         for column, case in enumerate(CASES):
             axis = axes[row * len(CASES) + column]
@@ -113,14 +131,15 @@ def field(tables: Tables) -> Figure:
                 100 * points["difference"],
                 cmap="viridis",
                 shading="gouraud",
-                vmin=0,
+                norm=scale,
                 rasterized=True,
             )
-            figure.colorbar(shown, ax=axis, orientation="horizontal", label="difference (%)")
             axis.set_aspect("equal")
             axis.grid(visible=False)
             axis.set_title(f"{case}, {lattice}", fontsize=8)
             axis.set(xlabel="x (m)", ylabel="y (m)")
+    bar = figure.colorbar(shown, ax=axes, orientation="horizontal", fraction=0.05, aspect=60)
+    bar.set_label("difference over the largest displacement (%)")
     return figure
 
 

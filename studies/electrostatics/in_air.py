@@ -224,12 +224,12 @@ def finding(table: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Capacitance, margin and stretch, and what the far boundary does."""
     table, far = tables["in_air"], tables["far_boundary"]
-    figure, axes = figures.new_figure(2, 2, size=(3.6, 2.8))
+    figure, axes = figures.new_figure(2, 2, size=(3.8, 3.0))
     *compared, box = axes
     shown = (
-        ("capacitance_in_air", "capacitance_elements", "capacitance per depth over ε (1)"),
-        ("edge_work", "edge_work_elements", "along at an edge of the top, over εV²/4d (1)"),
-        ("stretch", "stretch_elements", "along half the slab, over εV²/2d (1)"),
+        ("capacitance_in_air", "capacitance_elements", "capacitance over ε times depth"),
+        ("edge_work", "edge_work_elements", "force along, at an edge of the top, over εV²/4d"),
+        ("stretch", "stretch_elements", "force along half the slab, over εV²/2d"),
     )
     for axis, (ours, theirs, name) in zip(compared, shown, strict=True):
         for place, (covered, rows) in enumerate(table.groupby("covered", sort=False)):
@@ -238,14 +238,15 @@ def draw(tables: Tables) -> Figure:
             axis.semilogx(ratio, rows[theirs], color=colour, label=f"{part}, elements")
             axis.semilogx(ratio, rows[ours], "o", color=colour, mfc="none", label=charges)
         axis.set_xticks([1, 3, 10], ["1", "3", "10"])
-        axis.set(xlabel="permittivity over air's (1)", ylabel=name, ylim=(0, None))
+        axis.set(title=name, ylim=(0, None))
+        axis.set(xlabel="permittivity over air's (1, log scale)", ylabel="ratio (1)")
     compared[0].legend(fontsize=7)
     for place, (kind, rows) in enumerate(far.groupby("far", sort=False)):
         style = {"marker": figures.MARKERS[place], "color": figures.COLOURS[place + 2]}
         label = f"far boundary {kind}"
         box.semilogx(rows["reach"], rows["capacitance_elements"], label=label, **style)
     box.set_xticks(list(REACHES), [f"{reach:g}" for reach in REACHES])
-    box.set(title="ratio 3, 100 % covered", xlabel="its distance over the slab's length (1)")
-    box.set_ylabel("capacitance per depth over ε (1)")
+    box.set(title="the same with a ratio of 3, all covered")
+    box.set(xlabel="far boundary's distance over length (1)", ylabel="ratio (1)")
     box.legend(fontsize=7)
     return figure

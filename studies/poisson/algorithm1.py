@@ -152,15 +152,18 @@ def draw_block(tables: Tables) -> Figure:
     shown = first + MAGNIFIED * (moved - first)
     figure, (axis,) = figures.new_figure(size=(3.8, 3.4))
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]) * block.SIDE
-    axis.plot(*corners.T, "--", color="grey", lw=1, label="before")
+    axis.plot(*corners.T, "--", color="grey", lw=1, label="unloaded")
+    # The elastic body of the same tensor, between sliding ends: uniform strain, in closed form.
+    k2, stretch = CONSTANTS[-1], MAGNIFIED * STRAINS[-1]
+    long, high = 1 + stretch, 1 - stretch * k2 / (block.K1 + k2)
+    axis.plot(*(corners * [long, high]).T, "-", color="black", lw=1, label="elastic body")
     springs = lattice.square(block.BOX, CELLS).springs
     lines = shown[springs].transpose(2, 1, 0)
     axis.plot(*lines, color=figures.COLOURS[4], lw=0.8)
-    axis.plot(*shown.T, "o", color=figures.COLOURS[0], ms=3.5, label="at rest")
+    axis.plot(*shown.T, "o", color=figures.COLOURS[0], ms=3.5, label="springs at rest")
     axis.set_aspect("equal")
     axis.grid(visible=False)
-    axis.set_title("equal springs, k2 = 2 k1, strain 1 %", fontsize=9)
     axis.set_xlabel(f"x (m), displacements x {MAGNIFIED}")
     axis.set_ylabel(f"y (m), displacements x {MAGNIFIED}")
-    figures.add_shared_legend(figure, [axis])
+    figures.add_shared_legend(figure, [axis], columns=2)
     return figure

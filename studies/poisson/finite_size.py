@@ -237,6 +237,14 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
     return whose, block_of_report
 
 
+RULES = {
+    "equal": "full springs on the boundary",
+    "shared": "half springs on the boundary",
+    "per_cell": "springs of each cell's own",
+}
+"""Boundary weights in figures."""
+
+
 def draw(tables: Tables) -> Figure:
     """Ratio against size at k1 = 1, k2 = 1/2; FEM is sampled at each network's points."""
     table = tables["finite_size"]
@@ -245,17 +253,15 @@ def draw(tables: Tables) -> Figure:
     panels = product(DEFINITIONS, LOADINGS)
     for axis, (definition, loading) in zip(axes, panels, strict=True):
         panel = table[(table["definition"] == definition) & (table["loading"] == loading)]
-        for weights, colour, marker in zip(
-            ("equal", "shared", "per_cell"), figures.COLOURS, ("s", "o", "^"), strict=False
-        ):
+        for weights, colour, marker in zip(RULES, figures.COLOURS, "so^", strict=False):
             rows = panel[panel["weights"] == weights]
             # Equal springs as large open squares: what lies inside them stays visible.
             size: dict[str, Any] = {"ms": 8, "mfc": "none"} if weights == "equal" else {}
-            label = f"springs, {weights}"
+            label = RULES[weights]
             axis.plot(rows["cells"], rows["nu_springs"], marker, color=colour, label=label, **size)
             if weights != "equal":  # its interior is that of shared springs
                 axis.plot(rows["cells"], rows["nu_fem"], "-", color=colour, alpha=0.5)
-        axis.plot([], [], "-", color="grey", label="FEM at the same points")
+        axis.plot([], [], "-", color="grey", label="elements at the same points")
         for column, style in (("nu_bulk_formula", "--"), ("nu_cell_formula", ":")):
             name = "k2/(k1+k2)" if "bulk" in column else "k2/(2k1+k2)"
             axis.axhline(panel[column].iloc[0], color="black", ls=style, lw=0.9, label=name)
@@ -263,7 +269,7 @@ def draw(tables: Tables) -> Figure:
         axis.set_xscale("log")
         axis.set_xticks(CELLS, [str(n) for n in CELLS])
     for axis in axes[len(LOADINGS) :]:
-        axis.set_xlabel("cells per side N")
+        axis.set_xlabel("cells along a side, N")
     for axis in axes[:: len(LOADINGS)]:
         axis.set_ylabel("Poisson's ratio (1)")
     figures.add_shared_legend(figure, axes, columns=3)
