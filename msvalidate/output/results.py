@@ -20,6 +20,7 @@ from msvalidate.judging.evidence import Tables
 from msvalidate.output.baseline import baseline_folder
 from msvalidate.output.stored import csv_bytes, read_csv, read_result
 from msvalidate.problem import ProblemError
+from msvalidate.problem.checks import require_type
 
 THIS_RUN, STORED, BASELINE = "this run", "stored results", "committed baseline"
 
@@ -83,6 +84,20 @@ class Results:
                 if not result.error:
                     found[place.name] = result.tables
         return found
+
+
+def results_to_read(candidate: Results | None, quick: bool) -> Results:
+    """Results that a study was given; the committed baseline where it was given none.
+
+    Raises
+    ------
+    ProblemError
+        If they are none.
+    """
+    if candidate is None:
+        return Results("quick" if quick else "full")
+    require_type("candidate", candidate, Results)
+    return candidate
 
 
 def read_numbers(table: pd.DataFrame) -> pd.DataFrame:

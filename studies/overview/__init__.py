@@ -21,7 +21,7 @@ from msvalidate.judging.candidate import (
 from msvalidate.judging.evidence import Evidence, merge
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network, faults
-from msvalidate.output.results import Results
+from msvalidate.output.results import Results, results_to_read
 from msvalidate.problem import Array, Problem
 
 from . import good_for, part
@@ -64,6 +64,6 @@ def run(
     springs: DisplacementSolver = solve_springs,
 ) -> Evidence:
     """Both questions."""
-    results = candidate or Results("quick" if setting.quick else "full")
+    results = results_to_read(candidate, quick=setting.quick)
     own = part.run(check_displacements(springs), setting)
     return merge(good_for.run(results, own.tables), own)
