@@ -97,7 +97,11 @@ def run(
         tables={
             "ledger": ledger,
             "conditions": pd.DataFrame(
-                [condition_row(c, c.conditional, under[c.number]) for c in claims if c.conditional]
+                [
+                    condition_row(c, c.conditional, under[c.number], results)
+                    for c in claims
+                    if c.conditional
+                ]
             ),
             "verdicts": count_verdicts(ledger),
             "controls": controls,
@@ -146,11 +150,16 @@ def checked(check: Check, number: float) -> dict[str, object]:
     }
 
 
-def condition_row(claim: Claim, check: Check, number: float) -> dict[str, object]:
+def condition_row(claim: Claim, check: Check, number: float, results: Results) -> dict[str, object]:
     """A condition's row, met or not."""
-    met = HOLDS if check.holds(number) else FAILS
-    row = {"sentence": claim.number, "condition": claim.condition, **checked(check, number)}
-    return row | {"verdict": met, "because": check.because}
+    return {
+        "sentence": claim.number,
+        "condition": claim.condition,
+        **checked(check, number),
+        "verdict": HOLDS if check.holds(number) else FAILS,
+        "because": check.because,
+        "taken_from_here": results.source(check.study),
+    }
 
 
 def count_verdicts(ledger: pd.DataFrame) -> pd.DataFrame:
