@@ -60,6 +60,7 @@ COLUMNS = {
     "side": 'the number is to be "at most" or "at least" the bound, or "none"',
     "verdict": f'computed: "{HOLDS}", "{ONLY_IF}" and the condition, "{FAILS}", or "{NOT_YET}"',
     "because": "why that bound; where nothing is judged, why not",
+    "theory": 'what lets expect the sentence to hold or not, or "none"',
     "taken_from_here": 'this run, stored results, the committed baseline, or "none"',
     "sentences": "how many have this verdict",
     "part": 'what was moved: the number of the sentence "as it stands" or of its "condition"',
@@ -128,11 +129,14 @@ def ledger_row(
         words = dict.fromkeys(
             ("study", "table", "measure", "number", "unit", "bound", "side"), NONE
         )
-        return row | words | {"verdict": NOT_YET, "because": claim.theory, "taken_from_here": NONE}
+        why = {"because": claim.theory, "theory": NONE, "taken_from_here": NONE}
+        return row | words | {"verdict": NOT_YET} | why
     return row | {
         **checked(claim.check, plain),
         "verdict": claim.decide(plain, under),
         "because": claim.check.because,
+        "theory": claim.theory,
+        "theory": 'what lets expect the sentence to hold or not, or "none"',
         "taken_from_here": results.source(claim.check.study),
     }
 
@@ -158,6 +162,7 @@ def condition_row(claim: Claim, check: Check, number: float, results: Results) -
         **checked(check, number),
         "verdict": HOLDS if check.holds(number) else FAILS,
         "because": check.because,
+        "theory": 'what lets expect the sentence to hold or not, or "none"',
         "taken_from_here": results.source(check.study),
     }
 

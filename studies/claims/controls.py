@@ -102,7 +102,8 @@ def cells_ratio(table: pd.DataFrame) -> pd.DataFrame:
 def half_misfits(table: pd.DataFrame) -> pd.DataFrame:
     """Half of every misfit to a curve."""
     misfit = table["measured"] == "rms misfit over height"
-    return table.assign(in_springs=table["in_springs"].mask(misfit, table["in_springs"] / 2))
+    bodies = ("in_springs", "in_homogenised")
+    return table.assign(**{body: table[body].mask(misfit, table[body] / 2) for body in bodies})
 
 
 def no_difference(table: pd.DataFrame) -> pd.DataFrame:

@@ -51,7 +51,7 @@ def steps_growth(results: Results) -> float:
 def operations_growth(results: Results) -> float:
     """Operations a node and step, largest lattice over smallest."""
     table = rows(results, "cost/limits", network="lattice", axes=2, way="general")
-    operations = numbers(table.sort_values("nodes"), "operations_a_node")
+    operations = numbers(table.sort_values("nodes", kind="stable"), "operations_a_node")
     return float(operations[-1] / operations[0])
 
 
