@@ -136,7 +136,6 @@ def ledger_row(
         "verdict": claim.decide(plain, under),
         "because": claim.check.because,
         "theory": claim.theory,
-        "theory": 'what lets expect the sentence to hold or not, or "none"',
         "taken_from_here": results.source(claim.check.study),
     }
 
@@ -162,7 +161,6 @@ def condition_row(claim: Claim, check: Check, number: float, results: Results) -
         **checked(check, number),
         "verdict": HOLDS if check.holds(number) else FAILS,
         "because": check.because,
-        "theory": 'what lets expect the sentence to hold or not, or "none"',
         "taken_from_here": results.source(check.study),
     }
 
