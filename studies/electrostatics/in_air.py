@@ -246,7 +246,7 @@ def draw(tables: Tables) -> Figure:
         label = f"far boundary {kind}"
         box.semilogx(rows["reach"], rows["capacitance_elements"], label=label, **style)
     box.set_xticks(list(REACHES), [f"{reach:g}" for reach in REACHES])
-    box.set(title="the same with a ratio of 3, all covered")
+    box.set(title="capacitance, ratio 3, all covered")
     box.set(xlabel="far boundary's distance over length (1)", ylabel="ratio (1)")
     box.legend(fontsize=7)
     return figure
