@@ -29,9 +29,11 @@ LAYERS = {
     "baseline": "the values of the committed tables",
 }
 """Layer of judgement -> what it holds values to, in the order of the page."""
+WHOLE = ("good_for", "ledger")
+"""Tables of which every row is shown."""
 SUMMARISED = "baseline"
 """Of this layer, only what failed is listed: it holds every number of every table."""
-TABLES_FIRST = ("summary", "cases")
+TABLES_FIRST = ("good_for", "ledger", "summary", "cases")
 """Tables that a reader wants first: above the others, and open."""
 MANY_COLUMNS = 10
 """Tables with more columns are printed on pages that lie on their side."""
@@ -260,7 +262,8 @@ def tables(study: Stored) -> tuple[Table, ...]:
 def table_excerpt(name: str, content: pd.DataFrame, meanings: Mapping[str, str]) -> Table:
     """The first rows of a table, its numbers with six digits."""
     texts = {column: [str(value) for value in content[column]] for column in content}
-    kept = [format_column(values)[:ROWS_SHOWN] for values in texts.values()]
+    shown = len(content) if name in WHOLE else ROWS_SHOWN
+    kept = [format_column(values)[:shown] for values in texts.values()]
     return Table(
         name=name,
         columns=tuple(

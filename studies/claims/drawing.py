@@ -59,7 +59,7 @@ def draw(tables: Tables) -> Figure:
     axis.spines[:].set_visible(False)
     axis.tick_params(length=0)
     counts = ledger["verdict"].map(kind).value_counts()
-    axis.set_title(f"The source report's {len(ledger)} checkable sentences")
+    figure.suptitle(f"The source report's {len(ledger)} checkable sentences", fontsize=9)
     figure.legend(handles=legend(counts), loc="outside lower center", ncols=2)
     return figure
 
