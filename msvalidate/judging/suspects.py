@@ -50,7 +50,9 @@ def record_faults(sound: pd.DataFrame, spoilt: Mapping[str, pd.DataFrame]) -> pd
     """
     found = pd.DataFrame({"quantity": sound["quantity"], "sound": sound["observed"]})
     for fault, verdict in spoilt.items():
-        found[fault] = _moves(sound["observed"], verdict)
+        # A fault may be asked of some questions of the study only: of others nothing is known.
+        alike = verdict.set_index("quantity").reindex(sound["quantity"])
+        found[fault] = _moves(sound["observed"], alike)
     return found
 
 

@@ -1,15 +1,15 @@
 """Which sentences of the source report hold?
 
-Question   The report that started this project has 65 sentences that can be checked. Which hold as
-           they stand, which only on a condition, which not, and which has nothing judged yet?
-Candidate  What the other studies found.
-Reference  A bound for each sentence, with the reason for it; and, so that a result that moves is
-           noticed, the verdict that theory lets expect.
-Expected   Every verdict that is computed is the expected one, and changes when its number is moved
-           past its bound.
+The report that started this project has 65 sentences that can be checked. Which hold as they stand,
+which only on a condition, which not, and which has nothing judged yet?
 
-It runs after the others; what has not run is read from the committed baseline. Verdicts are
-computed, never written down. Source of the sentences: [Report].
+Each is held to a bound with a reason; and, so that a result that moves is noticed, to the verdict
+that theory lets expect. Every verdict is computed from what the other studies found, and changes
+when its number is moved past its bound. The study runs after the others; what has not run is read
+from the committed baseline.
+
+Candidate: the results of the other studies. Reference: the bounds. Source of the sentences:
+[Report].
 """
 
 from __future__ import annotations
