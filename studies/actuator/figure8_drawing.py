@@ -33,6 +33,8 @@ def redrawn(tables: Tables) -> Figure:
     cases = list(dict.fromkeys(tables["figure8_slabs"]["covered"]))
     figure = Figure(figsize=(10.6, 9.4), layout="constrained")
     axes = figure.subplots(4, len(cases), height_ratios=(0.62, 1.65, 1.3, 1.75), sharex="col")
+    slabs = tables["figure8_slabs"]  # one scale of colours for both
+    ends = float(slabs["potential_bottom"].min()), float(slabs["potential_top"].max())
     for column, case in zip(axes.T, cases, strict=True):
         points, density, potential = (
             tables[name][tables[name]["covered"] == case]
@@ -46,11 +48,13 @@ def redrawn(tables: Tables) -> Figure:
         equal.set_title(f"{TITLES[case]}, {volts:.3g} V\nequal axes")
         stretched.set_title(f"stretched axes: heights × {STRETCH}")
         draw_density(charge, density)
-        draw_potential(around, points, potential)
+        draw_potential(around, points, potential, ends)
         around.set_xlabel("x (m)")
     for row in axes[[0, 1, 3]]:
         row[0].set_ylabel("y (m)")
     axes[2, 0].set_ylabel("charge density (C/m²)")
+    for axis in axes[2]:
+        axis.set_ylim(0, max(each.get_ylim()[1] for each in axes[2]))
     figures.add_shared_legend(figure, list(axes[:3].ravel()), columns=4)
     return figure
 
@@ -101,13 +105,14 @@ def draw_density(axis: Axes, density: pd.DataFrame) -> None:
     axis.set(title="charge on the electrodes, both faces together", ylim=(0, None))
 
 
-def draw_potential(axis: Axes, points: pd.DataFrame, potential: pd.DataFrame) -> None:
-    """Lines of equal potential around the slab, its outline and its electrodes."""
+def draw_potential(
+    axis: Axes, points: pd.DataFrame, potential: pd.DataFrame, ends: tuple[float, float]
+) -> None:
+    """Lines of equal potential between two ends around the slab, its outline and its electrodes."""
     grid = potential.pivot_table(index="y", columns="x", values="potential", sort=True)
     x, y = grid.columns.to_numpy(dtype=float), grid.index.to_numpy(dtype=float)
     values = grid.to_numpy()
-    low, high = points["potential_bottom"].iloc[0], points["potential_top"].iloc[0]
-    levels = np.linspace(low, high, LINES)
+    levels = np.linspace(*ends, LINES)
     shown = axis.contourf(x, y, values, levels, cmap="cividis", extend="neither")
     axis.contour(x, y, values, levels, colors="white", linewidths=0.5, linestyles="solid")
     axis.figure.colorbar(shown, ax=axis, orientation="horizontal", label="potential (V)")
