@@ -14,6 +14,13 @@ from msvalidate.output.stored import Stored, read_csv
 OVERVIEW, ROWS = "overview", "good_for"
 FIGURE = "overview/part.svg"
 LEDGER, SENTENCES = "claims", "ledger"
+PLURAL = {
+    "holds": "hold",
+    "holds only": "hold only on a condition",
+    "does not hold": "do not hold",
+    "not judged yet": "are not judged yet",
+}
+"""Verdicts of the ledger -> how their count is told."""
 COMMITTED = "the committed baseline"
 COLUMNS = (
     *("body", "springs", "across_coarse", "error_coarse", "across_fine", "error_fine"),
@@ -52,8 +59,8 @@ def first_screen(studies: Sequence[Stored]) -> Front:
     ledger, judged_from = _table(studies, LEDGER, SENTENCES)
     whole = rows if set(COLUMNS) <= set(rows) else pd.DataFrame()
     lines = tuple(_line(*map(str, row)) for row in whole.reindex(columns=COLUMNS).to_numpy())
-    counts = Counter(_plain(verdict) for verdict in ledger.get("verdict", []))
-    said = ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common())
+    counts = Counter(str(verdict).partition(" if ")[0] for verdict in ledger.get("verdict", []))
+    said = ", ".join(f"{counts[verdict]} {word}" for verdict, word in PLURAL.items() if counts)
     return Front(lines, source, said, judged_from)
 
 
@@ -96,11 +103,6 @@ def _line(
 def percent(text: str) -> str:
     """A share in per cent with two digits."""
     return f"{100 * float(text):.2g} %" if _is_number(text) else text
-
-
-def _plain(verdict: str) -> str:
-    """A verdict without its condition."""
-    return "hold only on a condition" if verdict.startswith("holds only") else verdict
 
 
 def _is_number(text: str) -> bool:
