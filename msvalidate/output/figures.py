@@ -27,7 +27,7 @@ WIDE_LABELS = 1e5
 MARKERS = ("o", "s", "^", "D", "v", "P")
 LOGARITHMIC = "log scale"
 """Said in the label of an axis that has one."""
-LONG_LABEL = 30
+LONG_LABEL = 32
 """Letters of a label after which more goes on a line of its own."""
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,

@@ -9,6 +9,8 @@ from msvalidate.judging.evidence import Evidence, Tables
 from msvalidate.output import figures
 
 from . import cases
+from .sheet_list import SHEETS
+from .sheets import drawing
 
 FAMILIES = {
     "FEM": "finite elements",
@@ -24,12 +26,17 @@ LEAST = 1e-6
 def overview(tables: Tables) -> Evidence:
     """Table and picture of the finest meshes of all benchmarks, of tables that have the layout."""
     table = cases.summary(tables)
+    sheets = {
+        f"sheet_{name}": drawing(sheet)
+        for name, sheet in SHEETS.items()
+        if set(sheet.tables) & set(tables)
+    }
     return Evidence(
         tables={"benchmarks": table},
         observed={},
         tolerances=(),
         columns=cases.COLUMNS,
-        figures={"benchmarks": drawn},
+        figures={"benchmarks": drawn, **sheets},
         rounding={
             "against_accepted": 1e-8,
             "against_limit": 1e-8,
