@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from . import cantilever, cook, ellipse, hole, ring, three_point
+from . import cantilever, cook, cook_drawing, ellipse, hole, ring, three_point
 from . import sketches as mark
 from .shapes import INNER, OUTER, THICKNESS
 
@@ -19,9 +19,7 @@ def draw_cook(axis: Axes) -> None:
     corners = np.array(cook.PANEL.vertices)
     (_, low), (right, bottom), (_, top), (_, high) = corners
     mark.outline(axis, corners)
-    mark.clamp(axis, (0.0, low), (0.0, high), 4.0)
-    at = np.linspace(bottom, top, 4)[1:]
-    mark.forces(axis, np.column_stack([0 * at + right + 2.0, at]), (0.0, 4.6))
+    cook_drawing.mark_loads(axis, corners)
     mark.note(axis, (right + 2.0, top), "F = 1 N upwards,\nspread evenly", (2, 4))
     mark.ask(axis, tuple(cook.PROBE[0]), "uy here", (-8, 0))
     mark.dimension(axis, (0.0, low), (right, low), f"{right:g} m", (0.0, -6.0))
@@ -80,9 +78,7 @@ def _draw_beam(axis: Axes, kind: str, level: float) -> None:
 def draw_membrane(axis: Axes) -> None:
     """Quarter of the elliptic membrane of LE1, pulled on its rim."""
     _draw_ellipses(axis)
-    at = mark.arc(OUTER, (4.0, 86.0), 9)
-    pressure = ellipse.pull(at) / ellipse.PRESSURE
-    mark.forces(axis, at, 0.38 * pressure, pull=True)
+    ellipse.mark_loads(axis)
     mark.note(axis, (2.5, 2.4), f"{ellipse.PRESSURE / MEGA:g} MPa outwards", (4, 4))
     mark.ask(axis, (INNER[0], 0.0), "σyy here", (-8, 8))
     mark.frame(axis, (-1.2, -0.9), (4.0, 3.2))
@@ -101,7 +97,9 @@ def draw_plate(axis: Axes) -> None:
     at = np.linspace(left, right, 7)[1:]
     mark.forces(axis, np.column_stack([at, 0 * at + top]), (0.0, -0.4))
     mark.note(axis, (0.5 * (left + right), top + 0.4), "1 MPa", (0, 3))
-    mark.note(axis, (0.5 * (left + right), low), "cut along x, twice as large", (0, -8), mark.SIZE)
+    mark.note(
+        axis, (0.5 * (left + right), low), "cut along x, z up, twice as large", (0, -8), mark.SIZE
+    )
     mark.pin(axis, (right, 0.5 * (low + top)), 0.3)
     mark.ask(axis, (left, top), "σyy here", (-2, 10))
     mark.dimension(axis, (left, low), (left, top), f"{THICKNESS:g} m", (-0.5, 0.0))
@@ -111,8 +109,7 @@ def draw_plate(axis: Axes) -> None:
 def _draw_ellipses(axis: Axes) -> None:
     """Outline, mirrors and dimensions that LE1 and LE10 share."""
     mark.outline(axis, mark.quarter(INNER, OUTER))
-    mark.rollers(axis, (OUTER[0], 0.0), (INNER[0], 0.0), 0.24)
-    mark.rollers(axis, (0.0, INNER[1]), (0.0, OUTER[1]), 0.24)
+    mark.mirrors(axis, INNER, OUTER)
     mark.dimension(axis, (0.0, 0.0), (INNER[0], 0.0), f"{INNER[0]:g} m", (0.0, -0.35))
     mark.dimension(axis, (0.0, 0.0), (OUTER[0], 0.0), f"{OUTER[0]:g} m", (0.0, -0.72))
     mark.dimension(axis, (0.0, 0.0), (0.0, INNER[1]), f"{INNER[1]:g} m", (-0.4, 0.0))
@@ -123,12 +120,8 @@ def draw_hole(axis: Axes) -> None:
     """Quarter of the piece of the endless plate, with the plate's tractions on its rim."""
     radius, rim = hole.RADIUS, hole.RIM
     mark.outline(axis, mark.quarter((radius, radius), (rim, rim)))
-    _mirrors(axis, radius, rim, 0.28)
-    at = mark.arc((rim, rim), (2.0, 88.0), 12)
-    xx, yy, xy = hole.kirsch(at).T / hole.TENSION
-    out = at / rim
-    traction = np.column_stack([xx * out[:, 0] + xy * out[:, 1], xy * out[:, 0] + yy * out[:, 1]])
-    mark.forces(axis, at, 0.7 * traction, pull=True)
+    _measure(axis, radius, rim)
+    hole.mark_loads(axis)
     mark.note(axis, (2.8, 3.4), "tractions of the endless\nplate, 1 Pa along y\nfar away", (14, 6))
     mark.ask(axis, (radius, 0.0), "σyy here", (3, 9))
     mark.ask(axis, (0.0, radius), "σxx here", (9, 3))
@@ -138,17 +131,15 @@ def draw_hole(axis: Axes) -> None:
 def draw_ring(axis: Axes) -> None:
     """Quarter of the ring under pressure on its inside."""
     mark.outline(axis, mark.quarter((ring.INSIDE,) * 2, (ring.OUTSIDE,) * 2))
-    _mirrors(axis, ring.INSIDE, ring.OUTSIDE, 0.14)
-    at = mark.arc((ring.INSIDE,) * 2, (6.0, 84.0), 8)
-    mark.forces(axis, at, 0.25 * at)
+    _measure(axis, ring.INSIDE, ring.OUTSIDE)
+    ring.mark_loads(axis)
     mark.note(axis, (0.0, 0.0), f"p = {ring.PRESSURE / 1e3:g} kPa", (4, 3))
     mark.ask(axis, (ring.INSIDE, 0.0), "ur, σθθ", (7, 8))
     mark.frame(axis, (-0.4, -0.6), (2.4, 2.1))
 
 
-def _mirrors(axis: Axes, inside: float, outside: float, size: float) -> None:
+def _measure(axis: Axes, inside: float, outside: float) -> None:
     """Mirrors and dimensions of a quarter between two circles."""
-    mark.rollers(axis, (outside, 0.0), (inside, 0.0), size)
-    mark.rollers(axis, (0.0, inside), (0.0, outside), size)
-    mark.dimension(axis, (0.0, 0.0), (inside, 0.0), f"{inside:g} m", (0.0, -1.6 * size))
-    mark.dimension(axis, (0.0, 0.0), (outside, 0.0), f"{outside:g} m", (0.0, -3.2 * size))
+    mark.mirrors(axis, (inside, inside), (outside, outside))
+    mark.dimension(axis, (0.0, 0.0), (inside, 0.0), f"{inside:g} m", (0.0, -0.11 * outside))
+    mark.dimension(axis, (0.0, 0.0), (outside, 0.0), f"{outside:g} m", (0.0, -0.22 * outside))

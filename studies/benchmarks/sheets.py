@@ -92,9 +92,8 @@ def _accepted(sheet: Sheet, panels: list[tuple[str, pd.DataFrame]]) -> tuple[str
         other = abs(row["limit"] / row["accepted"] - 1) > SEEN
         to = f"the limit of meshes, {row['limit']:.5g} {unit}" if other else "it"
         known = OWN if "this study" in row["source"] else "accepted"
-        said.append(
-            f"{words[0].upper()}{words[1:]}: {known} {row['accepted']:.5g} {unit}; errors against {to}."
-        )
+        value = f"{known} {row['accepted']:.5g} {unit}"
+        said.append(f"{words[0].upper()}{words[1:]}: {value}; errors against {to}.")
     return (*said, f"Source: {sheet.source}")
 
 

@@ -63,6 +63,13 @@ def rollers(axis: Axes, start: Place, end: Place, size: float, count: int = 4) -
     axis.plot(*wall.T, color=EDGE, lw=1.1, zorder=3)
 
 
+def mirrors(axis: Axes, inner: Place, outer: Place) -> None:
+    """Rollers of a quarter between two ellipses on both of its straight sides."""
+    size = 0.075 * outer[0]
+    rollers(axis, (outer[0], 0.0), (inner[0], 0.0), size)
+    rollers(axis, (0.0, inner[1]), (0.0, outer[1]), size)
+
+
 def pin(axis: Axes, at: Place, size: float) -> None:
     """A support below a point that cannot move."""
     corners = np.array(at) + size * np.array([(0, 0), (-0.5, -0.85), (0.5, -0.85)])
@@ -114,10 +121,10 @@ def note(axis: Axes, at: Place, words: str, shift: Place, colour: str = LOAD) ->
     )  # fmt: skip
 
 
-def frame(axis: Axes, low: Place, high: Place) -> None:
+def frame(axis: Axes, low: Place, high: Place, up: str = "y") -> None:
     """Limits in m of a sketch in true proportions; dimensions replace ticks."""
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xticks=[], yticks=[], aspect="equal")
     axis.set_xlabel("x →", fontsize=WORDS, color=SIZE, loc="left", labelpad=0)
-    axis.set_ylabel("y →", fontsize=WORDS, color=SIZE, loc="bottom", labelpad=0)
+    axis.set_ylabel(f"{up} →", fontsize=WORDS, color=SIZE, loc="bottom", labelpad=0)
     axis.grid(visible=False)
     axis.spines[:].set_visible(False)
