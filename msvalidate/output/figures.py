@@ -87,7 +87,7 @@ def tick_at(axis: Axes, numbers: ArrayLike) -> None:
 
 
 def plain_logarithms(figure: Figure) -> None:
-    """Label logarithmic axes 1e-06, and at 1, 2 and 5 where few decades show; no ticks between.
+    """Label logarithmic axes 1e-6, and at 1, 2 and 5 where few decades show; no ticks between.
 
     Powers set as mathematics and a tick for every digit take a third of the time of a figure. Ticks
     and labels that a figure has chosen for itself stay. Labels of such axes say so.
@@ -98,7 +98,9 @@ def plain_logarithms(figure: Figure) -> None:
                 continue
             name_logarithm(axis)
             if isinstance(axis.get_major_formatter(), LogFormatter):
-                axis.set_major_formatter(lambda value, _: f"{value:g}")
+                axis.set_major_formatter(
+                    lambda value, _: f"{value:g}".replace("e+0", "e").replace("e-0", "e-")
+                )
             if isinstance(axis.get_major_locator(), LogLocator):
                 few = abs(math.log10(high / low)) < FEW_DECADES
                 wide = axis is axes.xaxis and max(high, low) >= WIDE_LABELS
