@@ -12,6 +12,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter, LogLocator, MaxNLocator, NullLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
@@ -27,12 +28,18 @@ WIDE_LABELS = 1e5
 TITLE_SIZE, LETTERS_AN_INCH = 9, 14
 """Points of a title's letters, and how many of them an inch holds."""
 MARKERS = ("o", "s", "^", "D", "v", "P")
+LOGARITHMIC = "log scale"
+"""Said in the label of an axis that has one."""
+LONG_LABEL = 32
+"""Letters of a label after which more goes on a line of its own."""
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
     "axes.grid": True,
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlesize": 9,
+    "figure.titlesize": 10,
+    "figure.titleweight": "bold",
     "font.size": 9,
     "grid.color": "#dddddd",
     "grid.linewidth": 0.6,
@@ -83,17 +90,20 @@ def tick_at(axis: Axes, numbers: ArrayLike) -> None:
 
 
 def plain_logarithms(figure: Figure) -> None:
-    """Label logarithmic axes 1e-06, and at 1, 2 and 5 where few decades show; no ticks between.
+    """Label logarithmic axes 1e-6, and at 1, 2 and 5 where few decades show; no ticks between.
 
     Powers set as mathematics and a tick for every digit take a third of the time of a figure. Ticks
-    and labels that a figure has chosen for itself stay.
+    and labels that a figure has chosen for itself stay. Labels of such axes say so.
     """
     for axes in figure.axes:
         for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
             if axis.get_scale() != "log":
                 continue
+            name_logarithm(axis)
             if isinstance(axis.get_major_formatter(), LogFormatter):
-                axis.set_major_formatter(lambda value, _: f"{value:g}")
+                axis.set_major_formatter(
+                    lambda value, _: f"{value:g}".replace("e+0", "e").replace("e-0", "e-")
+                )
             if isinstance(axis.get_major_locator(), LogLocator):
                 few = abs(math.log10(high / low)) < FEW_DECADES
                 wide = axis is axes.xaxis and max(high, low) >= WIDE_LABELS
@@ -107,6 +117,14 @@ def add_title(figure: Figure, text: str) -> None:
     if not figure.get_suptitle():
         wide = int(LETTERS_AN_INCH * figure.get_figwidth())
         figure.suptitle("\n".join(textwrap.wrap(text.rstrip("."), wide)), fontsize=TITLE_SIZE)
+
+
+def name_logarithm(axis: Axis) -> None:
+    """Add to the label of an axis, if it has one, that the axis is logarithmic."""
+    label = axis.get_label_text()
+    if label and LOGARITHMIC not in label:
+        gap = ",\n" if len(label) > LONG_LABEL else ", "
+        axis.set_label_text(f"{label}{gap}{LOGARITHMIC}")
 
 
 def add_shared_legend(figure: Figure, axes: list[Axes], columns: int = 4) -> None:

@@ -28,10 +28,21 @@ PLAUSIBLE = (0.5, 6.0)
 DOUBTFUL = 0.25
 """Part of a difference that the limit's own uncertainty may be: it moves an order by 0.3."""
 FINDING_DIGITS = 3
-LONG = 36
-"""Letters that fit above a panel; longer titles take two lines."""
 VOLUME = " + volume energy"
 """In the names of methods that have one."""
+LOOKS = {
+    "FEM Q1": ("elements, linear (Q1)", 4, "o"),
+    "FEM Q2": ("elements, quadratic (Q2)", 0, "s"),
+    "FEM H2": ("elements, quadratic (H2)", 0, "s"),
+    "springs, square": ("springs, square lattice", 1, "^"),
+    "springs, square, cut": ("springs, cut square lattice", 1, "^"),
+    "springs, square, cut, quadratic fit": ("springs, cut lattice, quadratic fit", 5, "v"),
+    "springs, square, cut, quartic fit": ("springs, cut lattice, quartic fit", 2, "D"),
+    "springs, edges of quadrilaterals": ("springs, edges of quadrilaterals", 3, "v"),
+    "springs, edges of triangles": ("springs, edges of triangles", 5, "P"),
+    "springs, cut cubic18": ("springs, cut cubic lattice, 18 neighbours", 1, "^"),
+}
+"""Method without volume energy -> its words in pictures, number of its colour, and marker."""
 COLUMNS = {
     "benchmark": "name of the benchmark",
     "quantity": "what is compared, and where",
@@ -180,46 +191,51 @@ def describe(table: pd.DataFrame) -> str:
     return "; ".join(words)
 
 
-def convergence(name: str, xlabel: str, tables: Tables) -> Figure:
+def convergence(name: str, body: str, xlabel: str, tables: Tables) -> Figure:
     """Differences to the limit against cells, an axis for every quantity and Poisson's ratio."""
     panels = list(tables[name].groupby(["quantity", "nu"], sort=False))
-    methods = list(dict.fromkeys(map(method_style, tables[name]["method"])))
-    columns = 2 if len(panels) == 4 else min(len(panels), 3)
+    columns = min(len(panels), 2)
     lines = -(-len(panels) // columns)
-    width = 4.4 if columns == 1 else 3.3
-    figure, axes = figures.new_figure(columns, lines, size=(width, 3.0), sharey=True)
+    size = (4.8, 4.2) if columns == 1 else (3.3, 3.2 if lines <= 2 else 2.5)
+    figure, axes = figures.new_figure(columns, lines, size=size, sharex=True, sharey=True)
     for axis in axes[len(panels) :]:
         axis.remove()
     for axis, ((quantity, nu), rows_here) in zip(axes, panels, strict=False):
-        draw(axis, rows_here, methods)
+        draw(axis, rows_here)
         volume = rows_here["method"].str.contains(VOLUME, regex=False).any()
-        above = f"{quantity}, nu = {nu:.3g}"
-        if len(above) > LONG:
-            above = above.replace(", nu =", "\nnu =")
-        axis.set_title(f"{above}\nsprings with a volume energy" if volume else above, fontsize=9)
+        axis.set_title(f"{quantity_words(str(quantity))}\nnu = {nu:.3g}{VOLUME if volume else ''}")
+        axis.tick_params(labelbottom=True)
+    cells = sorted(set(tables[name]["cells"]))
+    axes[0].set_xticks(cells, [str(n) for n in cells])
     for axis in axes[len(panels) - columns : len(panels)]:  # the lowest of every column
         axis.set_xlabel(xlabel)
     for axis in axes[::columns]:
-        axis.set_ylabel("difference to the limit (%)")
-    figures.add_shared_legend(figure, axes[: len(panels)], columns=max(2, columns))
+        axis.set_ylabel("difference (%)")
+    figure.suptitle(f"{body}: differences to the limit")
+    figures.add_shared_legend(figure, axes[: len(panels)], columns=columns)
     return figure
 
 
-def method_style(method: str) -> str:
-    """What methods are drawn alike by: springs are so with a volume energy, which nu asks for."""
-    return method.replace(VOLUME, "")
+def quantity_words(quantity: str) -> str:
+    """A quantity as a picture names it; places are in metres."""
+    return quantity.replace("u_y", "displacement uy").replace("midspan", "deflection at midspan")
 
 
-def draw(axis: Axes, table: pd.DataFrame, methods: Sequence[str]) -> None:
+def method_look(method: str) -> tuple[str, dict[str, Any]]:
+    """Words for a method and its style, the same with a volume energy, in every figure the same."""
+    plain = method.replace(VOLUME, "")
+    words, colour, marker = LOOKS.get(plain, (plain, 3, "X"))
+    style = {"color": figures.COLOURS[colour], "marker": marker}
+    return words, style | {"ls": "--" if plain.startswith("FEM") else "-"}
+
+
+def draw(axis: Axes, table: pd.DataFrame) -> None:
     """Series of one quantity, what is exact left out, and the uncertainty of its limit."""
-    style: dict[str, Any]
-    for method, series in table.groupby(table["method"].map(method_style), sort=False):
-        i = methods.index(str(method))
-        style = {"color": figures.COLOURS[i % 6], "marker": figures.MARKERS[i % 6]}
+    for method, series in table.groupby("method", sort=False):
+        words, style = method_look(str(method))
         size = 100 * series["against_limit"].abs()
         shown = size > 100 * ROUNDING
-        style["ls"] = "--" if str(method).startswith("FEM") else "-"
-        axis.loglog(series["cells"][shown], size[shown], label=str(method), **style)
+        axis.loglog(series["cells"][shown], size[shown], label=words, **style)
     doubt = float(table["limit_uncertainty"].max())
     if doubt:
         axis.axhline(100 * doubt, color="grey", ls=":", label="uncertainty of the limit")
@@ -231,7 +247,7 @@ def drawing(name: str, body: str, xlabel: str) -> Any:
     """`convergence` of one table, as `Evidence.figures` wants it; the caption names the body."""
 
     def draw_convergence(tables: Tables) -> Figure:
-        return convergence(name, xlabel, tables)
+        return convergence(name, body, xlabel, tables)
 
     draw_convergence.__doc__ = f"{body}: differences to the limit, mesh by mesh."
     return draw_convergence

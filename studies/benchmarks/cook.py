@@ -47,7 +47,7 @@ from reference_fem.elasticity import elastic_tensor
 
 from . import cases, cook_drawing, curved, models
 
-PANEL = Polygon(((0.0, 0.0), (48.0, 44.0), (48.0, 60.0), (0.0, 44.0)))
+PANEL = Polygon(cook_drawing.CORNERS)
 WIDTH, EDGE = 48.0, 16.0
 """Of the panel, and of its right edge (m)."""
 PROBE = np.array([[48.0, 52.0]])

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
@@ -12,6 +15,7 @@ from msvalidate.judging.evidence import Tables
 from msvalidate.output import figures
 from msvalidate.problem import Array
 
+from . import sketches
 from .curved_drawing import DIVERGING, SEQUENTIAL
 
 CELLS, PLACES = 24, 16
@@ -20,7 +24,9 @@ FIT = 2
 """Degree of the polynomial through displacements whose strain is drawn."""
 SHRUNK = 0.4
 """Factor on the displacements: for E = 1 and F = 1 they are half as large as the panel."""
-WORDS = {"springs": "springs, square, cut", "fem": "finite elements"}
+WORDS = {"springs": "springs, cut lattice", "fem": "finite elements"}
+CORNERS = ((0.0, 0.0), (48.0, 44.0), (48.0, 60.0), (0.0, 44.0))
+"""Corners of the panel at rest (m)."""
 COLUMNS = {
     "x": "place along x (m)",
     "y": "place along y (m)",
@@ -50,24 +56,41 @@ def deformed(tables: Tables) -> Figure:
     most = float(np.abs(away).max())
     same = Normalize(min(float(stress.min()) for stress in stresses.values()), top)
     drawn = [(name, word, stresses[name], same, SEQUENTIAL) for name, word in WORDS.items()]
-    drawn.append(("springs", "springs - finite elements", away, Normalize(-most, most), DIVERGING))
-    figure, axes = figures.new_figure(3, size=(2.9, 4.2), sharey=True)
+    drawn.append(("springs", "springs - elements", away, Normalize(-most, most), DIVERGING))
+    figure, axes = figures.new_figure(3, size=(2.3, 4.0), sharex=True, sharey=True)
+    rim, shown = np.array(CORNERS), []
+    right = np.isclose(table["x"], rim[1, 0])
     for axis, (name, word, value, norm, colours) in zip(axes, drawn, strict=True):
         x, y = (table[a] + SHRUNK * table[f"u{a}_{name}"] for a in "xy")
-        shown = axis.tripcolor(
-            Triangulation(x, y, triangles()), value, shading="gouraud", cmap=colours, norm=norm,
-            rasterized=True,
+        shown.append(
+            axis.tripcolor(
+                Triangulation(x, y, triangles()), value, shading="gouraud", cmap=colours,
+                norm=norm, rasterized=True,
+            )
         )  # fmt: skip
-        rim = np.array([(0, 0), (48, 44), (48, 60), (0, 44)])
         axis.fill(*rim.T, fill=False, ec="#666666", lw=0.9)
-        axis.set(xlabel="x (m)", aspect="equal")
-        axis.set_title(f"{word}\ndisplacements x {SHRUNK}", fontsize=9)
-        label = (
-            "difference, of the largest (%)" if value is away else "larger principal stress (Pa)"
-        )
-        figure.colorbar(shown, ax=axis, orientation="horizontal", shrink=0.9, label=label)
+        mark_loads(axis, rim, np.column_stack([x, y])[right])
+        axis.set(xlabel="x (m)", aspect="equal", title=word)
+        axis.grid(visible=False)
+    bar: dict[str, Any] = {"orientation": "horizontal", "aspect": 30}
+    figure.colorbar(shown[0], ax=axes[:2], label="larger principal stress (Pa)", shrink=0.6, **bar)
+    bar["aspect"] = 18
+    figure.colorbar(shown[2], ax=axes[2], label="of the largest stress (%)", shrink=0.9, **bar)
     axes[0].set_ylabel("y (m)")
+    figure.suptitle(f"Cook's membrane: stress, displacements times {SHRUNK}")
     return figure
+
+
+def mark_loads(axis: Axes, corners: Array, loaded: Array | None = None) -> None:
+    """The clamp on the left, and arrows up on the right edge, or beside moved places of it."""
+    (_, low), (right, bottom), (_, top), (_, high) = corners
+    sketches.clamp(axis, (0.0, low), (0.0, high), 4.0)
+    if loaded is None:
+        loaded = np.array([(right, bottom), (right, top)])
+    (x, y), length = loaded[loaded[:, 1].argsort()].T, (top - bottom) / 3
+    at = np.linspace(y[0], y[-1], 4)[1:]
+    beside = np.column_stack([np.interp(at, y, x) + 2.0, at])
+    sketches.forces(axis, beside, (0.0, 0.85 * length))
 
 
 def triangles() -> Array:

@@ -5,10 +5,13 @@ A table holds the nodes of a mesh of nine-node cells and the stresses there.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
@@ -16,6 +19,8 @@ from matplotlib.tri import Triangulation
 from msvalidate.judging.evidence import Tables
 from msvalidate.output import figures
 from msvalidate.problem import Array, Index
+
+from . import sketches
 
 COLUMNS = {
     "x": "place along x (m)",
@@ -26,7 +31,19 @@ COLUMNS = {
 AROUND = (0, 4, 1, 5, 2, 6, 3, 7)
 """Nodes of a nine-node cell on its sides, in their order round it."""
 UNITS = ((1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
+ROOM = 1.2
+"""Length of an axis over the body's, for arrows of loads."""
 SEQUENTIAL, DIVERGING = "viridis", "RdBu_r"
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A quarter of a body with a hole: its name, cells (c, 9), half-axes of the hole, its loads."""
+
+    name: str
+    cells: Index
+    inner: sketches.Place
+    loads: Callable[[Axes], None]
 
 
 def table(places: Array, of_elements: Array, of_springs: Array) -> pd.DataFrame:
@@ -54,45 +71,53 @@ def triangles(cells: Index) -> Index:
     return np.stack([ring, np.roll(ring, -1, axis=1), middle], axis=2).reshape(-1, 3)
 
 
-def pictures(name: str, cells: Index, tables: Tables) -> Figure:
-    """Elements, springs, and springs - elements, in true proportions."""
+def pictures(name: str, body: Body, tables: Tables) -> Figure:
+    """Elements, springs, and springs - elements, in true proportions, with supports and loads."""
     rows = tables[name]
     fem, springs = (rows[column].to_numpy() for column in ("mises_fem", "mises_springs"))
-    mesh = Triangulation(rows["x"], rows["y"], triangles(cells))
+    mesh = Triangulation(rows["x"], rows["y"], triangles(body.cells))
     unit, word = next(each for each in UNITS if fem.max() >= each[0] or each[0] == 1.0)
     size = np.ptp(rows["y"]) / np.ptp(rows["x"])
-    figure, axes = figures.new_figure(3, size=(3.1, 3.1 * size + 1.3), sharey=True)
+    figure, axes = figures.new_figure(3, size=(2.3, 2.3 * size + 1.3), sharey=True)
     same = Normalize(0, max(fem.max(), springs.max()) / unit)
     part = 100 * (springs - fem) / fem.max()
     most = float(np.abs(part).max())
-    shown: tuple[tuple[str, Array, Any, str, str], ...] = (
-        ("finite elements", fem / unit, same, SEQUENTIAL, f"von Mises' stress ({word})"),
-        ("springs", springs / unit, same, SEQUENTIAL, f"von Mises' stress ({word})"),
-        (
-            "springs - elements",
-            part,
-            Normalize(-most, most),
-            DIVERGING,
-            "difference, of the largest stress (%)",
-        ),
+    shown = (
+        ("finite elements", fem / unit, same, SEQUENTIAL),
+        ("springs", springs / unit, same, SEQUENTIAL),
+        ("springs - elements", part, Normalize(-most, most), DIVERGING),
     )
-    for axis, (title, value, norm, colours, label) in zip(axes, shown, strict=True):
-        drawn = axis.tripcolor(
-            mesh, value, shading="gouraud", norm=norm, cmap=colours, rasterized=True
+    drawn = []
+    for axis, (title, value, norm, colours) in zip(axes, shown, strict=True):
+        drawn.append(
+            axis.tripcolor(mesh, value, shading="gouraud", norm=norm, cmap=colours, rasterized=True)
         )
+        sketches.mirrors(axis, body.inner, (rows["x"].max(), rows["y"].max()))
+        body.loads(axis)
         axis.set_aspect("equal")
         axis.set(title=title, xlabel="x (m)")
+        axis.set(xlim=(None, ROOM * rows["x"].max()), ylim=(None, ROOM * rows["y"].max()))
         axis.grid(visible=False)
-        figure.colorbar(drawn, ax=axis, orientation="horizontal", label=label, shrink=0.9)
+    bar: dict[str, Any] = {"orientation": "horizontal", "aspect": 30}
+    figure.colorbar(drawn[0], ax=axes[:2], label=f"von Mises stress ({word})", shrink=0.6, **bar)
+    bar["aspect"] = 18
+    figure.colorbar(drawn[2], ax=axes[2], label="of the largest stress (%)", shrink=0.9, **bar)
     axes[0].set_ylabel("y (m)")
+    figure.suptitle(f"{body.name}: stress by elements and by springs")
     return figure
 
 
-def drawing(name: str, body: str, cells: Index) -> Any:
-    """`pictures` of one table, as `Evidence.figures` wants it; the caption names the body."""
+def drawing(
+    name: str, body: str, cells: Index, inner: sketches.Place, loads: Callable[[Axes], None]
+) -> Any:
+    """`pictures` of one table, as `Evidence.figures` wants it; the caption names the body.
+
+    `inner`: half-axes of its hole (m). `loads` draws its loads.
+    """
+    drawn = Body(body, cells, inner, loads)
 
     def draw_pictures(tables: Tables) -> Figure:
-        return pictures(name, cells, tables)
+        return pictures(name, drawn, tables)
 
     draw_pictures.__doc__ = f"{body}: stress of finite elements, of springs, and their difference."
     return draw_pictures

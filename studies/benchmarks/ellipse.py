@@ -19,6 +19,7 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 
 from msvalidate.judging.candidate import DisplacementSolver, solve_springs
 from msvalidate.judging.compare import farthest_value
@@ -26,7 +27,7 @@ from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quanti
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
 
-from . import cases, curved, curved_drawing
+from . import cases, curved, curved_drawing, sketches
 from .potentials import elliptic_membrane
 from .shapes import INNER, OUTER, elliptic_quarter
 
@@ -114,7 +115,7 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
         figures={
             "le1": cases.drawing("le1", "NAFEMS LE1", "cells from hole to rim, or per metre (1)"),
             "le1_field": curved_drawing.drawing(
-                "le1_field", "NAFEMS LE1", elliptic_quarter(FIELD[0]).cells
+                "le1_field", "NAFEMS LE1", elliptic_quarter(FIELD[0]).cells, INNER, mark_loads
             ),
         },
         findings=findings(table),
@@ -146,6 +147,12 @@ def pull(points: Array) -> Array:
     """The outward pressure (n, 2) in Pa on the outer ellipse, along its normal."""
     normal = points / np.square(OUTER)
     return np.asarray(PRESSURE * normal / np.linalg.norm(normal, axis=1, keepdims=True))
+
+
+def mark_loads(axis: Axes) -> None:
+    """Arrows of the outward pressure in a picture of the body."""
+    at = sketches.arc(OUTER, (4.0, 86.0), 9)
+    sketches.forces(axis, at, 0.38 * pull(at) / PRESSURE, pull=True)
 
 
 def elastic_tip(nu: float, cells: int) -> float:

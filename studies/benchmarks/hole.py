@@ -16,6 +16,7 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 
 from msvalidate.judging.candidate import DisplacementSolver, solve_springs
 from msvalidate.judging.compare import farthest_value
@@ -23,7 +24,7 @@ from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quanti
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
 
-from . import cases, curved, curved_drawing
+from . import cases, curved, curved_drawing, sketches
 from .shapes import ring_quarter
 
 MODULUS, TENSION = 1e6, 1.0
@@ -95,7 +96,7 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
                 "hole", "Plate with a hole", "cells from hole to rim, or per radius (1)"
             ),
             "hole_field": curved_drawing.drawing(
-                "hole_field", "Plate with a hole", meshed(FIELD[0]).cells
+                "hole_field", "Plate with a hole", meshed(FIELD[0]).cells, (RADIUS,) * 2, mark_loads
             ),
         },
         findings=(f"Plate with a hole, finest meshes: {cases.describe(table)}.",),
@@ -151,19 +152,26 @@ def kirsch(points: Array) -> Array:
 
 def piece(mesh: Mesh) -> Problem:
     """Quarter ring cut out of the endless plate, with the plate's tractions on its rim."""
-
-    def traction(points: Array) -> Array:
-        xx, yy, xy = kirsch(points).T
-        x, y = (points / np.linalg.norm(points, axis=1, keepdims=True)).T
-        return np.column_stack([xx * x + xy * y, xy * x + yy * y])
-
     return Problem(
         mesh,
         Isotropic(E=MODULUS, nu=curved.SPRINGS_ALONE),
         curved.quarter_supports(mesh),
-        (Traction(mesh.side("rim"), traction),),
+        (Traction(mesh.side("rim"), pull),),
         name="plate with a hole",
     )
+
+
+def pull(points: Array) -> Array:
+    """Traction (n, 2) in Pa of the endless plate on circles about the hole."""
+    xx, yy, xy = kirsch(points).T
+    x, y = (points / np.linalg.norm(points, axis=1, keepdims=True)).T
+    return np.column_stack([xx * x + xy * y, xy * x + yy * y])
+
+
+def mark_loads(axis: Axes) -> None:
+    """Arrows of the tractions on the rim in a picture of the body."""
+    at = sketches.arc((RIM, RIM), (2.0, 88.0), 12)
+    sketches.forces(axis, at, 0.7 * pull(at) / TENSION, pull=True)
 
 
 def elastic_sides(cells: int) -> dict[str, float]:

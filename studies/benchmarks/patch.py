@@ -192,7 +192,10 @@ def drawn(tables: Tables) -> Figure:
         axis.triplot(*place.T, cells, color=figures.COLOURS[i], lw=0.9)
         axis.plot(*place.T, figures.MARKERS[i], color=figures.COLOURS[i], label=name)
     axis.triplot(*points.T, cells, color="#999999", lw=0.9, ls=":")
+    axis.plot([], [], ":", color="#999999", label="at rest")
+    corners = points[[0, 1, 2, 3]] + MAGNIFIED * field[[0, 1, 2, 3]]
+    axis.plot(*corners.T, "s", color="black", mfc="none", ms=9, label="displacement prescribed")
     axis.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
-    axis.set_title(f"MacNeal and Harder's patch, displacements x {MAGNIFIED}", fontsize=9)
+    figure.suptitle(f"MacNeal and Harder's patch: displacements times {MAGNIFIED}")
     figures.add_shared_legend(figure, [axis], columns=2)
     return figure

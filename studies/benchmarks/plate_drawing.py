@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,8 @@ from msvalidate.judging.evidence import Tables
 from msvalidate.output import figures
 from msvalidate.problem import Array
 
-from .shapes import INNER
+from . import sketches
+from .shapes import INNER, OUTER, THICKNESS
 
 PLACE = (INNER[0], 0.0)
 COLUMNS = {
@@ -30,10 +32,13 @@ def table(places: Array, stress: Array) -> pd.DataFrame:
 
 
 def plate(tables: Tables) -> Figure:
-    """The upper face coloured by σ_yy; stress and sinking by halvings and support."""
-    figure, (plan, stress, sinking) = figures.new_figure(3, size=(3.5, 3.6))
+    """The upper face coloured by σ_yy; the supports; stress and sinking by halvings and support."""
+    figure, axes = figures.new_figure(2, 2, size=(3.3, 3.1))
+    plan, held, stress, sinking = axes
     draw_plan(figure, plan, tables["le10_field"])
-    for i, (kind, rows) in enumerate(tables["le10_supports"].groupby("support", sort=False)):
+    lines = tables["le10_supports"]
+    draw_supports(held, list(dict.fromkeys(lines["support"])))
+    for i, (kind, rows) in enumerate(lines.groupby("support", sort=False)):
         style: dict[str, Any] = {
             "color": figures.COLOURS[i],
             "marker": figures.MARKERS[i],
@@ -41,26 +46,26 @@ def plate(tables: Tables) -> Figure:
         }
         stress.plot(rows["halvings"], rows["stress"], **style)
         sinking.plot(rows["halvings"], 1e3 * rows["sinking"], **style)
-    lines = tables["le10_supports"]
     line = lines[lines["sunk_by_theory"] > 0]
     # From the first halving on: it mends the coarse plate too.
     line = line.iloc[1:]
     theory = line["sinking"].iloc[0] + (line["halvings"] - 1) * line["sunk_by_theory"]
     sinking.plot(line["halvings"], 1e3 * theory, ":", color="grey", label="Kelvin's line force")
     published = float(tables["le10"]["accepted"].iloc[0])
-    stress.axhline(published, color="grey", ls="--", lw=0.9, label="published")
-    stress.set_ylabel("σyy at (2, 0, 0.6) m (MPa)")
-    sinking.set_ylabel("sinking of the hole's side (mm)")
+    stress.axhline(published, color="grey", ls="--", lw=0.9, label="published stress")
+    stress.set(title="stress at the place asked for", ylabel="σyy at (2, 0, 0.6) m (MPa)")
+    sinking.set(title="sinking of the hole's side", ylabel="sinking at (2, 0, 0.3) m (mm)")
     for axis in (stress, sinking):
-        axis.set_xlabel("halvings of the cells along the line (1)")
+        axis.set_xlabel("halvings of cells along the line (1)")
         axis.set_xticks(sorted(set(lines["halvings"])))
-        axis.legend(fontsize=7)
+    figure.suptitle("NAFEMS LE10, thick plate: what its support does")
+    figures.add_shared_legend(figure, [stress, sinking], columns=3)
     return figure
 
 
 def by_springs(tables: Tables) -> Figure:
     """Stress and sinking by springs against their spacing, beside what is accepted for them."""
-    figure, (stress, sinking) = figures.new_figure(2, size=(4.0, 3.4))
+    figure, (stress, sinking) = figures.new_figure(2, size=(3.3, 3.8))
     for i, (support, rows) in enumerate(tables["le10_read"].groupby("support", sort=False)):
         style: dict[str, Any] = {"color": figures.COLOURS[i], "marker": figures.MARKERS[i]}
         label = f"springs, {support}"
@@ -70,25 +75,54 @@ def by_springs(tables: Tables) -> Figure:
             label = f"elements read as springs are, {support}"
             stress.plot(1 / rows["layers"], rows["elements"], **style, label=label)
     table = tables["le10_springs"]
-    for i, (name, rows) in enumerate(table.groupby("quantity", sort=False)):
+    for name, rows in table.groupby("quantity", sort=False):
         goal, unit = rows["limit"].iloc[0], rows["unit"].iloc[0]
+        held = str(name).endswith("rim held")
+        known: dict[str, Any] = {
+            "color": "grey",
+            "ls": "--" if held else "-.",
+            "lw": 0.9,
+            "label": "elements, rim held" if held else "published, line held",
+        }
         if unit == "m":
-            goal, axis, words = 1e3 * goal, sinking, "elements, rim held"
             springs = rows[rows["method"].str.startswith("springs")]
             style = {"color": figures.COLOURS[0], "marker": figures.MARKERS[0]}
             label = "springs, rim held"
-            axis.plot(1 / springs["cells"], 1e3 * springs["value"], **style, label=label)
+            sinking.plot(1 / springs["cells"], 1e3 * springs["value"], **style, label=label)
+            sinking.axhline(1e3 * goal, **known)
         else:
-            axis = stress
-            words = "elements, rim held" if str(name).endswith("rim held") else "published"
-        axis.axhline(goal, color="grey", ls=("--", "-.")[i // 2], lw=0.9, label=words)
-    stress.set_ylabel("σyy at (2, 0, 0.6) m (MPa)")
-    sinking.set_ylabel("sinking of the hole's side (mm)")
+            stress.axhline(goal, **known)
+    stress.set(title="stress at the place asked for", ylabel="σyy at (2, 0, 0.6) m (MPa)")
+    sinking.set(title="sinking of the hole's side", ylabel="sinking at (2, 0, 0.3) m (mm)")
     for axis in (stress, sinking):
         axis.set_xlabel("spacing over thickness (1)")
         axis.set_xlim(0, None)
-        axis.legend(fontsize=7)
+    figure.suptitle("NAFEMS LE10, thick plate: springs as they grow finer")
+    figures.add_shared_legend(figure, [stress, sinking], columns=2)
     return figure
+
+
+def draw_supports(axis: Axes, kinds: Sequence[str]) -> None:
+    """The plate cut along x, hole on the left and rim on the right, held in each way."""
+    width, size = OUTER[0] - INNER[0], 0.2
+    for i, kind in enumerate(kinds):
+        low = -1.5 * i
+        top = low + THICKNESS
+        sketches.outline(axis, [(0, low), (width, low), (width, top), (0, top)])
+        at = np.linspace(0, width, 6)
+        sketches.forces(axis, np.column_stack([at, 0 * at + top]), (0.0, -0.25))
+        sketches.note(axis, (-0.1, low + THICKNESS / 2), kind, (-4, 0), figures.COLOURS[i])
+        middle = (width, low + THICKNESS / 2)
+        if i == 0:
+            sketches.pin(axis, middle, size)
+        elif i == 1:
+            sketches.clamp(axis, (width, top), (width, low), size)
+        else:
+            beside = np.column_stack([np.full(2, width + 0.12), (low + 0.3, low + 0.6)])
+            sketches.forces(axis, beside, (0.0, 0.28))
+    axis.plot(0.0, THICKNESS, "o", color="black", mfc="white", zorder=7)
+    sketches.frame(axis, (-1.5, -3.3), (width + 0.4, 1.1), up="z")
+    axis.set_title("supports, cut along x")
 
 
 def draw_plan(figure: Figure, axis: Axes, rows: pd.DataFrame) -> None:
@@ -103,7 +137,8 @@ def draw_plan(figure: Figure, axis: Axes, rows: pd.DataFrame) -> None:
     )  # fmt: skip
     axis.plot(*PLACE, "o", color="black", mfc="none", clip_on=False)
     axis.annotate("asked for", PLACE, (-6, 6), textcoords="offset points", ha="right", fontsize=8)
+    sketches.mirrors(axis, INNER, OUTER)
     axis.set_aspect("equal")
     axis.grid(visible=False)
-    axis.set(xlabel="x (m)", ylabel="y (m)")
-    figure.colorbar(drawn, ax=axis, orientation="horizontal", label="σyy, upper face (MPa)")
+    axis.set(xlabel="x (m)", ylabel="y (m)", title="upper face, line held")
+    figure.colorbar(drawn, ax=axis, label="σyy (MPa)", shrink=0.8)

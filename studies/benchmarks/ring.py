@@ -26,6 +26,7 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 
 from msvalidate.judging.candidate import DisplacementSolver, solve_springs
 from msvalidate.judging.compare import farthest_value, observed_order
@@ -34,7 +35,7 @@ from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.problem import Array, Isotropic, Mesh, Problem, Traction
 from msvalidate.problem.material import State
 
-from . import cases, curved, curved_drawing, models
+from . import cases, curved, curved_drawing, models, sketches
 from .shapes import ring_quarter
 
 INSIDE, OUTSIDE = 1.0, 2.0
@@ -158,7 +159,7 @@ def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) 
         figures={
             "ring": cases.drawing("ring", "Pressed ring", "cells from inside to outside (1)"),
             "ring_field": curved_drawing.drawing(
-                "ring_field", "Pressed ring", meshed(FIELD[0]).cells
+                "ring_field", "Pressed ring", meshed(FIELD[0]).cells, (INSIDE,) * 2, mark_loads
             ),
         },
         findings=findings(tables),
@@ -178,6 +179,12 @@ def problem(state: State, nu: float, mesh: Mesh) -> Problem:
         (Traction(mesh.side("hole"), push),),
         name="pressed ring",
     )
+
+
+def mark_loads(axis: Axes) -> None:
+    """Arrows of the pressure in a picture of the body."""
+    at = sketches.arc((INSIDE, INSIDE), (6.0, 84.0), 8)
+    sketches.forces(axis, at, 0.25 * at)
 
 
 def lame(state: State, nu: float, radius: Array) -> tuple[Array, Array]:

@@ -15,7 +15,7 @@ def strips(tables: Tables) -> Figure:
     """K_tn by all ways, and how far Heywood's fit and springs are from elements."""
     rows = tables["strips"]
     part = rows["d_over_W"]
-    figure, (values, off) = figures.new_figure(2, size=(3.5, 3.1))
+    figure, (values, off) = figures.new_figure(2, size=(3.3, 3.3))
     smooth = np.linspace(part.min(), part.max(), 60)
     values.plot(smooth, 2 + (1 - smooth) ** 3, "-", color="black", lw=1, label="Heywood's fit")
     ways = (
@@ -41,4 +41,5 @@ def strips(tables: Tables) -> Figure:
     for axis in (values, off):
         axis.set_xlabel("diameter over width, d/W (1)")
         axis.legend(fontsize=8)
+    figure.suptitle("Strips with a hole in tension: largest stress on the hole")
     return figure

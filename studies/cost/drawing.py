@@ -51,8 +51,26 @@ METHODS: dict[str, Style] = {
     "newton": {"color": C[1], "marker": "o"},
     "newton_multigrid": {"color": C[1], "marker": "s", "ls": "--"},
 }
-LEVELS = {"256 kB": "0.65", "4 MB": "0.45", "memory": "0.0"}
+LEVELS = {"cache of 256 kB": "0.7", "cache of 4 MB": "0.45", "memory": "0.0"}
 """Where arrays lie -> the grey of what its bandwidth allows."""
+DENSE = (0.1, 3.0)
+"""Operations a byte from and to which the roofline is drawn."""
+PATHS = {
+    "general": "general path",
+    "general, 2 threads": "general path, 2 threads",
+    "uniform lattice, 2 threads": "uniform-lattice path, 2 threads",
+    "spsolve": "SciPy, spsolve",
+    "uniform lattice": "uniform-lattice path",
+    SINGLE: "general path, a step for each pass",
+}
+NAMES = {
+    "algorithm1": "Algorithm 1",
+    "fire": "FIRE",
+    "adaptive": "adaptive step",
+    "newton": "Newton",
+    "newton_multigrid": "Newton, multigrid",
+}
+"""Words for paths and for methods in pictures, where their names are not."""
 TASKS = ("assembly", "solution")
 MARKS = "os^vDP*"
 
@@ -63,24 +81,26 @@ def lines(
     """A line for each value of a column, what is absent left out."""
     table = table[table[y] != ABSENT]
     for name, rows in table.groupby(by, sort=False):
-        axis.loglog(rows[x], rows[y].astype(float), label=str(name), **styles[str(name)])
+        label = PATHS.get(str(name), str(name))
+        axis.loglog(rows[x], rows[y].astype(float), label=label, **styles[str(name)])
 
 
 def kernel(tables: Tables) -> Figure:
     """The lattice by every program, with what memory allows; networks on the general path."""
     table = tables["kernel"]
-    figure, (left, right) = figures.new_figure(2, size=(4.3, 4.0), sharey=True)
+    figure, (left, right) = figures.new_figure(2, size=(3.4, 4.4), sharey=True)
     lines(left, table[table["network"] == "lattice"], "way", "nodes", "ns_here", WAYS)
     allowed(left, tables)
     lines(right, table[table["way"] == "general"], "network", "nodes", "ns_here", NETWORKS)
-    left.set_title("lattice, eight neighbours")
-    right.set_title("general path, one thread")
+    left.set_title("lattice, by every path and program")
+    right.set_title("general path, by network")
+    figure.suptitle("Time of a spring in a step")
     for axis in (left, right):
         low, high = axis.get_ylim()
-        axis.set(xlabel="points", ylim=(min(low, 1.0), max(high, 10.0)))
+        axis.set(xlabel="points (1)", ylim=(min(low, 1.0), max(high, 10.0)))
         axis.tick_params(labelleft=True)
-        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2, fontsize=8)
-    left.set_ylabel("ns a spring and step")
+        axis.legend(loc="upper left", bbox_to_anchor=(-0.1, -0.18), fontsize=8)
+    left.set_ylabel("time for a spring and step (ns)")
     return figure
 
 
@@ -91,29 +111,32 @@ def allowed(axis: Axes, tables: Tables) -> None:
     memory = float(tables["bandwidth"]["gigabytes_per_second"].iloc[-1])
     rows = tables["limits"][tables["limits"]["way"] == SINGLE]
     ns = rows["bytes_a_node"] * rows["nodes"] / rows["springs"] / memory
-    axis.loglog(rows["nodes"], ns, ":", color="black", lw=1.1, label="memory, a step a pass")
+    axis.loglog(rows["nodes"], ns, ":", color="black", lw=1.1, label="memory, a step for each pass")
 
 
 def roofline(tables: Tables) -> Figure:
     """Operations a second against operations a byte, below what machine and memory allow."""
-    figure, (axis,) = figures.new_figure(size=(5.2, 4.0))
+    figure, (axis,) = figures.new_figure(size=(5.2, 5.0))
     top = float(tables["arithmetic"]["gigaflops_per_second"].iloc[0])
     speeds = tables["bandwidth"]["gigabytes_per_second"]
-    for (level, grey), speed in zip(LEVELS.items(), speeds, strict=True):
-        label = f"{level}: {speed:.0f} GB/s"
-        x = np.array([0.05, top / speed, 10.0])
-        axis.loglog(x, np.minimum(top, speed * x), color=grey, lw=1.1, label=label)
-    said = f"product of matrices, {top:.0f} GFLOP/s"
-    axis.annotate(said, (10, top), (0, 3), textcoords="offset points", fontsize=7, ha="right")
+    low, high = DENSE
+    for (held, grey), speed in zip(LEVELS.items(), speeds, strict=True):
+        x = np.array([low, top / speed, high])
+        label = f"most from {held}: {speed:.0f} GB/s"
+        axis.loglog(x, np.minimum(top, speed * x), color=grey, lw=1.3, label=label)
+    axis.axhline(top, color=C[5], ls="--", lw=1.3, label=f"product of matrices: {top:.0f} GFLOP/s")
     for (name, way), part in tables["limits"].groupby(["network", "way"], sort=False):
-        style = NETWORKS[str(name)] | {"ls": "", "label": f"{name}, {way}"}
+        style = NETWORKS[str(name)] | {"ls": ":", "lw": 0.8, "ms": 5.5}
         if way != "general":
             style |= {"color": WAYS[str(way)]["color"], "marker": "x" if way == SINGLE else "P"}
         dense = part["operations_a_node"] / part["bytes_a_node"]
-        axis.loglog(dense, part["gigaflops_per_second"], **style)
-    axis.set(xlabel="operations a byte counted (1)", ylabel="GFLOP/s on one core")
-    axis.set_ylim(0.3, 3 * top)
-    figures.add_shared_legend(figure, [axis], columns=2)
+        label = f"{name}, {PATHS.get(str(way), way)}"
+        axis.loglog(dense, part["gigaflops_per_second"], label=label, **style)
+    axis.set(xlabel="operations for each byte moved (1)", ylabel="1e9 operations a second (1/s)")
+    axis.set(xlim=DENSE, ylim=(1.0, 2 * top))
+    axis.set_title("a mark for each number of points")
+    figure.suptitle("Speed of the kernel below what the machine allows")
+    figures.add_shared_legend(figure, [axis], columns=1)
     return figure
 
 
@@ -122,12 +145,13 @@ def real_time(tables: Tables) -> Figure:
     table = tables["real_time"]
     table = table[table["threads"] == 1]
     materials = list(table["material"].unique())
-    figure, axes = figures.new_figure(len(materials), size=(3.2, 3.2), sharey=True)
+    figure, axes = figures.new_figure(len(materials), size=(2.3, 3.4), sharey=True)
     for axis, name in zip(axes, materials, strict=True):
         lines(axis, table[table["material"] == name], "way", "nodes", "real_time_here", WAYS)
         axis.axhline(1.0, color="black", lw=0.9, ls=":", label="real time")
-        axis.set(title=name, xlabel="points of a plate of 0.1 m")
+        axis.set(title=name, xlabel="points (1)")
     axes[0].set_ylabel("seconds of motion a second (1)")
+    figure.suptitle("How near to real time a plate of 0.1 m is computed")
     figures.add_shared_legend(figure, axes, columns=4)
     return figure
 
@@ -135,15 +159,16 @@ def real_time(tables: Tables) -> Figure:
 def elements(tables: Tables) -> Figure:
     """Assembly and solution, plane and solid."""
     table = tables["fem"]
-    figure, axes = figures.new_figure(2, 2, size=(3.8, 2.8), sharex="col", sharey="row")
+    figure, axes = figures.new_figure(2, 2, size=(3.3, 2.8), sharex="col", sharey="row")
     for axis, (task, dim) in zip(axes, product(TASKS, (2, 3)), strict=True):
         part = table[(table["task"] == task) & (table["axes"] == dim)]
         lines(axis, part, "program", "unknowns", "cpu_seconds", PROGRAMS)
         axis.set_title(f"{task}, {'plane' if dim == 2 else 'solid'}")
         if dim == 2:
-            axis.set_ylabel("seconds on one core")
+            axis.set_ylabel("time on one core (s)")
         if task == TASKS[-1]:
-            axis.set_xlabel("unknowns")
+            axis.set_xlabel("unknowns (1)")
+    figure.suptitle("Linear finite elements: time by program")
     figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
@@ -153,18 +178,19 @@ def relaxation(tables: Tables) -> Figure:
     table = tables["relaxation"]
     table = table[(table["threshold"] == TIGHT) & (table["outcome"] == "reached")]
     nodes = np.array([table["nodes"].min(), table["nodes"].max()], dtype=float)
-    figure, axes = figures.new_figure(2, size=(4.0, 3.4))
-    values = {"steps_here": ("steps", 0.5), "cpu_seconds": ("seconds", 1.5)}
+    figure, axes = figures.new_figure(2, size=(3.3, 4.4))
+    values = {"steps_here": ("steps (1)", 0.5), "cpu_seconds": ("time (s)", 1.5)}
     for axis, (column, (quantity, law)) in zip(axes, values.items(), strict=True):
         for method, rows in table.groupby("method", sort=False):
-            name = f"{method}{exponents(tables, str(method))}".replace("_", " ")
+            name = NAMES.get(str(method), str(method).replace("_", " "))
+            name += exponents(tables, str(method))
             axis.loglog(rows["nodes"], rows[column], label=name, **METHODS[str(method)])
         low, high = axis.get_ylim()  # the expected power, in the lower half of the picture
         power = low * (high / low) ** 0.25 * (nodes / nodes[0]) ** law
-        axis.loglog(nodes, power, ":", color="black", label="points^0.5 and points^1.5")
-        axis.set(xlabel="points", ylabel=f"{quantity} to an error of 1e-6")
-        axis.set_title("in brackets: exponents of steps and of seconds", fontsize=8)
-    figures.add_shared_legend(figure, axes, columns=3)
+        axis.loglog(nodes, power, ":", color="black", label="powers 0.5 and 1.5 of the points")
+        axis.set(xlabel="points (1)", ylabel=quantity, title="to an error of 1e-6")
+    figure.suptitle("Relaxations to rest; in brackets: powers of steps and of seconds")
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure
 
 
@@ -188,8 +214,9 @@ def large(tables: Tables) -> Figure:
     )
     for column, mark, colour, label in drawn:
         axis.loglog(table["nodes"], table[column], mark, color=colour, label=label)
-    axis.set(xlabel="points", ylabel="seconds on one core")
+    axis.set(xlabel="points (1)", ylabel="time on one core (s)")
     axis.legend(fontsize=8)
+    figure.suptitle("Large bodies at rest: springs beside elements")
     return figure
 
 
@@ -199,13 +226,14 @@ def equilibria(tables: Tables) -> Figure:
     if (beside := tables.get("equilibrium_peers")) is not None:
         there = (beside["shape"] == "cube") & (beside["cpu_seconds"] != ABSENT)
         drawn.append((beside[there], "by", "--", "the cube by all programs"))
-    figure, axes = figures.new_figure(len(drawn), size=(4.0, 3.4))
+    figure, axes = figures.new_figure(len(drawn), size=(3.3, 4.4), sharey=True)
     for axis, (table, by, line, title) in zip(axes, drawn, strict=True):
         for place, (name, rows) in enumerate(table.groupby(by, sort=False)):
             mark, colour = MARKS[place % len(MARKS)], C[place % len(C)]
             seconds = rows["cpu_seconds"].astype(float)
             axis.loglog(rows["points"], seconds, f"{mark}{line}", color=colour, label=str(name))
-        axis.set_title(title, fontsize=8)
-        axis.set(xlabel="points", ylabel="seconds on one core")
-        axis.legend(fontsize=6)
+        axis.set(title=title, xlabel="points (1)")
+        axis.legend(loc="upper left", bbox_to_anchor=(-0.1, -0.18), fontsize=8)
+    axes[0].set_ylabel("time on one core (s)")
+    figure.suptitle("Equilibria: time by body and by program")
     return figure

@@ -216,7 +216,7 @@ def draw(tables: Tables) -> Figure:
     table, orders = tables["clamped"], tables["clamped_order"]
     names = list(dict.fromkeys(zip(orders["lattice"], orders["rule"], strict=True)))
     dims = sorted(set(orders["axes"]))
-    figure, axes = figures.new_figure(2, len(dims), size=(3.8, 3.0))
+    figure, axes = figures.new_figure(2, len(dims), size=(3.3, 2.9), sharey="row")
     places = [(dim, test) for dim in dims for test in loading.TESTS]
     for axis, (dim, test) in zip(axes, places, strict=True):
         part = orders[(orders["axes"] == dim) & (orders["test"] == test)]
@@ -239,10 +239,12 @@ def draw(tables: Tables) -> Figure:
             line = 0.5 * table.merge(part)["difference"].abs().max() * (cells / cells[0]) ** -power
             axis.loglog(cells, line, dashes, color="grey", label=f"slope -{power}")
         axis.set_xticks(cells, [f"{n:g}" for n in cells])
-        axis.set_title(f"{'plane' if dim == 2 else 'space'}, {test}", fontsize=9)
+        axis.set_title(f"{'plane' if dim == 2 else 'space'}, {test}")
         axis.set_xlabel("cells along the body (1)")
-        axis.set_ylabel("difference of the work (1)")
+    for axis in axes[::2]:
+        axis.set_ylabel("difference (1)")
     axes[0].plot([], [], "o", color="black", mfc="white", label="too stiff")
     axes[0].plot([], [], "o", color="black", label="too soft")
+    figure.suptitle("Work of the load on clamped bodies, beside their solids'")
     figures.add_shared_legend(figure, axes, columns=3)
     return figure

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -26,6 +27,7 @@ from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
+from msvalidate.lattice import patterns
 from msvalidate.output import figures
 from msvalidate.problem import Array
 
@@ -235,13 +237,17 @@ def _orders(rows: pd.DataFrame) -> str:
 
 
 def draw(tables: Tables) -> Figure:
-    """Error of the strain against the number of cells, in a pull and in shear."""
-    figure, axes = figures.new_figure(2, size=(3.6, 3.3), sharey=True)
+    """Error of the strain against cells: a row for plane and space, a column a test."""
     table, orders = tables["uniform"], tables["uniform_order"]
+    known = {kind().name: kind().dim for kind in patterns.all_patterns().values()}
+    inexact = orders[orders["order"] != "exact"].assign(axes=orders["lattice"].map(known))
+    dims = sorted(set(inexact["axes"]))
+    tests = loading.TESTS
+    figure, axes = figures.new_figure(len(tests), len(dims), size=(3.3, 2.9), sharey=True)
     names = list(dict.fromkeys(zip(table["lattice"], table["rule"], strict=True)))
-    for axis, test in zip(axes, loading.TESTS, strict=True):
-        inexact = orders[(orders["test"] == test) & (orders["order"] != "exact")]
-        for row in inexact.itertuples():
+    for axis, (dim, test) in zip(axes, product(dims, tests), strict=True):
+        here = inexact[(inexact["axes"] == dim) & (inexact["test"] == test)]
+        for row in here.itertuples():
             mine = table[(table["lattice"] == row.lattice) & (table["rule"] == row.rule)]
             axis.loglog(
                 mine["cells"],
@@ -249,13 +255,16 @@ def draw(tables: Tables) -> Figure:
                 label=f"{row.lattice}, {row.rule}",
                 **cases.style(names.index((row.lattice, row.rule))),
             )
-        cells = np.array(sorted(set(table.merge(inexact)["cells"])), dtype=float)
-        power = 1 if test == "pull" else 3
-        axis.loglog(
-            cells, float(power) * cells**-power, ":", color="black", label=f"slope -{power}"
-        )
+        sizes = table.merge(inexact[inexact["axes"] == dim][["lattice", "rule"]])["cells"]
+        cells = np.array(sorted(set(sizes)), dtype=float)
+        for power, line in ((1, ":"), (3, "--")):
+            below = 0.6 * (cells / cells[0]) ** -power
+            axis.loglog(cells, below, line, color="grey", label=f"slope -{power}")
         axis.set_xticks(cells, [f"{n:g}" for n in cells])
-        axis.set(title=test, xlabel="cells along the body (1)")
-    axes[0].set_ylabel("error of the strain, relative (1)")
+        axis.set_title(f"{'plane' if dim == 2 else 'space'}, {test}")
+        axis.set_xlabel("cells along the body (1)")
+    for axis in axes[:: len(tests)]:
+        axis.set_ylabel("error of the strain (1)")
+    figure.suptitle("Bodies under uniform stress whose strain is not exact")
     figures.add_shared_legend(figure, axes, columns=3)
     return figure

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
+from msvalidate.output import body_drawing, figures
 
 STRETCHED = 2.0
 """Times that heights are drawn larger than lengths in the stretched pictures."""
@@ -25,7 +24,7 @@ TITLES = {
 def softest(tables: Tables) -> Figure:
     """The lowest eigenvalue against the voltage, on each mesh and branch."""
     table = tables["softest"]
-    figure, axes = figures.new_figure(3, size=(3.3, 3.3), sharey=True)
+    figure, axes = figures.new_figure(3, size=(2.4, 3.2), sharex=True, sharey=True)
     for axis, (branch, title) in zip(axes, TITLES.items(), strict=True):
         for place, (layers, own) in enumerate(table[table["branch"] == branch].groupby("layers")):
             style, rest = figures.series_style(place), own["softest"].iloc[0]
@@ -36,36 +35,36 @@ def softest(tables: Tables) -> Figure:
                 axis.plot(volts, even, "--", color=style["color"], lw=0.9)
         if branch == "inside":
             axis.plot([], [], "--", color="#444444", lw=0.9, label="infinite slab")
-        axis.axvline(1.0, color="black", lw=0.8, ls=":")
-        axis.set(xlim=(0, 1.05), ylim=(0, 1.05), title=title)
-        axis.set_xlabel("voltage over the uniform pull-in (1)")
-        axis.legend(fontsize=8, loc="lower left")
-    axes[0].set_ylabel("lowest eigenvalue over that at no voltage (1)")
+        axis.axvline(1.0, color="black", lw=0.8, ls=":", label="uniform pull-in")
+        axis.set(xlim=(0, 1.05), ylim=(0, 1.05), title=title.replace(", ", ",\n"))
+        axis.set_xlabel("voltage over pull-in's (1)")
+    axes[0].set_ylabel("lowest eigenvalue\nover that at no voltage (1)")
+    figure.suptitle("At which voltage a bonded slab loses its stability")
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 
 def modes(tables: Tables) -> Figure:
-    """Modes on the slab, with equal axes and stretched."""
+    """Modes on the bonded slab, at the electrode's edge and inside."""
     table = tables["mode_shapes"]
     layers = int(table["layers"].iloc[0])
     shown = ("edge, followed", "inside")
-    figure = Figure(figsize=(7.6, 7.4), layout="constrained")
-    axes = figure.subplots(4, 1, height_ratios=(1, STRETCHED, 1, STRETCHED))
-    cases = [(branch, times) for branch in shown for times in (1.0, STRETCHED)]
-    for axis, (branch, times) in zip(axes, cases, strict=True):
-        lines = _slab(axis, table[table["branch"] == branch], layers)
-        axis.set_aspect(times)
-        how = "equal axes" if times == 1 else f"heights stretched {times:g} times"
-        axis.set(title=f"{TITLES[branch]}; {how}", ylabel="height (m)")
+    figure, axes = figures.new_figure(1, len(shown), size=(5.6, 2.3), sharex=True, sharey=True)
+    for axis, branch in zip(axes, shown, strict=True):
+        _draw_slab(axis, table[table["branch"] == branch], layers)
+        axis.set(aspect=STRETCHED, title=TITLES[branch], ylabel="height (m)")
+        axis.tick_params(labelbottom=True)
     axes[-1].set_xlabel("place along the slab (m)")
-    label = "mode up, over its largest component (1)"
-    figure.colorbar(lines, ax=list(axes), shrink=0.5, label=label)
-    figure.suptitle(f"{layers} layers, the largest movement drawn as {AMPLITUDE:g} m", fontsize=9)
+    figure.suptitle(
+        f"Softest modes of a slab of {layers} layers,\nlargest movement drawn as {AMPLITUDE:g} m, "
+        f"heights {STRETCHED:g} times"
+    )
+    figures.add_shared_legend(figure, axes[:1], columns=2)
     return figure
 
 
-def _slab(axis: Axes, own: pd.DataFrame, layers: int) -> LineCollection:
-    """Grid lines of a slab moved by a mode, coloured by how far they move up or down.
+def _draw_slab(axis: Axes, own: pd.DataFrame, layers: int) -> None:
+    """Grid lines of a slab at rest and moved by a mode.
 
     Points of a lattice in a box come row by row, x fastest.
     """
@@ -74,20 +73,20 @@ def _slab(axis: Axes, own: pd.DataFrame, layers: int) -> LineCollection:
     numbers = np.arange(len(grid)).reshape(layers + 1, -1)
     along, up = (numbers[:, :-1], numbers[:, 1:]), (numbers[:-1], numbers[1:])
     pairs = np.concatenate([np.stack(ends, -1).reshape(-1, 2) for ends in (along, up)])
-    lines = LineCollection(list(grid[pairs]), cmap="cividis", linewidths=0.8)
-    lines.set_array(mode[pairs, 1].mean(axis=1))
-    lines.set_clim(-1, 1)
-    axis.add_collection(lines)
-    axis.plot(*grid[numbers[-1]].T, color="black", lw=1.1)
-    axis.set_xlim(grid[:, 0].min() - 1, grid[:, 0].max() + 1)
-    axis.set_ylim(-0.3, grid[:, 1].max() + 0.8)
+    body_drawing.draw_springs(axis, place, pairs, "slab in equilibrium", body_drawing.AT_REST)
+    body_drawing.draw_springs(axis, grid, pairs, "moved by the mode", figures.COLOURS[0])
+    for row, label in ((0, "electrodes"), (layers, None)):
+        axis.plot(*grid[numbers[row]].T, color=figures.COLOURS[1], lw=1.8, label=label)
+    bonded = grid[numbers[0]]
+    body_drawing.draw_supports(axis, bonded, np.ones(bonded.shape, dtype=bool))
+    axis.set_xlim(place[:, 0].min() - 4, place[:, 0].max() + 4)
+    axis.set_ylim(-1, place[:, 1].max() + AMPLITUDE + 0.5)
     axis.grid(visible=False)
-    return lines
 
 
 def waves(tables: Tables) -> Figure:
     """Thresholds of waves of infinite slabs, and the wavelength that goes first on each mesh."""
-    figure, (threshold, length) = figures.new_figure(2, size=(4.2, 4.1))
+    figure, (threshold, length) = figures.new_figure(2, size=(3.3, 4.2))
     table, limits = tables["waves"], tables["waves_softest"]
     inside = tables["instability"][tables["instability"]["branch"] == "inside"]
     for place, (layers, own) in enumerate(table.groupby("layers")):
@@ -98,14 +97,17 @@ def waves(tables: Tables) -> Figure:
         at = row["mode_wavelength_over_h"], row["critical_over_pull_in"]
         mark, label = figures.MARKERS[place], f"slab of {row['layers']} layers"
         threshold.plot(*at, mark, color="black", mfc="none", label=label)
-    threshold.axhline(1.0, color="black", lw=0.8, ls=":")
+    threshold.axhline(1.0, color="black", lw=0.8, ls=":", label="uniform pull-in")
     threshold.set_xlabel("wavelength over the height (1)")
-    threshold.set_ylabel("critical voltage over the uniform pull-in (1)")
+    threshold.set_ylabel("critical voltage over pull-in's (1)")
     heights = 1 / limits["wavelength_infinite"]
     length.semilogx(limits["layers"], heights, label="infinite slab", **figures.series_style(0))
     heights, style = 1 / inside["mode_wavelength_over_h"].astype(float), figures.series_style(1)
     length.semilogx(inside["layers"], heights, ls="", label="slab: its mode", **style)
     length.set_xlabel("cells up the slab's height (1)")
-    length.set_ylabel("height over the wavelength that goes first (1)")
-    figures.add_shared_legend(figure, [threshold, length], 4)
+    length.set_ylabel("height over the first wavelength (1)")
+    threshold.set_title("waves on infinite slabs")
+    length.set_title("the wave that goes first")
+    figure.suptitle("Waves that grow below the uniform pull-in")
+    figures.add_shared_legend(figure, [threshold, length], 3)
     return figure

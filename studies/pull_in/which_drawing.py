@@ -16,7 +16,7 @@ from . import slab
 
 def draw(tables: Tables) -> Figure:
     """Voltages that hold a thickness, and fields that let a wave grow."""
-    figure, (thin, wave) = figures.new_figure(2, size=(4.4, 3.5))
+    figure, (thin, wave) = figures.new_figure(2, size=(3.4, 4.4))
     parts = np.linspace(0.35, 0.9999, 200)
     net = [uniform.voltage(part) / slab.HEIGHT / slab.NATURAL for part in parts]
     wide = parts**-0.5
@@ -53,6 +53,10 @@ def draw(tables: Tables) -> Figure:
     wave.text(0.95 * creased, 2.2, "creases' distance", fontsize=7.5, color="#666666", **words)
     wave.set(xlabel="wavenumber times height, kh (1)", ylim=(0.5, 4.3))
     wave.set_ylabel("true field over √(μ/ε) (1)")
+    thin.set_title("uniform: fields that hold a thickness")
+    wave.set_title("waves: fields that let them grow")
+    below: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (-0.1, -0.2), "fontsize": 8}
     for axis in (thin, wave):
-        axis.legend(fontsize=7.5)
+        axis.legend(**below)
+    figure.suptitle("Pull-in and creases: which field is meant")
     return figure

@@ -231,7 +231,9 @@ def draw(tables: Tables) -> Figure:
     plane = rest["lattice"].isin(PLANE)
     parts = [("plane", rest[plane]), ("space", rest[~plane])]
     parts = [(title, part) for title, part in parts if len(part)]
-    figure, axes = figures.new_figure(len(parts), size=(3.8 if len(parts) > 1 else 6.0, 4.0))
+    figure, axes = figures.new_figure(
+        len(parts), size=(3.3 if len(parts) > 1 else 5.0, 4.4), sharey=True
+    )
     names = list(dict.fromkeys(zip(rest["lattice"], rest["route"], strict=True)))
     for axis, (title, part) in zip(axes, parts, strict=True):
         for key, mine in part.groupby(KEY, sort=False):
@@ -253,7 +255,8 @@ def draw(tables: Tables) -> Figure:
             axis.loglog(cells, line, dashes, color="grey", label=f"slope -{power}")
         axis.set_xticks(cells, [f"{n:g}" for n in cells])
         axis.set(title=title, xlabel="cells along the block (1)")
-        axis.set_ylabel("error of strain along the pull (1)")
+    axes[0].set_ylabel("error of strain along the pull (1)")
+    figure.suptitle("Stretched blocks at any Poisson's ratio")
     axes[0].plot([], [], "o", color="black", mfc="white", label="open: nu = 0.2, below Cauchy's")
-    figures.add_shared_legend(figure, axes, columns=2 if len(axes) == 1 else 3)
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure

@@ -237,7 +237,7 @@ def _size(field: Array) -> float:
 def draw(tables: Tables) -> Figure:
     """Least push against the size; pressures' differences and what alternates of them."""
     pushes, shown = tables["pressure_push"], tables["pressures"]
-    figure, (left, right) = figures.new_figure(2, size=(3.8, 3.2))
+    figure, (left, right) = figures.new_figure(2, size=(3.3, 3.3))
     for number, (held, mine) in enumerate(pushes.groupby("held", sort=False)):
         left.loglog(
             mine["cells_square"],
@@ -249,6 +249,7 @@ def draw(tables: Tables) -> Figure:
     cells = np.array(sorted(set(pushes["cells_square"])), dtype=float)
     left.loglog(cells, 2 / cells, ":", color="grey", label="slope -1")
     left.set_xticks(cells, [f"{n:g}" for n in cells])
+    left.set_title("patterns that push least")
     left.set(xlabel="cells along an edge (1)", ylabel="least push of a pattern (1)")
     nu = shown["nu_pressed"].max()
     mine = shown[shown["nu_pressed"] == nu]
@@ -269,7 +270,8 @@ def draw(tables: Tables) -> Figure:
     cells = np.array(sorted(set(mine["cells_bent"])), dtype=float)
     right.set_xticks(cells, [f"{n:g}" for n in cells])
     right.set(xlabel="cells through the height (1)", ylabel="part of the pressure (1)")
-    right.set_title(f"bent block, plane strain, nu = {nu:g}", fontsize=9)
+    right.set_title(f"bent block, plane strain, nu = {nu:g}")
+    figure.suptitle("Pressures of cells: patterns that alternate")
     for axis in (left, right):
-        axis.legend()
+        axis.legend(fontsize=8)
     return figure

@@ -43,6 +43,17 @@ from .bent import (
 )
 from .locking import FINE
 
+MODELS = {
+    "square": "springs + volume energy, square",
+    HALVES: "springs + volumes of half cells, square",
+    "cubic18": "springs + volume energy, cubic 18",
+    "cubic26": "springs + volume energy, cubic 26",
+    "P1": "elements, linear triangles (P1)",
+    "Q1": "elements, bilinear squares (Q1)",
+    "T1": "elements, linear tetrahedra (T1)",
+    "H1": "elements, trilinear cubes (H1)",
+}
+"""Words for the models in the figure."""
 QUICK_RATIOS: dict[State, tuple[float, ...]] = {
     "plane_strain": (0.45, 0.499),
     "plane_stress": (0.45, 0.499),
@@ -206,14 +217,14 @@ def draw(tables: Tables) -> Figure:
     """Differences against the ratio at one size, and against the size at the largest ratio."""
     table = tables["rubber"]
     states = [s for s in ("plane_strain", "solid") if s in set(table["state"])]
-    figure, axes = figures.new_figure(2, len(states), size=(3.9, 3.0))
+    figure, axes = figures.new_figure(2, len(states), size=(3.3, 2.9), sharey=True)
     models = list(dict.fromkeys(table["model"]))
     for (left, right), state in zip(zip(axes[::2], axes[1::2], strict=True), states, strict=True):
         mine = table[table["state"] == state]
         size, most = FINE[3 if state == "solid" else 2], mine["nu_rubber"].max()
         for model, own in mine.groupby("model", sort=False):
             style = cases.style(models.index(str(model)))
-            label = str(model) + (", volumes" if model in SPRINGS else "")
+            label = MODELS.get(str(model), str(model))
             fine, last = own[own["cells_through"] == size], own[own["nu_rubber"] == most]
             gap = fine["deflection_difference"].abs()
             left.loglog(1 - 2 * fine["nu_rubber"], gap, label=label, **style)
@@ -226,9 +237,9 @@ def draw(tables: Tables) -> Figure:
         right.set_xticks(cells, [f"{n:g}" for n in cells])
         right.set_xlabel("cells through the height (1)")
         words = WORDS[state]
-        left.set_title(f"{words}, {size} cells", fontsize=9)
-        right.set_title(f"{words}, nu = {most:g}", fontsize=9)
-        for axis in (left, right):
-            axis.set_ylabel("too stiff by, of deflection (1)")
-    figures.add_shared_legend(figure, axes, columns=4)
+        left.set_title(f"{words}, {size} cells")
+        right.set_title(f"{words}, nu = {most:g}")
+        left.set_ylabel("deflection lost (1)")
+    figure.suptitle("Bent blocks near nu = 1/2: what locks")
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure

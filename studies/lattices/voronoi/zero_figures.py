@@ -14,15 +14,17 @@ from msvalidate.output import figures
 
 def causes(tables: Tables) -> Figure:
     """Ratio against jitter, number of points, length and the time of stopping."""
-    figure, axes = figures.new_figure(2, 2, size=(3.9, 3.0))
+    figure, axes = figures.new_figure(2, 2, size=(3.4, 3.1), sharey=True)
     _jitter(axes[0], tables["zero_jitter"])
     _few(axes[1], tables["zero_few"])
     _length(axes[2], tables["zero_length"])
     _early(axes[3], tables["zero_early"])
     for axis in axes:
         axis.axhline(0, color="black", lw=0.8)
+        axis.set_ylim(-0.08, 0.95)  # legends above
     axes[0].set_ylabel("Poisson's ratio (1)")
-    axes[2].set_ylabel("ratio by the report's means (1)")
+    axes[2].set_ylabel("Poisson's ratio, the report's means (1)")
+    figure.suptitle("What may have made the report's Poisson's ratio zero")
     return figure
 
 
@@ -59,8 +61,7 @@ def _few(axis: Axes, table: pd.DataFrame) -> None:
     counts = sorted(set(table["count"]))
     axis.set_xticks(counts, [str(count) for count in counts])
     axis.set(title="random points, median and quartiles", xlabel="points in the body (1)")
-    axis.set_ylim(top=0.95)
-    axis.legend(fontsize=7, ncols=2)
+    axis.legend(fontsize=7, loc="upper left")
 
 
 def _length(axis: Axes, table: pd.DataFrame) -> None:
@@ -76,14 +77,15 @@ def _length(axis: Axes, table: pd.DataFrame) -> None:
             elinewidth=0.8,
             label=f"springs, {place}",
         )
-        axis.plot(rows["aspect"], rows["nu_elastic"], "--", color=colour, label=f"FEM, {place}")
+        axis.plot(
+            rows["aspect"], rows["nu_elastic"], "--", color=colour, label=f"elements, {place}"
+        )
     axis.set_xscale("log", base=2)
     aspects = sorted(set(table["aspect"]))
     axis.set_xticks(aspects, [f"{aspect:g}" for aspect in aspects])
-    axis.set_title("clamped ends, k ∝ 1: where the width is measured", fontsize=9)
+    axis.set_title("clamped, k ∝ 1: width measured at")
     axis.set_xlabel("length over height (1)")
     axis.legend(fontsize=7, ncols=2, loc="upper left")
-    axis.set_ylim(top=0.68)
 
 
 def _early(axis: Axes, table: pd.DataFrame) -> None:
@@ -97,11 +99,10 @@ def _early(axis: Axes, table: pd.DataFrame) -> None:
             marker=figures.MARKERS[i],
             color=colours[damping],
             mfc=None if load == "moved" else "white",
-            label=f"{load}, {damping} x critical",
+            label=f"{load}, {damping} ×",
         )
     stops = list(dict.fromkeys(table["stop"]))
     axis.set_xticks(range(len(stops)), [str(stop) for stop in stops])
-    axis.set_title("Algorithm 1 stopped early, ends moved or pulled", fontsize=9)
+    axis.set_title("Algorithm 1 stopped early, damping × critical")
     axis.set_xlabel("velocity at the stop over its peak (1)")
-    axis.set_ylim(top=0.42)
     axis.legend(fontsize=7, ncols=2, loc="upper center")
