@@ -11,6 +11,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter, LogLocator, MaxNLocator, NullLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
@@ -24,12 +25,18 @@ FEW_DECADES = 2.5
 WIDE_LABELS = 1e5
 """Numbers whose labels collide below an axis, where 50000 is followed by 100000."""
 MARKERS = ("o", "s", "^", "D", "v", "P")
+LOGARITHMIC = "log scale"
+"""Said in the label of an axis that has one."""
+LONG_LABEL = 30
+"""Letters of a label after which more goes on a line of its own."""
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
     "axes.grid": True,
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlesize": 9,
+    "figure.titlesize": 10,
+    "figure.titleweight": "bold",
     "font.size": 9,
     "grid.color": "#dddddd",
     "grid.linewidth": 0.6,
@@ -83,12 +90,13 @@ def plain_logarithms(figure: Figure) -> None:
     """Label logarithmic axes 1e-06, and at 1, 2 and 5 where few decades show; no ticks between.
 
     Powers set as mathematics and a tick for every digit take a third of the time of a figure. Ticks
-    and labels that a figure has chosen for itself stay.
+    and labels that a figure has chosen for itself stay. Labels of such axes say so.
     """
     for axes in figure.axes:
         for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
             if axis.get_scale() != "log":
                 continue
+            name_logarithm(axis)
             if isinstance(axis.get_major_formatter(), LogFormatter):
                 axis.set_major_formatter(lambda value, _: f"{value:g}")
             if isinstance(axis.get_major_locator(), LogLocator):
@@ -97,6 +105,14 @@ def plain_logarithms(figure: Figure) -> None:
                 subs = ((1.0, 3.0) if wide else (1.0, 2.0, 5.0)) if few else (1.0,)
                 axis.set_major_locator(LogLocator(subs=subs, numticks=12))
             axis.set_minor_locator(NullLocator())
+
+
+def name_logarithm(axis: Axis) -> None:
+    """Add to the label of an axis, if it has one, that the axis is logarithmic."""
+    label = axis.get_label_text()
+    if label and LOGARITHMIC not in label:
+        gap = ",\n" if len(label) > LONG_LABEL else ", "
+        axis.set_label_text(f"{label}{gap}{LOGARITHMIC}")
 
 
 def add_shared_legend(figure: Figure, axes: list[Axes], columns: int = 4) -> None:
