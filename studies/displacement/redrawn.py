@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
-from msvalidate.problem import Array
+from msvalidate.output import body_drawing, figures
 
 from .claims import CLAIMS, CURVES, NUMBERS, SOURCES
 from .load_cases import CASES
@@ -25,7 +22,7 @@ def figures_4_to_7(tables: Tables) -> Figure:
     *blocks, bar = CASES
     layout: list[Any] = [blocks, [bar] * len(blocks)]
     axes = figure.subplot_mosaic(layout, height_ratios=(1.3, 1))
-    blue, orange, green, *_ = figures.COLOURS
+    _, orange, green, *_ = figures.COLOURS
     for case, axis in axes.items():
         scale = EXAGGERATED[case]
         points, pairs, edge = (
@@ -35,18 +32,17 @@ def figures_4_to_7(tables: Tables) -> Figure:
         rest = points[["x", "y"]].to_numpy()
         now = rest + scale * points[["ux", "uy"]].to_numpy()
         springs = pairs[["start", "end"]].to_numpy()
-        for at, colour, state in ((rest, "#d4d4d4", "at rest"), (now, "#66a9d4", "deformed")):
-            lines = LineCollection(list(at[springs]), color=colour, lw=0.8)
-            lines.set_label(f"springs, {state}")
-            axis.add_collection(lines)
-        axis.plot(*now.T, "o", color=blue, ms=3.2, label="particles")
+        body_drawing.draw_springs(axis, rest, springs, "springs, at rest", body_drawing.AT_REST)
+        body_drawing.draw_springs(axis, now, springs, "springs, deformed")
+        body_drawing.draw_particles(axis, now)
         for source, colour, line in zip(SOURCES[1:], (orange, green), ("-", "--"), strict=True):
             ring = edge[edge["source"] == source]
             at = ring[["x", "y"]].to_numpy() + scale * ring[["ux", "uy"]].to_numpy()
-            axis.plot(*np.vstack([at, at[:1]]).T, line, color=colour, label=f"{source} (FEM)")
-        held = (points["held_components"] != "no").to_numpy()
-        axis.plot(*now[held].T, "s", color="black", ms=6, mfc="none", mew=1, label="held")
-        draw_loads(axis, now, points[["load_x", "load_y"]].to_numpy())
+            body_drawing.draw_outline(axis, at, f"{source} (FEM)", ls=line, color=colour)
+        words = points["held_components"].str
+        held = np.column_stack([words.contains("ux"), words.contains("uy")])
+        body_drawing.draw_supports(axis, now, held)
+        body_drawing.draw_loads(axis, now, points[["load_x", "load_y"]])
         axis.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
         gap_in_title = ", " if case == bar else "\n"
         axis.set_title(f"Figure {NUMBERS[case]}: {case}{gap_in_title}displacement × {scale}")
@@ -55,16 +51,6 @@ def figures_4_to_7(tables: Tables) -> Figure:
             axis.set(xlim=(-0.2, 1.15), ylim=(-0.1, 1.33), xticks=np.arange(6) / 5)
     figures.add_shared_legend(figure, list(axes.values()))
     return figure
-
-
-def draw_loads(axis: Axes, at: Array, load: Array) -> None:
-    """Arrows that end at the loaded particles; the longest is 0.2 m long."""
-    size = np.linalg.norm(load, axis=1)
-    on = size > 0
-    arrow = 0.2 * load[on] / size.max()
-    to_scale: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "units": "xy", "scale": 1}
-    axis.quiver(*at[on].T, *arrow.T, **to_scale, pivot="tip", width=0.016, zorder=3)
-    axis.plot([], [], ls="", marker=r"$\rightarrow$", ms=11, color="black", label="load")
 
 
 def bent_line(tables: Tables) -> Figure:
