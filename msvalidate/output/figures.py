@@ -24,11 +24,13 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 FEW_DECADES = 2.5
 WIDE_LABELS = 1e5
 """Numbers whose labels collide below an axis, where 50000 is followed by 100000."""
+NARROW = 2.1
+"""Width (inches) of axes in which fewer labels have room."""
 MARKERS = ("o", "s", "^", "D", "v", "P")
 LOGARITHMIC = "log scale"
 """Said in the label of an axis that has one."""
-LONG_LABEL = 30
-"""Letters of a label after which more goes on a line of its own."""
+LONG_LABEL = 22
+"""Letters of a label's last line after which more goes on a line of its own."""
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
     "axes.grid": True,
@@ -100,9 +102,12 @@ def plain_logarithms(figure: Figure) -> None:
             if isinstance(axis.get_major_formatter(), LogFormatter):
                 axis.set_major_formatter(lambda value, _: f"{value:g}")
             if isinstance(axis.get_major_locator(), LogLocator):
-                few = abs(math.log10(high / low)) < FEW_DECADES
+                decades = abs(math.log10(high / low))
                 wide = axis is axes.xaxis and max(high, low) >= WIDE_LABELS
-                subs = ((1.0, 3.0) if wide else (1.0, 2.0, 5.0)) if few else (1.0,)
+                inches = axes.get_position().width * figure.get_figwidth()
+                narrow = axis is axes.xaxis and inches < NARROW
+                few = decades < (FEW_DECADES / 2 if narrow else FEW_DECADES)
+                subs = ((1.0, 3.0) if wide or narrow else (1.0, 2.0, 5.0)) if few else (1.0,)
                 axis.set_major_locator(LogLocator(subs=subs, numticks=12))
             axis.set_minor_locator(NullLocator())
 
@@ -111,7 +116,8 @@ def name_logarithm(axis: Axis) -> None:
     """Add to the label of an axis, if it has one, that the axis is logarithmic."""
     label = axis.get_label_text()
     if label and LOGARITHMIC not in label:
-        gap = ",\n" if len(label) > LONG_LABEL else ", "
+        last = label.rpartition("\n")[2]
+        gap = ",\n" if len(last) > LONG_LABEL else ", "
         axis.set_label_text(f"{label}{gap}{LOGARITHMIC}")
 
 
