@@ -18,6 +18,12 @@ ARROW_WIDTH = 0.08
 """Of an arrow's shaft over the length of the longest."""
 HELD = {(True, True): "s", (True, False): ">", (False, True): "^"}
 """Marker of a support by what it holds: along x, along y."""
+BOUNDARY_RULES = {
+    "shared": "boundary springs weakened",
+    "equal": "all springs alike",
+    "per_cell": "each cell its own springs",
+}
+"""Names in figures of `lattice.filled.WEIGHTS`."""
 HOW = {(True, True): "held", (True, False): "held along x", (False, True): "held along y"}
 
 

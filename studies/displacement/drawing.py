@@ -13,6 +13,7 @@ from matplotlib.tri import Triangulation
 
 from msvalidate.judging.evidence import Tables
 from msvalidate.output import body_drawing, figures
+from msvalidate.output.body_drawing import BOUNDARY_RULES
 from msvalidate.problem import Array, Mask
 from msvalidate.problem.statement import prescribed_displacements
 
@@ -22,7 +23,7 @@ from .models import ISOTROPIC
 PART_WORDS = {
     "at_rest": "not quite at rest",
     "geometric": "large displacements",
-    "boundary": "boundary springs not halved",
+    "boundary": "boundary springs not weakened",
     "discretisation": "spacing",
     "model_form": "k2 = 2 k1 is another material",
 }
@@ -35,8 +36,6 @@ PROBES = {
     "bottom": "at a point of the lower edge",
     "quarter": "at a quarter of the length",
 }
-BOUNDARY = {"shared": "boundary halved", "equal": "all springs alike"}
-"""What the rules for springs on the boundary do."""
 SEEN = 1e-3
 """Part of the displacement below which a part of the budget is thinner than a line."""
 LEVELS = (0.0, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, np.inf)
@@ -65,7 +64,7 @@ def convergence(tables: Tables) -> Figure:
                 marker=figures.MARKERS[i // 2],
                 color=figures.COLOURS[i // 2],
                 mfc=None if shared else "white",
-                label=f"{name}, {BOUNDARY[str(weights)]}",
+                label=f"{name}, {BOUNDARY_RULES[str(weights)]}",
             )
         spacing = np.array([1 / rows["cells_y"].max(), 1 / rows["cells_y"].min()])
         top = float(rows["rel_l2"].max())
@@ -119,7 +118,7 @@ def coarsest_rows(cases: pd.DataFrame, case: str) -> pd.DataFrame:
 def stack_parts(axis: Axes, rows: pd.DataFrame, largest: pd.Series) -> None:
     """A bar for each row, its parts to the left where they are negative, and their total."""
     labels = [
-        f"{r['lattice']}, {_model(r['k1'], r['k2'])},\n{BOUNDARY[r['weights']]}"
+        f"{r['lattice']}, {_model(r['k1'], r['k2'])},\n{BOUNDARY_RULES[r['weights']]}"
         for r in rows.to_dict("records")
     ]
     place = np.arange(len(rows))[::-1]
