@@ -18,6 +18,12 @@ ARROW_WIDTH = 0.08
 """Of an arrow's shaft over the length of the longest."""
 HELD = {(True, True): "s", (True, False): ">", (False, True): "^"}
 """Marker of a support by what it holds: along x, along y."""
+BOUNDARY_RULES = {
+    "shared": "boundary springs weakened",
+    "equal": "all springs alike",
+    "per_cell": "each cell its own springs",
+}
+"""Names in figures of `lattice.filled.WEIGHTS`."""
 HOW = {(True, True): "held", (True, False): "held along x", (False, True): "held along y"}
 
 
@@ -36,16 +42,16 @@ def draw_outline(axis: Axes, ring: Array, label: str, **style: Any) -> None:
     axis.plot(*np.vstack([ring, ring[:1]]).T, label=label, **style)
 
 
-def draw_supports(axis: Axes, at: Array, held: Mask) -> None:
+def draw_supports(axis: Axes, at: Array, held: Mask, size: float = 6.0) -> None:
     """Open markers at points (n, 2) in m whose components (n, 2) are held: squares where both are.
 
-    A triangle points along the only component that is held.
+    A triangle points along the only component that is held. `size` of markers in points.
     """
     for (along_x, along_y), marker in HELD.items():
         here = (held == (along_x, along_y)).all(axis=1)
         if here.any():
             label = HOW[along_x, along_y]
-            style: dict[str, Any] = {"color": "black", "ms": 6, "mfc": "none", "mew": 1}
+            style: dict[str, Any] = {"color": "black", "ms": size, "mfc": "none", "mew": 1}
             axis.plot(*at[here].T, marker, label=label, zorder=3, **style)
 
 

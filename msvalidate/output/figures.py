@@ -27,11 +27,13 @@ WIDE_LABELS = 1e5
 """Numbers whose labels collide below an axis, where 50000 is followed by 100000."""
 TITLE_SIZE, LETTERS_AN_INCH = 9, 14
 """Points of a title's letters, and how many of them an inch holds."""
+NARROW = 2.1
+"""Width (inches) of axes in which fewer labels have room."""
 MARKERS = ("o", "s", "^", "D", "v", "P")
 LOGARITHMIC = "log scale"
 """Said in the label of an axis that has one."""
-LONG_LABEL = 32
-"""Letters of a label after which more goes on a line of its own."""
+LONG_LABEL = 22
+"""Letters of a label's last line after which more goes on a line of its own."""
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
     "axes.grid": True,
@@ -105,9 +107,12 @@ def plain_logarithms(figure: Figure) -> None:
                     lambda value, _: f"{value:g}".replace("e+0", "e").replace("e-0", "e-")
                 )
             if isinstance(axis.get_major_locator(), LogLocator):
-                few = abs(math.log10(high / low)) < FEW_DECADES
+                decades = abs(math.log10(high / low))
                 wide = axis is axes.xaxis and max(high, low) >= WIDE_LABELS
-                subs = ((1.0, 3.0) if wide else (1.0, 2.0, 5.0)) if few else (1.0,)
+                inches = axes.get_position().width * figure.get_figwidth()
+                narrow = axis is axes.xaxis and inches < NARROW
+                few = decades < (FEW_DECADES / 2 if narrow else FEW_DECADES)
+                subs = ((1.0, 3.0) if wide or narrow else (1.0, 2.0, 5.0)) if few else (1.0,)
                 axis.set_major_locator(LogLocator(subs=subs, numticks=12))
             axis.set_minor_locator(NullLocator())
 
@@ -123,7 +128,8 @@ def name_logarithm(axis: Axis) -> None:
     """Add to the label of an axis, if it has one, that the axis is logarithmic."""
     label = axis.get_label_text()
     if label and LOGARITHMIC not in label:
-        gap = ",\n" if len(label) > LONG_LABEL else ", "
+        last = label.rpartition("\n")[2]
+        gap = ",\n" if len(last) > LONG_LABEL else ", "
         axis.set_label_text(f"{label}{gap}{LOGARITHMIC}")
 
 

@@ -158,7 +158,7 @@ def finding(table: pd.DataFrame) -> str:
 def drawing(tables: Tables) -> Figure:
     """Deflection of the left half of the upper face for every ratio, springs over FEM."""
     table = tables["air_faces"]
-    figure, axes = figures.new_figure(len(COVERED), size=(4.7, 3.2))
+    figure, axes = figures.new_figure(len(COVERED), size=(3.6, 3.6), sharey=True)
     for axis, covered in zip(axes, COVERED, strict=True):
         rows = table[(table["covered"] == covered) & (table["x"] <= 30)]
         ratios = sorted(set(table["permittivity_ratio"]))
@@ -170,7 +170,8 @@ def drawing(tables: Tables) -> Figure:
                     who, style, shown = "FEM", "-", broken(line[["x", "uy"]])
                 label = f"{who}, ratio {ratio:g}"
                 axis.plot(shown["x"], shown["uy"], style, color=colour, label=label)
-        axis.set(xlabel="x (m)", ylim=(-3.2, 0.4), title=TITLES[covered])
+        axis.set(xlabel="place along the slab, x (m)", ylim=(-3.2, 0.4), title=TITLES[covered])
     axes[0].set_ylabel("deflection uy\nover the uniform slab's (1)")
+    figure.suptitle("The upper face of a slab in air, by permittivity over air's")
     figures.add_shared_legend(figure, axes, columns=3)
     return figure

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 
 from msvalidate.judging.evidence import Tables
@@ -19,22 +20,29 @@ STRETCH = 3
 """How many times longer heights are drawn than lengths, where axes are stretched."""
 ELECTRODE = {"top": figures.COLOURS[1], "bottom": "black"}
 TITLES = {
-    "full": "Figure 8 (2), fully covered",
-    "partial": "Figure 8 (3), covered in the middle",
+    "full": "(2), fully covered",
+    "partial": "(3), covered in the middle",
 }
-LABEL = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
-"""Box behind a label that stands on a line."""
+WAYS = (
+    "deflection 2 m inside\nthe edge over middle (1)",
+    "charge on the\nmiddle half (%)",
+    "deflection uy (m)",
+)
+"""What the rows of the figure of all ways show."""
 LINES = 11
-"""Lines of equal potential, from one electrode's to the other's."""
+"""Lines of equal potential, from the lowest electrode's to the highest's of all slabs."""
 
 
 def redrawn(tables: Tables) -> Figure:
     """Both slabs at their highest voltage: equal axes, stretched axes, charge, potential."""
     cases = list(dict.fromkeys(tables["figure8_slabs"]["covered"]))
-    figure = Figure(figsize=(10.6, 9.4), layout="constrained")
-    axes = figure.subplots(4, len(cases), height_ratios=(0.62, 1.65, 1.3, 1.75), sharex="col")
-    slabs = tables["figure8_slabs"]  # one scale of colours for both
-    ends = float(slabs["potential_bottom"].min()), float(slabs["potential_top"].max())
+    figure = Figure(figsize=(7.2, 8.6), layout="constrained")
+    axes = figure.subplots(
+        4, len(cases), height_ratios=(0.62, 1.5, 1.6, 1.4), sharex="col", sharey="row"
+    )
+    slabs = tables["figure8_slabs"]
+    ends = slabs["potential_bottom"].min(), slabs["potential_top"].max()
+    levels = np.linspace(*ends, LINES)
     for column, case in zip(axes.T, cases, strict=True):
         points, density, potential = (
             tables[name][tables[name]["covered"] == case]
@@ -45,17 +53,19 @@ def redrawn(tables: Tables) -> Figure:
         for axis, times in ((equal, 1), (stretched, STRETCH)):
             draw_slab(axis, points)
             axis.set_aspect(times)
-        equal.set_title(f"{TITLES[case]}, {volts:.3g} V\nequal axes")
-        stretched.set_title(f"stretched axes: heights × {STRETCH}")
+        equal.set_title(f"{TITLES[case]}, {volts:.3g} V:\nequal axes")
+        stretched.set_title(f"the same, heights × {STRETCH}")
         draw_density(charge, density)
-        draw_potential(around, points, potential, ends)
+        shown = draw_potential(around, points, potential, levels)
         around.set_xlabel("x (m)")
     for row in axes[[0, 1, 3]]:
         row[0].set_ylabel("y (m)")
-    axes[2, 0].set_ylabel("charge density (C/m²)")
-    for axis in axes[2]:
-        axis.set_ylim(0, max(each.get_ylim()[1] for each in axes[2]))
-    figures.add_shared_legend(figure, list(axes[:3].ravel()), columns=4)
+    axes[2, 0].set_ylim(0, None)
+    axes[2, 0].set_ylabel("charge density\n(C/m²)")
+    scale = figure.colorbar(shown, ax=axes, orientation="horizontal", aspect=50, shrink=0.9)
+    scale.set_label("potential (V)")
+    figure.suptitle("The report's Figure 8 (2) and (3) drawn again")
+    figures.add_shared_legend(figure, list(axes[:3].ravel()), columns=2)
     return figure
 
 
@@ -102,20 +112,18 @@ def draw_density(axis: Axes, density: pd.DataFrame) -> None:
         axis.plot(x, sign * rows["density_flat"], ":", color=colour, lw=1)
         axis.step(x, density_now, where="mid", color=colour, lw=1.2, label=label)
     axis.plot([], [], ":", color="grey", label="charge density of flat electrodes")
-    axis.set(title="charge on the electrodes, both faces together", ylim=(0, None))
+    axis.set(title="charge, both faces together")
 
 
 def draw_potential(
-    axis: Axes, points: pd.DataFrame, potential: pd.DataFrame, ends: tuple[float, float]
-) -> None:
-    """Lines of equal potential between two ends around the slab, its outline and its electrodes."""
+    axis: Axes, points: pd.DataFrame, potential: pd.DataFrame, levels: Array
+) -> ContourSet:
+    """Lines of equal potential around the slab, its outline and its electrodes."""
     grid = potential.pivot_table(index="y", columns="x", values="potential", sort=True)
     x, y = grid.columns.to_numpy(dtype=float), grid.index.to_numpy(dtype=float)
     values = grid.to_numpy()
-    levels = np.linspace(*ends, LINES)
     shown = axis.contourf(x, y, values, levels, cmap="cividis", extend="neither")
     axis.contour(x, y, values, levels, colors="white", linewidths=0.5, linestyles="solid")
-    axis.figure.colorbar(shown, ax=axis, orientation="horizontal", label="potential (V)")
     first = points[["x", "y"]].to_numpy()
     now = first + points[["along", "up"]].to_numpy()
     lines = grid_lines(first, now)
@@ -126,44 +134,35 @@ def draw_potential(
         axis.plot(*electrode_line(points, name).T, color="white", lw=4)  # black stands on dark blue
         axis.plot(*electrode_line(points, name).T, color=colour, lw=2.2)
     axis.set(aspect="equal", xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
-    axis.set_title("potential around the slab, equal axes")
+    axis.set_title("potential around the slab")
     axis.grid(visible=False)
+    return shown
 
 
 def ways(tables: Tables) -> Figure:
     """Marginal effect and charge against voltage, three ways, and the faces at the last of each."""
     table, faces = tables["figure8"], tables["figure8_faces"]
-    figure = Figure(figsize=(10.6, 6.4), layout="constrained")
-    axes = figure.subplots(2, 3, width_ratios=(1, 1, 1.35))
+    figure = Figure(figsize=(7.2, 8.2), layout="constrained")
+    axes = figure.subplots(3, 2, sharey="row")
     sources = list(dict.fromkeys(table["way"]))
-    for row, (covered, rows) in zip(axes, table.groupby("covered", sort=False), strict=True):
-        for source, colour, marker in zip(sources, figures.COLOURS, figures.MARKERS, strict=False):
+    for column, (covered, rows) in zip(axes.T, table.groupby("covered", sort=False), strict=True):
+        margin, charge, face = column
+        for place, source in enumerate(sources):
+            style = figures.series_style(place)
             line = rows[rows["way"] == source]
-            style = {"color": colour, "marker": marker, "label": source}
-            row[0].plot(line["voltage"], line["beside_over_middle"], **style)
-            row[1].plot(line["voltage"], 100 * line["inner_charge"], **style)
+            margin.plot(line["voltage"], line["beside_over_middle"], label=source, **style)
+            charge.plot(line["voltage"], 100 * line["inner_charge"], **style)
             last = faces[(faces["covered"] == covered) & (faces["way"] == source)]
             last = last[last["voltage"] == last["voltage"].max()]
-            row[2].plot(last["x"] + last["along"], last["up"], color=colour, lw=1.2)
-            place = round((0.5 + 0.12 * (sources.index(source) - 1)) * len(last))
-            row[2].annotate(
-                f"{last['voltage'].iloc[0]:.3g} V",
-                (last["x"].iloc[place], last["up"].iloc[place]),
-                (0, -11),
-                textcoords="offset points",
-                color=colour,
-                fontsize=8,
-                ha="center",
-                bbox=LABEL,
-            )
-        row[0].set_ylabel(f"{TITLES[str(covered)]}\n2 m inside the edge over middle (1)")
-        row[0].set_yscale("log")
-        row[1].set_ylabel("charge on the middle half (%)")
-        row[2].set_ylabel("deflection uy (m)")
-    axes[0, 0].set_title("marginal effect")
-    axes[0, 1].set_title("where the charge is")
-    axes[0, 2].set_title("upper face at the last voltage held, heights stretched")
-    for axis, label in zip(axes[1], ("voltage (V)", "voltage (V)", "x (m)"), strict=True):
-        axis.set_xlabel(label)
-    figures.add_shared_legend(figure, list(axes.ravel()))
+            volts = f"{last['voltage'].iloc[0]:.3g} V"
+            face.plot(last["x"] + last["along"], last["up"], color=style["color"], label=volts)
+        margin.set_title(f"{TITLES[str(covered)]}:\nmarginal effect")
+        margin.set(yscale="log", xlabel="voltage (V)")
+        charge.set(title="where the charge is", xlabel="voltage (V)")
+        face.set(title="upper face at the last voltage held", xlabel="x (m)")
+        face.legend(loc="lower center", title="last voltage")
+    for axis, label in zip(axes[:, 0], WAYS, strict=True):
+        axis.set_ylabel(label)
+    figure.suptitle("The report's Figure 8 in numbers, by its own way and others")
+    figures.add_shared_legend(figure, list(axes[0]))
     return figure

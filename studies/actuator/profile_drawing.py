@@ -22,7 +22,7 @@ DEEPEST = {"uy": (-3.2, 0.35), "ux": (-3.8, 3.8)}
 def profiles(tables: Tables) -> Figure:
     """Both components on the upper face: springs of two lattices over finite elements."""
     surface = tables["surface"]
-    figure, axes = figures.new_figure(2, 2, size=(4.9, 2.7), sharex=True)
+    figure, axes = figures.new_figure(2, 2, size=(3.6, 2.8), sharex=True, sharey="row")
     for i, component in enumerate(COMPONENTS):
         for j, covered in enumerate(TITLES):
             axis = axes[2 * i + j]
@@ -42,11 +42,13 @@ def profiles(tables: Tables) -> Figure:
             for edge in rows.loc[rows["edge_distance"] < 1e-9, "x"].unique():
                 axis.axvline(edge, color="grey", lw=0.8, ls=":", label="edge of the electrode")
             axis.set_ylim(*DEEPEST[component])
-            axis.set_ylabel(f"{COMPONENTS[component]}\nover the uniform slab's (1)")
+            if j == 0:
+                axis.set_ylabel(f"{COMPONENTS[component]}\nover the uniform slab's (1)")
             if i == 0:
                 axis.set_title(TITLES[covered])
             else:
-                axis.set_xlabel("x (m)")
+                axis.set_xlabel("place along the slab, x (m)")
+    figure.suptitle("The upper face of an actuator")
     figures.add_shared_legend(figure, axes)
     return figure
 
@@ -61,7 +63,7 @@ def broken(line: pd.DataFrame) -> pd.DataFrame:
 
 def orders(tables: Tables) -> Figure:
     """Difference to finite elements against the spacing, and the edge that sinks without end."""
-    figure, (falls, grows) = figures.new_figure(2, size=(5.2, 3.4))
+    figure, (falls, grows) = figures.new_figure(2, size=(3.6, 4.3))
     profile, edge = tables["profile"], tables["edges"]
     for place, (covered, rows) in enumerate(profile.groupby("covered", sort=False)):
         title, style = TITLES[str(covered)], figures.series_style(place)
@@ -73,7 +75,7 @@ def orders(tables: Tables) -> Figure:
     falls.plot(spacing, 0.008 * spacing, "--", color="grey", lw=0.9, label="order 1")
     falls.set(xscale="log", yscale="log", xlabel="spacing (m)")
     falls.set_ylabel("largest |springs - FEM|\nover largest |u| (1)")
-    falls.set_title("away from the edges springs come to FEM")
+    falls.set_title("away from edges springs come to FEM")
     lines = edge[["covered", "component"]].drop_duplicates().itertuples(index=False)
     for place, (slab, component) in enumerate(lines):
         rows = edge[(edge["covered"] == slab) & (edge["component"] == component)]
@@ -89,5 +91,6 @@ def orders(tables: Tables) -> Figure:
     grows.set_title("the edge itself has no limit")
     for axis in (falls, grows):
         axis.set_xticks(spacing, [f"{h:.2g}" for h in spacing])
-    figures.add_shared_legend(figure, [falls, grows], columns=3)
+    figure.suptitle("Springs against finite elements as the spacing shrinks")
+    figures.add_shared_legend(figure, [falls, grows], columns=2)
     return figure

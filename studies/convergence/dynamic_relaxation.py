@@ -138,6 +138,7 @@ def draw(tables: Tables) -> Figure:
     axis.loglog(kappa, table["steps"], "o", color=COLOURS[0], label="this one")
     least = table["least_steps"]
     axis.loglog(kappa, least, ":", color="black", label="from the spectral radius alone")
-    axis.set(xlabel="condition number kappa", ylabel="steps to a residual of 1e-6")
+    axis.set(xlabel="condition number κ (1)", ylabel="steps to a residual of 1e-6 (1)")
+    figure.suptitle("Dynamic relaxation of clamped plates")
     axis.legend()
     return figure

@@ -280,15 +280,16 @@ def seconds_to(error: float, rows: pd.DataFrame) -> float | None:
 def draw(tables: Tables) -> Figure:
     """Error against the elastic solution for the time spent; each point one fineness."""
     table = tables["frontier"]
-    figure, axes = new_figure(len(bodies.PLANE), size=(3.6, 3.4), sharex=True, sharey=True)
+    figure, axes = new_figure(len(bodies.PLANE), size=(3.5, 3.8), sharex=True, sharey=True)
     for axis, body in zip(axes, bodies.PLANE, strict=True):
         part = table[table["body"] == body]
         for index, (model, rows) in enumerate(part.groupby("model", sort=False)):
             style = {"marker": MARKERS[index], "color": DRAWN[str(model)]}
             axis.loglog(rows["wall_seconds"], rows["error"], label=str(model), **style)
         own = part["reference_error"].iloc[0]
-        axis.axhline(own, ls=":", color="grey", label="the reference's own error (each body's)")
-        axis.set(title=body, xlabel="seconds from problem on (log scale)")
-    axes[0].set_ylabel("error over the norm (log scale)")
+        axis.axhline(own, ls=":", color="grey", label="the reference's own error")
+        axis.set(title=body, xlabel="time from problem\nto displacement (s)")
+    axes[0].set_ylabel("error at the coarsest lattice's\npoints, over displacements (1)")
+    figure.suptitle("What error a second buys: each point one fineness")
     add_shared_legend(figure, axes, columns=2)
     return figure

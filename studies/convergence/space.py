@@ -320,7 +320,7 @@ def draw(tables: Tables) -> Figure:
     """What the elements of a cube take to solve, against the nodes along its edge."""
     multigrid = tables["multigrid"].rename(columns={"products_here": "products"})
     table = pd.concat([tables["factors"], multigrid], ignore_index=True)
-    figure, axes = figures.new_figure(len(LABELS), size=(3.8, 3.4))
+    figure, axes = figures.new_figure(len(LABELS), size=(3.5, 3.2))
     for axis, (quantity, label) in zip(axes, LABELS.items(), strict=True):
         for way, part in table.groupby("way", sort=False):
             edge = part["cells"].to_numpy() + 1.0
@@ -330,6 +330,7 @@ def draw(tables: Tables) -> Figure:
                 slope = 3 * EXPECTED[str(way), quantity]
                 line = 0.4 * values[-1] * (edge / edge[-1]) ** slope
                 axis.loglog(edge, line, SLOPES[str(way)], color="black", label=f"n^{slope:.0f}")
-        axis.set(xlabel="n, nodes along the edge", ylabel=label)
+        axis.set(xlabel="nodes along the edge, n (1)", ylabel=label)
+    figure.suptitle("A cube of linear elements: work and memory to solve it")
     figures.add_shared_legend(figure, axes, columns=3)
     return figure

@@ -291,17 +291,28 @@ def style(method: str) -> dict[str, Any]:
     """How a method is drawn, in every figure the same."""
     index = list(RELAXATIONS).index(method)
     line = "-" if index < len(figures.COLOURS) else "--"
-    return figures.series_style(index) | {"linestyle": line, "label": RELAXATIONS[method].title}
+    title = RELAXATIONS[method].title
+    look = figures.series_style(index) | {"linestyle": line, "label": title[0].upper() + title[1:]}
+    # Open and large where others lie on it.
+    return look | ({"mfc": "none", "ms": 7.5} if index % len(figures.COLOURS) == 0 else {})
 
 
 SLOPES = {2: ":", 3: "-."}
 """Lines of the expected slopes in the plane and in space."""
-LABELS = {"steps": "steps to an error of 1e-6", "cost": "evaluations x springs to 1e-6"}
+SPACE = {2: "expected in the plane", 3: "expected in space"}
+LABELS = {
+    "steps": "steps to an error of 1e-6 (1)",
+    "cost": "evaluations times springs\nto an error of 1e-6 (1)",
+}
+TITLES = {
+    "steps": "Steps that each way to rest takes",
+    "cost": "Work that each explicit way to rest takes",
+}
 
 
 def _drawn(table: pd.DataFrame, quantity: str) -> Figure:
     tight = table[(table["threshold"] == TIGHT) & (table["outcome"] == "reached")]
-    figure, axes = figures.new_figure(len(bodies.SIZES), size=(3.4, 3.4), sharey=True)
+    figure, axes = figures.new_figure(len(bodies.SIZES), size=(2.4, 3.9), sharex=True, sharey=True)
     for axis, body in zip(axes, bodies.SIZES, strict=True):
         part = tight[tight["body"] == body]
         for method, rows in part.groupby("method", sort=False):
@@ -309,9 +320,13 @@ def _drawn(table: pd.DataFrame, quantity: str) -> Figure:
         slope = expected(f"{quantity} in nodes", body)
         nodes = np.array([part["nodes"].min(), part["nodes"].max()], dtype=float)
         start = 0.6 * part[part["method"] == part["method"].iloc[0]][quantity].iloc[0]
-        line, label = SLOPES[bodies.dim(body)], f"slope {Fraction(slope).limit_denominator(9)}"
+        line, label = (
+            SLOPES[bodies.dim(body)],
+            f"slope {Fraction(slope).limit_denominator(9)}: {SPACE[bodies.dim(body)]}",
+        )
         axis.loglog(nodes, start * (nodes / nodes[0]) ** slope, line, color="black", label=label)
-        axis.set(title=body, xlabel="nodes")
+        axis.set(title=body, xlabel="nodes (1)")
     axes[0].set_ylabel(LABELS[quantity])
-    figures.add_shared_legend(figure, axes, columns=4)
+    figure.suptitle(TITLES[quantity])
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure

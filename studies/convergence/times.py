@@ -47,8 +47,13 @@ ELEMENTS = {
     3: {"fem_h1": ("H1", "superlu"), "fem_h1_multigrid": ("H1", "multigrid")},
 }
 """Axes of a body -> name in tables -> element and solver."""
-FACTOR = {"marker": "^", "color": "black", "label": "elements, factor"}
-MULTIGRID = {"marker": "v", "color": "black", "linestyle": "--", "label": "elements, multigrid"}
+FACTOR = {"marker": "^", "color": "black", "label": "linear elements, factor"}
+MULTIGRID = {
+    "marker": "v",
+    "color": "black",
+    "linestyle": "--",
+    "label": "linear elements, multigrid",
+}
 ELEMENTS_DRAWN: dict[str, dict[str, Any]] = {
     "fem_q1": FACTOR,
     "fem_h1": FACTOR,
@@ -211,14 +216,15 @@ def draw(tables: Tables) -> Figure:
     """Seconds to an error of 1e-6 against the nodes, with lattice or mesh and frequencies."""
     table = tables["times"]
     tight = table[table["threshold"] == TIGHT]
-    figure, axes = new_figure(len(bodies.SIZES), size=(3.4, 3.4), sharey=True)
+    figure, axes = new_figure(len(bodies.SIZES), size=(2.4, 3.9), sharex=True, sharey=True)
     for axis, body in zip(axes, bodies.SIZES, strict=True):
         part = tight[tight["body"] == body]
         for method, rows in part.groupby("method", sort=False):
             seconds = rows["wall_seconds"] + rows["setup_seconds"]
             how = ELEMENTS_DRAWN.get(str(method)) or steps.style(str(method))
             axis.loglog(rows["nodes"], seconds, **how)
-        axis.set(title=body, xlabel="points or nodes (log scale)")
-    axes[0].set_ylabel("seconds to 1e-6 (log scale)")
+        axis.set(title=body, xlabel="nodes (1)")
+    axes[0].set_ylabel("time to an error of 1e-6 (s)")
+    figure.suptitle("Seconds that each way to rest takes, with its set-up")
     add_shared_legend(figure, axes, columns=3)
     return figure

@@ -114,16 +114,16 @@ def finding(under: pd.Series, over: pd.Series) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Price of a wrong damping."""
-    figure, (axis,) = figures.new_figure(size=(4.2, 3.4))
+    figure, (axis,) = figures.new_figure(size=(4.2, 3.6))
     for place, (name, own) in enumerate(tables["advice"].groupby("body", sort=False)):
         style, c = figures.series_style(place), own["c_over_critical"]
         axis.loglog(c, own["price"], ls="", label=f"{name} cells", **style)
         axis.loglog(c, own["price_predicted"], color=style["color"], lw=0.9)
     axis.plot([], [], color="black", lw=0.9, label="slowest mode alone")
     axis.set(
-        title=f"to a displacement error of {ERROR:g}",
+        title=f"Price of a wrong damping,\nto a displacement error of {ERROR:g}",
         xlabel="damping over the critical one (1)",
         ylabel="steps over those at critical damping (1)",
     )
-    axis.legend(fontsize=8)
+    axis.legend()
     return figure

@@ -129,7 +129,10 @@ def draw(tables: Tables) -> Figure:
     figure, (axis,) = figures.new_figure(size=(4.2, 3.2))
     axis.plot(table["period"], table["energy"], color=figures.COLOURS[0], label="energy")
     axis.plot(table["period"], table["mean"], color=figures.COLOURS[1], label="mean over a period")
-    axis.set(title=f"c = {RATIOS[0]:g} of critical", xlabel="periods of the slowest mode")
+    axis.set(
+        title=f"Energy in the second period, c = {RATIOS[0]:g} of critical",
+        xlabel="time over the slowest mode's period (1)",
+    )
     axis.set_ylabel("energy over that at the start (1)")
-    axis.legend(fontsize=8)
+    axis.legend()
     return figure

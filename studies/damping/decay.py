@@ -140,5 +140,6 @@ def draw(tables: Tables) -> Figure:
     axis.loglog(ratios, told, color="black", lw=0.9, label="closed form")
     axis.axhline(free, color=figures.COLOURS[1], ls="--", label="free motion")
     axis.set(xlabel="damping c over 2ω (1)", ylabel="rate of decay of the velocity over c (1)")
-    axis.legend(fontsize=8)
+    axis.set_title("How fast damping takes the velocity")
+    axis.legend()
     return figure

@@ -143,14 +143,16 @@ def finding(table: pd.DataFrame) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Factor of the velocity a step against time step times damping."""
-    figure, (axis,) = figures.new_figure(size=(4.2, 3.3))
+    figure, (axis,) = figures.new_figure(size=(4.4, 4.0))
     for place, (name, own) in enumerate(tables["direction"].groupby("moving", sort=False)):
         style = figures.series_style(place)
         axis.plot(own["h_c"], own["factor"], ls="", label=str(name), ms=6, **style)
         axis.plot(own["h_c"], own["factor_predicted"], ".", color="white", ms=3)
-        axis.axvline(own["limit"].iloc[0], color=style["color"], lw=0.8, ls=":")
-    axis.axhline(1.0, color="grey", lw=0.8, ls="--")
+        limit = f"stability limit, {name}"
+        axis.axvline(own["limit"].iloc[0], color=style["color"], lw=0.8, ls=":", label=limit)
+    axis.plot([], [], "o", color="grey", mfc="white", ms=4, label="predicted")
+    axis.axhline(1.0, color="grey", lw=0.8, ls="--", label="no decay")
     axis.set(xlabel="time step times damping, hc (1)", ylabel="factor of the velocity a step (1)")
-    axis.set_title("white dots: predicted; dotted lines: stability limits")
-    axis.legend(fontsize=8)
+    axis.set_title("What damping leaves of a velocity in a step")
+    figures.add_shared_legend(figure, [axis], columns=2)
     return figure

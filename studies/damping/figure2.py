@@ -281,7 +281,7 @@ def draw_figure(value: object) -> str:
 
 def draw(tables: Tables) -> Figure:
     """x-t curves of the loaded corner and of the slowest mode."""
-    figure, axes = figures.new_figure(2, size=(3.7, 3.3), sharey=True)
+    figure, axes = figures.new_figure(2, size=(3.6, 3.3), sharey=True)
     titles = {"x_particle": "upper loaded corner", "x_mode": "slowest mode, and predicted"}
     for axis, (column, title) in zip(axes, titles.items(), strict=True):
         for colour, own in zip(figures.COLOURS, by_ratio(tables["figure2"]), strict=False):
@@ -290,9 +290,10 @@ def draw(tables: Tables) -> Figure:
             if column == "x_mode":
                 every = own.iloc[:: max(1, len(own) // 25)]
                 axis.plot(every["step"], every["x_predicted"], "o", color=colour, ms=2.5)
-        axis.axhline(1.0, color="grey", lw=0.8, ls="--")
-        axis.set(title=title, xlabel="time step")
+        axis.axhline(1.0, color="grey", lw=0.8, ls="--", label="at rest")
+        axis.set(title=title, xlabel="time step (1)")
     axes[1].plot([], [], "o", color="black", ms=2.5, label="closed form")
     axes[0].set_ylabel("displacement over that at rest (1)")
+    figure.suptitle("A plate that comes to rest, after the report's Figure 2")
     figures.add_shared_legend(figure, axes, columns=3)
     return figure

@@ -279,7 +279,7 @@ def finding(best: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Steps to rest against the damping, by the run and by the slowest mode alone."""
     rest = tables["rest"]
-    figure, axes = figures.new_figure(len(ERRORS), size=(3.9, 3.5), sharey=True)
+    figure, axes = figures.new_figure(len(ERRORS), size=(3.6, 4.3), sharey=True)
     for axis, error in zip(axes, ERRORS, strict=True):
         shown = rest[rest["error"] == error].groupby("body", sort=False)
         for place, (name, own) in enumerate(shown):
@@ -287,9 +287,10 @@ def draw(tables: Tables) -> Figure:
             axis.loglog(c, own["steps"], ls="", label=str(name), **style)
             axis.loglog(c, own["steps_slowest"], color=style["color"], lw=0.9)
         axis.plot([], [], color="black", lw=0.9, label="slowest excited mode alone")
-        axis.axvline(1.0, color="grey", lw=0.8, ls="--")
+        axis.axvline(1.0, color="grey", lw=0.8, ls="--", label="critical damping")
         axis.set_title(f"to a displacement error of {error:g}")
-        axis.set_xlabel("damping c over 2ω of the slowest excited mode (1)")
-    axes[0].set_ylabel("time steps to rest")
+        axis.set_xlabel("damping c over 2ω of the\nslowest excited mode (1)")
+    axes[0].set_ylabel("time steps to rest (1)")
+    figure.suptitle("Time steps to rest against the damping")
     figures.add_shared_legend(figure, axes, columns=2)
     return figure

@@ -263,9 +263,9 @@ def draw(tables: Tables) -> Figure:
     """Error at the stop over that asked for, by both rules."""
     table = tables["stop_rule"]
     shown = table[table["asked"].isin((ASKED[0], ASKED[-1]))]
-    figure, axes = figures.new_figure(2, size=(3.9, 3.5), sharey=True)
+    figure, axes = figures.new_figure(2, size=(3.6, 4.7), sharey=True)
     titles = {
-        "error_over_asked": "stopped by max(velocity)",
+        "error_over_asked": "stopped by the largest velocity",
         "residual_error_over_asked": "stopped by force and kinetic energy",
     }
     for axis, (column, title) in zip(axes, titles.items(), strict=True):
@@ -275,11 +275,12 @@ def draw(tables: Tables) -> Figure:
             fill = "none" if place % 2 else style["color"]
             label = f"{name}, τ = {asked:g}"
             axis.loglog(own["c_over_critical"], own[column], mfc=fill, label=label, **style)
-        axis.axhline(1.0, color="grey", lw=0.8, ls="--")
-        axis.set(title=title, xlabel="damping c over 2ω of the slowest excited mode (1)")
+        axis.axhline(1.0, color="grey", lw=0.8, ls="--", label="error asked for, τ")
+        axis.set(title=title, xlabel="damping c over 2ω of the\nslowest excited mode (1)")
     ratios = np.geomspace(1, table["c_over_critical"].max(), 50)
     slow = ratios + np.sqrt(ratios**2 - 1)
     axes[0].plot(ratios, slow, color="black", lw=0.9, label="slow root alone")
     axes[0].set_ylabel("error at the stop over τ (1)")
-    figures.add_shared_legend(figure, axes, columns=3)
+    figure.suptitle("Error where a rule stops, over the error asked for")
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure

@@ -286,13 +286,13 @@ def finding(table: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """The wave in place and time, and the loss of speed against the spacing."""
     wave, table = tables["wave_xt"], tables["wave"]
-    figure, (diagram, losses) = figures.new_figure(2, size=(3.9, 3.3))
+    figure, (diagram, losses) = figures.new_figure(2, size=(3.6, 3.3))
     grid = wave.pivot_table(index="time_s", columns="x", values="velocity")
     shades = diagram.pcolormesh(
         grid.columns, grid.index, grid, cmap="RdBu", vmin=-1, vmax=1, rasterized=True
     )
-    figure.colorbar(shades, ax=diagram, label="velocity over that struck (1)")
-    diagram.set_title("bar with its sides held, struck at the right")
+    figure.colorbar(shades, ax=diagram, label="over that struck (1)")
+    diagram.set_title("velocity; sides held, struck at the right")
     diagram.set(xlabel="place along the bar (m)", ylabel="time (s)")
     for place, (sides, own) in enumerate(table.groupby("sides", sort=False)):
         style, fineness = figures.series_style(place), own["spacing_over_s"] ** 2
@@ -300,7 +300,8 @@ def draw(tables: Tables) -> Figure:
         losses.plot(fineness, own["loss_predicted"], color=style["color"], lw=0.9)
     losses.plot([], [], color="black", lw=0.9, label="3β/s², predicted")
     losses.set(title="speed lost to dispersion", xlim=(0, None), ylim=(0, None))
-    losses.set_xlabel("(spacing over the pulse's deviation s)² (1)")
-    losses.set_ylabel("1 - speed/c0 (1)")
-    losses.legend(fontsize=8)
+    losses.set_xlabel("(spacing over the pulse's\nstandard deviation s)² (1)")
+    losses.set_ylabel("speed lost, 1 - c/c0 (1)")
+    figure.suptitle("A wave along a bar of springs")
+    losses.legend()
     return figure

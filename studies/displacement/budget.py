@@ -30,7 +30,7 @@ from msvalidate.problem import Array
 from reference_fem.elasticity import elastic_tensor
 
 from . import drawing, load_cases, orders
-from .drawing import PARTS
+from .drawing import FIELD_FINENESS, PARTS
 from .elastic import Bodies
 from .load_cases import BAND, CASES
 from .measuring import WEIGHTS, Block, Measurement
@@ -42,8 +42,6 @@ def agreement_of(case: str) -> str:
     return f"{case}, square, isotropic, shared, finest: largest |total| + reference"
 
 
-DRAWN = 10
-"""Fineness of the bodies whose field of differences is drawn."""
 TELESCOPES, AT_REST = 1e-12, 1e-8
 STOPPED = 1e-10
 """What rounding of steps may move of where a run stops: 2e-11, as seen of two compiled forms."""
@@ -200,7 +198,7 @@ def differences(measured: Mapping[Block, Measurement], bodies: Bodies) -> pd.Dat
     """Length of springs - homogenised body at every point of the isotropic bodies drawn."""
     parts = []
     for block, seen in measured.items():
-        if block.fineness != DRAWN or not block.model.is_target:
+        if block.fineness != FIELD_FINENESS or not block.model.is_target:
             continue
         fem = bodies[block.case, block.model, block.fineness][0].at_points[block.fineness]
         away = np.linalg.norm(seen.moves["shared", "linear"] - fem, axis=1)

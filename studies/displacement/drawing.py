@@ -2,37 +2,54 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from matplotlib.colors import PowerNorm
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
-from msvalidate.problem import Mask
+from msvalidate.output import body_drawing, figures
+from msvalidate.output.body_drawing import BOUNDARY_RULES
+from msvalidate.problem import Array, Mask
+from msvalidate.problem.statement import prescribed_displacements
 
-from .load_cases import BAND, CASES
+from .load_cases import BAND, CASES, body, problem
+from .models import ISOTROPIC
 
-PARTS = ("at_rest", "geometric", "boundary", "discretisation", "model_form")
-"""Of the error budget, from the candidate's run to the target."""
-WORDS = {
-    "at_rest": "not at rest",
-    "geometric": "geometric nonlinearity",
-    "boundary": "springs on the boundary",
-    "discretisation": "discretisation",
-    "model_form": "another material",
+PART_WORDS = {
+    "at_rest": "not quite at rest",
+    "geometric": "large displacements",
+    "boundary": "boundary springs not weakened",
+    "discretisation": "spacing",
+    "model_form": "k2 = 2 k1 is another material",
 }
-"""Of these parts in figures."""
-RULES = {"shared": "half", "equal": "full"}
-"""Of springs on the boundary in figures."""
-MIDDLE = 0.5
-"""Power of the scale of colours: small differences show beside large ones."""
+"""Parts of the error budget, and how a figure calls them."""
+PARTS = tuple(PART_WORDS)
+"""Of the error budget, from the candidate's run to the target."""
+PROBES = {
+    "upper": "at a point near the upper edge",
+    "inside": "at a point inside",
+    "bottom": "at a point of the lower edge",
+    "quarter": "at a quarter of the length",
+}
+SEEN = 1e-3
+"""Part of the displacement below which a part of the budget is thinner than a line."""
+LEVELS = (0.0, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, np.inf)
+"""Differences (%) at which colours change."""
+ROOM = 0.35
+"""Beside a body, where its loads are drawn (m)."""
+FIELD_FINENESS = 10
+"""Of the bodies whose field of differences is drawn."""
 
 
 def convergence(tables: Tables) -> Figure:
     """Relative L2 difference to the homogenised body against the spacing, with its order."""
     cases = tables["cases"].drop_duplicates(["case", "lattice", "weights", "k1", "cells_y"])
-    figure, axes = figures.new_figure(len(CASES), 1, size=(2.7, 3.0), sharey=True)
+    figure, axes = figures.new_figure(2, 2, size=(3.5, 2.9), sharey=True)
     for axis, case in zip(axes, CASES, strict=True):
         rows = cases[cases["case"] == case]
         groups = rows.groupby(["lattice", "k1", "weights"], sort=False)
@@ -47,7 +64,7 @@ def convergence(tables: Tables) -> Figure:
                 marker=figures.MARKERS[i // 2],
                 color=figures.COLOURS[i // 2],
                 mfc=None if shared else "white",
-                label=f"{name}, {RULES[str(weights)]} springs on the boundary",
+                label=f"{name}, {BOUNDARY_RULES[str(weights)]}",
             )
         spacing = np.array([1 / rows["cells_y"].max(), 1 / rows["cells_y"].min()])
         top = float(rows["rel_l2"].max())
@@ -65,82 +82,126 @@ def convergence(tables: Tables) -> Figure:
         ticks = sorted({1 / n for n in rows[rows["lattice"] == "square"]["cells_y"]})
         axis.set_xticks(ticks, [f"1/{round(1 / t)}" for t in ticks])
         axis.set(title=case, xlabel="spacing over height (1)")
-    axes[0].set_ylabel("relative L2 difference to FEM (1)")
-    figures.add_shared_legend(figure, axes, columns=3)
+    for axis in axes[::2]:
+        axis.set_ylabel("difference to FEM over\nits displacement, rms (1)")
+    figure.suptitle("Springs against the homogenised body, as spacings get finer")
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure
 
 
 def budget(tables: Tables) -> Figure:
     """Signed parts of the error at one probe, along the load, stacked, for the coarsest bodies."""
     cases = tables["cases"]
-    figure, axes = figures.new_figure(2, 2, size=(5.2, 3.2), sharey=True)
-    for axis, case in zip(axes, CASES, strict=True):
-        rows = cases[(cases["case"] == case)]
-        first = rows.groupby("lattice")["cells_y"].transform("min")
-        rows = rows[rows["cells_y"] == first]
-        rows = rows[rows["component"] == ("uy" if case in {"shear", "bending"} else "ux")]
-        rows = rows[rows["probe"] == rows["probe"].iloc[-1]]
-        labels = [
-            f"{r.lattice}\n{_model(r.k1, r.k2)}\n{RULES[str(r.weights)]}"
-            for r in rows.itertuples(index=False)
-        ]
-        place = np.arange(len(rows))
-        up, down = np.zeros(len(rows)), np.zeros(len(rows))
-        for part, colour in zip(PARTS, figures.COLOURS, strict=False):
-            value = 100 * rows[part].to_numpy()
-            base = np.where(value >= 0, up, down)
-            axis.bar(place, value, bottom=base, color=colour, label=WORDS[part], width=0.6)
-            up, down = up + np.maximum(value, 0), down + np.minimum(value, 0)
-        axis.errorbar(
-            place,
-            100 * rows["total"],
-            100 * rows["reference"],
-            fmt="D",
-            color="black",
-            ms=4,
-            label="total ± reference",
-        )
-        axis.axhline(0, color="black", lw=0.8)
-        band = 100 * BAND
-        axis.axhspan(-band, band, color="#e6e6e6", lw=0, zorder=0, label="band")
-        axis.set_xticks(place, labels, fontsize=7)
-        component = str(rows["component"].iloc[0])[-1]
-        axis.set_title(f"{case}: displacement along {component}, {rows['probe'].iloc[0]}")
-        axis.set_xlabel("lattice, constants, springs on the boundary; 6 points on a side")
-    for axis in axes[::2]:
-        axis.set_ylabel("part of the target's displacement (%)")
-    figures.add_shared_legend(figure, axes, columns=4)
+    figure, axes = figures.new_figure(2, 2, size=(3.6, 3.2), sharex=True, sharey=True)
+    shown = {case: coarsest_rows(cases, case) for case in CASES}
+    largest = pd.concat(shown.values())[list(PARTS)].abs().max()
+    for axis, (case, rows) in zip(axes, shown.items(), strict=True):
+        stack_parts(axis, rows, largest)
+        component, probe = rows[["component", "probe"]].iloc[0]
+        axis.set_title(f"{case}:\nalong {component[1]}, {PROBES[probe]}")
+    for axis in axes[2:]:
+        axis.set_xlabel("error, part of the target's\ndisplacement there (%)")
+    figure.suptitle("What the error of springs is made of: 6 particles on a side of 1 m")
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure
+
+
+def coarsest_rows(cases: pd.DataFrame, case: str) -> pd.DataFrame:
+    """Rows of the coarsest bodies at the last probe, along the load."""
+    rows = cases[cases["case"] == case]
+    rows = rows[rows["cells_y"] == rows.groupby("lattice")["cells_y"].transform("min")]
+    rows = rows[rows["component"] == ("uy" if case in {"shear", "bending"} else "ux")]
+    last: pd.DataFrame = rows[rows["probe"] == rows["probe"].iloc[-1]]
+    return last
+
+
+def stack_parts(axis: Axes, rows: pd.DataFrame, largest: pd.Series) -> None:
+    """A bar for each row, its parts to the left where they are negative, and their total."""
+    labels = [
+        f"{r['lattice']}, {_model(r['k1'], r['k2'])},\n{BOUNDARY_RULES[r['weights']]}"
+        for r in rows.to_dict("records")
+    ]
+    place = np.arange(len(rows))[::-1]
+    right, left = np.zeros(len(rows)), np.zeros(len(rows))
+    for part, colour in zip(PARTS, figures.COLOURS, strict=False):
+        value = 100 * rows[part].to_numpy()
+        base = np.where(value >= 0, right, left)
+        label = PART_WORDS[part] + ("" if largest[part] > SEEN else ": too small to see")
+        axis.barh(place, value, left=base, color=colour, label=label, height=0.6)
+        right, left = right + np.maximum(value, 0), left + np.minimum(value, 0)
+    axis.errorbar(
+        100 * rows["total"],
+        place,
+        xerr=100 * rows["reference"],
+        fmt="D",
+        color="black",
+        ms=4,
+        label="total, with the reference's own error",
+    )
+    axis.axvline(0, color="black", lw=0.8)
+    band = 100 * BAND
+    label = f"counts as agreement: {band:g} % or less"
+    axis.axvspan(-band, band, color="#e6e6e6", lw=0, zorder=0, label=label)
+    axis.set_yticks(place, labels, fontsize=8)
+    axis.grid(visible=False, axis="y")
 
 
 def field(tables: Tables) -> Figure:
     """Where springs and homogenised body differ: length of the difference over the largest |u|."""
     table = tables["field"]
     lattices = list(dict.fromkeys(table["lattice"]))
-    figure, axes = figures.new_figure(len(CASES), len(lattices), size=(2.7, 2.3))
-    # One scale for all; the root lets differences of 1 % show beside those of 10 %.
-    scale = PowerNorm(MIDDLE, 0.0, 100 * float(table["difference"].max()))
-    for row, lattice in enumerate(lattices):
-        for column, case in enumerate(CASES):
-            axis = axes[row * len(CASES) + column]
-            points = table[(table["lattice"] == lattice) & (table["case"] == case)]
-            mesh = Triangulation(points["x"], points["y"])
-            mesh.set_mask(_slivers(mesh))
-            shown = axis.tripcolor(
-                mesh,
-                100 * points["difference"],
-                cmap="viridis",
-                shading="gouraud",
-                norm=scale,
-                rasterized=True,
-            )
-            axis.set_aspect("equal")
-            axis.grid(visible=False)
-            axis.set_title(f"{case}, {lattice}", fontsize=8)
-            axis.set(xlabel="x (m)", ylabel="y (m)")
-    bar = figure.colorbar(shown, ax=axes, orientation="horizontal", fraction=0.05, aspect=60)
-    bar.set_label("difference over the largest displacement (%)")
+    figure = Figure(figsize=(7.2, 8.4), layout="constrained")
+    *blocks, bar = CASES
+    layout: list[Any] = [[f"{case}, {lattice}" for case in blocks] for lattice in lattices]
+    layout += [[f"{bar}, {lattice}"] * len(blocks) for lattice in lattices]
+    axes = figure.subplot_mosaic(layout, height_ratios=(2, 2.2, 1.3, 1.5))
+    levels = field_levels(100 * table["difference"].max())
+    for (case, lattice), points in table.groupby(["case", "lattice"], sort=False):
+        axis = axes[f"{case}, {lattice}"]
+        mesh = Triangulation(points["x"], points["y"])
+        mesh.set_mask(_slivers(mesh))
+        shown = axis.tricontourf(
+            mesh,
+            100 * points["difference"],
+            levels,
+            cmap="viridis",
+            norm=BoundaryNorm(levels, 256),
+        )
+        draw_case(axis, str(case), str(lattice), points[["x", "y"]].to_numpy())
+        axis.set(title=f"{case}, {lattice}", aspect="equal")
+        axis.set(xticks=range(1 + int(points["x"].max())), yticks=(0, 1))
+        width, height = points[["x", "y"]].max()
+        axis.set(xlim=(-ROOM, width + ROOM), ylim=(-0.1, height + ROOM))
+        axis.grid(visible=False)
+    for name, axis in axes.items():
+        if name.startswith((blocks[0], bar)):
+            axis.set_ylabel("y (m)")
+        if name.endswith(lattices[-1]):
+            axis.set_xlabel("x (m)")
+    label = "distance of springs from the homogenised body, part of the largest displacement (%)"
+    bar_axes = list(axes.values())
+    scale = figure.colorbar(shown, ax=bar_axes, orientation="horizontal", aspect=50, shrink=0.9)
+    scale.set_label(label)
+    scale.set_ticks(levels, labels=[f"{level:g}" for level in levels])
+    figure.suptitle("Where springs and the body they stand for differ")
+    figures.add_shared_legend(figure, bar_axes)
     return figure
+
+
+def field_levels(most: float) -> list[float]:
+    """Where colours change (%): the same in every panel, up to the largest difference."""
+    return [*(level for level in LEVELS if level < most), next(m for m in LEVELS if m >= most)]
+
+
+def draw_case(axis: Axes, case: str, lattice: str, points: Array) -> None:
+    """Supports at the points of a lattice that a case holds, and its loads at those it loads."""
+    shape = body(lattice, case, FIELD_FINENESS)
+    asked = problem(case, shape, ISOTROPIC.target)
+    held, _ = prescribed_displacements(asked, points)
+    body_drawing.draw_supports(axis, points, held, size=3.5)
+    for name, force in CASES[case].loads.items():
+        at = points[shape.places[name].select(points, shape.domain.tolerance)]
+        body_drawing.draw_loads(axis, at, np.tile(force, (len(at), 1)), length=0.9 * ROOM)
 
 
 def _slivers(mesh: Triangulation) -> Mask:

@@ -221,32 +221,39 @@ def finding(table: pd.DataFrame) -> str:
     )
 
 
+FAR_WORDS = {"natural": "no field through it", "floating": "a conductor without charge"}
+"""Both kinds of far boundary."""
+SHOWN = (
+    ("capacitance_in_air", "capacitance_elements", "capacitance per depth,\nover ε (1)"),
+    ("edge_work", "edge_work_elements", "outward force at an edge of\nthe top, over εV²/(4d) (1)"),
+    ("stretch", "stretch_elements", "outward force on half the\nslab, over εV²/(2d) (1)"),
+)
+"""What is drawn: by charges, by elements, and its label."""
+
+
 def draw(tables: Tables) -> Figure:
     """Capacitance, margin and stretch, and what the far boundary does."""
     table, far = tables["in_air"], tables["far_boundary"]
-    figure, axes = figures.new_figure(2, 2, size=(3.8, 3.0))
+    figure, axes = figures.new_figure(2, 2, size=(3.5, 2.8))
     *compared, box = axes
-    shown = (
-        ("capacitance_in_air", "capacitance_elements", "capacitance over ε times depth"),
-        ("edge_work", "edge_work_elements", "force along, at an edge of the top, over εV²/4d"),
-        ("stretch", "stretch_elements", "force along half the slab, over εV²/2d"),
-    )
-    for axis, (ours, theirs, name) in zip(compared, shown, strict=True):
+    for axis, (ours, theirs, name) in zip(compared, SHOWN, strict=True):
         for place, (covered, rows) in enumerate(table.groupby("covered", sort=False)):
             colour, part = figures.COLOURS[place], f"{float(str(covered)):.0%} covered"
-            ratio, charges = rows["permittivity_ratio"], f"{part}, charges"
-            axis.semilogx(ratio, rows[theirs], color=colour, label=f"{part}, elements")
+            ratio, charges = rows["permittivity_ratio"], f"{part}, charges on surfaces"
+            axis.semilogx(ratio, rows[theirs], color=colour, label=f"{part}, finite elements")
             axis.semilogx(ratio, rows[ours], "o", color=colour, mfc="none", label=charges)
         axis.set_xticks([1, 3, 10], ["1", "3", "10"])
-        axis.set(title=name, ylim=(0, None))
-        axis.set(xlabel="permittivity over air's (1, log scale)", ylabel="ratio (1)")
-    compared[0].legend(fontsize=7)
+        top = 1.1 * float(table[[ours, theirs]].to_numpy().max())
+        axis.set(xlabel="permittivity\nover air's (1)", ylabel=name, ylim=(0, top))
     for place, (kind, rows) in enumerate(far.groupby("far", sort=False)):
-        style = {"marker": figures.MARKERS[place], "color": figures.COLOURS[place + 2]}
-        label = f"far boundary {kind}"
+        style = {"marker": figures.MARKERS[place + 1], "color": figures.COLOURS[place + 2]}
+        label = f"far boundary: {FAR_WORDS[str(kind)]}"
         box.semilogx(rows["reach"], rows["capacitance_elements"], label=label, **style)
     box.set_xticks(list(REACHES), [f"{reach:g}" for reach in REACHES])
-    box.set(title="capacitance, ratio 3, all covered")
-    box.set(xlabel="far boundary's distance over length (1)", ylabel="ratio (1)")
-    box.legend(fontsize=7)
+    box.set(xlabel="its distance over\nthe slab's length (1)", ylabel=SHOWN[0][2])
+    for axis, title in zip(axes, ("capacitance", "edge of the top", "half the slab"), strict=False):
+        axis.set_title(title)
+    box.set_title("far boundary of elements, ratio 3,\n100% covered")
+    figure.suptitle("A slab of rubber in air, by two methods")
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure

@@ -183,9 +183,10 @@ def draw(tables: Tables) -> Figure:
         axis.loglog(rows["evaluations"], rows["leading"], lw=0.9, color=common.colour(scheme))
     axis.plot([], [], color="black", lw=0.9, label="leading term of each")
     for wanted in WANTED:
-        axis.axhline(wanted, color="grey", lw=0.8, ls=":", label="wanted")
-    axis.set(xlabel="force evaluations for 20 rad", ylabel="error over amplitude (1)")
+        axis.axhline(wanted, color="grey", lw=0.8, ls=":", label="errors asked for")
+    axis.set(xlabel="force evaluations for 20 rad (1)", ylabel="error over amplitude (1)")
     axis.set_ylim(1e-8, 10)
     axis.set_xticks([100, 1000, 10000, 100000], ["100", "1000", "10000", "100000"])
+    figure.suptitle("Work for an oscillator's motion, by each scheme")
     figures.add_shared_legend(figure, [axis], columns=2)
     return figure

@@ -218,7 +218,7 @@ def finding(table: pd.DataFrame, apart: float) -> str:
 def draw(tables: Tables) -> Figure:
     """The report's Figure 3 redrawn: one particle under all schemes, below and above the limit."""
     curves = tables["figure3_curves"]
-    figure, axes = figures.new_figure(2, size=(4.4, 3.2), sharey=True)
+    figure, axes = figures.new_figure(2, size=(3.6, 3.2), sharey=True)
     top = 1.5 * curves[curves["scheme"].isin(OTHERS)]["x"].abs().quantile(0.98)
     for axis, part in zip(axes, DRAWN, strict=True):
         for name, line in curves[curves["step_over_limit"] == part].groupby("scheme", sort=False):
@@ -234,8 +234,9 @@ def draw(tables: Tables) -> Figure:
                 color=common.colour(scheme),
                 label=common.title(scheme),
             )
-        axis.set(xlabel="time (periods of the lowest mode)", ylim=(-0.3 * top, top))
+        axis.set(xlabel="time over the lowest\nmode's period (1)", ylim=(-0.3 * top, top))
         axis.set_title(f"step {part:g} of Euler-Cromer's limit")
     axes[0].set_ylabel("displacement x of a particle (m)")
+    figure.suptitle("One particle under four schemes, after the report's Figure 3")
     figures.add_shared_legend(figure, axes)
     return figure

@@ -175,7 +175,7 @@ def draw(tables: Tables) -> Figure:
     """Stability atlas: the largest stable step against the damping ratio, a panel a scheme."""
     table, closed = tables["limits"], tables["limit_curves"]
     names = list(dict.fromkeys(table["scheme"]))
-    figure, axes = figures.new_figure(4, -(-(len(names) + 1) // 4), size=(2.9, 2.6))
+    figure, axes = figures.new_figure(3, -(-(len(names) + 1) // 3), size=(2.4, 2.2))
     for axis, name in zip(axes, names, strict=False):
         rows = table[table["scheme"] == name]
         _curve(axis, closed, name, "black", "closed form, one oscillator")
@@ -191,12 +191,14 @@ def draw(tables: Tables) -> Figure:
     for name in [n for n in names if n in common.TRUE]:
         _curve(together, closed, name, common.colour(name), common.title(name))
     together.set_title("closed forms together")
-    together.legend(fontsize=7)
     for axis in (*axes[: len(names)], together):
-        axis.set(xlabel="damping ratio ζ = c/(2ω) (1)", ylabel="largest h·ω (rad)", ylim=(0, 4.2))
+        axis.set(xlabel="damping ratio c/(2ω) (1)", ylim=(0, 4.2))
+        if axis.get_subplotspec().is_first_col():  # type: ignore[union-attr]
+            axis.set_ylabel("largest h·ω (rad)")
     for axis in unused:
         figure.delaxes(axis)
-    figures.add_shared_legend(figure, axes[: len(names)], columns=5)
+    figure.suptitle("The largest stable step of each scheme")
+    figures.add_shared_legend(figure, axes[: len(names) + 1], columns=3)
     return figure
 
 

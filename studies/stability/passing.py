@@ -155,7 +155,7 @@ def draw(tables: Tables) -> Figure:
     """Cells turned inside out against damping, a line a step, a panel a load."""
     table = tables["passing"]
     loads = sorted(set(table["traction"]))
-    figure, axes = figures.new_figure(len(loads), size=(3.3, 3.0), sharey=True)
+    figure, axes = figures.new_figure(len(loads), size=(7.2 / max(len(loads), 2), 3.3), sharey=True)
     for axis, load in zip(axes, loads, strict=True):
         rows = table[(table["traction"] == load) & (table["cells_inverted"] != "grows")]
         for i, (part, line) in enumerate(rows.groupby("step_over_limit")):
@@ -168,7 +168,8 @@ def draw(tables: Tables) -> Figure:
                 label=f"step {part:g} of the limit",
             )
         axis.axvline(1, color="grey", lw=0.8, ls="--", label="critical damping")
-        axis.set(title=f"traction {load:g} N/m²", xlabel="damping over critical (1)")
-    axes[0].set_ylabel("cells inside out, of 25")
-    figures.add_shared_legend(figure, axes, columns=5)
+        axis.set(title=f"traction {load:g} N/m²", xlabel="damping over\ncritical (1)")
+    axes[0].set_ylabel("cells inside out, of 25 (1)")
+    figure.suptitle("Cells that a pull turns inside out")
+    figures.add_shared_legend(figure, axes, columns=min(3, 1 + len(loads)))
     return figure
