@@ -87,7 +87,7 @@ def mark_loads(axis: Axes, corners: Array, loaded: Array | None = None) -> None:
     sketches.clamp(axis, (0.0, low), (0.0, high), 4.0)
     if loaded is None:
         loaded = np.array([(right, bottom), (right, top)])
-    (x, y), length = loaded[loaded[:, 1].argsort()].T, (top - bottom) / 3
+    (x, y), length = loaded[loaded[:, 1].argsort(kind="stable")].T, (top - bottom) / 3
     at = np.linspace(y[0], y[-1], 4)[1:]
     beside = np.column_stack([np.interp(at, y, x) + 2.0, at])
     sketches.forces(axis, beside, (0.0, 0.85 * length))
