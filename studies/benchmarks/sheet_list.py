@@ -63,7 +63,7 @@ SHEETS = {
         (
             f"Material: E = {ellipse.MODULUS / GIGA:g} GPa, nu = 0.3; springs{VOLUME}.",
             f"Plane stress, {ellipse.THICKNESS:g} m thick.",
-            f"{MIRRORS} Load: {ellipse.PRESSURE / MEGA:g} MPa outwards.",
+            MIRRORS, f"Load: {ellipse.PRESSURE / MEGA:g} MPa outwards on the outer ellipse.",
         ),
         f"{NAFEMS}, LE1; more digits by Kolosov's potentials, computed here.",
         ("le1",), (("σyy at (2, 0)", ellipse.RATIOS[0], "stress σyy at (2, 0) m"),),

@@ -90,10 +90,10 @@ def _accepted(sheet: Sheet, panels: list[tuple[str, pd.DataFrame]]) -> tuple[str
     for words, rows in panels:
         row, unit = rows.iloc[0], rows["unit"].iloc[0]
         other = abs(row["limit"] / row["accepted"] - 1) > SEEN
-        to = f"the limit of meshes, {row['limit']:.5g} {unit}" if other else "it"
+        limit = f"; errors against the limit, {row['limit']:.5g} {unit}" if other else ""
         known = OWN if "this study" in row["source"] else "accepted"
         value = f"{known} {row['accepted']:.5g} {unit}"
-        said.append(f"{words[0].upper()}{words[1:]}: {value}; errors against {to}.")
+        said.append(f"{words[0].upper()}{words[1:]}: {value}{limit}.")
     return (*said, f"Source: {sheet.source}")
 
 

@@ -116,7 +116,7 @@ def allowed(axis: Axes, tables: Tables) -> None:
 
 def roofline(tables: Tables) -> Figure:
     """Operations a second against operations a byte, below what machine and memory allow."""
-    figure, (axis,) = figures.new_figure(size=(5.2, 5.0))
+    figure, (axis,) = figures.new_figure(size=(5.2, 5.8))
     top = float(tables["arithmetic"]["gigaflops_per_second"].iloc[0])
     speeds = tables["bandwidth"]["gigabytes_per_second"]
     low, high = DENSE

@@ -98,6 +98,7 @@ def draw_space(tables: Tables) -> Figure:
             linewidth=0,
             antialiased=False,
             lightsource=LIGHT,
+            rasterized=True,
         )
         reach = 1.05 * float(r.max())
         axis.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(-reach, reach))
