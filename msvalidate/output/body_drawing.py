@@ -72,3 +72,9 @@ def draw_loads(
     width = ARROW_WIDTH * length
     axis.quiver(*at[on].T, *arrow.T, **to_scale, pivot="tip", width=width, zorder=3)
     axis.plot([], [], ls="", marker=r"$\rightarrow$", ms=11, color="black", label=label)
+
+
+def draw_solid_load(axis: Any, at: Array, arrow: Array) -> None:
+    """Arrow (3,) in m that starts at a point (3,) in m, on axes of `figures.solid_axes`."""
+    upwards = [0, 2, 1]
+    axis.quiver(*at[upwards], *arrow[upwards], color="black", lw=2, arrow_length_ratio=0.35)

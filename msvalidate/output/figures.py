@@ -73,6 +73,23 @@ def new_figure(
     return figure, list(axes.ravel())
 
 
+def widen_third(figure: Figure, axes: list[Axes]) -> list[Axes]:
+    """The first three of two by two axes, the third over the whole lower row.
+
+    Raises
+    ------
+    ValueError
+        If the axes belong to no grid.
+    """
+    *kept, unused = axes
+    figure.delaxes(unused)
+    grid = kept[-1].get_gridspec()
+    if grid is None:
+        raise ValueError("axes of no grid cannot be widened")
+    kept[-1].set_subplotspec(grid[1, :])
+    return kept
+
+
 def series_style(place: int) -> dict[str, Any]:
     """Colour and marker of a series by its number, the same in every figure."""
     return {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
@@ -147,10 +164,11 @@ def add_shared_legend(figure: Figure, axes: list[Axes], columns: int = 4) -> Non
     )
 
 
-def solid_axes(columns: int, size: tuple[float, float]) -> tuple[Figure, list[Any]]:
-    """Figure and its axes in space, y upwards, each of `size` inches."""
-    figure = Figure(figsize=(size[0] * columns, size[1]), layout="constrained")
-    axes = [figure.add_subplot(1, columns, i + 1, projection="3d") for i in range(columns)]
+def solid_axes(count: int, size: tuple[float, float], rows: int = 1) -> tuple[Figure, list[Any]]:
+    """Figure and its axes in space, in rows, y upwards, each of `size` inches."""
+    columns = -(-count // rows)
+    figure = Figure(figsize=(size[0] * columns, size[1] * rows), layout="constrained")
+    axes = [figure.add_subplot(rows, columns, i + 1, projection="3d") for i in range(count)]
     for axis in axes:
         axis.set_proj_type("ortho")
         axis.view_init(elev=22, azim=-58)
@@ -200,7 +218,7 @@ def draw_solid(axis: Any, points: Array, moved: Array, value: Array, norm: Any) 
     axis.set_box_aspect(size, zoom=0.9)  # leaves room for labels
     for scale, part in zip((axis.xaxis, axis.yaxis, axis.zaxis), size / size.max(), strict=True):
         scale.set_major_locator(MaxNLocator(max(1, round(4 * part)), steps=[1, 2, 5, 10]))
-        scale.set_tick_params(labelsize=7, pad=0)
+        scale.set_tick_params(labelsize=8, pad=0)
         scale.labelpad = 3
     return surface
 

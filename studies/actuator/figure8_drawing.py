@@ -19,6 +19,7 @@ from msvalidate.problem import Array
 STRETCH = 3
 """How many times longer heights are drawn than lengths, where axes are stretched."""
 ELECTRODE = {"top": figures.COLOURS[1], "bottom": "black"}
+ON = {"top": "top electrode", "bottom": "bottom electrode; the slab is held there"}
 TITLES = {
     "full": "(2), fully covered",
     "partial": "(3), covered in the middle",
@@ -78,7 +79,7 @@ def draw_slab(axis: Axes, points: pd.DataFrame) -> None:
         lines.set_label(f"springs along the axes, {state}")
         axis.add_collection(lines)
     for name, colour in ELECTRODE.items():
-        axis.plot(*electrode_line(points, name).T, color=colour, lw=2.2, label=f"{name} electrode")
+        axis.plot(*electrode_line(points, name).T, color=colour, lw=2.2, label=ON[name])
     axis.margins(0.02)
     axis.grid(visible=False)
 

@@ -49,7 +49,7 @@ FIELD_FINENESS = 10
 def convergence(tables: Tables) -> Figure:
     """Relative L2 difference to the homogenised body against the spacing, with its order."""
     cases = tables["cases"].drop_duplicates(["case", "lattice", "weights", "k1", "cells_y"])
-    figure, axes = figures.new_figure(2, 2, size=(3.5, 2.9), sharey=True)
+    figure, axes = figures.new_figure(2, 2, size=(3.5, 3.3), sharey=True)
     for axis, case in zip(axes, CASES, strict=True):
         rows = cases[cases["case"] == case]
         groups = rows.groupby(["lattice", "k1", "weights"], sort=False)
@@ -64,7 +64,7 @@ def convergence(tables: Tables) -> Figure:
                 marker=figures.MARKERS[i // 2],
                 color=figures.COLOURS[i // 2],
                 mfc=None if shared else "white",
-                label=f"{name}, {BOUNDARY_RULES[str(weights)]}",
+                label=f"{name},\n{BOUNDARY_RULES[str(weights)]}",
             )
         spacing = np.array([1 / rows["cells_y"].max(), 1 / rows["cells_y"].min()])
         top = float(rows["rel_l2"].max())
@@ -81,11 +81,11 @@ def convergence(tables: Tables) -> Figure:
         axis.set_yscale("log")
         ticks = sorted({1 / n for n in rows[rows["lattice"] == "square"]["cells_y"]})
         axis.set_xticks(ticks, [f"1/{round(1 / t)}" for t in ticks])
-        axis.set(title=case, xlabel="spacing over height (1)")
+        axis.set(title=case, xlabel="spacing over\nheight (1)")
     for axis in axes[::2]:
         axis.set_ylabel("difference to FEM over\nits displacement, rms (1)")
     figure.suptitle("Springs against the homogenised body, as spacings get finer")
-    figures.add_shared_legend(figure, axes, columns=2)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 

@@ -18,7 +18,7 @@ EXAGGERATED = {"pressure": 10, "two-sided pressure": 10, "shear": 10, "bending":
 
 def figures_4_to_7(tables: Tables) -> Figure:
     """Figures 4 to 7 at k2 = 2 k1 redrawn: 6 x 6 particles over the outlines of elastic bodies."""
-    figure = Figure(figsize=(9.2, 7.2), layout="constrained")
+    figure = Figure(figsize=(7.6, 6.8), layout="constrained")
     *blocks, bar = CASES
     layout: list[Any] = [blocks, [bar] * len(blocks)]
     axes = figure.subplot_mosaic(layout, height_ratios=(1.3, 1))
@@ -48,14 +48,15 @@ def figures_4_to_7(tables: Tables) -> Figure:
         axis.set_title(f"Figure {NUMBERS[case]}: {case}{gap_in_title}displacement × {scale}")
         axis.grid(visible=False)
         if case != bar:
-            axis.set(xlim=(-0.2, 1.15), ylim=(-0.1, 1.33), xticks=np.arange(6) / 5)
-    figures.add_shared_legend(figure, list(axes.values()))
+            axis.set(xlim=(-0.2, 1.15), ylim=(-0.1, 1.33), xticks=(0, 0.5, 1))
+    figure.suptitle("The report's load cases: springs, k2 = 2 k1, over elastic bodies")
+    figures.add_shared_legend(figure, list(axes.values()), columns=3)
     return figure
 
 
 def bent_line(tables: Tables) -> Figure:
     """Deflection of the bar's lowest row at k2 = 2 k1, and by how much four curves miss it."""
-    figure, (axis, missed) = figures.new_figure(columns=2, size=(4.6, 3.7))
+    figure, (axis, missed) = figures.new_figure(columns=2, size=(3.6, 4.2))
     lines = dict(list(tables["bent_line"].groupby("source")))
     springs = lines[SOURCES[0]]
     x, deflection = springs["x"], 1e3 * springs["uy"]
@@ -72,6 +73,9 @@ def bent_line(tables: Tables) -> Figure:
         missed.plot(x, by, marker, ls="-", color=colour, lw=1, ms=3.5)
     axis.plot(x, deflection, "o", color=blue, mfc="white", ms=4, label="springs")
     axis.set(xlabel="x (m)", ylabel="deflection uy (mm)", title="Lowest row of the bar")
-    missed.set(xlabel="x (m)", ylabel="springs - fit (% of height)", title="Misfit of the springs")
-    figures.add_shared_legend(figure, [axis])
+    missed.set(
+        xlabel="x (m)", ylabel="springs less fit (% of largest)", title="Misfit of the springs"
+    )
+    figure.suptitle("How the bar of Figure 7 bends, k2 = 2 k1")
+    figures.add_shared_legend(figure, [axis], columns=2)
     return figure

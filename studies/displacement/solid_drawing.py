@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
+from msvalidate.output import body_drawing, figures
+from msvalidate.problem import Array
 
-from .solid_bodies import CASES, DRAWN, MODELS, ElasticSolid, Moved, grid
+from .solid_bodies import CASES, DRAWN, MODELS, ElasticSolid, Moved, SolidCase, grid
 
 MODEL = "cubic 18"
 MAGNIFIED = {"cube, shear": 15, "cube, pressure": 20, "cantilever": 8}
 """Factor on the displacements in the pictures."""
+ARROW = 0.6
+"""Length (m) of the arrow of a load."""
 AXES = "xyz"
 COLUMNS = {
     "x": "place along x (m)",
@@ -48,25 +53,34 @@ def shapes(
 def deformed(tables: Tables) -> Figure:
     """Deformed bodies of 8 cells through the height, coloured by springs - FEM."""
     table = tables["solid_shape"]
-    figure, axes = figures.solid_axes(len(CASES), (3.7, 3.9))
-    for axis, (case, factor) in zip(axes, MAGNIFIED.items(), strict=True):
-        rows = table[table["case"] == case]
+    figure, axes = figures.solid_axes(len(CASES), (3.6, 3.2), rows=2)
+    norm = Normalize(0, 100 * table["difference"].max())
+    for axis, (name, factor) in zip(axes, MAGNIFIED.items(), strict=True):
+        rows, case = table[table["case"] == name], CASES[name]
         points, move = (rows[list(names)].to_numpy() for names in (AXES, ("ux", "uy", "uz")))
-        percent = 100 * rows["difference"].to_numpy()
-        norm = Normalize(0, percent.max())
-        surface = figures.draw_solid(axis, points, points + factor * move, percent, norm)
-        figure.colorbar(
-            surface, ax=axis, orientation="horizontal", shrink=0.8, pad=0.1,
-            label="distance to FEM, of the largest displacement (%)",
-        )  # fmt: skip
-        axis.set_title(f"{case}, displacements x {factor}", fontsize=9)
+        moved = points + factor * move
+        surface = figures.draw_solid(axis, points, moved, 100 * rows["difference"].to_numpy(), norm)
+        draw_traction(axis, case, points, moved)
+        axis.set_title(f"{name}:\n{case.clamped} held, {case.loaded} loaded, × {factor}")
+    scale = figure.colorbar(surface, ax=axes, orientation="horizontal", aspect=50, shrink=0.9)
+    scale.set_label("distance of springs from FEM, part of the largest displacement (%)")
+    figure.suptitle("Solids of springs: arrows are loads, displacements magnified")
     return figure
+
+
+def draw_traction(axis: Any, case: SolidCase, points: Array, moved: Array) -> None:
+    """An arrow in the middle of the loaded side, which ends there where it presses."""
+    along, level = {"top": (1, 1.0), "right": (0, case.length)}[case.loaded]
+    start = moved[np.isclose(points[:, along], level)].mean(axis=0)
+    arrow = ARROW * np.array(case.traction) / np.linalg.norm(case.traction)
+    pressed = arrow[along] < 0
+    body_drawing.draw_solid_load(axis, start - arrow * pressed, arrow)
 
 
 def convergence(tables: Tables) -> Figure:
     """Size of springs - own body against cells, the reference's uncertainty, and orders."""
     table = tables["solid"]
-    figure, axes = figures.new_figure(len(CASES), size=(3.0, 3.1), sharey=True)
+    figure, axes = figures.new_figure(len(CASES), size=(2.4, 3.4), sharey=True)
     for axis, case in zip(axes, CASES, strict=True):
         here = table[table["case"] == case]
         for i, (lattice, rows) in enumerate(here.groupby("lattice", sort=False)):
@@ -84,7 +98,8 @@ def convergence(tables: Tables) -> Figure:
             line = 1.3 * first * (sizes / sizes[0]) ** -order
             axis.loglog(sizes, line, style, color="grey", lw=0.9, label=label)
         axis.set_xticks(sizes, [str(n) for n in sizes])
-        axis.set(title=case, xlabel="cells through the height (1)")
-    axes[0].set_ylabel("springs - own body, loaded side (%)")
-    figures.add_shared_legend(figure, axes, columns=3)
+        axis.set(title=case, xlabel="cells through\nthe height (1)")
+    axes[0].set_ylabel("springs less own body,\nloaded side (%)")
+    figure.suptitle("Springs in space against the body they stand for")
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure

@@ -224,7 +224,7 @@ def finding(table: pd.DataFrame, corners: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Density along facing strips, and near an edge."""
     along, near = tables["density"], tables["edge_charge"]
-    figure, (across, edge) = figures.new_figure(2, size=(3.7, 3.2))
+    figure, (across, edge) = figures.new_figure(2, size=(3.5, 3.8))
     for place, (ratio, line) in enumerate(along.groupby("width_over_gap", sort=False)):
         colour, label = figures.COLOURS[place], f"facing strips, w/d = {ratio:g}"
         across.plot(line["place"], line["density"], color=colour, label=label)
@@ -232,7 +232,7 @@ def draw(tables: Tables) -> Figure:
         gaps = (1 + half["place"]) * float(str(ratio)) / 2
         edge.loglog(gaps, half["density"], color=colour, label=label)
     across.axhline(1.0, color="grey", ls=":", lw=1)
-    across.text(0, 0.93, "plates without end", ha="center", va="top", fontsize=7, color="grey")
+    across.text(0, 0.93, "plates without end", ha="center", va="top", fontsize=8, color="grey")
     across.set(xlabel="place over half the width (1)", ylim=(0, 6))
     across.set_ylabel("charge per area over εV/d (1)")
     middle = near["distance"] - np.diff(near["distance"], prepend=0.0) / 2
@@ -243,6 +243,7 @@ def draw(tables: Tables) -> Figure:
     edge.loglog(s, exact, color="black", lw=0.8, label="1/(π√(a² - x²))")
     ends = np.array([middle.min(), 0.05])
     edge.loglog(ends, 0.8 * np.sqrt(0.1 / ends), ":", color="grey", label="exponent -1/2")
-    edge.set(xlabel="distance from the edge over gap, or half width a (1)", ylabel="density (1)")
-    figures.add_shared_legend(figure, [across, edge], columns=3)
+    edge.set(xlabel="distance from the edge\nover gap, or half width a (1)", ylabel="density (1)")
+    figure.suptitle("Charge on facing strips and on a strip alone")
+    figures.add_shared_legend(figure, [across, edge], columns=2)
     return figure

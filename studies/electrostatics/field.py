@@ -104,13 +104,18 @@ def draw(tables: Tables) -> Figure:
         field = (grids["field_x"], grids["field_y"])
         axis.streamplot(x, y, *field, color="#444444", linewidth=0.6, arrowsize=0.6)
         low = (-LENGTH / 2, 0)
-        axis.add_patch(Rectangle(low, LENGTH, 1, fill=False, ls="--", ec="black", lw=0.9))
+        axis.add_patch(
+            Rectangle(low, LENGTH, 1, fill=False, ls="--", ec="black", lw=0.9, label="slab")
+        )
         half = CASES[0].covered * LENGTH / 2
-        axis.plot([-half, half], [1, 1], color="black", lw=3)
+        axis.plot([-half, half], [1, 1], color="black", lw=3, label="electrodes")
+        axis.plot([], [], color="#444444", lw=0.6, marker=">", ms=3, label="field lines")
         axis.plot([-LENGTH / 2, LENGTH / 2], [0, 0], color="black", lw=3)
         axis.grid(visible=False)
-        axis.set(title=f"permittivity ratio {ratio:g}; equal axes", aspect="equal")
+        axis.set(title=f"permittivity {ratio:g} times that of air", aspect="equal")
         axis.set_ylabel("y over height (1)")
     axes[-1].set_xlabel("x over height (1)")
+    figure.suptitle("Potential and field lines around a slab covered by a third")
     figure.colorbar(shades, ax=axes, label="potential over voltage (1)")
+    figures.add_shared_legend(figure, axes)
     return figure

@@ -47,7 +47,8 @@ STYLES: dict[str, dict[str, Any]] = {
 
 def draw(tables: Tables) -> Figure:
     """Squeeze along the electrode, force along it near its edge, and totals."""
-    figure, (down, outward, totals) = figures.new_figure(3, size=(3.5, 3.4))
+    figure, axes = figures.new_figure(2, 2, size=(3.6, 3.4))
+    down, outward, totals = figures.widen_third(figure, axes)
     lines = tables["along_electrode"]
     for key, rows in lines.groupby(KEYS, sort=False):
         model = Model(*key)  # type: ignore[arg-type]
@@ -56,13 +57,14 @@ def draw(tables: Tables) -> Figure:
         if model.name != "report's":
             half = rows[rows["place"] > EDGE_SHOWN]
             outward.plot(half["place"], half["along_here"], marker=".", **STYLES[name], label=name)
-    down.set(ylabel="squeeze over ½ε(V/d)² (1)", ylim=(0.5, 40))
+    down.set(title="along the electrode", ylabel="squeeze over\n½ε(V/d)² (1)", ylim=(0.5, 40))
     outward.set_title("near the edge, plane and in air")
     outward.set_ylabel("outward force over εV²/4d (1)")
     for axis in (down, outward):
         axis.set_xlabel("place over half the width (1)")
     draw_totals(totals, tables["models"])
-    figures.add_shared_legend(figure, [down, outward], columns=4)
+    figure.suptitle("Models of charges side by side: facing strips")
+    figures.add_shared_legend(figure, [down, outward], columns=2)
     return figure
 
 
@@ -73,6 +75,6 @@ def draw_totals(axis: Axes, table: pd.DataFrame) -> None:
     for i, (column, name) in enumerate(TOTALS.items()):
         style = figures.series_style(i)
         axis.semilogx(table[column], places + 0.12 * (1 - i), ls="", label=name, **style)
-    axis.set_yticks(places, names, fontsize=7)
-    axis.set(xlabel="over the plane model's (1)", ylabel="model")
-    axis.legend(fontsize=7, loc="lower right")
+    axis.set_yticks(places, names, fontsize=8)
+    axis.set(xlabel="total over the\nplane model's (1)", title="totals")
+    axis.legend(fontsize=8, loc="lower right")

@@ -179,7 +179,7 @@ def finding(table: pd.DataFrame, own: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Errors of charge and stretch against the number of springs."""
     table = tables["nodes"]
-    figure, (charge, stretch) = figures.new_figure(2, size=(3.5, 3.1))
+    figure, (charge, stretch) = figures.new_figure(2, size=(3.5, 3.4))
     groups = table.groupby(["charges_on", "forces_by"], sort=False)
     for place, ((where, how), rows) in enumerate(groups):
         style, name = figures.series_style(place), f"on {where}, {how}"
@@ -189,8 +189,9 @@ def draw(tables: Tables) -> Figure:
     for axis, column in ((charge, "charge_error"), (stretch, "stretch_error")):
         figures.draw_order(axis, table["segments"], 1.6 * table[column].abs().max(), 1)
         figures.tick_at(axis, table["segments"])
-        axis.set_xlabel("springs of each electrode (1)")
-    charge.set_ylabel("relative error of the charge (1)")
-    stretch.set_ylabel("relative error of w·dW/dw (1)")
-    figures.add_shared_legend(figure, [charge, stretch], columns=3)
+        axis.set_xlabel("springs of each\nelectrode (1)")
+    charge.set_ylabel("relative error\nof the charge (1)")
+    stretch.set_ylabel("relative error of\nthe stretch, w·dW/dw (1)")
+    figure.suptitle("Charges on springs or on nodes: facing strips")
+    figures.add_shared_legend(figure, [charge, stretch], columns=2)
     return figure

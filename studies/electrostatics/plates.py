@@ -127,7 +127,8 @@ def draw(tables: Tables) -> Figure:
         axis.loglog(rows["patches_across"], rows["error"], label=str(body), **style)
     figures.draw_order(axis, table["patches_across"], 2 * table["error"].max(), ORDER)
     figures.tick_at(axis, table["patches_across"])
-    axis.set_xlabel("patches along a side, rings of the disc (1)")
-    axis.set_ylabel("relative error of the capacitance (1)")
-    axis.legend(fontsize=8)
+    axis.set_xlabel("patches along a side,\nor rings of the disc (1)")
+    axis.set_ylabel("relative error\nof the capacitance (1)")
+    axis.set_title("Capacitance of plates alone in space")
+    axis.legend()
     return figure

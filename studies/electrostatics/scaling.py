@@ -175,7 +175,7 @@ def finding(times: pd.DataFrame, moves: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Seconds against charges, and steps against motion."""
     times, moves = tables["scaling"], tables["motions"]
-    figure, (seconds, steps) = figures.new_figure(2, size=(3.5, 3.1))
+    figure, (seconds, steps) = figures.new_figure(2, size=(3.5, 4.0))
     drawn = {
         "integrals_seconds": "integrals",
         "factor_seconds": "integrals and factor",
@@ -189,14 +189,16 @@ def draw(tables: Tables) -> Figure:
         seconds.loglog(times["unknowns"], times[column].astype(float), label=name, **style)
     n = np.array([times["unknowns"].min(), times["unknowns"].max()])
     square = times["integrals_seconds"].max() * (n / n[-1]) ** 2 / 2
-    seconds.loglog(n, square, ":", color="grey", label="square")
+    seconds.loglog(n, square, ":", color="grey", label="square of the number")
     figures.tick_at(seconds, times["unknowns"])
-    seconds.set(xlabel="charges (1)", ylabel="time, here (s)")
-    seconds.legend(fontsize=7)
+    seconds.set(xlabel="charges (1)", ylabel="time on this machine (s)")
+    figure.suptitle("What charges cost: anew, and after a small motion")
     for place, (unknowns, rows) in enumerate(moves.groupby("unknowns", sort=False)):
-        style, label = figures.series_style(place), f"{unknowns} charges"
+        style, label = figures.series_style(place + 4), f"{unknowns} charges, steps"
+        style |= {"mfc": "none", "ms": 9} if place == 0 else {}  # others lie on it
         steps.semilogx(rows["motion_over_gap"], rows["iterations"], label=label, **style)
-    steps.set(xlabel="largest displacement over the gap (1)", ylim=(0, None))
-    steps.set_ylabel("GMRES steps with the old factor (1)")
-    steps.legend(fontsize=7)
+    figures.tick_at(steps, moves["motion_over_gap"])
+    steps.set(xlabel="largest displacement\nover the gap (1)", ylim=(0, None))
+    steps.set_ylabel("GMRES steps with\nthe old factor (1)")
+    figures.add_shared_legend(figure, [seconds, steps], columns=2)
     return figure

@@ -227,7 +227,8 @@ def findings(faces: pd.DataFrame, points: pd.DataFrame, tips: pd.DataFrame) -> t
 def draw(tables: Tables) -> Figure:
     """The three, a panel each."""
     faces, points, tips = tables["both_faces"], tables["point_sums"], tables["halves"]
-    figure, (both, sums, tip_axis) = figures.new_figure(3, size=(3.2, 3.0))
+    figure, axes = figures.new_figure(2, 2, size=(3.5, 2.9))
+    both, sums, tip_axis = figures.widen_third(figure, axes)
     for place, (grading, rows) in enumerate(by_grading(faces)):
         style, n = figures.series_style(place), rows["segments"].to_numpy()
         pull = rows["faces_over_exact"].to_numpy()
@@ -235,14 +236,14 @@ def draw(tables: Tables) -> Figure:
         slope = DOUBLINGS[grading] * 2 / (np.pi * RATIO)
         both.semilogx(n, pull[-1] + slope * np.log(n / n[-1]), color=style["color"], lw=0.8)
     figures.tick_at(both, faces["segments"])
-    both.set(title=f"Σσ²·l/(2ε), w/d = {RATIO:g}", xlabel="segments of each strip (1)")
+    both.set(title=f"pressure σ²/(2ε), w/d = {RATIO:g}", xlabel="segments of each strip (1)")
     both.set_ylabel("pull over the closed form's (1)")
     lengths, blue = points["length_over_gap"], figures.COLOURS[0]
     sums.plot(lengths, points["points_over_exact"], "o", color=blue, label="point sums")
     drawn = np.linspace(min(LENGTHS), max(LENGTHS), 80)
     sums.plot(drawn, 1 / np.tanh(np.pi / drawn), color="black", lw=0.8, label="coth(πd/l)")
-    sums.set(title="Coulomb's law between middles", xlabel="length of segments over gap l/d (1)")
-    sums.set_ylabel("pull over that of even segments (1)")
+    sums.set(title="Coulomb's law between middles", xlabel="length of segments\nover gap, l/d (1)")
+    sums.set_ylabel("pull over that of\neven segments (1)")
     near = tips[(tips["from_edge"] != "half") & (tips["grading"] == "uniform")]
     near = near[near["segments"] == near["segments"].max()]
     where = near["from_edge"].astype(float)
@@ -253,5 +254,6 @@ def draw(tables: Tables) -> Figure:
     tip_axis.set(title="force along the strip", xlabel="points from the edge (1)")
     tip_axis.set_ylabel("force over that on the tip (1)")
     for axis in (both, sums, tip_axis):
-        axis.legend(fontsize=7)
+        axis.legend(fontsize=8)
+    figure.suptitle("Three shortcuts for forces between facing strips")
     return figure

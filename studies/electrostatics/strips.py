@@ -187,21 +187,21 @@ def finding(table: pd.DataFrame, orders: pd.DataFrame) -> str:
 def draw(tables: Tables) -> Figure:
     """Errors against the number of segments, and the closed form."""
     table, form = tables["strips"], tables["closed_form"]
-    figure, axes = figures.new_figure(3, size=(3.3, 3.2))
-    *errors, last = axes
+    figure, axes = figures.new_figure(2, 2, size=(3.5, 2.9))
+    *errors, last = figures.widen_third(figure, axes)
     for axis, (grading, order) in zip(errors, GRADINGS.items(), strict=True):
         rows = table[table["grading"] == grading]
         for (ratio, weighting), line in rows.groupby(["width_over_gap", "weighting"], sort=False):
             style = figures.series_style(RATIOS.index(ratio)) | {"ls": "-"}
             if weighting != "galerkin":
                 style |= {"ls": "--", "mfc": "none"}
-            label = f"w/d = {ratio:g}, {weighting}"
+            label = f"w/d = {ratio:g}, {str(weighting).replace('galerkin', 'Galerkin')}"
             axis.loglog(line["segments"], line["capacitance_error"].abs(), label=label, **style)
         most = rows["capacitance_error"].abs().max()
         figures.draw_order(axis, rows["segments"], 2 * most, order)
         figures.tick_at(axis, rows["segments"])
         axis.set(title=f"{grading} segments", xlabel="segments of each strip (1)")
-    axes[0].set_ylabel("relative error of the capacitance (1)")
+    axes[0].set_ylabel("relative error of\nthe capacitance (1)")
     closed = form["capacitance_exact"]
     last.loglog(form["width_over_gap"], closed, color="black", label="closed form")
     for place, (name, rows) in enumerate(form.groupby("limit", sort=False), start=3):
@@ -210,7 +210,12 @@ def draw(tables: Tables) -> Figure:
     met = table[table["segments"] == table["segments"].max()]
     orange = figures.COLOURS[1]
     last.loglog(met["width_over_gap"], met["capacitance"], "o", color=orange, label="moments")
-    last.set(title="capacitance", xlabel="width over gap w/d (1)", ylabel="C/ε per depth (1)")
-    last.legend(fontsize=7)
-    figures.add_shared_legend(figure, errors, columns=4)
+    last.set(
+        title="capacitance",
+        xlabel="width over gap w/d (1)",
+        ylabel="capacitance per\ndepth over ε (1)",
+    )
+    last.legend(fontsize=8)
+    figure.suptitle("Capacitance of facing strips")
+    figures.add_shared_legend(figure, errors, columns=2)
     return figure

@@ -24,7 +24,8 @@ from msvalidate.judging.compare import farthest_value, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, by_quantity
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network
-from msvalidate.output import figures
+from msvalidate.output import body_drawing, figures
+from msvalidate.problem.statement import prescribed_displacements
 from msvalidate.relaxation.relax import algorithm1
 from msvalidate.relaxation.run import Relaxation
 
@@ -37,6 +38,8 @@ CONSTANTS = (0.5, 2.0)
 STRAINS = (1e-4, 1e-3, 1e-2)
 MAGNIFIED = 20
 """Factor on the displacements in the picture of the block."""
+ARROW = 0.12
+"""Length (m) of the arrows there."""
 TOLERANCES = (
     Tolerance(
         "rest position against Newton, relative to the largest displacement", 1e-8, "1",
@@ -135,12 +138,13 @@ def draw(tables: Tables) -> Figure:
     rest = tables["rest"]
     figure, (force, energy) = figures.new_figure(2, size=(3.4, 2.8))
     force.semilogy(rest["step"], rest["residual_N"], color=figures.COLOURS[0])
-    force.set_ylabel("residual force (N)")
+    force.set(ylabel="residual force (N)", title="what is left of the forces")
     moving = rest[rest["kinetic_energy_J"] > 0]
     energy.semilogy(moving["step"], moving["kinetic_energy_J"], color=figures.COLOURS[1])
-    energy.set_ylabel("kinetic energy (J)")
+    energy.set(ylabel="kinetic energy (J)", title="what is left of the motion")
     for axis in (force, energy):
-        axis.set(title="equal springs, k2 = 2 k1, strain 1 %", xlabel="time step")
+        axis.set_xlabel("time step (1)")
+    figure.suptitle("Algorithm 1 comes to rest: springs alike, k2 = 2 k1, strain 1 %")
     return figure
 
 
@@ -150,20 +154,25 @@ def draw_block(tables: Tables) -> Figure:
     moved = block_table[["x", "y"]].to_numpy()
     first = moved - block_table[["ux", "uy"]].to_numpy()
     shown = first + MAGNIFIED * (moved - first)
-    figure, (axis,) = figures.new_figure(size=(3.8, 3.4))
-    corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]) * block.SIDE
-    axis.plot(*corners.T, "--", color="grey", lw=1, label="unloaded")
-    # The elastic body of the same tensor, between sliding ends: uniform strain, in closed form.
-    k2, stretch = CONSTANTS[-1], MAGNIFIED * STRAINS[-1]
-    long, high = 1 + stretch, 1 - stretch * k2 / (block.K1 + k2)
-    axis.plot(*(corners * [long, high]).T, "-", color="black", lw=1, label="elastic body")
+    figure, (axis,) = figures.new_figure(size=(4.6, 4.5))
     springs = lattice.square(block.BOX, CELLS).springs
-    lines = shown[springs].transpose(2, 1, 0)
-    axis.plot(*lines, color=figures.COLOURS[4], lw=0.8)
-    axis.plot(*shown.T, "o", color=figures.COLOURS[0], ms=3.5, label="springs at rest")
-    axis.set_aspect("equal")
+    body_drawing.draw_springs(axis, first, springs, "springs, at rest", body_drawing.AT_REST)
+    body_drawing.draw_springs(axis, shown, springs, "springs, pulled")
+    body_drawing.draw_particles(axis, shown)
+    k2, strain = CONSTANTS[-1], STRAINS[-1]
+    problem, _ = block.spring_block("slide", k2, CELLS, WEIGHTS, strain)
+    stretch = 1 + MAGNIFIED * strain * np.array([1.0, -k2 / (block.K1 + k2)])
+    corners = block.SIDE * np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * stretch
+    elastic = "elastic body, ratio k2/(k1 + k2)"
+    body_drawing.draw_outline(axis, corners, elastic, color=figures.COLOURS[1])
+    held, _ = prescribed_displacements(problem, first)
+    body_drawing.draw_supports(axis, shown, held)
+    pulled = shown[np.isclose(first[:, 0], block.SIDE)] + (ARROW, 0)
+    pull = np.tile((1.0, 0.0), (len(pulled), 1))
+    body_drawing.draw_loads(axis, pulled, pull, ARROW, "prescribed displacement")
+    axis.set(aspect="equal", xlabel="x (m)", ylabel="y (m)", xlim=(-0.08, 1.4), ylim=(-0.06, 1.06))
     axis.grid(visible=False)
-    axis.set_xlabel(f"x (m), displacements x {MAGNIFIED}")
-    axis.set_ylabel(f"y (m), displacements x {MAGNIFIED}")
+    title = f"springs alike, k2 = 2 k1, pulled by 1 %;\ndisplacements × {MAGNIFIED}"
+    figure.suptitle(title)
     figures.add_shared_legend(figure, [axis], columns=2)
     return figure

@@ -9,13 +9,16 @@ from matplotlib.figure import Figure
 
 from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.evidence import Tables
-from msvalidate.output import figures
+from msvalidate.output import body_drawing, figures
+from msvalidate.output.body_drawing import BOUNDARY_RULES
 
 from .cube_block import SIDE, spring_cube
 
 MAGNIFIED = 250
 """Factor on the displacements in the picture of the cube."""
 AXES = "xyz"
+ENDS = {"slide": "ends slide", "traction": "traction"}
+"""How cubes are loaded."""
 COLUMNS = {
     "x": "position at rest along the pull (m)",
     "y": "position at rest across the pull (m)",
@@ -40,13 +43,13 @@ def ratios(tables: Tables) -> Figure:
     """Ratio against size, a panel a lattice: rules by colour, loadings by marker."""
     table = tables["cube"]
     names = list(dict.fromkeys(table["lattice"]))
-    figure, axes = figures.new_figure(len(names), size=(2.3, 3.0), sharey=True)
-    for axis, name in zip(axes, names, strict=True):
+    figure, axes = figures.new_figure(3, -(-len(names) // 3), size=(2.4, 2.5), sharey=True)
+    for axis, name in zip(axes, names, strict=False):
         here = table[table["lattice"] == name]
         for rule, colour in zip(("shared", "equal", "per_cell"), figures.COLOURS, strict=False):
             for loading, marker, size in (("slide", "o", 8), ("traction", "x", 5)):
                 rows = here[(here["weights"] == rule) & (here["loading"] == loading)]
-                label = f"{rule}, {loading}"
+                label = f"{BOUNDARY_RULES[rule]}, {ENDS[loading]}"
                 axis.plot(
                     rows["cells"],
                     rows["nu_springs"],
@@ -58,17 +61,27 @@ def ratios(tables: Tables) -> Figure:
                     lw=0.9,
                 )
         layers = here[(here["nu_layers"] != "none") & (here["loading"] == "slide")]
-        axis.plot(layers["cells"], layers["nu_layers"], ":", color="black", label="N + 1 layers")
+        axis.plot(
+            layers["cells"],
+            layers["nu_layers"],
+            ":",
+            color="black",
+            label="closed form: N + 1 layers",
+        )
         bulk = here[here["weights"] == "shared"]["nu_tensor"].iloc[0]
-        axis.axhline(bulk, color="grey", ls="--", lw=0.9, label="tensor")
+        axis.axhline(bulk, color="grey", ls="--", lw=0.9, label="homogenised tensor")
         axis.set_title(name, fontsize=9)
         axis.set_xscale("log")
         sizes = sorted(set(table["cells"]))
         axis.set_xticks(sizes, [str(n) for n in sizes])
         axis.set_xlim(0.85, 1.15 * sizes[-1])
-        axis.set_xlabel("cells per side N (1)")
-    axes[0].set_ylabel("Poisson's ratio (1)")
-    figures.add_shared_legend(figure, axes)
+        axis.set_xlabel("cells per side, N (1)")
+    for axis in axes[::3]:
+        axis.set_ylabel("Poisson's ratio (1)")
+    for axis in axes[len(names) :]:
+        figure.delaxes(axis)
+    figure.suptitle("Poisson's ratio of cubes of springs by size")
+    figures.add_shared_legend(figure, axes[: len(names)], columns=2)
     return figure
 
 
@@ -83,5 +96,9 @@ def deformed(tables: Tables) -> Figure:
     norm = Normalize(0, inwards.max())
     surface = figures.draw_solid(axis, first, first + MAGNIFIED * move, inwards, norm)
     figure.colorbar(surface, ax=axis, shrink=0.7, pad=0.12, label="displacement to the axis (µm)")
-    axis.set_title(f"both ends clamped, displacements x {MAGNIFIED}", fontsize=9)
+    right = SIDE + MAGNIFIED * move[:, 0].max()
+    body_drawing.draw_solid_load(
+        axis, np.array([right, SIDE / 2, SIDE / 2]), np.array([0.35, 0, 0])
+    )
+    axis.set_title(f"Cube of springs, both ends clamped, one pulled;\ndisplacements × {MAGNIFIED}")
     return figure

@@ -117,7 +117,7 @@ def ratio_two_ways(
 
 def draw(tables: Tables) -> Figure:
     """Ratio against the direction, a curve for each k2/k1."""
-    figure, (axis,) = figures.new_figure(size=(4.6, 3.2))
+    figure, (axis,) = figures.new_figure(size=(4.6, 3.6))
     for (k2, rows), colour, marker in zip(
         tables["direction"].groupby("k2"), figures.COLOURS, figures.MARKERS, strict=False
     ):
@@ -130,5 +130,6 @@ def draw(tables: Tables) -> Figure:
     axis.set_ylabel("Poisson's ratio (1)")
     axis.set_xticks(range(0, 91, 15))
     axis.set_ylim(0, 0.72)
+    axis.set_title("Poisson's ratio of the square lattice by direction")
     figures.add_shared_legend(figure, [axis], columns=3)
     return figure

@@ -28,6 +28,7 @@ from msvalidate.judging.evidence import Evidence, Observed, Tables, Tolerance, b
 from msvalidate.judging.singularity import clamped_free_exponent
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output import figures
+from msvalidate.output.body_drawing import BOUNDARY_RULES
 
 from . import block
 from .block import DEFINITIONS, K1, LOADINGS
@@ -237,40 +238,46 @@ def findings(table: pd.DataFrame) -> tuple[str, ...]:
     return whose, block_of_report
 
 
-RULES = {
-    "equal": "full springs on the boundary",
-    "shared": "half springs on the boundary",
-    "per_cell": "springs of each cell's own",
+ENDS = {
+    "slide": "ends pulled, free to slide",
+    "traction": "ends under traction",
+    "clamped": "ends clamped and pulled",
 }
-"""Boundary weights in figures."""
+"""How blocks are loaded."""
+MEASURED = {"edges": "of the mean edges", "middle": "at half length"}
 
 
 def draw(tables: Tables) -> Figure:
     """Ratio against size at k1 = 1, k2 = 1/2; FEM is sampled at each network's points."""
     table = tables["finite_size"]
     table = table[table["k2"] == K1 / 2]
-    figure, axes = figures.new_figure(len(LOADINGS), len(DEFINITIONS), sharex=True, sharey=True)
-    panels = product(DEFINITIONS, LOADINGS)
-    for axis, (definition, loading) in zip(axes, panels, strict=True):
+    figure, axes = figures.new_figure(
+        len(DEFINITIONS), len(LOADINGS), size=(3.5, 2.6), sharex=True, sharey=True
+    )
+    panels = product(LOADINGS, DEFINITIONS)
+    for axis, (loading, definition) in zip(axes, panels, strict=True):
         panel = table[(table["definition"] == definition) & (table["loading"] == loading)]
-        for weights, colour, marker in zip(RULES, figures.COLOURS, "so^", strict=False):
+        for weights, colour, marker in zip(
+            ("equal", "shared", "per_cell"), figures.COLOURS, ("s", "o", "^"), strict=False
+        ):
             rows = panel[panel["weights"] == weights]
             # Equal springs as large open squares: what lies inside them stays visible.
             size: dict[str, Any] = {"ms": 8, "mfc": "none"} if weights == "equal" else {}
-            label = RULES[weights]
+            label = BOUNDARY_RULES[weights]
             axis.plot(rows["cells"], rows["nu_springs"], marker, color=colour, label=label, **size)
             if weights != "equal":  # its interior is that of shared springs
                 axis.plot(rows["cells"], rows["nu_fem"], "-", color=colour, alpha=0.5)
-        axis.plot([], [], "-", color="grey", label="elements at the same points")
+        axis.plot([], [], "-", color="grey", label="FEM at the same points")
         for column, style in (("nu_bulk_formula", "--"), ("nu_cell_formula", ":")):
-            name = "k2/(k1+k2)" if "bulk" in column else "k2/(2k1+k2)"
+            name = "k2/(k1 + k2)" if "bulk" in column else "the report's k2/(2 k1 + k2)"
             axis.axhline(panel[column].iloc[0], color="black", ls=style, lw=0.9, label=name)
-        axis.set_title(f"{loading}, ratio at the {definition}", fontsize=9)
+        axis.set_title(f"{ENDS[loading]}:\nratio {MEASURED[definition]}")
         axis.set_xscale("log")
         axis.set_xticks(CELLS, [str(n) for n in CELLS])
-    for axis in axes[len(LOADINGS) :]:
-        axis.set_xlabel("cells along a side, N")
-    for axis in axes[:: len(LOADINGS)]:
+    for axis in axes[-len(DEFINITIONS) :]:
+        axis.set_xlabel("cells per side, N (1)")
+    for axis in axes[:: len(DEFINITIONS)]:
         axis.set_ylabel("Poisson's ratio (1)")
-    figures.add_shared_legend(figure, axes, columns=3)
+    figure.suptitle("Poisson's ratio of blocks of springs, k2 = k1/2, by size")
+    figures.add_shared_legend(figure, axes, columns=2)
     return figure

@@ -172,7 +172,7 @@ def findings(readings: pd.DataFrame) -> tuple[str, ...]:
 
 def draw(tables: Tables) -> Figure:
     """Drift of the ratio against strain: exact curves, first order, the candidate's points."""
-    figure, (axis,) = figures.new_figure(size=(4.6, 3.4))
+    figure, (axis,) = figures.new_figure(size=(4.6, 3.9))
     strains = np.linspace(1e-4, 1.1 * STRAINS[-1], 40)
     for (_, rows), colour, marker in zip(
         tables["drift"].groupby("k2"), figures.COLOURS, figures.MARKERS, strict=False
@@ -186,6 +186,7 @@ def draw(tables: Tables) -> Figure:
         axis.plot(100 * rows["strain"], drift, marker, color=colour, mfc="white")
     for style, label in (("-", "one cell, exact"), (":", "first order"), ("o", "springs")):
         axis.plot([], [], style, color="grey", mfc="white", label=label)
-    axis.set(xlabel="axial strain (%)", ylabel="drift of the ratio (1)")
+    axis.set(xlabel="axial strain (%)", ylabel="drift of Poisson's ratio (1)")
+    axis.set_title("Poisson's ratio drifts with the strain")
     figures.add_shared_legend(figure, [axis], columns=2)
     return figure

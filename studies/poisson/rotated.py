@@ -156,7 +156,7 @@ def finding(table: pd.DataFrame, order: pd.Series[float]) -> str:
 
 def draw(tables: Tables) -> Figure:
     """Difference to the tensor's ratio against size; at 0 degrees it is rounding, not shown."""
-    figure, (axis,) = figures.new_figure(size=(4.6, 3.4))
+    figure, (axis,) = figures.new_figure(size=(4.6, 3.9))
     table = tables["rotated"]
     blocks = table[table["angle_deg"] > 0].groupby(["lattice", "k2"])
     for ((name, k2), rows), colour, marker in zip(
@@ -167,6 +167,7 @@ def draw(tables: Tables) -> Figure:
     sizes = np.array(sorted(set(table["cells"])))
     axis.loglog(sizes, 0.5 / sizes, "--", color="grey", label="0.5/N")
     axis.set_xticks(sizes, [str(n) for n in sizes])
-    axis.set(xlabel="cells per side N (1)", ylabel="difference to the tensor's ratio (1)")
+    axis.set(xlabel="cells per side N (1)", ylabel="difference to the\ntensor's ratio (1)")
+    axis.set_title("Blocks cut across the lattice: error of Poisson's ratio")
     figures.add_shared_legend(figure, [axis], columns=2)
     return figure
