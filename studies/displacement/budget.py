@@ -209,6 +209,16 @@ def differences(measured: Mapping[Block, Measurement], bodies: Bodies) -> pd.Dat
     return pd.concat(parts, ignore_index=True)
 
 
+SAID = {
+    "at_rest": "motion left",
+    "geometric": "large displacements",
+    "boundary": "boundary springs",
+    "discretisation": "spacing",
+    "model_form": "another material",
+}
+"""Parts of the budget in a sentence."""
+
+
 def findings(cases: pd.DataFrame, order: pd.DataFrame) -> tuple[str, ...]:
     """What the tables say of the report's own setting, and of the orders."""
     coarse = cases[(cases["lattice"] == "square") & (cases["cells_y"] == 5)]
@@ -221,7 +231,7 @@ def findings(cases: pd.DataFrame, order: pd.DataFrame) -> tuple[str, ...]:
         largest = max(PARTS, key=lambda part: abs(row[part]))
         parts.append(
             f"{row['case']} {100 * row['total']:.0f} % ({row['component']} at {row['probe']}, "
-            f"mostly {largest})"
+            f"mostly {SAID[largest]})"
         )
     last = orders.finest(order)
     smooth = numbers(
