@@ -27,7 +27,7 @@ COMMANDS = "\n".join(f"  {verb:<8}{said}" for verb, said in VERBS.items())
 FIRST = f"""\
 What are springs good for, and how wrong are they? First try:
 
-  {PROGRAM} poisson      one study, a few seconds: its findings, and a page to read
+  {PROGRAM} poisson      one study, ten seconds: its findings, and a page to read
   {PROGRAM} list         what can be studied
   {PROGRAM} all --quick  every study in its small form, two minutes
   {PROGRAM} --help       all commands

@@ -56,6 +56,11 @@ class Task:
     against: str = ""
     results: Results | None = None
 
+    @property
+    def form(self) -> str:
+        """Of the study, "quick" or "full"."""
+        return "quick" if self.setting.quick else "full"
+
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
@@ -132,7 +137,9 @@ def run_task(task: Task) -> Outcome:
             rows = baseline.compare(evidence, baseline.baseline_folder(task.against) / task.name)
             verdict = pd.concat([verdict, pd.DataFrame(rows)], ignore_index=True)
         result = Result(task.name, catalogue.docstring(task.name), evidence, verdict)
-        origin = collect_provenance(task.command, task.setting.seed, clock.started, seconds)
+        origin = collect_provenance(
+            task.command, task.setting.seed, clock.started, seconds, form=task.form
+        )
         files = stored.result_files(result, origin, seconds=seconds, plots=task.plots)
     except (ProblemError, SolverError) as error:
         said = printable(str(error))
@@ -159,7 +166,9 @@ def unfinished_outcome(
 ) -> Outcome:
     """The outcome of a study that did not finish."""
     seconds = clock.seconds
-    origin = collect_provenance(task.command, task.setting.seed, clock.started, seconds)
+    origin = collect_provenance(
+        task.command, task.setting.seed, clock.started, seconds, form=task.form
+    )
     question = catalogue.docstring(task.name)
     return Outcome(
         task.name, question, seconds, origin, error=error, said=said, trace=trace, fault=fault

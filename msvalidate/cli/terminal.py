@@ -123,10 +123,17 @@ def suspect_line(study: Stored | Outcome) -> list[str]:
 
 
 def missed_rows(study: Stored | Outcome) -> list[dict[str, Any]]:
-    """Rows of a verdict that were missed: theory and agreement before the baseline, worst first."""
+    """Rows of a verdict that were missed, worst first; what is no number, and baseline, last."""
     rows: list[Any] = [] if study.error else study.verdict.to_dict("records")
     missed = [row for row in rows if row["verdict"] != "pass"]
-    return sorted(missed, key=lambda row: (row["layer"] == "baseline", -_excess(row)))
+    return sorted(
+        missed,
+        key=lambda row: (
+            row["layer"] == "baseline",
+            not math.isfinite(float(row["error"])),
+            -_excess(row),
+        ),
+    )
 
 
 def ending(study: Stored | Outcome) -> str:
@@ -167,7 +174,7 @@ class CompilationNotice(logging.Handler):
 
 
 def _excess(row: Mapping[str, Any]) -> float:
-    """Error over limit; what is no number is worst."""
+    """Error over limit; infinite where it is no number."""
     error, limit = float(row["error"]), float(row["limit"])
     if not math.isfinite(error):
         return math.inf

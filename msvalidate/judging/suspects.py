@@ -26,6 +26,11 @@ LEAST = 0.1
 """Move over its limit that counts as one: below it is what rounding and sampling give."""
 
 
+PLAIN = 1e3
+"""Move over its limit of a quantity that is an identity but for rounding. One that moves the other
+way than under a fault clears it; orders and other fitted numbers may go either way."""
+
+
 class Suspect(NamedTuple):
     """A fault, and its size over that of the recorded one."""
 
@@ -46,13 +51,14 @@ def record_faults(sound: pd.DataFrame, spoilt: Mapping[str, pd.DataFrame]) -> pd
     Returns
     -------
     pandas.DataFrame
-        quantity, sound (as observed), and for each fault the move over the limit.
+        quantity, sound (observed less reference), and for each fault the move over the limit.
     """
-    found = pd.DataFrame({"quantity": sound["quantity"], "sound": sound["observed"]})
+    off = sound["observed"] - sound["reference"]
+    found = pd.DataFrame({"quantity": sound["quantity"], "sound": off})
     for fault, verdict in spoilt.items():
         # A fault may be asked of some questions of the study only: of others nothing is known.
         alike = verdict.set_index("quantity").reindex(sound["quantity"])
-        found[fault] = _moves(sound["observed"], alike)
+        found[fault] = _moves(off, alike)
     return found
 
 
@@ -92,12 +98,18 @@ def _likeness(moved: Array, known: Array) -> tuple[float, float]:
     telling = (np.abs(moved) > LEAST) | (np.abs(expected) > LEAST)
     if size == 0 or not telling.any():
         return 0.0, 0.0
+    against = moved * expected < 0
+    if (against & (np.minimum(np.abs(moved), np.abs(expected)) > PLAIN)).any():
+        return 0.0, 0.0
     fits = np.abs(moved - expected) <= FITS * np.abs(expected) + LEAST
     return float(fits[telling].mean()), size
 
 
 def _moves(sound: pd.Series, verdict: pd.DataFrame) -> Array:
-    """Observed less sound values, over the limits; over 1 where a limit is 0."""
+    """Moves off the references, over the limits; over 1 where a limit is 0.
+
+    Not of what is observed: where it is the farthest of many cases, another may be it.
+    """
     limit = verdict["limit"].to_numpy(float)
-    observed = verdict["observed"].to_numpy(float)
-    return np.asarray((observed - sound.to_numpy(float)) / np.where(limit > 0, limit, 1.0))
+    off = verdict["observed"].to_numpy(float) - verdict["reference"].to_numpy(float)
+    return np.asarray((off - sound.to_numpy(float)) / np.where(limit > 0, limit, 1.0))

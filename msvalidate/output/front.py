@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.output.baseline import baseline_folder
 from msvalidate.output.stored import Stored, read_csv
 
@@ -23,9 +24,11 @@ PLURAL = {
 """Verdicts of the ledger -> how their count is told."""
 COMMITTED = "the committed baseline"
 COLUMNS = (
-    *("body", "springs", "across_coarse", "error_coarse", "across_fine", "error_fine"),
-    *("verdict", "condition", "cells_over_linear", "study", "table"),
+    *("body", "springs", "across_coarse", "error_coarse", "error_at_20", "across_fine"),
+    *("error_fine", "verdict", "condition", "cells_over_linear", "study", "table"),
 )
+TIMES = "time_over_linear_here"
+"""A column that the committed baseline does not have."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,7 @@ class Line:
     body: str
     springs: str
     coarse: str
+    middle: str
     fine: str
     verdict: str
     condition: str
@@ -55,22 +59,29 @@ class Front:
 
 def first_screen(studies: Sequence[Stored]) -> Front:
     """The rows that were stored, else those of the committed baseline, else none."""
-    rows, source = _table(studies, OVERVIEW, ROWS)
-    ledger, judged_from = _table(studies, LEDGER, SENTENCES)
-    whole = rows if set(COLUMNS) <= set(rows) else pd.DataFrame()
-    lines = tuple(_line(*map(str, row)) for row in whole.reindex(columns=COLUMNS).to_numpy())
+    rows, source = _table(studies, OVERVIEW, ROWS, set(COLUMNS))
+    ledger, judged_from = _table(studies, LEDGER, SENTENCES, {"verdict"})
+    told = rows.reindex(columns=[*COLUMNS, TIMES], fill_value=NOT_ASKED)
+    lines = tuple(_line(*map(str, row)) for row in told.to_numpy())
     counts = Counter(str(verdict).partition(" if ")[0] for verdict in ledger.get("verdict", []))
     said = ", ".join(f"{counts[verdict]} {word}" for verdict, word in PLURAL.items() if counts)
     return Front(lines, source, said, judged_from)
 
 
-def _table(studies: Sequence[Stored], study: str, name: str) -> tuple[pd.DataFrame, str]:
-    """A table as text, and in words where it comes from."""
+def _table(
+    studies: Sequence[Stored], study: str, name: str, needed: set[str]
+) -> tuple[pd.DataFrame, str]:
+    """A table as text, and in words where it comes from: of the baseline where ours is damaged."""
+    why = ""
     for stored in studies:
-        if stored.name == study and not stored.error and name in stored.tables:
-            return stored.tables[name], f"the run of {stored.origin.get('time', 'unknown time')}"
+        if stored.name != study:
+            continue
+        table = stored.tables.get(name, pd.DataFrame())
+        if not stored.error and len(table) and needed <= set(table):
+            return table, f"the run of {stored.origin.get('time', 'unknown time')}"
+        why = f", as what {study} left is not whole"
     path = baseline_folder("full") / study / f"{name}.csv"
-    return (read_csv(path) if path.is_file() else pd.DataFrame()), COMMITTED
+    return (read_csv(path) if path.is_file() else pd.DataFrame()), COMMITTED + why
 
 
 def _line(
@@ -78,6 +89,7 @@ def _line(
     springs: str,
     coarse: str,
     first: str,
+    middle: str,
     fine: str,
     last: str,
     verdict: str,
@@ -85,16 +97,18 @@ def _line(
     cost: str,
     study: str,
     table: str,
+    time: str,
 ) -> Line:
-    """A row in words, from its `COLUMNS`."""
+    """A row in words, from its `COLUMNS` and `TIMES`."""
     return Line(
         body=body,
         springs=springs,
         coarse=f"{percent(first)} at {coarse}",
+        middle=percent(middle),
         fine=f"{percent(last)} at {fine}",
         verdict=verdict,
         condition=condition,
-        cost=f"{float(cost):.2g} times" if _is_number(cost) else cost,
+        cost=times(cost) + (f" ({times(time)} the time)" if _is_number(time) else ""),
         study=study,
         table=table,
     )
@@ -103,6 +117,11 @@ def _line(
 def percent(text: str) -> str:
     """A share in per cent with two digits."""
     return f"{100 * float(text):.2g} %" if _is_number(text) else text
+
+
+def times(text: str) -> str:
+    """A factor with two digits."""
+    return f"{float(text):.2g} times" if _is_number(text) else text
 
 
 def _is_number(text: str) -> bool:

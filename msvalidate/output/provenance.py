@@ -19,7 +19,7 @@ LIBRARIES = ("numpy", "scipy", "scikit-fem", "numba", "pandas", "matplotlib")
 
 
 def collect_provenance(
-    command: Sequence[str], seed: int, started: datetime, seconds: float
+    command: Sequence[str], seed: int, started: datetime, seconds: float, *, form: str
 ) -> dict[str, str]:
     """Label -> value, in the order in which a report shows them.
 
@@ -31,6 +31,8 @@ def collect_provenance(
         Where random numbers start.
     started, seconds
         When the study began, and how long it alone took (s).
+    form
+        Of the study, "quick" or "full".
     """
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return {
@@ -40,6 +42,7 @@ def collect_provenance(
         "processor": f"{processor_name()}, {available_cores()} cores available",
         "system": f"{platform.system()} {platform.machine()}",
         "seed": str(seed),
+        "form": form,
         "command": " ".join(command),
         "time": f"{started:%Y-%m-%d %H:%M} UTC, took {seconds:.1f} s",
     }

@@ -36,7 +36,7 @@ class Results:
     run
         Study -> its tables, of those that have just run.
     folder
-        Of stored results; None looks at none.
+        Of stored results; None looks at none. Those of the other form count as none.
     """
 
     form: str
@@ -74,14 +74,15 @@ class Results:
 
     @cached_property
     def _stored(self) -> dict[str, Tables]:
-        """Study -> its tables, of those that left whole results in the folder."""
+        """Study -> its tables, of those that left whole results of this form in the folder."""
         if self.folder is None or not self.folder.is_dir():
             return {}
         found = {}
         for place in self.folder.iterdir():
             with contextlib.suppress(ProblemError):
                 result = read_result(place)
-                if not result.error:
+                # Results of old do not say their form.
+                if not result.error and result.origin.get("form", self.form) == self.form:
                     found[place.name] = result.tables
         return found
 

@@ -25,6 +25,7 @@ from statistics import median
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 import reference_fem
 from msvalidate.bodies.calibrate import calibrate
@@ -104,6 +105,7 @@ COLUMNS = {
     "couplings": "springs, or pairs of nodes that share an element (1)",
     "error": "distance of the displacement from the reference's at the model's own points, those "
     "of the loaded edge left out, over its norm (1)",
+    "error_range": "largest less smallest error of the draws; 0 where nothing is drawn (1)",
     "deflection_error": "work of the load over the reference's, less 1 (1)",
     "reference_error": "estimated error of the reference, as error (1)",
     "solve_seconds": "median time from the problem to the displacement (s)",
@@ -111,7 +113,13 @@ COLUMNS = {
     "to_one_percent": 'couplings at which the error is 1 %, by its line in logarithms; "never" '
     'where it stops above, "finer" and "coarser" beyond the sizes looked at (1)',
 }
-ROUNDING = {"error": 1e-9, "deflection_error": 1e-9, "reference_error": 1e-9, "order": 1e-5}
+ROUNDING = {
+    "error": 1e-9,
+    "error_range": 1e-9,
+    "deflection_error": 1e-9,
+    "reference_error": 1e-9,
+    "order": 1e-5,
+}
 """Of a displacement: rounding times the condition of the finest graded mesh, 1e-16 x 1e7."""
 ONE_PERCENT = 0.01
 TOLD = 20
@@ -301,6 +309,7 @@ def measure(
         "across": across,
         "couplings": int(median(links)),
         "error": median(errors),
+        "error_range": max(errors) - min(errors),
         "deflection_error": median(works) / truth.work - 1,
         "reference_error": max(own),
         "solve_seconds": median(seconds),
@@ -310,20 +319,24 @@ def measure(
 def fit(model: str, rows: pd.DataFrame) -> dict[str, object]:
     """A model's order, and what 1 % takes."""
     order = observed_order(1 / rows["across"], rows["error"])
-    return {"model": model, "order": order, "to_one_percent": couplings_to(ONE_PERCENT, rows)}
+    needed = reach(ONE_PERCENT, rows["across"], rows["error"], rows["couplings"])
+    return {"model": model, "order": order, "to_one_percent": needed}
 
 
-def couplings_to(error: float, rows: pd.DataFrame) -> float | str:
-    """Couplings at which a model reaches an error, or why that is not among its sizes."""
-    seen, links = rows["error"].to_numpy(), rows["couplings"].to_numpy()
+def reach(error: float, across: ArrayLike, errors: ArrayLike, costs: ArrayLike) -> float | str:
+    """Cost at which an error is reached, by its line in logarithms, or why it is at no size.
+
+    `across`, `errors` and `costs` are of rising sizes; "never" is said where an order below
+    `STALLED` between the last two says that more do not help.
+    """
+    n, seen, paid = (np.asarray(values, float) for values in (across, errors, costs))
     if seen[0] <= error:
         return "coarser"
     if seen[-1] > error:
-        stalls = observed_order(1 / rows["across"].iloc[-2:], seen[-2:]) < STALLED
-        return "never" if stalls else "finer"
+        return "never" if observed_order(1 / n[-2:], seen[-2:]) < STALLED else "finer"
     last = int(np.argmax(seen <= error))
     part = slice(last - 1, last + 1)
-    logs = np.interp(-np.log(error), -np.log(seen[part]), np.log(links[part]))
+    logs = np.interp(-np.log(error), -np.log(seen[part]), np.log(paid[part]))
     return float(np.exp(logs))
 
 

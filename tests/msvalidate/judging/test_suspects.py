@@ -20,10 +20,8 @@ NUMBER = 12
 
 
 def verdict(observed):
-    names = [f"q{i}" for i in range(NUMBER)]
-    return pd.DataFrame(
-        {"layer": "theory", "quantity": names, "observed": observed, "limit": 1e-3, "verdict": "?"}
-    )
+    rows = {"quantity": [f"q{i}" for i in range(NUMBER)], "observed": observed}
+    return pd.DataFrame(rows | {"layer": "theory", "reference": 0.5, "limit": 1e-5, "verdict": "?"})
 
 
 @pytest.fixture
@@ -45,13 +43,19 @@ def test_a_fault_of_any_size_is_named(moves, recorded, size):
 
 def test_a_few_quantities_may_move_otherwise(moves, recorded):
     moved = 1 + moves[0]
-    moved[:3] = [np.nan, 7.0, 1.0]
+    moved[:3] = [np.nan, 1 + 9 * moves[0][1], 1.0]
     assert find_suspect(verdict(moved), recorded).fault == "a"
 
 
 def test_no_other_is_named(moves, recorded):
     for other in (np.zeros(NUMBER), moves[0] + moves[1], np.ones(NUMBER), np.full(NUMBER, np.inf)):
         assert find_suspect(verdict(1 + other), recorded) is None
+
+
+def test_one_that_breaks_an_identity_the_other_way_is_cleared(moves, recorded):
+    moved = moves[0].copy()
+    moved[np.abs(moved).argmax()] *= -1
+    assert find_suspect(verdict(1 + moved), recorded) is None
 
 
 def test_two_that_move_alike_are_not_told_apart(moves):

@@ -50,7 +50,7 @@ def browser(tmp_path_factory):
 def real_results(folder, evidence):
     """What a study found, through its files."""
     result = stored.Result("poisson", poisson.__doc__, evidence, judge(evidence))
-    origin = collect_provenance(["a", "command"], 0, datetime.now(UTC), 1.5)
+    origin = collect_provenance(["a", "command"], 0, datetime.now(UTC), 1.5, form="quick")
     for name, content in stored.result_files(result, origin).items():
         (folder / name).write_bytes(content)
     return stored.read_result(folder)

@@ -369,8 +369,9 @@ def test_unwritable_places(tmp_path):
 
 
 def test_provenance_names_no_host_user_or_path():
-    origin = provenance.collect_provenance(["python", "-m", "x"], 3, datetime.now(UTC), 1.5)
-    labels = "msvalidate Python libraries processor system seed command time"
+    now = datetime.now(UTC)
+    origin = provenance.collect_provenance(["python", "-m", "x"], 3, now, 1.5, form="quick")
+    labels = "msvalidate Python libraries processor system seed form command time"
     assert list(origin) == labels.split()
     text = " ".join(origin.values())
     assert socket.gethostname() not in text
