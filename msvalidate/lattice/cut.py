@@ -83,15 +83,22 @@ class CutLattice(PatternLattice):
             If the places do not fit the lattice's dimension, or are not finite.
         """
         places = finite_coordinates("places", places, "q", self.points.shape[1])
-        low = self.points[self.cells[:, 0]]
-        h, d = self.spacing, places.shape[1]
-        cell = _nearest_cell(low, h, places)
-        s = (places - low[cell]) / h
-        weights = [
-            np.prod([s[:, a] if up[a] else 1 - s[:, a] for a in range(d)], axis=0)
-            for up in corners_of_cell(d)
-        ]
-        return self.cells[cell], np.stack(weights, axis=1)
+        return cell_weights(self.points, self.cells, self.spacing, places)
+
+
+def cell_weights(points: Array, cells: Index, side: float, places: Array) -> tuple[Index, Array]:
+    """Points (q, corners) and weights (q, corners) of square or cubic cells (c, corners) in a grid.
+
+    As `CutLattice.weights_at`: `points` (n, d), `side` of the cells and `places` (q, d) in m.
+    """
+    low, d = points[cells[:, 0]], places.shape[1]
+    cell = _nearest_cell(low, side, places)
+    s = (places - low[cell]) / side
+    weights = [
+        np.prod([s[:, a] if up[a] else 1 - s[:, a] for a in range(d)], axis=0)
+        for up in corners_of_cell(d)
+    ]
+    return cells[cell], np.stack(weights, axis=1)
 
 
 def _nearest_cell(low: Array, side: float, places: Array) -> Index:

@@ -308,8 +308,21 @@ def is_on_any(shape: Shape, places: Array, points: Array, tolerance: float) -> M
     return found
 
 
+def project_on_facets(places: Array, points: Array) -> tuple[Array, Array]:
+    """Places (n, e) of the unit facet nearest to points (n, d) in m, and distances (n,) in m.
+
+    Each point has a facet of its own, with nodes (n, k, d) in m.
+    """
+    return _nearest_place(FACETS[places.shape[2], places.shape[1]], places, points)
+
+
 def _distance_to_cell(shape: Shape, nodes: Array, x: Array) -> Array:
     """Distance (p,) in m of points (p, d) from cells (p, k, d), exact where it is none."""
+    return _nearest_place(shape, nodes, x)[1]
+
+
+def _nearest_place(shape: Shape, nodes: Array, x: Array) -> tuple[Array, Array]:
+    """Nearest places (p, e) of the unit cell, and distance (p,) in m, exact where it is none."""
     at = np.tile(shape.middle, (len(x), 1))
     moving = np.arange(len(x))
     straight = shape.simplex and shape.degree == 1  # the first step gets there, whatever clips it
@@ -322,8 +335,9 @@ def _distance_to_cell(shape: Shape, nodes: Array, x: Array) -> Array:
         still = np.abs(after - at[moving]).max(axis=1) <= AT_REST
         at[moving] = after
         moving = moving[~still]
-    miss = x - np.einsum("pk,pkd->pd", shape.values(shape.clipped(at)), nodes)
-    return np.asarray(np.linalg.norm(miss, axis=1))
+    inside = shape.clipped(at)
+    miss = x - np.einsum("pk,pkd->pd", shape.values(inside), nodes)
+    return inside, np.asarray(np.linalg.norm(miss, axis=1))
 
 
 def _newton_step(shape: Shape, nodes: Array, x: Array, at: Array) -> Array:

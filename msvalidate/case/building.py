@@ -1,0 +1,389 @@
+"""From what a case file holds to a `Case`: units, places by name, supports and loads."""
+
+from __future__ import annotations
+
+import difflib
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from msvalidate.bodies.mesh_file import read_mesh
+from msvalidate.case.case import Case
+from msvalidate.case.reading import CaseError, Source, read_source
+from msvalidate.case.schema import Interval, Load, Place, Support
+from msvalidate.problem import (
+    AXES,
+    SIDES,
+    BodyForce,
+    Box,
+    Domain,
+    Isotropic,
+    Mesh,
+    Part,
+    PointForce,
+    Polygon,
+    Problem,
+    ProblemError,
+    Region,
+    Segment,
+    Traction,
+)
+from msvalidate.problem import Load as ProblemLoad
+from msvalidate.problem import Support as ProblemSupport
+from msvalidate.problem.checks import (
+    finite_coordinates,
+    finite_number,
+    format_value,
+    positive_number,
+    require_one_of,
+)
+from msvalidate.problem.normals import pressure
+
+UNITS = {
+    "m": 1.0,
+    "km": 1e3,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "µm": 1e-6,
+    "nm": 1e-9,
+    "in": 0.0254,
+    "ft": 0.3048,
+}
+"""Names of units of length, in m."""
+STATES = ("plane_stress", "plane_strain")
+EDGE = "edge "
+"""How sides of a polygon are named: "edge 1" is from its first vertex to its second."""
+LOADS = ("traction", "pressure", "force", "gravity")
+
+
+def read_case(path: str | Path) -> Case:
+    """The case in a file.
+
+    Raises
+    ------
+    ProblemError
+        If the file is no case; the message names file, line, key, value and remedy.
+    """
+    return build_case(read_source(path))
+
+
+def build_case(source: Source) -> Case:
+    """The case that a file's content asks for; errors as `read_case`."""
+    data = source.data
+    with source.at("body", "unit"):
+        unit = unit_in_metres("unit", data.body.unit)
+    with source.at("body"):
+        domain = _domain(source, unit)
+    material = _material(source, domain, unit)
+    supports = [_support(source, i, given, domain) for i, given in enumerate(data.support)]
+    if not data.support:
+        raise source.error(("support",), "none; hold the body with at least one [[support]]")
+    loads = tuple(_load(source, i, each, domain, material) for i, each in enumerate(data.load))
+    name = data.name if data.name is not None else Path(source.name).stem
+    problem = _problem(source, name, domain, material, supports, loads)
+    return _case(source, problem, unit)
+
+
+def unit_in_metres(name: str, given: str | float) -> float:
+    """A unit of length in m, by its name or as a number; raise `ProblemError` for any other."""
+    if isinstance(given, str):
+        require_one_of(name, given, UNITS)
+        return UNITS[given]
+    return positive_number(name, given, "m")
+
+
+def _problem(
+    source: Source,
+    name: str,
+    domain: Domain,
+    material: Isotropic,
+    supports: list[tuple[ProblemSupport, ...]],
+    loads: tuple[ProblemLoad, ...],
+) -> Problem:
+    """The problem; what is wrong with one of its parts stands at the line of that part."""
+    whole = ProblemSupport(Region((None,) * domain.dim), (0.0,) * domain.dim)
+    with source.at("name"):
+        Problem(domain, material, (whole,), (), name)
+    for i, load in enumerate(loads):
+        with source.at("load", i):
+            Problem(domain, material, (whole,), (load,), name)
+    for i, given in enumerate(supports):
+        with source.at("support", i):
+            for support in given:
+                Problem(domain, material, (support, whole), (), name)
+    with source.at("support"):
+        return Problem(domain, material, tuple(chain.from_iterable(supports)), loads, name)
+
+
+def _domain(source: Source, unit: float) -> Domain:
+    body = source.data.body
+    given = [key for key in ("box", "polygon", "mesh") if getattr(body, key) is not None]
+    if len(given) != 1:
+        said = " and ".join(given) or "no shape"
+        raise source.error(("body",), f"{said}; give one of box, polygon and mesh")
+    with source.at("body", given[0]):
+        if body.box is not None:
+            return Box(tuple(unit * edge for edge in body.box))
+        if body.polygon is not None:
+            return Polygon(tuple(tuple(unit * x for x in corner) for corner in body.polygon))  # type: ignore[misc]
+        return read_mesh(_mesh_path(source, str(body.mesh)), unit)
+
+
+def _mesh_path(source: Source, name: str) -> Path:
+    """A mesh's place: beside the case file or below it."""
+    folder = source.folder
+    try:
+        path = (folder / name).resolve()
+        inside = path.is_relative_to(folder)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise ProblemError(f"{format_value(name)}: no path; name a file") from error
+    if not inside:
+        raise ProblemError(
+            f"{format_value(name)}: outside the case's own folder; put the mesh beside the case"
+        )
+    return path
+
+
+def _material(source: Source, domain: Domain, unit: float) -> Isotropic:
+    given = source.data.material
+    state = given.state
+    if domain.dim == 3:
+        if state not in (None, "solid"):
+            raise source.error(
+                ("material", "state"), f"{format_value(state)}; a body in space is solid"
+            )
+        if given.thickness is not None:
+            raise source.error(("material", "thickness"), "a body in space has none; leave it out")
+        state = "solid"
+    elif state is None:
+        raise source.error(
+            ("material", "state"), f"missing; a plane body is in {' or '.join(STATES)}"
+        )
+    elif state not in STATES:
+        raise source.error(
+            ("material", "state"), f"{format_value(state)}; choose {' or '.join(STATES)}"
+        )
+    if domain.dim == 2 and given.thickness is None and unit != 1:
+        raise source.error(
+            ("material", "thickness"), "missing; give it in the unit of the body's lengths"
+        )
+    with source.at("material"):
+        thickness = 1.0 if given.thickness is None else unit * given.thickness
+        return Isotropic(given.E, given.nu, state, given.density, thickness)  # type: ignore[arg-type]
+
+
+# Places -------------------------------------------------------------------------------------------
+
+
+def _place(source: Source, path: tuple[str | int, ...], given: Place, domain: Domain) -> Region:
+    """A region by coordinates."""
+    unit = unit_in_metres("unit", source.data.body.unit)
+    with source.at(*path):
+        if domain.dim == 2 and given.z is not None:
+            raise ProblemError("z: the body is plane; leave it out")
+        entries = (given.x, given.y, given.z)[: domain.dim]
+        return Region(tuple(_extent(entry, unit) for entry in entries))
+
+
+def _extent(entry: Interval | None, unit: float) -> float | tuple[float, float] | None:
+    if entry is None:
+        return None
+    if isinstance(entry, list):
+        low, high = entry
+        return (unit * low, unit * high)
+    return unit * entry
+
+
+def _side(source: Source, path: tuple[str | int, ...], name: str, domain: Domain) -> Part:
+    """A side by its name: a mesh's own, or left, right and so on at the ends of the body's span."""
+    with source.at(*path):
+        if isinstance(domain, Mesh) and name in domain.boundaries:
+            return domain.side(name)
+        if isinstance(domain, Polygon) and name.startswith(EDGE):
+            return _edge(name, domain)
+        known = [each for each, (axis, _) in SIDES.items() if axis < domain.dim]
+        if name in known:
+            return _end_of_span(name, domain)
+        if isinstance(domain, Mesh):
+            known = [*domain.boundaries, *known]
+        elif isinstance(domain, Polygon):
+            known += [f"{EDGE}{i + 1}" for i in range(min(len(domain.vertices), 8))]
+        near = difflib.get_close_matches(name, known, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise ProblemError(f"{format_value(name)}: {hint}the body has {', '.join(known)}")
+
+
+def _end_of_span(name: str, domain: Domain) -> Part:
+    """The side at one end of the body's span: left is where x is least."""
+    axis, end = SIDES[name]
+    at = domain.span[axis][end]
+    if not isinstance(domain, Polygon):
+        return Region(tuple(at if a == axis else None for a in range(domain.dim)))
+    ends = np.stack([domain.corners, np.roll(domain.corners, -1, axis=0)], axis=1)
+    (there,) = np.nonzero((np.abs(ends[:, :, axis] - at) <= domain.tolerance).all(axis=1))
+    if len(there) != 1:
+        raise ProblemError(
+            f"{name!r}: {len(there)} edges of the polygon lie at {AXES[axis]} = {at:g} m; name one "
+            f"as edge 1 to edge {len(ends)}"
+        )
+    return _edge(f"{EDGE}{there[0] + 1}", domain)
+
+
+def _edge(name: str, domain: Polygon) -> Segment:
+    number = name.removeprefix(EDGE)
+    count = len(domain.vertices)
+    if not (number.isascii() and number.isdigit() and 1 <= int(number[:9]) <= count):
+        raise ProblemError(f"{format_value(name)}: the polygon has edge 1 to edge {count}")
+    start = domain.vertices[int(number) - 1]
+    end = domain.vertices[int(number) % count]
+    return Segment(start, end)
+
+
+def _where(
+    source: Source, path: tuple[str | int, ...], given: Support | Load, domain: Domain
+) -> Part:
+    """The part that `on` or `at` names."""
+    if (given.on is None) == (given.at is None):
+        said = "both on and at" if given.on is not None else "no place"
+        raise source.error(path, f"{said}; give one of on and at")
+    if given.on is not None:
+        return _side(source, (*path, "on"), given.on, domain)
+    return _place(source, (*path, "at"), given.at or Place(), domain)
+
+
+# Supports and loads -------------------------------------------------------------------------------
+
+
+def _support(
+    source: Source, number: int, given: Support, domain: Domain
+) -> tuple[ProblemSupport, ...]:
+    path = ("support", number)
+    with source.at(*path):
+        components = _components(source, number, given, domain.dim)
+        if given.nodes is not None:
+            if given.on is not None or given.at is not None:
+                raise ProblemError("nodes and a place; give one of on, at and nodes")
+            regions: list[Part] = [
+                _node(source, (*path, "nodes"), node, domain) for node in given.nodes
+            ]
+            if not regions:
+                raise source.error((*path, "nodes"), "none; give at least one")
+        else:
+            regions = [_where(source, path, given, domain)]
+        return tuple(ProblemSupport(region, components) for region in regions)
+
+
+def _components(source: Source, number: int, given: Support, dim: int) -> tuple[float | None, ...]:
+    """Displacement (m) of each axis that a support holds; None where it does not."""
+    unit, axes = unit_in_metres("unit", source.data.body.unit), list(AXES[:dim])
+    held = axes if given.components is None else given.components
+    with source.at("support", number, "components"):
+        for name in held:
+            require_one_of("component", name, axes)
+        if not held or len(set(held)) < len(held):
+            raise ProblemError(
+                f"{format_value(held)}; name each of {', '.join(axes)} once or not at all"
+            )
+    with source.at("support", number, "value"):
+        values = given.value if isinstance(given.value, list) else [given.value] * len(held)
+        if len(values) != len(held):
+            raise ProblemError(
+                f"{len(values)} values for {len(held)} components, {', '.join(held)}; give one each"
+            )
+        moved = dict(zip(held, (unit * finite_number("value", v) for v in values), strict=True))
+    return tuple(moved.get(axis) for axis in axes)
+
+
+def _node(source: Source, path: tuple[str | int, ...], number: int, domain: Domain) -> Region:
+    """The place of a node of the mesh."""
+    with source.at(*path):
+        if not isinstance(domain, Mesh):
+            raise ProblemError(f"{number}: the body is a {domain}; nodes are a mesh's")
+        if not 0 <= number < len(domain.points):
+            raise ProblemError(
+                f"{number}: the mesh has nodes 0 to {len(domain.points) - 1}, in the file's order"
+            )
+        return Region(tuple(domain.points[number].tolist()))
+
+
+def _load(
+    source: Source, number: int, given: Load, domain: Domain, material: Isotropic
+) -> ProblemLoad:
+    path = ("load", number)
+    kinds = [key for key in LOADS if getattr(given, key) is not None]
+    if len(kinds) != 1:
+        said = " and ".join(kinds) or "no load"
+        raise source.error(path, f"{said}; give one of {', '.join(LOADS)}")
+    (kind,) = kinds
+    _refuse_place(source, path, given, kind)
+    if kind in {"traction", "pressure"}:
+        region = _where(source, path, given, domain)
+        with source.at(*path, kind):
+            if given.pressure is not None:
+                return pressure(region, domain, given.pressure)
+            return Traction(region, tuple(given.traction or ()))
+    if given.force is not None:
+        at = _point(source, path, given, domain)
+        with source.at(*path, "force"):
+            return PointForce(at, tuple(given.force))
+    with source.at(*path, "gravity"):
+        return BodyForce.gravity(material.density, tuple(given.gravity or ()))
+
+
+def _refuse_place(source: Source, path: tuple[str | int, ...], given: Load, kind: str) -> None:
+    """Refuse a place that does not go with a kind of load."""
+    goes = {"force": ("point", "node"), "gravity": ()}.get(kind, ("on", "at"))
+    for key in ("on", "at", "point", "node"):
+        if getattr(given, key) is not None and key not in goes:
+            need = f"it acts at {' or '.join(goes)}" if goes else "it acts on the whole body"
+            raise source.error((*path, key), f"goes with no {kind}: {need}; leave {key} out")
+
+
+def _point(
+    source: Source, path: tuple[str | int, ...], given: Load, domain: Domain
+) -> tuple[float, ...]:
+    """The place (m) of a point force."""
+    if (given.point is None) == (given.node is None):
+        raise source.error((*path, "force"), "give its place, by point or by node")
+    if given.node is not None:
+        return tuple(float(x) for x in _node(source, (*path, "node"), given.node, domain).extent)  # type: ignore[arg-type]
+    unit = unit_in_metres("unit", source.data.body.unit)
+    return tuple(unit * x for x in given.point or ())
+
+
+# The rest -----------------------------------------------------------------------------------------
+
+
+def _case(source: Source, problem: Problem, unit: float) -> Case:
+    data = source.data
+    springs, compare = data.springs, data.compare
+    given = compare.points
+    with source.at("compare", "points"):
+        points = given if isinstance(given, str) else unit * finite_coordinates("points", given)
+    values = {
+        "lattice": springs.lattice,
+        "spacing": None if springs.spacing is None else unit * springs.spacing,
+        "cells": springs.cells,
+        "route": springs.route,
+        "constants": None if springs.constants is None else tuple(springs.constants),
+        "volume": springs.volume or 0.0,
+    }
+    with source.at("springs"):
+        Case(problem, **values)  # type: ignore[arg-type]
+    with source.at("reference"):
+        Case(problem, accuracy=data.reference.accuracy)
+    with source.at("compare"):
+        return Case(
+            problem,
+            **values,  # type: ignore[arg-type]
+            points=points,
+            quantities=tuple(compare.quantities),
+            band=compare.band,
+            accuracy=data.reference.accuracy,
+            notes={"file": source.name, "unit of length": f"{data.body.unit}"},
+        )
+
+
+__all__ = ["UNITS", "CaseError", "build_case", "read_case", "unit_in_metres"]

@@ -1,0 +1,238 @@
+"""A case: a problem, the springs that stand for it, and how the two are compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from msvalidate.case.schema import QUANTITIES
+from msvalidate.constants.routes import ROUTES
+from msvalidate.lattice import EDGE_RULES, CutLattice, Lattice, cut_lattice, fill, mesh_lattice
+from msvalidate.lattice.patterns import all_patterns
+from msvalidate.problem import Array, Box, Mesh, Problem, ProblemError
+from msvalidate.problem.checks import (
+    finite,
+    finite_coordinates,
+    finite_number,
+    format_value,
+    length_in_metres,
+    positive_number,
+    require_one_of,
+    require_type,
+    whole_number,
+)
+
+MESH_EDGES = "mesh edges"
+"""The lattice that has a spring on each edge of the body's own mesh."""
+ACROSS = {2: 20, 3: 8}
+"""Cells across the narrowest side where nothing is said, by the number of axes."""
+MOST_CELLS = {2: 40_000, 3: 20_000}
+"""Cells of a body up to which that is so: slender bodies have fewer across."""
+CUT = ("square", "square4", "cubic6", "cubic18", "cubic26")
+"""Patterns of one point a cell, which can be cut to an outline."""
+BAND = 0.05
+ACCURACY = 1e-3
+LEAST_ACCURACY, MOST_ACCURACY = 1e-8, 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A body under loads, and how springs, or any displacements, are compared with elasticity.
+
+    Parameters
+    ----------
+    problem
+        What is asked.
+    lattice
+        A name in `lattice.patterns`, or "mesh edges"; by default square in the plane and cubic18 in
+        space.
+    spacing, cells
+        Side (m) of the lattice's cells, or their number across the narrowest side; by default 20 in
+        the plane, 8 in space, fewer in slender bodies.
+    route
+        From the material to constants, one of `ROUTES`; None takes springs alone where they will
+        do, or else a volume energy.
+    constants, volume
+        Spring constants (N/m) a kind and κ of a cell (see `network.laws.volumes`) in place of a
+        route's.
+    points
+        Where displacements are compared: "lattice", "mesh" or places (p, d) in m.
+    quantities
+        Some of `QUANTITIES`.
+    band
+        Largest difference that agrees, over the largest displacement.
+    accuracy
+        Of the elements, over the largest displacement.
+
+    Raises
+    ------
+    ProblemError
+        If a value is out of range, or the lattice is none for this body.
+    """
+
+    problem: Problem
+    lattice: str | None = None
+    spacing: float | None = None
+    cells: int | None = None
+    route: str | None = None
+    constants: tuple[float, ...] | None = None
+    volume: float = 0.0
+    points: str | Array = "lattice"
+    quantities: tuple[str, ...] = QUANTITIES
+    band: float = BAND
+    accuracy: float = ACCURACY
+    notes: Mapping[str, str] = field(default_factory=dict)
+    """What the page tells of the case beside: file, unit of length."""
+
+    def __post_init__(self) -> None:
+        require_type("case: problem", self.problem, Problem)
+        self._check_springs()
+        self._check_comparison()
+
+    def _check_springs(self) -> None:
+        dim = self.problem.domain.dim
+        if self.lattice is None:
+            object.__setattr__(self, "lattice", "square" if dim == 2 else "cubic18")
+        known = {name for name, make in all_patterns().items() if make().dim == dim}
+        require_one_of("lattice", self.lattice, (*sorted(known), MESH_EDGES))
+        self._check_spacing()
+        if self.route is not None:
+            require_one_of("route", self.route, ROUTES)
+        if self.constants is not None:
+            finite("constants", self.constants, "k")
+            if self.route is not None:
+                raise ProblemError("constants and route: a route makes its own; give one of them")
+        elif finite_number("volume", self.volume):
+            raise ProblemError("volume: it goes with constants of springs; give these, or a route")
+
+    def _check_spacing(self) -> None:
+        told = self.spacing is not None or self.cells is not None
+        if self.lattice == MESH_EDGES and not isinstance(self.problem.domain, Mesh):
+            raise ProblemError(
+                f"lattice {MESH_EDGES!r}: the body is a {self.problem.domain} and has none; give a "
+                "mesh file, or another lattice"
+            )
+        if self.lattice == MESH_EDGES and told:
+            raise ProblemError(f"lattice {MESH_EDGES!r}: the mesh is its spacing; leave it out")
+        if self.spacing is not None and self.cells is not None:
+            raise ProblemError("spacing and cells: each tells the other; give one of them")
+        if self.spacing is not None:
+            length_in_metres("spacing", self.spacing)
+        if self.cells is not None:
+            whole_number("cells", self.cells, 1, 100_000)
+
+    def _check_comparison(self) -> None:
+        if isinstance(self.points, str):
+            require_one_of("points", self.points, ("lattice", "mesh"))
+            if self.points == "mesh" and not isinstance(self.problem.domain, Mesh):
+                raise ProblemError(
+                    f"points 'mesh': the body is a {self.problem.domain}; give points, or 'lattice'"
+                )
+        else:
+            d = self.problem.domain.dim
+            at = finite_coordinates("points", self.points, "p", d, need=f"give {d} numbers each")
+            if not len(at):
+                raise ProblemError("points: none; give at least one, or 'lattice'")
+            object.__setattr__(self, "points", at)
+        if not self.quantities:
+            raise ProblemError(f"quantities: none; choose of {', '.join(QUANTITIES)}")
+        for name in self.quantities:
+            require_one_of("quantity", name, QUANTITIES)
+        positive_number("band", self.band)
+        finite_number("accuracy", self.accuracy, least=LEAST_ACCURACY, most=MOST_ACCURACY)
+
+    @property
+    def name(self) -> str:
+        """The problem's name."""
+        return self.problem.name
+
+
+def spacing_of(case: Case) -> float:
+    """Side (m) of the cells that a case asks for."""
+    if case.spacing is not None:
+        return float(case.spacing)
+    domain = case.problem.domain
+    sides = np.array([high - low for low, high in domain.span])
+    if case.cells is not None:
+        return float(sides.min() / case.cells)
+    least = (domain.volume / MOST_CELLS[domain.dim]) ** (1 / domain.dim)
+    across = max(1, min(ACROSS[domain.dim], math.floor(sides.min() / least)))
+    if isinstance(domain, Box):  # a number that fits all sides, if there is one nearby
+        for many in range(across, min(2 * across, across + 20)):
+            if _divides(sides.min() / many, domain):
+                return float(sides.min() / many)
+    return float(sides.min() / across)
+
+
+def make_lattice(case: Case, spacing: float) -> Lattice:
+    """The lattice of a case at a spacing (m).
+
+    A box whose sides are whole numbers of spacings is filled; else the lattice is cut to the body's
+    outline, its lines through the supports as far as one origin allows that.
+
+    Raises
+    ------
+    ProblemError
+        If the lattice cannot be laid into the body.
+    """
+    domain = case.problem.domain
+    if case.lattice == MESH_EDGES:
+        return mesh_lattice(domain, EDGE_RULES[0])  # type: ignore[arg-type]
+    pattern = all_patterns()[str(case.lattice)]()
+    if isinstance(domain, Box) and _divides(spacing, domain):
+        return fill(pattern, domain, _counts(spacing, domain))
+    if case.lattice not in CUT:
+        raise ProblemError(
+            f"lattice {case.lattice}: only {', '.join(CUT)} can be cut to a {domain}; take one of "
+            "these, or for a box a spacing that divides its sides"
+        )
+    return cut_lattice(pattern, domain, spacing, origin=_origin(case.problem))
+
+
+def compared_points(case: Case, lattice: Lattice) -> Array:
+    """Places (p, d) in m at which a case compares, all of them in the body."""
+    if not isinstance(case.points, str):
+        return case.points
+    if case.points == "mesh" and isinstance(case.problem.domain, Mesh):
+        return np.asarray(case.problem.domain.points)
+    if isinstance(lattice, CutLattice):
+        return np.asarray(lattice.points[lattice.inside])
+    return np.asarray(lattice.points)
+
+
+def _counts(spacing: float, box: Box) -> tuple[int, ...]:
+    return tuple(round(side / spacing) for side in box.size)
+
+
+def _divides(spacing: float, box: Box) -> bool:
+    """Whether the sides of a box are whole numbers of spacings."""
+    counts = _counts(spacing, box)
+    return all(
+        count >= 1 and abs(count * spacing - side) <= box.tolerance
+        for count, side in zip(counts, box.size, strict=True)
+    )
+
+
+def _origin(problem: Problem) -> tuple[float, ...] | None:
+    """A place on the flat supports, along each axis the first that has one; 0 along others."""
+    domain = problem.domain
+    at = [0.0] * domain.dim
+    for axis in range(domain.dim):
+        for support in problem.supports:
+            corners = support.region.corners(domain.span)
+            if np.ptp(corners[:, axis]) <= domain.tolerance:
+                at[axis] = float(corners[0, axis])
+                break
+        else:
+            at[axis] = domain.span[axis][0]
+    return tuple(at[:2]) if domain.dim == 3 else tuple(at)
+
+
+def describe_spacing(case: Case) -> str:
+    """Words for the lattice and its spacing."""
+    if case.lattice == MESH_EDGES:
+        return "a spring on each edge of the mesh"
+    return f"{case.lattice}, {format_value(spacing_of(case))} m"

@@ -1,0 +1,134 @@
+"""What a case file may hold: its tables and keys, their types, units and defaults.
+
+A case is one TOML file. All lengths in it, and in the mesh that it names, are multiples of
+`Body.unit`; all else is in SI units. The classes are data alone: what the values mean is in
+`msvalidate.case.building`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import msgspec
+from msgspec import Meta, Struct
+
+SCHEMA = 1
+"""Version of the format. Files of older versions are read for ever."""
+QUANTITIES = ("displacement", "reactions", "strain energy", "mean stress", "point stress")
+"""What springs and elements are compared by."""
+
+Numbers = list[float]
+Interval = float | Annotated[Numbers, Meta(min_length=2, max_length=2)]
+
+
+class Place(Struct, forbid_unknown_fields=True):
+    """Coordinates of a part of the body: a number, an interval, or nothing for any."""
+
+    x: Interval | None = None
+    y: Interval | None = None
+    z: Interval | None = None
+
+
+class Ball(Struct, forbid_unknown_fields=True):
+    """A disc in the plane, a ball in space."""
+
+    centre: Numbers
+    radius: float
+
+
+class Body(Struct, forbid_unknown_fields=True):
+    """The body: a box with a corner at the origin, an outline, or a mesh file."""
+
+    box: Numbers | None = None
+    polygon: list[Numbers] | None = None
+    mesh: str | None = None
+    unit: str | float = "m"
+
+
+class Material(Struct, forbid_unknown_fields=True):
+    """Isotropic and linear elastic: E in Pa, density in kg/m³, thickness in units of length."""
+
+    E: float
+    nu: float
+    state: str | None = None
+    density: float = 1000.0
+    thickness: float | None = None
+
+
+class Region(Struct, forbid_unknown_fields=True):
+    """A part of the body of another material: cells of a mesh by name, a box or a ball."""
+
+    E: float
+    nu: float
+    density: float | None = None
+    cells: str | None = None
+    box: Place | None = None
+    ball: Ball | None = None
+
+
+class Support(Struct, forbid_unknown_fields=True):
+    """Components held on a named side, at a place, or at nodes of the mesh."""
+
+    on: str | None = None
+    at: Place | None = None
+    nodes: list[int] | None = None
+    components: list[str] | None = None
+    value: float | Numbers = 0.0
+
+
+class Load(Struct, forbid_unknown_fields=True):
+    """A traction or pressure (Pa), a force (N) at a point, or gravity (m/s²)."""
+
+    on: str | None = None
+    at: Place | None = None
+    point: Numbers | None = None
+    node: int | None = None
+    traction: Numbers | None = None
+    pressure: float | None = None
+    force: Numbers | None = None
+    gravity: Numbers | None = None
+
+
+class Springs(Struct, forbid_unknown_fields=True):
+    """The spring network: its lattice, and one of spacing and cells across the narrowest side."""
+
+    lattice: str | None = None
+    spacing: float | None = None
+    cells: int | None = None
+    route: str | None = None
+    constants: Numbers | None = None
+    volume: float | None = None
+
+
+class Compare(Struct, forbid_unknown_fields=True):
+    """At which points, by what, and how far apart still agrees."""
+
+    points: str | list[Numbers] = "lattice"
+    quantities: list[str] = msgspec.field(default_factory=lambda: list(QUANTITIES))
+    band: float = 0.05
+
+
+class Reference(Struct, forbid_unknown_fields=True):
+    """How accurate the elements are to be, relative to the largest displacement."""
+
+    accuracy: float = 1e-3
+
+
+class CaseFile(Struct, forbid_unknown_fields=True):
+    """A whole case file."""
+
+    schema: int
+    body: Body
+    material: Material
+    support: list[Support]
+    name: str | None = None
+    load: list[Load] = msgspec.field(default_factory=list)
+    region: list[Region] = msgspec.field(default_factory=list)
+    springs: Springs = msgspec.field(default_factory=Springs)
+    compare: Compare = msgspec.field(default_factory=Compare)
+    reference: Reference = msgspec.field(default_factory=Reference)
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON schema of a case file, for editors."""
+    return msgspec.json.schema(CaseFile)

@@ -1,0 +1,210 @@
+"""Springs of a case on finer and finer lattices: whether their error is of spacing or of kind.
+
+At rest on three lattices of spacings h, h/2 and h/4 the displacements of springs that stand for the
+material close in on elasticity with an order p, u_h = u + C h^p. What they close in on,
+
+    u ≈ u_{h/4} + (u_{h/4} - u_{h/2}) / (2^p - 1),
+
+tells a network that is only coarse from one that is another material, whatever its spacing. One p
+serves all points: the 2-norm of what changes is smoother than each part.
+
+Source: Richardson's extrapolation as in [Roache1994].
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from msvalidate.bodies.cut_network import cut_network
+from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.case.case import CUT, MESH_EDGES, Case, make_lattice, spacing_of
+from msvalidate.constants.calibration import Calibration
+from msvalidate.constants.lattice_constants import calibrate_by_route
+from msvalidate.lattice import CutLattice, Lattice
+from msvalidate.lattice.cut import cell_weights
+from msvalidate.network import Network, mode_energy
+from msvalidate.problem import Array, Isotropic, Mask, ProblemError, SolverError
+from msvalidate.statics.equilibrium import Equilibrium, equilibrium
+from msvalidate.statics.stress import cell_stress, cell_volume
+
+MOST_FINE = {2: 150_000, 3: 60_000}
+"""Points of the finest lattice, by the number of axes, beyond which there is none so fine."""
+FINER = (1, 2, 4)
+"""How many times as fine as asked."""
+SAFETY, CAUTION = 1.25, 3.0
+"""Factors on what is left by an order that three lattices show, and where they show none."""
+LOWEST_ORDER, HIGHEST_ORDER = 0.4, 3.0
+"""Orders that are believed: corners bring them below 1, what is smooth to 2."""
+ASSUMED_ORDER = 1.0
+"""Where there are two lattices alone."""
+ROUNDING = 1e-10
+"""Change of displacements, over the largest, that is rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpringAnswer:
+    """Springs of a case at rest on one lattice, to first order in the displacement.
+
+    Parameters
+    ----------
+    spacing
+        Side (m) of the cells; of a spring on each edge of a mesh, the mean edge.
+    lattice, network, rest
+        The body, its springs and where they come to rest.
+    calibration
+        What the constants came from; None where they were given, or are those of a mesh's edges.
+    seconds
+        That it took.
+    """
+
+    spacing: float
+    lattice: Lattice
+    network: Network
+    rest: Equilibrium
+    calibration: Calibration | None
+    seconds: float
+
+    def at(self, places: Array) -> Array:
+        """Displacement (p, d) in m at places (p, d): at its own points exactly, else interpolated.
+
+        Raises
+        ------
+        ProblemError
+            If a place is none of the points, and the lattice has no square or cubic cells.
+        """
+        tree = KDTree(self.lattice.points)
+        distance, point = tree.query(places)
+        own = distance <= self.lattice.domain.tolerance
+        found = self.rest.displacement[point]
+        if not own.all():
+            found[~own] = self._between(places[~own])
+        return np.asarray(found)
+
+    def _between(self, places: Array) -> Array:
+        lattice = self.lattice
+        if lattice.name.removesuffix(", cut") not in CUT:
+            raise ProblemError(
+                f"springs on {lattice.name}: no displacement between points; compare at points "
+                "'lattice', or take a square or cubic lattice"
+            )
+        points, weights = cell_weights(lattice.points, lattice.cells, self.spacing, places)
+        return np.asarray(np.einsum("pc,pcd->pd", weights, self.rest.displacement[points]))
+
+    @property
+    def energy(self) -> float:
+        """Strain energy (J)."""
+        return mode_energy(self.network, self.network.points, self.rest.displacement)
+
+    def reaction(self, held: Mask) -> Array:
+        """Force (d,) in N of a support that holds components (n, d) of points."""
+        return np.asarray(np.where(held, self.rest.reaction, 0.0).sum(axis=0))
+
+    def mean_stress(self, thickness: float) -> Array:
+        """Mean stress (3,) or (6,) in Pa over the body's volume."""
+        stress = cell_stress(self.network, self.lattice, self.rest, thickness=thickness)
+        return np.asarray(np.average(stress, axis=0, weights=cell_volume(self.lattice)))
+
+
+@dataclass(frozen=True, eq=False)
+class SpringLimit:
+    """What springs close in on as their spacing shrinks.
+
+    Parameters
+    ----------
+    displacement
+        (p, d) in m at the compared points.
+    uncertainty
+        How far (m) any of them may be from there.
+    order
+        Of the spacing; NaN where none is seen.
+    status
+        "seen" (three lattices), "assumed" (two), "exact" (rounding) or "none" (one, or no order).
+    """
+
+    displacement: Array
+    uncertainty: float
+    order: float
+    status: str
+
+
+def solve_springs(case: Case, spacing: float) -> SpringAnswer:
+    """Springs of a case at rest on a lattice of a spacing (m).
+
+    Raises
+    ------
+    ProblemError
+        If the lattice is none for the body, material, supports or loads.
+    SolverError
+        If there is no trustworthy answer.
+    """
+    began = time.perf_counter()
+    lattice = make_lattice(case, spacing)
+    constants, calibration = _constants(case, lattice)
+    volume = case.volume if case.constants is not None else 0.0
+    build = cut_network if isinstance(lattice, CutLattice) else lattice_network
+    network = build(case.problem, lattice, constants, volume=volume)  # type: ignore[arg-type]
+    rest = equilibrium(network)
+    if case.lattice == MESH_EDGES:
+        spacing = float(np.linalg.norm(lattice.vectors, axis=1).mean())
+    return SpringAnswer(spacing, lattice, network, rest, calibration, time.perf_counter() - began)
+
+
+def _constants(
+    case: Case, lattice: Lattice
+) -> tuple[tuple[float, ...] | Calibration | None, Calibration | None]:
+    """What a network is made with, and the calibration that it is, if it is one."""
+    if case.constants is not None:
+        return case.constants, None
+    if case.lattice == MESH_EDGES:
+        return None, None
+    material = case.problem.material
+    if not isinstance(material, Isotropic):
+        raise ProblemError("springs: the material is a tensor; give their constants")
+    found = calibrate_by_route(material, lattice, None, case.route)
+    return found, found
+
+
+def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:
+    """Springs as asked, then on lattices twice and four times as fine, as far as they are few."""
+    first = solve_springs(case, spacing_of(case))
+    if case.lattice == MESH_EDGES:
+        return (first,)
+    dim, points = case.problem.domain.dim, len(first.lattice.points)
+    found = [first]
+    for times in FINER[1:]:
+        if points * times**dim > MOST_FINE[dim]:
+            break
+        try:
+            found.append(solve_springs(case, first.spacing / times))
+        except (ProblemError, SolverError):
+            break  # the answer asked for stands; the limit has fewer lattices to be read from
+    return tuple(found)
+
+
+def limit_of(answers: tuple[SpringAnswer, ...], places: Array) -> SpringLimit:
+    """What springs close in on at places (p, d) in m, from one to three lattices."""
+    values = [answer.at(places) for answer in answers]
+    fine = values[-1]
+    if len(values) == 1:
+        return SpringLimit(fine, math.inf, math.nan, "none")
+    last = fine - values[-2]
+    size, change = float(np.abs(fine).max()), float(np.abs(last).max())
+    if change <= ROUNDING * size:
+        return SpringLimit(fine, max(change, ROUNDING * size), math.nan, "exact")
+    if len(values) == 2:
+        left = last / (2**ASSUMED_ORDER - 1)
+        return SpringLimit(
+            fine + left, CAUTION * float(np.abs(left).max()), ASSUMED_ORDER, "assumed"
+        )
+    first = values[1] - values[0]
+    order = float(np.log2(np.linalg.norm(first) / np.linalg.norm(last)))
+    if not LOWEST_ORDER <= order <= HIGHEST_ORDER:
+        doubt = CAUTION * max(change, float(np.abs(first).max()))
+        return SpringLimit(fine, doubt, math.nan, "none")
+    left = last / (2 ** min(order, 2.0) - 1)
+    return SpringLimit(fine + left, SAFETY * float(np.abs(left).max()), order, "seen")

@@ -1,0 +1,134 @@
+"""Outward normals of a body's sides, and tractions that press along them."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from msvalidate.problem.arrays import Array, Field, Index
+from msvalidate.problem.checks import finite_number
+from msvalidate.problem.domain import Box, Domain, Polygon
+from msvalidate.problem.errors import ProblemError
+from msvalidate.problem.mesh import Mesh
+from msvalidate.problem.region import Boundary, Part, Region, Segment
+from msvalidate.problem.shapes import FACETS, project_on_facets
+from msvalidate.problem.statement import Traction
+
+FLAT = 1e-9
+"""Difference of normals below which a side is flat."""
+CANDIDATES = 6
+"""Facets whose middles are nearest to a place, of which one is the nearest."""
+MISSED = 1e-2
+"""Distance of a place from a facet, over its size, beyond which others are looked at too."""
+
+
+def pressure(region: Part, domain: Domain, value: float) -> Traction:
+    """Traction of a pressure (Pa) on a part of a body's sides: -p n, positive inwards.
+
+    Raises
+    ------
+    ProblemError
+        If the pressure is not finite, or the part is not on the body's sides.
+    """
+    p = finite_number("pressure", value)
+    places, normals = _facets(region, domain)
+    if np.abs(normals - normals[0]).max() <= FLAT:
+        return Traction(region, tuple((-p * normals[0]).tolist()))
+    return Traction(region, _normal_field(places, -p))
+
+
+def _facets(region: Part, domain: Domain) -> tuple[Array, Array]:
+    """Nodes (f, k, d) in m of the facets of a part, and their unit normals outwards (m, d)."""
+    if isinstance(domain, Mesh):
+        part = region if isinstance(region, Boundary) else domain.part(region)
+        return part.places, _samples(part.places)[1].reshape(-1, domain.dim)
+    if isinstance(domain, Polygon):
+        ends = _polygon_edge(region, domain)
+    elif isinstance(region, Region) and region.is_facet:
+        return region.corners(domain.span)[None], _box_normal(region, domain)
+    else:
+        ends = region.corners(domain.span)
+        ends = ends if _is_ahead(ends, domain) else ends[::-1]
+    along = ends[1] - ends[0]
+    return ends[None], np.array([[along[1], -along[0]]]) / np.linalg.norm(along)
+
+
+def _box_normal(region: Region, box: Box) -> Array:
+    (axis,) = region.normal_axes
+    low, high = box.span[axis]
+    at = region.corners(box.span)[0, axis]
+    normal = np.zeros((1, box.dim))
+    normal[0, axis] = 1.0 if abs(at - high) < abs(at - low) else -1.0
+    return normal
+
+
+def _is_ahead(ends: Array, box: Box) -> bool:
+    """Whether the body lies to the left of the way from one end to the other."""
+    along = ends[1] - ends[0]
+    inwards = np.array(box.size) / 2 - ends.mean(axis=0)
+    return bool(along[0] * inwards[1] - along[1] * inwards[0] > 0)
+
+
+def _polygon_edge(region: Part, domain: Polygon) -> Array:
+    """The edge (2, 2) in m, with the body to its left, that a part of the outline lies on."""
+    corners = region.corners(domain.span)
+    for start, end in zip(domain.corners, np.roll(domain.corners, -1, axis=0), strict=True):
+        edge = Segment(tuple(start.tolist()), tuple(end.tolist()))
+        if edge.select(corners, domain.tolerance).all():
+            return np.array([start, end])
+    raise ProblemError(f"pressure on {region}: not on one side of the {domain}; name one side")
+
+
+def _samples(places: Array) -> tuple[Array, Array]:
+    """Places (f, q, d) on facets (f, k, d), and unit normals (f, q, d) there."""
+    shape = FACETS[places.shape[2], places.shape[1]]
+    at = np.vstack([shape.quadrature[0], shape.middle[None]])
+    return _map_with_normals(places, np.broadcast_to(at, (len(places), *at.shape)))
+
+
+def _map_with_normals(places: Array, at: Array) -> tuple[Array, Array]:
+    """Where places (f, q, e) of the unit facet are mapped (f, q, d), and unit normals there."""
+    shape = FACETS[places.shape[2], places.shape[1]]
+    flat = at.reshape(-1, at.shape[2])
+    values = shape.values(flat).reshape(*at.shape[:2], -1)
+    slopes = shape.slopes(flat).reshape(*at.shape[:2], -1, at.shape[2])
+    x = np.einsum("fqk,fkd->fqd", values, places)
+    along = np.einsum("fqke,fkd->efqd", slopes, places)
+    if len(along) == 1:
+        normal = np.stack([along[0, ..., 1], -along[0, ..., 0]], axis=-1)
+    else:
+        normal = np.cross(along[0], along[1])
+    return x, np.asarray(normal / np.linalg.norm(normal, axis=2, keepdims=True))
+
+
+def _normal_field(places: Array, factor: float) -> Field:
+    """A factor times the normal of the nearest facet, as a field of points (n, d)."""
+    tree = KDTree(places.mean(axis=1))
+    size = np.linalg.norm(places - places.mean(axis=1, keepdims=True), axis=2).max(axis=1)
+
+    def field(points: Array) -> Array:
+        facet, distance, normal = _nearest_facet(tree, places, points, CANDIDATES)
+        (doubtful,) = np.nonzero(distance > MISSED * size[facet])
+        if len(doubtful):  # facets of very unequal size: the middle of the right one is far
+            normal[doubtful] = _nearest_facet(tree, places, points[doubtful], len(places))[2]
+        return factor * normal
+
+    return field
+
+
+def _nearest_facet(
+    tree: KDTree, places: Array, points: Array, many: int
+) -> tuple[Index, Array, Array]:
+    """Nearest facet (n,) of those whose middles are, its distance (n,) in m, its normal (n, d)."""
+    count = min(many, len(places))
+    near = tree.query(points, k=np.arange(count) + 1)[1]
+    best = np.zeros(len(points), dtype=np.intp)
+    normal, least = np.empty(points.shape), np.full(len(points), np.inf)
+    for facet in near.T:
+        at, distance = project_on_facets(places[facet], points)
+        better = distance < least
+        if better.any():
+            there = places[facet[better]]
+            normal[better] = _map_with_normals(there, at[better][:, None])[1][:, 0]
+            least[better], best[better] = distance[better], facet[better]
+    return best, least, normal

@@ -1,0 +1,338 @@
+"""A problem's solution with its own error: on meshes each twice as fine as the last.
+
+Every quantity is read off each mesh. What it changes by from mesh to mesh shows the order p at
+which it closes in, u_h = u + C h^p, and what it closes in on (Richardson's extrapolation, as in
+[Roache1994]). Corners, ends of supports and changes of material leave an order between about 1 and
+2 even of quadratic elements; smooth bodies have up to 4. One p, of the 2-norm of all components,
+serves all points: that of a single component may be anything where its changes pass through zero.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from msvalidate.problem import (
+    VOIGT,
+    Array,
+    Box,
+    Isotropic,
+    Mask,
+    Mesh,
+    Polygon,
+    Problem,
+    Region,
+    Segment,
+    SolverError,
+    prescribed_displacements,
+)
+from msvalidate.problem.checks import (
+    finite_coordinates,
+    positive_number,
+    require_type,
+    whole_number,
+)
+from reference_fem.body import Solution, nodal_forces, solve_problem
+from reference_fem.elasticity import stiffness
+from reference_fem.mesh.boxes import box_discretisation
+from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.mesh.from_mesh import mesh_discretisation
+from reference_fem.mesh.outlines import outline_discretisation
+from reference_fem.mesh.subdivide import nodes_of_children, subdivide
+
+SAFETY = 1.5
+"""Factor on what the order seen leaves of a value's error; written before any was measured. Of
+smooth sequences the estimate is right to a tenth, so that half again covers what is not smooth."""
+CAUTION = 3.0
+"""Factor on the last change where no order is seen."""
+LOWEST_ORDER, TRUSTED_ORDER = 0.5, 3.0
+"""Orders that are believed; higher ones, which come and go, count as the latter."""
+ROUNDING = 1e-10
+"""Change, over the largest value, that is rounding."""
+MOST_NODES = 150_000
+"""Nodes of the finest mesh, by default: some 5 s in the plane, 30 s in space."""
+LEVELS = 3
+"""Meshes that are always solved, if their nodes are few enough."""
+ACROSS = 3
+"""Cells of the first mesh across the narrowest side of a box or an outline."""
+MOST_ALONG = 200
+"""Cells of the first mesh along any side: those of slender bodies are longer than wide."""
+NEARLY_INCOMPRESSIBLE = 0.45
+"""Ratio from which displacement and pressure are sought together, but in plane stress."""
+
+
+@dataclass(frozen=True, eq=False)
+class Converged:
+    """A quantity on a sequence of meshes, and how far the last is from the limit.
+
+    Parameters
+    ----------
+    value
+        Any shape: on the finest mesh, or what the meshes close in on.
+    uncertainty
+        Of every component, in the unit of the value; infinite where there is one mesh.
+    order
+        Observed; NaN where none is seen.
+    """
+
+    value: Array
+    uncertainty: float
+    order: float
+
+    def __post_init__(self) -> None:
+        self.value.setflags(write=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """What elasticity says of a problem, each value with its own error.
+
+    Parameters
+    ----------
+    problem, points
+        What was asked, and where (p, d) in m.
+    solutions
+        On each mesh, the finest last.
+    accuracy
+        Asked of the displacement, over the largest at the points.
+    seconds
+        That all meshes took together.
+    """
+
+    problem: Problem
+    points: Array
+    solutions: tuple[Solution, ...]
+    accuracy: float
+    seconds: float
+
+    @cached_property
+    def displacement(self) -> Converged:
+        """Displacement (p, d) in m at the points."""
+        return close_in([solution.at(self.points) for solution in self.solutions])
+
+    @cached_property
+    def error(self) -> float:
+        """Largest error of a displacement at the points, over the largest of them."""
+        size = float(np.linalg.norm(self.displacement.value, axis=1).max())
+        return self.displacement.uncertainty / size if size else 0.0
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the accuracy that was asked for is reached."""
+        return self.error <= self.accuracy
+
+    @property
+    def finest(self) -> Solution:
+        """The solution on the finest mesh."""
+        return self.solutions[-1]
+
+    @cached_property
+    def reactions(self) -> tuple[Converged, ...]:
+        """Force (d,) in N of each support of the problem on the body."""
+        forces = [self._support_forces(solution, force) for solution, force in self._internal]
+        return tuple(close_in(list(each)) for each in zip(*forces, strict=True))
+
+    @cached_property
+    def energy(self) -> Converged:
+        """Strain energy (J)."""
+        works = [
+            np.array([(solution.displacement * force).sum() / 2])
+            for solution, force in self._internal
+        ]
+        return close_in(works)
+
+    @cached_property
+    def mean_stress(self) -> Converged:
+        """Mean stress (3,) or (6,) in Pa: the outer forces' virial over the volume."""
+        return close_in([self._mean_stress(solution, force) for solution, force in self._internal])
+
+    def stress(self, points: Array) -> tuple[Array, Array]:
+        """Stress (q, 3) or (q, 6) in Pa at points (q, d), and how far each of them may be off (q,).
+
+        The last change, as orders of stresses differ from place to place: infinite next to corners.
+        """
+        found = [solution.stress(points) for solution in self.solutions[-2:]]
+        if len(found) < 2:
+            return found[-1], np.full(len(points), np.inf)
+        return found[-1], np.asarray(np.abs(found[-1] - found[-2]).max(axis=1))
+
+    @cached_property
+    def _internal(self) -> list[tuple[Solution, Array]]:
+        """Solutions of displacement elements, and forces (n, d) in N on their nodes."""
+        found = []
+        for solution in self.solutions:
+            if solution.pressure is not None:
+                raise SolverError("reactions: of mixed elements they are not known")
+            K = stiffness(solution.body, self.problem.material)
+            n, d = solution.displacement.shape
+            force = (K @ solution.displacement.T.ravel()).reshape(d, n).T
+            found.append((solution, force))
+        return found
+
+    def _support_forces(self, solution: Solution, force: Array) -> list[Array]:
+        """Force (d,) in N of each support; what several hold is the first's."""
+        points, tolerance = solution.body.points, self.problem.domain.tolerance
+        outer = nodal_forces(self.problem, solution.body)
+        held, _ = prescribed_displacements(self.problem, points)
+        left = np.where(held, force - outer, 0.0)
+        found = []
+        for support in self.problem.supports:
+            on = support.region.select(points, tolerance)
+            own: Mask = on[:, None] & np.array(
+                [value is not None for value in support.displacement]
+            )
+            found.append(np.where(own, left, 0.0).sum(axis=0))
+            left[own] = 0.0
+        return found
+
+    def _mean_stress(self, solution: Solution, force: Array) -> Array:
+        domain, x = self.problem.domain, solution.body.points
+        middle = x.mean(axis=0)
+        virial = np.einsum("na,nb->ab", force, x - middle)
+        volume = domain.volume * self.problem.material.thickness
+        pairs = np.array(VOIGT[domain.dim])
+        return np.asarray((virial + virial.T)[pairs[:, 0], pairs[:, 1]] / (2 * volume))
+
+
+def converge(
+    problem: Problem,
+    points: Array,
+    accuracy: float = 1e-3,
+    *,
+    most_nodes: int = MOST_NODES,
+    first: Discretisation | None = None,
+) -> Reference:
+    """Solve a problem on finer and finer meshes until displacements at points are known.
+
+    Parameters
+    ----------
+    problem
+        On a box, an outline or a mesh; of the last the cells are cut, raised to quadratic ones, and
+        their sides stay on the file's own curves.
+    points
+        (p, d) in m, in the body.
+    accuracy
+        Of the displacement, over the largest at the points. Where it takes more nodes than there
+        may be, the answer is what there is, with the error that it has.
+    most_nodes
+        Of the finest mesh.
+    first
+        A mesh to start from in place of the one made here.
+
+    Raises
+    ------
+    ProblemError
+        If a point lies outside the body, or a support or load cannot be met by a mesh's nodes.
+    SolverError
+        If there is no trustworthy answer on the first mesh.
+    """
+    require_type("problem", problem, Problem)
+    x = finite_coordinates("points", points, "p", problem.domain.dim)
+    positive_number("accuracy", accuracy)
+    whole_number("most nodes", most_nodes, 1)
+    began = time.perf_counter()
+    body = first_mesh(problem) if first is None else first
+    mixed = _is_nearly_incompressible(problem)
+    found = [solve_problem(problem, body, mixed=mixed)]
+    while True:
+        reference = Reference(problem, x, tuple(found), accuracy, time.perf_counter() - began)
+        enough = len(found) >= LEVELS and reference.resolved
+        if enough or nodes_of_children(body) > most_nodes:
+            return reference
+        body = subdivide(body)
+        found.append(solve_problem(problem, body, mixed=mixed))
+
+
+def close_in(values: list[Array]) -> Converged:
+    """What values on meshes each twice as fine as the last close in on, and how far it may be off.
+
+    With an order p seen on the last three: u + (u - u')/(2^p - 1), off by at most half again what
+    is added, or by what the same from the three before differs by, if that is more. With no order:
+    the last value, off by three times the larger of the last two changes.
+
+    Source: Richardson's extrapolation as in [Roache1994].
+    """
+    fine = np.array(values[-1], dtype=float)
+    size = float(np.abs(fine).max(initial=0.0))
+    if len(values) == 1:
+        return Converged(fine, np.inf, np.nan)
+    last = fine - values[-2]
+    change = float(np.abs(last).max(initial=0.0))
+    if change <= ROUNDING * size:
+        return Converged(fine, max(change, ROUNDING * size), np.nan)
+    if len(values) == 2:
+        return Converged(fine, CAUTION * change, np.nan)
+    order = _order(values[-3:])
+    before = float(np.abs(values[-2] - values[-3]).max(initial=0.0))
+    if np.isnan(order):
+        return Converged(fine, CAUTION * max(change, before), np.nan)
+    added = last / (2 ** min(order, TRUSTED_ORDER) - 1)
+    doubt = SAFETY * float(np.abs(added).max())
+    return Converged(fine, doubt, order)
+
+
+def _order(values: list[Array]) -> float:
+    """Order that three values show, each on a mesh twice as fine; NaN if it is none to believe."""
+    coarse, medium, fine = values
+    first, last = np.linalg.norm(medium - coarse), np.linalg.norm(fine - medium)
+    order = float(np.log2(first / last)) if last else np.inf
+    return order if order >= LOWEST_ORDER else float("nan")
+
+
+def first_mesh(problem: Problem) -> Discretisation:
+    """The coarsest mesh of a problem's domain: quadratic cells whose sides end where loads do."""
+    domain = problem.domain
+    if isinstance(domain, Polygon):
+        sides = [high - low for low, high in domain.span]
+        h = max(min(sides) / ACROSS, max(sides) / MOST_ALONG)
+        linear = outline_discretisation(domain, h, _corners(problem))
+        return _raised(linear)
+    if isinstance(domain, Box):
+        h = max(min(domain.size) / ACROSS, max(domain.size) / MOST_ALONG)
+        cells = tuple(max(2, round(side / h)) for side in domain.size)
+        element = "Q2" if domain.dim == 2 else "H2"
+        return box_discretisation(domain, cells, element, through=_planes(problem))
+    own = mesh_discretisation(domain)
+    if own.element.degree > 1:
+        return own
+    return mesh_discretisation(domain, own.element.raised[0])
+
+
+def _raised(linear: Discretisation) -> Discretisation:
+    """The same cells with quadratic elements."""
+    mesh = Mesh(linear.points, linear.cells, linear.element.shape)
+    return mesh_discretisation(mesh, linear.element.raised[0])
+
+
+def _corners(problem: Problem) -> Array:
+    """Places (k, d) in m that must be nodes: ends of loaded and supported parts, point forces."""
+    span = problem.domain.span
+    parts = [*problem.supports, *(load for load in problem.loads if hasattr(load, "region"))]
+    found = [
+        part.region.corners(span) for part in parts if isinstance(part.region, Region | Segment)
+    ]
+    return np.concatenate(found) if found else np.empty((0, len(span)))
+
+
+def _planes(problem: Problem) -> tuple[tuple[float, ...], ...]:
+    """Coordinates (m) along each axis that lines of a box's mesh must pass through."""
+    domain = problem.domain
+    inner = []
+    for x, (low, high) in zip(_corners(problem).T, domain.span, strict=True):
+        room = domain.tolerance
+        each = np.unique(x[(x > low + room) & (x < high - room)])
+        inner.append(
+            tuple(each[np.concatenate([[True], np.diff(each) > room])].tolist())
+            if len(each)
+            else ()
+        )
+    return tuple(inner)
+
+
+def _is_nearly_incompressible(problem: Problem) -> bool:
+    law = problem.material
+    plane_stress = isinstance(law, Isotropic) and law.state == "plane_stress"
+    return isinstance(law, Isotropic) and not plane_stress and law.nu >= NEARLY_INCOMPRESSIBLE
