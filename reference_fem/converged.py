@@ -71,7 +71,7 @@ class Converged:
     Parameters
     ----------
     value
-        Any shape: on the finest mesh, or what the meshes close in on.
+        Any shape: on the finest mesh.
     uncertainty
         Of every component, in the unit of the value; infinite where there is one mesh.
     order
@@ -247,11 +247,10 @@ def converge(
 
 
 def close_in(values: list[Array]) -> Converged:
-    """What values on meshes each twice as fine as the last close in on, and how far it may be off.
+    """The last of some values on meshes each twice as fine as the one before, and its error.
 
-    With an order p seen on the last three: u + (u - u')/(2^p - 1), off by at most half again what
-    is added, or by what the same from the three before differs by, if that is more. With no order:
-    the last value, off by three times the larger of the last two changes.
+    With an order p seen on the last three, half again (u - u')/(2^p - 1), what is left by it. With
+    no order, three times the larger of the last two changes.
 
     Source: Richardson's extrapolation as in [Roache1994].
     """

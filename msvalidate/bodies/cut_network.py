@@ -96,7 +96,7 @@ def cut_network(
             "route 'volume energy'"
         )
     held, displacement = prescribed_displacements_at(
-        problem, lattice.points, _support_selector(lattice)
+        problem, lattice.points, support_selector(lattice)
     )
     if held.all():
         raise ProblemError(
@@ -131,7 +131,7 @@ def _volumes(lattice: CutLattice, stiffness: float) -> Volumes | None:
 # Supports -----------------------------------------------------------------------------------------
 
 
-def _support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
+def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
     """Which points a support holds, as a function of the support."""
 
     def held(support: Support) -> Mask:

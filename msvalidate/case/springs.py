@@ -32,7 +32,7 @@ from msvalidate.problem import Array, Isotropic, Mask, ProblemError, SolverError
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.statics.stress import cell_stress, cell_volume
 
-MOST_FINE = {2: 150_000, 3: 60_000}
+MOST_FINE = {2: 150_000, 3: 80_000}
 """Points of the finest lattice, by the number of axes, beyond which there is none so fine."""
 FINER = (1, 2, 4)
 """How many times as fine as asked."""
@@ -98,7 +98,7 @@ class SpringAnswer:
     @property
     def energy(self) -> float:
         """Strain energy (J)."""
-        return mode_energy(self.network, self.network.points, self.rest.displacement)
+        return mode_energy(self.network, self.network.points, self.rest.displacement) / 2
 
     def reaction(self, held: Mask) -> Array:
         """Force (d,) in N of a support that holds components (n, d) of points."""

@@ -23,12 +23,14 @@ PLACES = {"--out": "DIR", "--junit": "FILE", "--studies": "DIR"}
 """Options whose value is the reader's own affair: option -> what a report shows in its place."""
 VALUED = {*PLACES, "--seed", "--jobs", "--table", "--reason"}
 """Options that take the next word."""
-COMMANDS = "\n".join(f"  {verb:<8}{said}" for verb, said in VERBS.items())
+CASE = "your own body: case new, case run, case schema"
+COMMANDS = "\n".join(f"  {verb:<8}{said}" for verb, said in {**VERBS, "case": CASE}.items())
 FIRST = f"""\
 What are springs good for, and how wrong are they? First try:
 
   {PROGRAM} poisson      one study, ten seconds: its findings, and a page to read
   {PROGRAM} list         what can be studied
+  {PROGRAM} case new my  a body of your own: writes my.toml
   {PROGRAM} all --quick  every study in its small form, two minutes
   {PROGRAM} --help       all commands
 """

@@ -30,6 +30,7 @@ from msvalidate.cli.arguments import (
     as_shown,
     parse,
 )
+from msvalidate.cli.case_arguments import parse_case
 from msvalidate.cli.terminal import (
     CompilationNotice,
     ending,
@@ -53,12 +54,23 @@ if TYPE_CHECKING:
 
 def main(arguments: Sequence[str]) -> int:
     """Run what the command line asks for; return the exit code."""
+    if arguments[:1] == ["case"]:
+        return _case(parse_case(arguments[1:]))
     args = parse(arguments)
     if args.verb == "list":
         return _guard(_list, args)
     if args.verb == "report":
         return _guard(lambda: _report(args), args)
     return _guard(lambda: _run(args, arguments), args)
+
+
+def _case(args: argparse.Namespace) -> int:
+    def act() -> int:
+        from msvalidate.cli import cases
+
+        return cases.act(args)
+
+    return _guard(act, args)
 
 
 def _list() -> int:

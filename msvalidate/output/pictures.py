@@ -34,14 +34,17 @@ def shorten_paths(svg: bytes) -> bytes:
 
 
 def embed_pictures(
-    study: str, pictures: Mapping[str, tuple[str, bytes]], room: int
+    study: str, pictures: Mapping[str, tuple[str, bytes]], room: int, large: int = LARGE
 ) -> tuple[Picture, ...]:
-    """A study's pictures in their order: inside the page as long as there is room (bytes)."""
+    """A study's pictures in their order: inside the page as long as there is room (bytes).
+
+    Those of more than `large` bytes are linked.
+    """
     found = []
     for name, (caption, svg) in pictures.items():
         text = svg.decode("utf-8", errors="replace")
         source = "data:image/svg+xml," + quote(text, safe=_SAFE)
-        fits = len(source) <= min(room, LARGE)
+        fits = len(source) <= min(room, large)
         room -= len(source) if fits else 0
         width = _WIDTH.search(text)
         wide = bool(width and float(width[1]) > WIDE)

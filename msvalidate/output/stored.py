@@ -13,8 +13,9 @@ import csv as text_tables
 import io
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -150,11 +151,7 @@ def result_files(
     captions = {}
     for name, draw in evidence.figures.items() if plots else ():
         captions[name] = (draw.__doc__ or name).partition("\n")[0]
-        with figure_style():
-            figure = draw(evidence.tables)
-            add_title(figure, captions[name])
-            _lay_out(figure)
-            found |= {f"{name}.{kind}": _render_figure(figure, kind) for kind in FORMATS}
+        found |= draw_files(name, captions[name], partial(draw, evidence.tables))
     used = {column for table in evidence.tables.values() for column in table}
     about = About(
         question=result.question,
@@ -167,6 +164,15 @@ def result_files(
         seconds=seconds,
     )
     return found | {ABOUT: _json(msgspec.to_builtins(about))}
+
+
+def draw_files(name: str, caption: str, draw: Callable[[], Figure]) -> dict[str, bytes]:
+    """A figure in each of `FORMATS`, its caption above it: name of the file -> content."""
+    with figure_style():
+        figure = draw()
+        add_title(figure, caption)
+        _lay_out(figure)
+        return {f"{name}.{kind}": _render_figure(figure, kind) for kind in FORMATS}
 
 
 def known_files(folder: Path) -> set[str]:

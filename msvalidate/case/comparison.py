@@ -1,0 +1,445 @@
+"""Springs of a case, or anybody's displacements, beside elasticity: numbers, words and a budget."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.bodies.cut_network import support_selector
+from msvalidate.case.case import Case, compared_points
+from msvalidate.case.springs import SpringAnswer, SpringLimit, limit_of, solve_finer
+from msvalidate.constants.homogenise import homogenise
+from msvalidate.judging.compare import AGREES, DIFFERS, NOT_ASKED, agreement
+from msvalidate.lattice import CutLattice, PatternLattice
+from msvalidate.problem import (
+    AXES,
+    Anisotropic,
+    Array,
+    Mask,
+    Problem,
+    ProblemError,
+    SolverError,
+    Support,
+)
+from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.statics.stress import fitted_stress, interior_points
+from reference_fem.converged import Reference, converge
+from reference_fem.elasticity import elastic_tensor
+
+COARSE, OTHER_MATERIAL, NOT_TOLD = "coarse", "another material", "not told"
+"""Why springs differ: their spacing, or what they are at any spacing, or either."""
+KNOWN_STRESS, LEAST_KNOWN = 0.5, 0.5
+"""Of the band, what elasticity's stress may be off at points that count; of all, how many must."""
+STRESSED_POINTS = 400
+"""Points at most at which stresses are compared: each is a fit of its own."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity of springs and of elasticity.
+
+    Parameters
+    ----------
+    quantity, unit
+        What, and its unit.
+    springs, elasticity
+        Sizes, in the unit.
+    difference
+        Of the two, over the size of elasticity's.
+    doubt
+        How far elasticity's own value may be off, on the same scale.
+    verdict
+        A word of `judging.compare`.
+    """
+
+    quantity: str
+    unit: str
+    springs: float
+    elasticity: float
+    difference: float
+    doubt: float
+    verdict: str
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A case's springs beside elasticity.
+
+    Parameters
+    ----------
+    case
+        What was asked.
+    points
+        (p, d) in m, where displacements are compared.
+    springs
+        On the lattice asked for, then on finer ones.
+    limit
+        What they close in on.
+    reference
+        Elasticity at the points.
+    homogenised
+        The same of the material that the springs are, where constants were given; else None.
+    rows
+        A row a quantity.
+    kind
+        Why springs differ, "" where they do not.
+    notes
+        What was not found, and why.
+    """
+
+    case: Case
+    points: Array
+    springs: tuple[SpringAnswer, ...]
+    limit: SpringLimit
+    reference: Reference
+    homogenised: Reference | None
+    rows: tuple[Row, ...]
+    kind: str
+    notes: tuple[str, ...]
+
+    @property
+    def displacement(self) -> Array:
+        """Displacement (p, d) in m of the springs asked for, at the points."""
+        return self.springs[0].at(self.points)
+
+    @property
+    def size(self) -> float:
+        """Largest displacement (m) of elasticity at the points."""
+        return largest(self.reference.displacement.value)
+
+    @property
+    def relative(self) -> Array:
+        """Length (p,) of springs - elasticity over the largest displacement."""
+        away = self.displacement - self.reference.displacement.value
+        return np.asarray(np.linalg.norm(away, axis=1) / (self.size or 1.0))
+
+
+def largest(field: Array) -> float:
+    """Length of the longest of some vectors (p, d)."""
+    return float(np.linalg.norm(field, axis=1).max())
+
+
+def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -> Comparison:
+    """Solve a case with springs and with elements and compare them.
+
+    Parameters
+    ----------
+    case
+        What is asked.
+    progress
+        Told what is being done.
+
+    Raises
+    ------
+    ProblemError
+        If lattice, supports, loads and material do not go together, or a point lies outside.
+    SolverError
+        If there is no trustworthy answer.
+    """
+    progress("springs")
+    answers = solve_finer(case)
+    points = compared_points(case, answers[0].lattice)
+    limit = limit_of(answers, points)
+    progress("elements")
+    reference = converge(case.problem, points, case.accuracy)
+    homogenised, notes = _homogenised(case, answers[0], points)
+    rows = [_displacement(case, answers[0], reference)]
+    makers = {
+        "reactions": _reactions,
+        "strain energy": _energy,
+        "mean stress": _mean_stress,
+        "point stress": _point_stress,
+    }
+    for name, make in makers.items():
+        if name in case.quantities:
+            progress(name)
+            try:
+                rows += make(case, answers[0], reference)
+            except (ProblemError, SolverError) as error:
+                notes.append(f"{name}: not compared: {error}")
+                rows.append(Row(name, "", math.nan, math.nan, math.nan, math.nan, NOT_ASKED))
+    if "displacement" not in case.quantities:
+        rows = rows[1:]
+    kind = _kind_of_error(case, limit, reference)
+    return Comparison(
+        case, points, answers, limit, reference, homogenised, tuple(rows), kind, tuple(notes)
+    )
+
+
+def _displacement(case: Case, springs: SpringAnswer, reference: Reference) -> Row:
+    found, wanted = springs.at(reference.points), reference.displacement.value
+    size = largest(wanted)
+    difference = largest(found - wanted) / size if size else math.inf
+    verdict = agreement(difference, reference.error, case.band)
+    return Row("displacement", "m", largest(found), size, difference, reference.error, verdict)
+
+
+def _reactions(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
+    """A row a support, over the largest of all."""
+    wanted = reference.reactions
+    size = max(float(np.linalg.norm(each.value)) for each in wanted)
+    left = springs.network.held.copy()
+    rows = []
+    for number, (support, each) in enumerate(zip(case.problem.supports, wanted, strict=True)):
+        on = _held_by(support, springs) & left
+        left &= ~on
+        found = springs.reaction(on)
+        difference = float(np.linalg.norm(found - each.value)) / size if size else math.nan
+        doubt = each.uncertainty / size if size else math.nan
+        sizes = float(np.linalg.norm(found)), float(np.linalg.norm(each.value))
+        name = f"reaction of support {number + 1}" if len(wanted) > 1 else "reaction"
+        rows.append(Row(name, "N", *sizes, difference, doubt, _word(case, difference, doubt)))
+    return rows
+
+
+def _held_by(support: Support, springs: SpringAnswer) -> Mask:
+    """Components (n, d) of points that a support holds in the network."""
+    lattice, region = springs.lattice, support.region
+    if isinstance(lattice, CutLattice):
+        on = support_selector(lattice)(support)
+    else:
+        on = region.select(lattice.points, lattice.domain.tolerance)
+    asked = [value is not None for value in support.displacement]
+    return np.asarray(on[:, None] & np.array(asked))
+
+
+def _energy(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
+    found, wanted = springs.energy, float(reference.energy.value[0])
+    difference, doubt = abs(found - wanted) / wanted, reference.energy.uncertainty / wanted
+    return [
+        Row("strain energy", "J", found, wanted, difference, doubt, _word(case, difference, doubt))
+    ]
+
+
+def _mean_stress(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
+    found = springs.mean_stress(case.problem.material.thickness)
+    wanted = reference.mean_stress
+    size = float(np.abs(wanted.value).max())
+    difference, doubt = float(np.abs(found - wanted.value).max()) / size, wanted.uncertainty / size
+    sizes = float(np.abs(found).max()), size
+    return [Row("mean stress", "Pa", *sizes, difference, doubt, _word(case, difference, doubt))]
+
+
+def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:
+    """Root mean square over points inside, at which elasticity's own stress is known well enough.
+
+    Next to corners no mesh knows it, and cells that an outline cuts have none of the body's.
+    """
+    lattice = springs.lattice
+    usable = np.ones(len(lattice.points), dtype=bool)
+    if isinstance(lattice, CutLattice):
+        usable = interior_points(lattice)
+    (places,) = np.nonzero(usable)
+    at = lattice.points[places[:: max(1, len(places) // STRESSED_POINTS)]]
+    wanted, doubts = reference.stress(at)
+    size = float(np.sqrt((wanted**2).sum(axis=1).mean()))
+    known = doubts <= KNOWN_STRESS * case.band * size
+    if known.mean() >= LEAST_KNOWN:
+        at, wanted, doubts = at[known], wanted[known], doubts[known]
+    degree = 4 if at.shape[1] == 2 else 2  # in space few points lie off a surface of degree 4
+    tensor = elastic_tensor(case.problem.material)
+    x, u = lattice.points[usable], springs.rest.displacement[usable]
+    found = fitted_stress(x, u, at, tensor, degree=degree)
+
+    def mean(values: Array) -> float:
+        return float(np.sqrt((values**2).sum(axis=-1).mean()))
+
+    difference, doubt = mean(found - wanted) / size, mean(doubts[:, None]) / size
+    name = f"stress at {len(at)} of {len(known)} points"
+    word = _word(case, difference, doubt)
+    return [Row(name, "Pa", mean(found), mean(wanted), difference, doubt, word)]
+
+
+def _word(case: Case, difference: float, doubt: float) -> str:
+    return agreement(difference, doubt, case.band) if math.isfinite(difference) else NOT_ASKED
+
+
+def _homogenised(
+    case: Case, springs: SpringAnswer, points: Array
+) -> tuple[Reference | None, list[str]]:
+    """Elasticity of the material that given constants make, and why there is none."""
+    if case.constants is None:
+        return None, []
+    lattice, law = springs.lattice, case.problem.material
+    if not isinstance(lattice, PatternLattice):
+        return None, ["material of the springs: not known for this lattice"]
+    try:
+        tensor = homogenise(lattice.pattern, case.constants, springs.spacing).tensor.copy()
+        d = case.problem.domain.dim
+        tensor[:d, :d] += case.volume
+        scale = law.thickness if d == 2 else 1.0
+        other = Anisotropic(tensor / scale, law.density, law.thickness)
+        problem = Problem(
+            case.problem.domain, other, case.problem.supports, case.problem.loads, case.name
+        )
+        return converge(problem, points, case.accuracy), []
+    except (ProblemError, SolverError) as error:
+        return None, [f"material of the springs: not found: {error}"]
+
+
+def _kind_of_error(case: Case, limit: SpringLimit, reference: Reference) -> str:
+    """Whether springs would agree on finer lattices, never, or one cannot tell."""
+    wanted = reference.displacement.value
+    size = largest(wanted)
+    if not size:
+        return ""
+    left = largest(limit.displacement - wanted) / size
+    doubt = limit.uncertainty / size + reference.error
+    word = agreement(left, doubt, case.band) if math.isfinite(doubt) else ""
+    return {AGREES: COARSE, DIFFERS: OTHER_MATERIAL}.get(word, NOT_TOLD)
+
+
+# Budget -------------------------------------------------------------------------------------------
+
+PARTS = {
+    "spacing": "what finer lattices take away",
+    "boundary": "what stays though the material is right: springs and loads at the sides",
+    "material": "the material that the springs are, beside the one asked for",
+}
+"""Parts that make up the difference, in words."""
+
+
+def budget(found: Comparison) -> pd.DataFrame:
+    """Parts of the difference where it is largest, along it, over the largest displacement.
+
+    Columns: part, value (1), doubt (1), meaning. The first ones add up to the total; what stands
+    below it is no part of it: large displacements, which linear answers leave out, and how far rest
+    and reference may be off.
+    """
+    total = found.displacement - found.reference.displacement.value
+    at = int(np.linalg.norm(total, axis=1).argmax())
+    size, length = found.size or 1.0, float(np.linalg.norm(total[at]))
+    along = total[at] / length if length else np.zeros(total.shape[1])
+
+    def part(field: Array) -> float:
+        return float(field[at] @ along) / size + 0.0
+
+    target = found.reference.displacement.value
+    own = target if found.homogenised is None else found.homogenised.displacement.value
+    error = found.limit.uncertainty / size
+    rows = []
+    if math.isfinite(error):
+        values = {
+            "spacing": part(found.displacement - found.limit.displacement),
+            "boundary": part(found.limit.displacement - own),
+            "material": part(own - target),
+        }
+        doubts = {
+            "spacing": error,
+            "boundary": error + found.reference.error,
+            "material": found.reference.error,
+        }
+        rows = [(name, values[name], doubts[name], said) for name, said in PARTS.items()]
+    rows.append(
+        ("total", length / size, found.reference.error, "springs - elasticity, both linear")
+    )
+    rows.append(("large displacements", *_geometric(found, part)))
+    rows.append(("rest", 0.0, _rest(found), "solver and rounding of the springs"))
+    rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
+    return pd.DataFrame(rows, columns=["part", "value", "doubt", "meaning"])
+
+
+def _rest(found: Comparison) -> float:
+    rest = found.springs[0].rest
+    return float(rest.error) * float(np.abs(rest.displacement).max()) / (found.size or 1.0)
+
+
+def _geometric(found: Comparison, part: Callable[[Array], float]) -> tuple[float, float, str]:
+    """Springs in full less springs to first order, at the same place and direction."""
+    springs = found.springs[0]
+    said = "springs in full - springs to first order: what linear answers leave out"
+    try:
+        full = equilibrium(springs.network, "nonlinear")
+    except (ProblemError, SolverError) as error:
+        return math.nan, math.nan, f"{said}; not found: {error}"
+    moved = SpringAnswer(
+        springs.spacing, springs.lattice, springs.network, full, springs.calibration, 0.0
+    )
+    return part(moved.at(found.points) - found.displacement), 0.0, said
+
+
+# Tables -------------------------------------------------------------------------------------------
+
+
+def tables(found: Comparison) -> dict[str, pd.DataFrame]:
+    """Tables of a comparison, by name."""
+    rows = pd.DataFrame([vars(row) for row in found.rows])
+    return {
+        "quantities": rows,
+        "budget": budget(found),
+        "lattices": _lattice_table(found),
+        "meshes": _mesh_table(found),
+        "points": point_table(found.points, found.displacement, found.reference),
+    }
+
+
+def _lattice_table(found: Comparison) -> pd.DataFrame:
+    wanted, size = found.reference.displacement.value, found.size or 1.0
+    rows = [
+        {
+            "spacing": answer.spacing,
+            "points": len(answer.lattice.points),
+            "springs": len(answer.lattice.springs),
+            "difference": largest(answer.at(found.points) - wanted) / size,
+            "seconds": answer.seconds,
+        }
+        for answer in found.springs
+    ]
+    limit = {
+        "spacing": 0.0,
+        "points": math.nan,
+        "springs": math.nan,
+        "difference": largest(found.limit.displacement - wanted) / size,
+        "seconds": math.nan,
+    }
+    return pd.DataFrame([*rows, limit] if math.isfinite(found.limit.uncertainty) else rows)
+
+
+def _mesh_table(found: Comparison) -> pd.DataFrame:
+    wanted, size = found.reference.displacement.value, found.size or 1.0
+    rows = [
+        {
+            "element": solution.body.element.name,
+            "nodes": len(solution.body.points),
+            "difference": largest(solution.at(found.points) - wanted) / size,
+        }
+        for solution in found.reference.solutions
+    ]
+    return pd.DataFrame(rows)
+
+
+def point_table(points: Array, displacement: Array, reference: Reference) -> pd.DataFrame:
+    """Places and displacements of a candidate and of elasticity (m), and their difference (1)."""
+    wanted = reference.displacement.value
+    axes = AXES[: points.shape[1]]
+    away = np.linalg.norm(displacement - wanted, axis=1) / (largest(wanted) or 1.0)
+    columns = dict(zip(axes, points.T, strict=True))
+    columns |= {f"u{axis}": u for axis, u in zip(axes, displacement.T, strict=True)}
+    columns |= {f"elastic_u{axis}": u for axis, u in zip(axes, wanted.T, strict=True)}
+    return pd.DataFrame(columns | {"difference": away})
+
+
+COLUMNS = {
+    "quantity": "what is compared",
+    "unit": "of the two sizes",
+    "springs": "largest of the springs (or root mean square, where said)",
+    "elasticity": "the same of converged elasticity",
+    "difference": "of springs and elasticity, over elasticity's (1)",
+    "doubt": "how far it may be off (1)",
+    "verdict": "agrees or differs within the band, whatever the doubt; else not resolved",
+    "part": "of the difference, where it is largest",
+    "value": "along the difference there, over the largest displacement (1)",
+    "meaning": "what the part is",
+    "spacing": "side of the lattice's cells (m); 0 is what the lattices close in on",
+    "points": "of the lattice",
+    "seconds": "that its answer took",
+    "element": "of the mesh: Q2, P2 in the plane, H2, T2 in space are quadratic",
+    "nodes": "of the mesh",
+    "x": "place (m)",
+    "y": "place (m)",
+    "z": "place (m)",
+}

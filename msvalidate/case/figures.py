@@ -1,0 +1,271 @@
+"""Pictures of a case: the body as held and loaded, springs over elements, difference, budget."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from msvalidate.case.comparison import Comparison
+from msvalidate.output.body_drawing import draw_loads, draw_supports
+from msvalidate.output.figures import COLOURS, new_figure, solid_axes
+from msvalidate.problem import Array, Index, Mask
+from reference_fem.body import Solution, nodal_forces
+
+DEFORMED = 0.1
+"""Of the body's size, how far its largest displacement is drawn."""
+ARROW = 0.12
+"""Of the body's size, the longest arrow of a load."""
+MOST_ARROWS = 40
+UPWARDS = [0, 2, 1]
+"""Axes in the order in which they are drawn in space, the last upwards."""
+WIDE, TALLEST = 6.4, 6.0
+
+
+def figures(
+    found: Comparison, budget: pd.DataFrame, lattices: pd.DataFrame
+) -> dict[str, tuple[str, Callable[[], Figure]]]:
+    """Name of each picture -> its caption, and what draws it."""
+    return {
+        "body": ("The body, its supports and its loads", lambda: draw_body(found)),
+        "field": (
+            "Springs over elements, displacements enlarged",
+            lambda: draw_fields(found),
+        ),
+        "difference": (
+            "Difference of springs and elasticity over the largest displacement",
+            lambda: draw_difference(found.points, found.relative, found.reference.finest),
+        ),
+        "spacing": (
+            "Difference of springs and elasticity against their spacing",
+            lambda: draw_spacing(found, lattices),
+        ),
+        "budget": (
+            "What makes up the difference where it is largest",
+            lambda: draw_budget(budget, found.case.band),
+        ),
+    }
+
+
+def body_axes(points: Array, room: float = 0.0) -> tuple[Figure, Any]:
+    """Figure and axes for a body with points (n, d) in m, in true proportions where they can be."""
+    if points.shape[1] == 3:
+        figure, axes = solid_axes(1, (5.6, 4.6))
+        low, high = points.min(axis=0) - room, points.max(axis=0) + room
+        axis = axes[0]
+        axis.set(xlim=(low[0], high[0]), ylim=(low[2], high[2]), zlim=(low[1], high[1]))
+        axis.set_box_aspect((high - low)[UPWARDS], zoom=0.9)
+        parts = (high - low)[UPWARDS] / (high - low).max()
+        for scale, part in zip((axis.xaxis, axis.yaxis, axis.zaxis), parts, strict=True):
+            scale.set_major_locator(MaxNLocator(max(1, round(4 * part)), steps=[1, 2, 5, 10]))
+        return figure, axis
+    size = np.ptp(points, axis=0) + 2 * room
+    height = float(np.clip(WIDE * size[1] / size[0], 1.6, TALLEST))
+    figure, (axis,) = new_figure(size=(WIDE, height + 0.9))
+    low, high = points.min(axis=0) - room, points.max(axis=0) + room
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x (m)", ylabel="y (m)")
+    if max(size) < 12 * min(size):
+        axis.set_aspect("equal", adjustable="box")
+    return figure, axis
+
+
+def draw_body(found: Comparison) -> Figure:
+    """The undeformed body: surface, particles, supports, loads."""
+    solution = found.reference.solutions[0]
+    x = solution.body.points
+    size = float(np.ptp(x, axis=0).max())
+    figure, axis = body_axes(x, 1.3 * ARROW * size)
+    _draw_edges(axis, x, solution, "#666666", "body")
+    lattice = found.springs[0].lattice
+    if x.shape[1] == 2:
+        axis.plot(
+            *lattice.points.T,
+            ".",
+            ms=1.5,
+            color="#9aa6b2",
+            label="particles",
+            zorder=1,
+            rasterized=True,
+        )
+        held = found.springs[0].network.held
+        on = held.any(axis=1)
+        draw_supports(axis, lattice.points[on], held[on], 4.0)
+        at, force = _arrows(found)
+        draw_loads(axis, at, force, ARROW * size)
+        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=4)
+        return figure
+    held3 = found.springs[0].network.held.any(axis=1)
+    axis.plot(
+        *lattice.points[held3][:, UPWARDS].T, "s", ms=2.5, mfc="none", color="black", label="held"
+    )
+    at, force = _arrows(found)
+    if len(at):
+        length = ARROW * size * force / np.linalg.norm(force, axis=1).max()
+        axis.quiver(
+            *(at - length)[:, UPWARDS].T,
+            *length[:, UPWARDS].T,
+            color=COLOURS[1],
+            lw=1.2,
+            label="load",
+        )
+    axis.legend(loc="upper left")
+    return figure
+
+
+def _arrows(found: Comparison) -> tuple[Array, Array]:
+    """Places (k, d) in m and forces (k, d) in N of loads, at most so many of them."""
+    body = found.reference.solutions[0].body
+    force = nodal_forces(found.case.problem, body)
+    (on,) = np.nonzero(np.linalg.norm(force, axis=1) > 1e-12 * np.abs(force).max(initial=0.0))
+    chosen = on[:: max(1, -(-len(on) // MOST_ARROWS))]
+    return np.asarray(body.points[chosen]), np.asarray(force[chosen])
+
+
+def draw_fields(found: Comparison) -> Figure:
+    """Deformed outlines of elements with deformed springs over them, both enlarged alike."""
+    solution = found.reference.finest
+    rest = found.springs[0].rest.displacement
+    lattice = found.springs[0].lattice
+    x = solution.body.points
+    size = float(np.ptp(x, axis=0).max())
+    most = max(found.size, float(np.abs(rest).max())) or 1.0
+    times = DEFORMED * size / most
+    moved = x + times * solution.displacement
+    springs = lattice.points + times * rest
+    figure, axis = body_axes(np.concatenate([moved, springs, x]), 0.02 * size)
+    order = UPWARDS if x.shape[1] == 3 else [0, 1]
+    _draw_edges(axis, moved, solution, COLOURS[1], "elements")
+    marks = lattice.points.shape[1] == 2
+    if marks:
+        lines = LineCollection(
+            list(springs[lattice.springs]),
+            color=COLOURS[4],
+            lw=0.35,
+            alpha=0.7,
+            label="springs",
+            rasterized=True,
+        )
+        axis.add_collection(lines)
+    else:
+        axis.plot(
+            *springs[:, order].T, ".", ms=1.5, color=COLOURS[0], label="springs", rasterized=True
+        )
+    _draw_edges(axis, x, solution, "#999999", "at rest", "--")
+    axis.set_title(f"displacements {times:.3g} times as large", loc="left")
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16 if marks else 0.02), ncols=3)
+    return figure
+
+
+def draw_difference(points: Array, relative: Array, solution: Solution) -> Figure:
+    """Difference (p,) at points (p, d) in m, on one colour scale, over the body's outline."""
+    x = solution.body.points
+    size = float(np.ptp(x, axis=0).max())
+    figure, axis = body_axes(np.concatenate([x, points]), 0.03 * size)
+    _draw_edges(axis, x, solution, "#666666", "body")
+    order = np.argsort(relative, kind="stable")
+    at = points[order][:, UPWARDS] if x.shape[1] == 3 else points[order]
+    dots = axis.scatter(
+        *at.T,
+        c=100 * relative[order],
+        cmap="viridis",
+        s=_dot_size(len(points)),
+        vmin=0.0,
+        rasterized=True,
+    )
+    figure.colorbar(
+        dots, ax=axis, label="difference (%)", shrink=0.8, pad=0.1 if x.shape[1] == 3 else 0.02
+    )
+    worst = at[-1]
+    axis.plot(
+        *[[c] for c in worst], "o", ms=9, mfc="none", mec=COLOURS[1], label="largest", zorder=4
+    )
+    low = -0.16 if len(worst) == 2 else 0.02
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, low), ncols=2)
+    return figure
+
+
+def _dot_size(count: int) -> float:
+    return float(np.clip(6000 / count, 2.0, 36.0))
+
+
+def draw_spacing(found: Comparison, lattices: pd.DataFrame) -> Figure:
+    """Difference of each lattice and of their limit, with the band and elasticity's own error."""
+    figure, (axis,) = new_figure(size=(5.2, 3.4))
+    there = lattices[lattices["spacing"] > 0]
+    axis.loglog(
+        there["spacing"], 100 * there["difference"], "o-", color=COLOURS[0], label="springs"
+    )
+    if len(there) < len(lattices):
+        limit = 100 * float(lattices["difference"].iloc[-1])
+        axis.axhline(limit, color=COLOURS[2], ls="-.", label="what they close in on")
+    axis.axhline(100 * found.case.band, color=COLOURS[1], ls="--", label="band")
+    if found.reference.error > 0:
+        axis.axhline(
+            100 * found.reference.error, color="grey", ls=":", label="elasticity's own error"
+        )
+    axis.set(xlabel="spacing (m)", ylabel="difference (%)")
+    axis.legend()
+    return figure
+
+
+def draw_budget(budget: pd.DataFrame, band: float) -> Figure:
+    """Bars of the parts, with their doubts, and the band."""
+    figure, (axis,) = new_figure(size=(6.0, 3.0))
+    known = budget[np.isfinite(budget["value"].to_numpy(dtype=float))]
+    place = np.arange(len(known))[::-1]
+    value, doubt = 100 * known["value"], 100 * known["doubt"]
+    colour = [COLOURS[1] if part == "total" else COLOURS[0] for part in known["part"]]
+    axis.barh(place, value, xerr=doubt, color=colour, height=0.6, error_kw={"capsize": 3, "lw": 1})
+    axis.set_yticks(place, list(known["part"]))
+    axis.axvline(0, color="black", lw=0.8)
+    for sign in (-1, 1):
+        axis.axvline(
+            sign * 100 * band, color="grey", ls="--", lw=1, label="band" if sign > 0 else None
+        )
+    axis.set_xlabel("part of the difference over the largest displacement (%)")
+    axis.legend(loc="lower right")
+    return figure
+
+
+def _draw_edges(
+    axis: Axes, places: Array, solution: Solution, colour: str, label: str, style: str = "-"
+) -> None:
+    """Outline of a body in the plane, sharp edges and rims in space, its nodes at places (n, d)."""
+    body = solution.body
+    facets = body.surface
+    if body.dim == 2:
+        ends = facets[:, [0, 2, 1]] if facets.shape[1] == 3 else facets
+        lines = list(places[ends])
+        axis.add_collection(
+            LineCollection(lines, colors=colour, linewidths=1.1, linestyles=style, label=label)
+        )
+        return
+    edges = sharp_edges(body.points, facets[:, : _corners(facets)])
+    for number, (a, b) in enumerate(edges):
+        line = places[[a, b]][:, UPWARDS].T
+        axis.plot(*line, style, color=colour, lw=0.9, label=label if not number else None)
+
+
+def _corners(facets: Index) -> int:
+    return 3 if facets.shape[1] in (3, 6) else 4
+
+
+def sharp_edges(points: Array, facets: Index, angle: float = 0.5) -> Index:
+    """Edges (e, 2) between facets (f, 3 or 4) that meet at more than an angle (rad)."""
+    x = points[facets]
+    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    pairs = np.sort(np.stack([facets, np.roll(facets, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    owner = np.repeat(np.arange(len(facets)), facets.shape[1])
+    order = np.lexsort(pairs.T[::-1])
+    pairs, owner = pairs[order], owner[order]
+    same: Mask = (pairs[1:] == pairs[:-1]).all(axis=1)
+    first = np.flatnonzero(same)
+    cosine = (normal[owner[first]] * normal[owner[first + 1]]).sum(axis=1)
+    return np.asarray(pairs[first[cosine < np.cos(angle)]])

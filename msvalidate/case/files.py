@@ -1,0 +1,132 @@
+"""What a case leaves in its folder: page, tables, pictures, fields and verdict, whole or not."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate.case.comparison import Comparison
+from msvalidate.output import exchange
+from msvalidate.output.stored import csv_bytes, draw_files
+from msvalidate.output.vtu import vtu_bytes
+from msvalidate.problem import Array, ProblemError
+from msvalidate.problem.checks import format_value
+
+MARK = "case.json"
+"""The file that tells a folder of results of a case from other people's."""
+LONGEST_FOLDER = 80
+
+
+def folder_name(stem: str) -> str:
+    """A folder's name from a file's: letters, digits and dashes alone."""
+    found = re.sub(r"[^A-Za-z0-9_]+", "-", stem).strip("-")[:LONGEST_FOLDER]
+    return found or "case"
+
+
+def refuse_foreign(folder: Path) -> None:
+    """Raise `ProblemError` where a folder holds what no case left there."""
+    if folder.exists() and not folder.is_dir():
+        raise ProblemError(f"--out: {folder} is a file; name another folder")
+    if not folder.is_dir():
+        return
+    try:
+        own = set(json.loads((folder / MARK).read_text(encoding="utf-8"))["files"])
+    except (OSError, ValueError, KeyError, TypeError):
+        own = set()
+    others = sorted(path.name for path in folder.iterdir() if path.name not in own)
+    if others:
+        raise ProblemError(
+            f"--out: {folder} holds {format_value(others[0])}, which no case left there; name "
+            "another folder, or move it away"
+        )
+
+
+def publish(folder: Path, files: exchange.Files) -> None:
+    """Put the files in the folder's place in one step; what was there stays until then."""
+    refuse_foreign(folder)
+    folder = folder.resolve()
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    names = sorted([*files, MARK])
+    with exchange.alone(folder.parent), exchange.stage_folder(folder.parent) as new:
+        exchange.write(new / folder.name, {**files, MARK: json_bytes({"files": names})})
+        exchange.replace(new / folder.name, folder)
+
+
+def picture_files(
+    pictures: Mapping[str, tuple[str, Callable[[], Figure]]],
+) -> tuple[dict[str, bytes], dict[str, tuple[str, bytes]]]:
+    """PNG and SVG of each picture, and name -> caption and SVG for the page."""
+    files: dict[str, bytes] = {}
+    shown = {}
+    for name, (caption, draw) in pictures.items():
+        made = draw_files(name, caption, draw)
+        files |= made
+        shown[name] = (caption, made[f"{name}.svg"])
+    return files, shown
+
+
+def table_files(tables: Mapping[str, pd.DataFrame]) -> dict[str, bytes]:
+    """A CSV a table."""
+    return {f"{name}.csv": csv_bytes(table) for name, table in tables.items()}
+
+
+def field_files(found: Comparison) -> dict[str, bytes]:
+    """springs.vtu, with springs as lines, and elements.vtu; displacements and difference (m, 1)."""
+    springs = found.springs[0]
+    lattice = springs.lattice
+    wanted = _at_lattice(found)
+    own = springs.rest.displacement
+    away = np.linalg.norm(own - wanted, axis=1) / (found.size or 1.0)
+    solution = found.reference.finest
+    body = solution.body
+    return {
+        "springs.vtu": vtu_bytes(
+            lattice.points,
+            {"line": lattice.springs},
+            {"displacement_springs": own, "displacement_elements": wanted, "difference": away},
+        ),
+        "elements.vtu": vtu_bytes(
+            body.points,
+            {body.element.shape: body.cells},
+            {"displacement_elements": solution.displacement},
+        ),
+    }
+
+
+def _at_lattice(found: Comparison) -> Array:
+    """Elasticity (n, d) in m at the lattice's points; NaN at those outside the body."""
+    lattice = found.springs[0].lattice
+    wanted = np.full(lattice.points.shape, np.nan)
+    inside = getattr(lattice, "inside", np.ones(len(lattice.points), dtype=bool))
+    if isinstance(found.case.points, str) and found.case.points == "lattice":
+        wanted[inside] = found.reference.displacement.value
+    else:
+        wanted[inside] = found.reference.finest.at(lattice.points[inside])
+    return wanted
+
+
+def json_bytes(content: Any) -> bytes:
+    """JSON with a line a key; numbers that are none become null."""
+    return (json.dumps(_plain(content), indent=2, ensure_ascii=False) + "\n").encode()
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, bool | int | str) or value is None:
+        return value
+    return format_value(value)

@@ -1,0 +1,201 @@
+"""The page of a case: one HTML text that loads nothing and runs nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from msvalidate.case.case import Case, describe_spacing
+from msvalidate.case.comparison import COARSE, COLUMNS, OTHER_MATERIAL, Comparison, Row
+from msvalidate.judging.compare import AGREES, DIFFERS, NOT_ASKED, NOT_AT_REST, NOT_RESOLVED
+from msvalidate.output.page import Table, split_at_backticks, table_excerpt
+from msvalidate.output.pictures import Picture, embed_pictures
+from msvalidate.problem import BodyForce, PointForce, Support, Traction
+
+PICTURES = 1_500_000
+"""Bytes of pictures inside the page; others are linked."""
+WORST_FIRST = (DIFFERS, NOT_AT_REST, NOT_RESOLVED, AGREES, NOT_ASKED)
+"""Words of several quantities: the first that one of them has is the case's."""
+
+
+@dataclass(frozen=True)
+class ShownRow:
+    """A quantity as the page shows it."""
+
+    quantity: str
+    verdict: str
+    difference: str
+    doubt: str
+    candidate: str
+    elasticity: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class Page:
+    """All that the page of a case says."""
+
+    name: str
+    verdict: str
+    sentence: str
+    sentences: tuple[str, ...]
+    candidate: str
+    band: str
+    rows: tuple[ShownRow, ...]
+    notes: tuple[str, ...]
+    pictures: tuple[Picture, ...]
+    tables: tuple[Table, ...]
+    fields: tuple[str, ...]
+    asked: Mapping[str, str]
+    origin: Mapping[str, str]
+
+
+def render(page: Page) -> str:
+    """HTML of a page, complete in itself."""
+    environment = Environment(
+        loader=PackageLoader("msvalidate.output"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["pieces"] = split_at_backticks
+    return environment.get_template("case.html").render(page=page)
+
+
+def overall(rows: Sequence[Row]) -> str:
+    """The word of a case: the worst of its quantities'."""
+    words = {row.verdict for row in rows}
+    return next((word for word in WORST_FIRST if word in words), NOT_ASKED)
+
+
+def shown_rows(rows: Sequence[Row]) -> tuple[ShownRow, ...]:
+    """Quantities with few digits."""
+    return tuple(
+        ShownRow(
+            row.quantity,
+            row.verdict,
+            percent(row.difference),
+            percent(row.doubt),
+            _number(row.springs),
+            _number(row.elasticity),
+            row.unit,
+        )
+        for row in rows
+    )
+
+
+def shown_pictures(pictures: Mapping[str, tuple[str, bytes]]) -> tuple[Picture, ...]:
+    """Pictures inside the page as far as there is room."""
+    return embed_pictures(".", pictures, PICTURES, PICTURES)
+
+
+def shown_tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
+    """First rows of each table, as a CSV has them."""
+    texts = {name: table.map(_text) for name, table in tables.items()}
+    return tuple(table_excerpt(name, table, COLUMNS) for name, table in texts.items())
+
+
+def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
+    """What the springs of a case are good for: one sentence, and those that say why."""
+    row = found.rows[0]
+    band, case = percent(found.case.band), found.case
+    head = (
+        f"Springs ({describe_spacing(case)}) are {percent(row.difference)} off elasticity in "
+        f"{row.quantity}, ± {percent(row.doubt)}; the band is {band}."
+    )
+    said = []
+    worst = overall(found.rows)
+    others = [each.quantity for each in found.rows if each.verdict == worst]
+    if worst != row.verdict:
+        said.append(f"{', '.join(others)}: {worst}.")
+    said.append(_kind_sentence(found))
+    error = found.reference.error
+    reached = (
+        "as asked" if found.reference.resolved else f"not the {percent(case.accuracy)} asked for"
+    )
+    said.append(
+        f"Elasticity is known to {percent(error)} ({reached}): quadratic elements on "
+        f"{len(found.reference.solutions)} meshes, the finest of "
+        f"{len(found.reference.finest.body.points)} nodes."
+    )
+    return head, tuple(each for each in said if each)
+
+
+def _kind_sentence(found: Comparison) -> str:
+    limit, size = found.limit, found.size or 1.0
+    if not math.isfinite(limit.uncertainty):
+        return "One lattice alone: whether a finer one were better is not told."
+    order = f", order {limit.order:.1f}" if limit.status == "seen" else ""
+    left = found.limit.displacement - found.reference.displacement.value
+    rest = percent(float((left**2).sum(axis=1).max() ** 0.5) / size)
+    doubt = percent(limit.uncertainty / size)
+    closing = f"On finer lattices{order} they close in on {rest} ± {doubt}"
+    if found.kind == COARSE:
+        return f"{closing}: what is left is spacing."
+    if found.kind == OTHER_MATERIAL:
+        return f"{closing}: they are another material, whatever their spacing."
+    return f"{closing}, which does not tell spacing from material."
+
+
+def asked(case: Case) -> dict[str, str]:
+    """What a case asks, in words."""
+    problem, law = case.problem, case.problem.material
+    words = {**case.notes, "body": str(problem.domain), "material": _material(case)}
+    words["supports"] = "; ".join(_support(each) for each in problem.supports)
+    words["loads"] = "; ".join(_load(each) for each in problem.loads) or "none"
+    words["springs"] = describe_spacing(case)
+    words["points"] = case.points if isinstance(case.points, str) else f"{len(case.points)} places"
+    words["band"] = percent(case.band)
+    words["elasticity asked to"] = percent(case.accuracy)
+    return words | ({"density": f"{law.density:g} kg/m³"} if law else {})
+
+
+def _material(case: Case) -> str:
+    law = case.problem.material
+    state = getattr(law, "state", "tensor").replace("_", " ")
+    thickness = f", {law.thickness:g} m thick" if law.dim == 2 else ""
+    E, nu = getattr(law, "E", math.nan), getattr(law, "nu", math.nan)
+    return f"E = {E:g} Pa, nu = {nu:g}, {state}{thickness}"
+
+
+def _support(support: Support) -> str:
+    def word(value: object) -> str:
+        return "free" if value is None else "a field" if callable(value) else f"{value:g}"
+
+    return f"{support.region}: {', '.join(word(value) for value in support.displacement)} m"
+
+
+def _load(load: object) -> str:
+    def vector(given: object) -> str:
+        return "a field" if callable(given) else f"({', '.join(f'{x:g}' for x in given)})"  # type: ignore[attr-defined]
+
+    if isinstance(load, Traction):
+        return f"traction {vector(load.traction)} Pa on {load.region}"
+    if isinstance(load, PointForce):
+        return f"force {vector(load.force)} N at {vector(load.at)} m"
+    if isinstance(load, BodyForce):
+        return f"body force {vector(load.force)} N/m³"
+    return str(load)
+
+
+def percent(value: float) -> str:
+    """A part as a percentage with two digits."""
+    if not math.isfinite(value):
+        return "not known"
+    return f"{100 * value + 0.0:.2g} %" if abs(value) < 10 else f"{value:.3g} times"
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if math.isfinite(value) else ""
+
+
+def _text(value: object) -> str:
+    if isinstance(value, float):
+        return repr(value) if math.isfinite(value) else ""
+    return str(value)

@@ -1,0 +1,69 @@
+"""What ``msvalidate case`` takes: commands, files and options."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from msvalidate.cli.arguments import PROGRAM, USAGE
+
+FOLDER = Path("reports/cases")
+COMMANDS = {
+    "new": "write a commented case file",
+    "run": "solve cases with springs and with elements, and compare",
+    "judge": "compare displacements from a file with a case's elasticity",
+    "schema": "the JSON schema of case files, for editors",
+}
+EXIT_CODES = """\
+exit codes:
+  0  agrees in every quantity         2  wrong usage or bad input
+  1  differs, or is not resolved      3  a solver failed
+"""
+
+
+def parse_case(words: Sequence[str]) -> argparse.Namespace:
+    """The words after ``case``: `command` (one of `COMMANDS`) and its options.
+
+    Wrong usage ends the program with one line and exit code 2.
+    """
+    args = _parser().parse_args(list(words))
+    args.jobs, args.verbose = 1, getattr(args, "verbose", False)
+    return args
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=f"{PROGRAM} case",
+        description="Your own body: from a file to springs, elements, and a verdict.",
+        epilog=EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    each = {
+        name: commands.add_parser(
+            name,
+            help=said,
+            description=f"{said}.",
+            epilog=EXIT_CODES if name in {"run", "judge"} else None,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        for name, said in COMMANDS.items()
+        if name != "judge"
+    }
+    each["new"].add_argument("name", metavar="NAME", help="of the case; NAME.toml is written")
+    each["run"].add_argument("files", nargs="+", type=Path, metavar="FILE", help="case files")
+    each["run"].add_argument(
+        "--out",
+        type=Path,
+        default=FOLDER,
+        metavar="DIR",
+        help="folder in which each case gets a folder of its own (default: %(default)s)",
+    )
+    each["run"].add_argument("--no-plots", dest="plots", action="store_false", help="no pictures")
+    each["run"].add_argument("-q", "--quiet", action="store_true", help="say failures only")
+    for one in (parser, *each.values()):
+        one.error = lambda message: parser.exit(  # type: ignore[method-assign]
+            USAGE, f"{PROGRAM} case: error: {message}; see --help\n"
+        )
+    return parser

@@ -1,0 +1,110 @@
+"""What ``msvalidate case`` does: new, run, schema."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+
+from msvalidate.case import building, files, page, run
+from msvalidate.case.case import Case
+from msvalidate.case.schema import json_schema
+from msvalidate.case.template import template
+from msvalidate.cli.arguments import FAILED, HELD, MISSED, PROGRAM, USAGE
+from msvalidate.cli.terminal import print_lines, tell, tell_error
+from msvalidate.judging.compare import AGREES
+from msvalidate.output import exchange
+from msvalidate.problem import ProblemError, SolverError
+from msvalidate.problem.checks import format_value
+
+
+def act(args: argparse.Namespace) -> int:
+    """Do what the command line asks for; return the exit code."""
+    return {"new": _new, "run": _run, "schema": _schema}[args.command](args)
+
+
+def _new(args: argparse.Namespace) -> int:
+
+    path = Path(args.name).with_suffix(".toml")
+    name = path.stem
+    if not name.strip() or not name.isprintable() or '"' in name or "\\" in name:
+        raise ProblemError(
+            f"case new: {format_value(args.name)} is no name; give letters and digits"
+        )
+    if path.exists():
+        raise ProblemError(f"case new: {path} is there already; give another name")
+    if not path.parent.is_dir():
+        raise ProblemError(f"case new: no folder {path.parent}; make it first")
+    exchange.replace_file(path, lambda: template(path.name, name).encode())
+    tell(f"{path} written; change it, then: {PROGRAM} case run {path}")
+    return HELD
+
+
+def _schema(_args: argparse.Namespace) -> int:
+
+    return print_lines([json.dumps(json_schema(), indent=2)])
+
+
+def _run(args: argparse.Namespace) -> int:
+    """Each case in turn: one that is refused does not keep the others from being solved."""
+    codes = []
+    folders: dict[str, Path] = {}
+    for file in args.files:
+        name = files.folder_name(file.stem)
+        if name in folders:
+            text = f"case {file.name}: results of {folders[name]} go to the same folder {name}"
+            codes.append(tell_error(f"{text}; run it with another --out", USAGE))
+            continue
+        folders[name] = file
+        try:
+            files.refuse_foreign(args.out / name)
+            codes.append(_solve(building.read_case(file), args.out / name, args))
+        except ProblemError as error:
+            codes.append(tell_error(_said(file, error), USAGE))
+        except SolverError as error:
+            codes.append(tell_error(_said(file, error), FAILED))
+    return max(codes)
+
+
+def _said(file: Path, error: Exception) -> str:
+    text = " ".join(str(error).split())
+    return text if text.startswith("case ") else f"case {file.name}: {text}"
+
+
+def _solve(case: Case, folder: Path, args: argparse.Namespace) -> int:
+
+    began = time.perf_counter()
+    command = ("msvalidate", "case", "run", "FILE")
+    show = _Progress(case.name, shown=not args.quiet)
+    found, content = run.case_files(case, plots=args.plots, command=command, progress=show)
+    files.publish(folder, content)
+    show.clear()
+    word = page.overall(found.rows)
+    if not args.quiet:
+        head, said = page.sentences(found)
+        print_lines([f"{case.name}: {word}", f"  {head}", *(f"  {each}" for each in said)])
+        tell(f"{case.name}: {time.perf_counter() - began:.1f} s, {folder / 'case.html'}")
+    elif word != AGREES:
+        tell(f"{case.name}: {word}")
+    return HELD if word == AGREES else MISSED
+
+
+class _Progress:
+    """What is being done, in one line that is written over; nothing where nobody looks."""
+
+    def __init__(self, name: str, *, shown: bool) -> None:
+        self._name = name
+        self._shown = shown and sys.stderr.isatty()
+
+    def __call__(self, step: str) -> None:
+        if self._shown:
+            sys.stderr.write(f"\r\033[K{self._name}: {step} ...")
+            sys.stderr.flush()
+
+    def clear(self) -> None:
+        """Take the line away."""
+        if self._shown:
+            sys.stderr.write("\r\033[K")
+            sys.stderr.flush()

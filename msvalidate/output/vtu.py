@@ -1,0 +1,45 @@
+"""Fields on points and cells as .vtu files, which ParaView opens. Returns bytes, writes no results.
+
+The library writes files only, so each is made in a folder that is gone at the end.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+from msvalidate.problem import Array, Index
+
+
+def vtu_bytes(points: Array, cells: Mapping[str, Index], fields: Mapping[str, np.ndarray]) -> bytes:
+    """A .vtu file's content.
+
+    Parameters
+    ----------
+    points
+        (n, 2) or (n, 3) in m; plane ones lie at z = 0.
+    cells
+        meshio's name of a shape -> nodes (c, k).
+    fields
+        Name -> values (n,) or (n, d) at the points; vectors of two components get a third, 0.
+    """
+    mesh = meshio.Mesh(
+        _in_space(points),
+        [(name, np.asarray(each)) for name, each in cells.items()],
+        point_data={name: _in_space(np.asarray(value)) for name, value in fields.items()},
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "fields.vtu"
+        mesh.write(path, file_format="vtu")
+        return path.read_bytes()
+
+
+def _in_space(values: np.ndarray) -> np.ndarray:
+    """Vectors (n, 2) with a third component, 0; all else as it is."""
+    if values.ndim == 2 and values.shape[1] == 2:
+        return np.column_stack([values, np.zeros(len(values))])
+    return np.ascontiguousarray(values, dtype=float)
