@@ -68,6 +68,19 @@ def read_mesh(path: str | Path, unit: float = 1.0) -> Mesh:
         raise ProblemError(f"{said}: {error}") from error
 
 
+def read_points(path: str | Path) -> tuple[Array, dict[str, Any]]:
+    """Points (n, 3) of a file as it has them, and name -> values (n, ...) of its point data.
+
+    Raises
+    ------
+    ProblemError
+        As `read_mesh`, but for what no mesh can be made of.
+    """
+    file = _check_path(path)
+    content = _read_content(file, f"mesh file {format_value(file.name)}")
+    return np.asarray(content.points, dtype=float), dict(content.point_data)
+
+
 def _check_path(path: object) -> Path:
     if not isinstance(path, str | Path):
         raise ProblemError(f"mesh file: {format_value(path)}; give a path")

@@ -192,15 +192,19 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
     return cut_lattice(pattern, domain, spacing, origin=_origin(case.problem))
 
 
-def compared_points(case: Case, lattice: Lattice) -> Array:
-    """Places (p, d) in m at which a case compares, all of them in the body."""
+def compared_points(case: Case, lattice: Lattice | None = None) -> Array:
+    """Places (p, d) in m at which a case compares, all of them in the body.
+
+    Those of a lattice, where the case says no others: by default of the case's own.
+    """
     if not isinstance(case.points, str):
         return case.points
     if case.points == "mesh" and isinstance(case.problem.domain, Mesh):
         return np.asarray(case.problem.domain.points)
-    if isinstance(lattice, CutLattice):
-        return np.asarray(lattice.points[lattice.inside])
-    return np.asarray(lattice.points)
+    laid = make_lattice(case, spacing_of(case)) if lattice is None else lattice
+    if isinstance(laid, CutLattice):
+        return np.asarray(laid.points[laid.inside])
+    return np.asarray(laid.points)
 
 
 def _counts(spacing: float, box: Box) -> tuple[int, ...]:

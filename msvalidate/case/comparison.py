@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 
 from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.case import Case, compared_points
@@ -16,7 +15,6 @@ from msvalidate.constants.homogenise import homogenise
 from msvalidate.judging.compare import AGREES, DIFFERS, NOT_ASKED, agreement
 from msvalidate.lattice import CutLattice, PatternLattice
 from msvalidate.problem import (
-    AXES,
     Anisotropic,
     Array,
     Mask,
@@ -25,7 +23,6 @@ from msvalidate.problem import (
     SolverError,
     Support,
 )
-from msvalidate.statics.equilibrium import equilibrium
 from msvalidate.statics.stress import fitted_stress, interior_points
 from reference_fem.converged import Reference, converge
 from reference_fem.elasticity import elastic_tensor
@@ -291,155 +288,3 @@ def _kind_of_error(case: Case, limit: SpringLimit, reference: Reference) -> str:
     doubt = limit.uncertainty / size + reference.error
     word = agreement(left, doubt, case.band) if math.isfinite(doubt) else ""
     return {AGREES: COARSE, DIFFERS: OTHER_MATERIAL}.get(word, NOT_TOLD)
-
-
-# Budget -------------------------------------------------------------------------------------------
-
-PARTS = {
-    "spacing": "what finer lattices take away",
-    "boundary": "what stays though the material is right: springs and loads at the sides",
-    "material": "the material that the springs are, beside the one asked for",
-}
-"""Parts that make up the difference, in words."""
-
-
-def budget(found: Comparison) -> pd.DataFrame:
-    """Parts of the difference where it is largest, along it, over the largest displacement.
-
-    Columns: part, value (1), doubt (1), meaning. The first ones add up to the total; what stands
-    below it is no part of it: large displacements, which linear answers leave out, and how far rest
-    and reference may be off.
-    """
-    total = found.displacement - found.reference.displacement.value
-    at = int(np.linalg.norm(total, axis=1).argmax())
-    size, length = found.size or 1.0, float(np.linalg.norm(total[at]))
-    along = total[at] / length if length else np.zeros(total.shape[1])
-
-    def part(field: Array) -> float:
-        return float(field[at] @ along) / size + 0.0
-
-    target = found.reference.displacement.value
-    own = target if found.homogenised is None else found.homogenised.displacement.value
-    error = found.limit.uncertainty / size
-    rows = []
-    if math.isfinite(error):
-        values = {
-            "spacing": part(found.displacement - found.limit.displacement),
-            "boundary": part(found.limit.displacement - own),
-            "material": part(own - target),
-        }
-        doubts = {
-            "spacing": error,
-            "boundary": error + found.reference.error,
-            "material": found.reference.error,
-        }
-        rows = [(name, values[name], doubts[name], said) for name, said in PARTS.items()]
-    rows.append(
-        ("total", length / size, found.reference.error, "springs - elasticity, both linear")
-    )
-    rows.append(("large displacements", *_geometric(found, part)))
-    rows.append(("rest", 0.0, _rest(found), "solver and rounding of the springs"))
-    rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
-    return pd.DataFrame(rows, columns=["part", "value", "doubt", "meaning"])
-
-
-def _rest(found: Comparison) -> float:
-    rest = found.springs[0].rest
-    return float(rest.error) * float(np.abs(rest.displacement).max()) / (found.size or 1.0)
-
-
-def _geometric(found: Comparison, part: Callable[[Array], float]) -> tuple[float, float, str]:
-    """Springs in full less springs to first order, at the same place and direction."""
-    springs = found.springs[0]
-    said = "springs in full - springs to first order: what linear answers leave out"
-    try:
-        full = equilibrium(springs.network, "nonlinear")
-    except (ProblemError, SolverError) as error:
-        return math.nan, math.nan, f"{said}; not found: {error}"
-    moved = SpringAnswer(
-        springs.spacing, springs.lattice, springs.network, full, springs.calibration, 0.0
-    )
-    return part(moved.at(found.points) - found.displacement), 0.0, said
-
-
-# Tables -------------------------------------------------------------------------------------------
-
-
-def tables(found: Comparison) -> dict[str, pd.DataFrame]:
-    """Tables of a comparison, by name."""
-    rows = pd.DataFrame([vars(row) for row in found.rows])
-    return {
-        "quantities": rows,
-        "budget": budget(found),
-        "lattices": _lattice_table(found),
-        "meshes": _mesh_table(found),
-        "points": point_table(found.points, found.displacement, found.reference),
-    }
-
-
-def _lattice_table(found: Comparison) -> pd.DataFrame:
-    wanted, size = found.reference.displacement.value, found.size or 1.0
-    rows = [
-        {
-            "spacing": answer.spacing,
-            "points": len(answer.lattice.points),
-            "springs": len(answer.lattice.springs),
-            "difference": largest(answer.at(found.points) - wanted) / size,
-            "seconds": answer.seconds,
-        }
-        for answer in found.springs
-    ]
-    limit = {
-        "spacing": 0.0,
-        "points": math.nan,
-        "springs": math.nan,
-        "difference": largest(found.limit.displacement - wanted) / size,
-        "seconds": math.nan,
-    }
-    return pd.DataFrame([*rows, limit] if math.isfinite(found.limit.uncertainty) else rows)
-
-
-def _mesh_table(found: Comparison) -> pd.DataFrame:
-    wanted, size = found.reference.displacement.value, found.size or 1.0
-    rows = [
-        {
-            "element": solution.body.element.name,
-            "nodes": len(solution.body.points),
-            "difference": largest(solution.at(found.points) - wanted) / size,
-        }
-        for solution in found.reference.solutions
-    ]
-    return pd.DataFrame(rows)
-
-
-def point_table(points: Array, displacement: Array, reference: Reference) -> pd.DataFrame:
-    """Places and displacements of a candidate and of elasticity (m), and their difference (1)."""
-    wanted = reference.displacement.value
-    axes = AXES[: points.shape[1]]
-    away = np.linalg.norm(displacement - wanted, axis=1) / (largest(wanted) or 1.0)
-    columns = dict(zip(axes, points.T, strict=True))
-    columns |= {f"u{axis}": u for axis, u in zip(axes, displacement.T, strict=True)}
-    columns |= {f"elastic_u{axis}": u for axis, u in zip(axes, wanted.T, strict=True)}
-    return pd.DataFrame(columns | {"difference": away})
-
-
-COLUMNS = {
-    "quantity": "what is compared",
-    "unit": "of the two sizes",
-    "springs": "largest of the springs (or root mean square, where said)",
-    "elasticity": "the same of converged elasticity",
-    "difference": "of springs and elasticity, over elasticity's (1)",
-    "doubt": "how far it may be off (1)",
-    "verdict": "agrees or differs within the band, whatever the doubt; else not resolved",
-    "part": "of the difference, where it is largest",
-    "value": "along the difference there, over the largest displacement (1)",
-    "meaning": "what the part is",
-    "spacing": "side of the lattice's cells (m); 0 is what the lattices close in on",
-    "points": "of the lattice",
-    "seconds": "that its answer took",
-    "element": "of the mesh: Q2, P2 in the plane, H2, T2 in space are quadratic",
-    "nodes": "of the mesh",
-    "x": "place (m)",
-    "y": "place (m)",
-    "z": "place (m)",
-}

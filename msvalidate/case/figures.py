@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from msvalidate.case.comparison import Comparison
+from msvalidate.case.judge import Judgement
 from msvalidate.output.body_drawing import draw_loads, draw_supports
 from msvalidate.output.figures import COLOURS, new_figure, solid_axes
 from msvalidate.problem import Array, Index, Mask
@@ -51,6 +52,52 @@ def figures(
             lambda: draw_budget(budget, found.case.band),
         ),
     }
+
+
+def judged_figures(
+    found: Judgement, budget: pd.DataFrame
+) -> dict[str, tuple[str, Callable[[], Figure]]]:
+    """Name of each picture of a judgement -> its caption, and what draws it."""
+    solution = found.reference.finest
+    return {
+        "matching": ("Points of the result in the body", lambda: draw_matching(found)),
+        "difference": (
+            "Difference of result and elasticity over the largest displacement",
+            lambda: draw_difference(found.matched.places, found.relative, solution),
+        ),
+        "budget": (
+            "What makes up the difference where it is largest",
+            lambda: draw_budget(budget, found.case.band),
+        ),
+    }
+
+
+def draw_matching(found: Judgement) -> Figure:
+    """Compared points, and those outside, doubled or missing, over the body's outline."""
+    solution, matched = found.reference.solutions[0], found.matched
+    x = solution.body.points
+    size = float(np.ptp(x, axis=0).max())
+    near = matched.outside
+    if len(near):  # far ones would leave the body a dot
+        low, high = x.min(axis=0) - size, x.max(axis=0) + size
+        near = near[((near > low) & (near < high)).all(axis=1)]
+    figure, axis = body_axes(np.concatenate([x, near]), 0.05 * size)
+    _draw_edges(axis, x, solution, "#666666", "body")
+    order = UPWARDS if x.shape[1] == 3 else [0, 1]
+    groups = [
+        (matched.places, ".", COLOURS[0], "compared", 2.5),
+        (near, "x", COLOURS[1], f"outside ({len(matched.outside)})", 6.0),
+        (matched.doubled, "s", COLOURS[3], f"twice in the file ({len(matched.doubled)})", 6.0),
+        (matched.missing, "o", COLOURS[2], f"not in the file ({len(matched.missing)})", 6.0),
+    ]
+    for at, mark, colour, label, ms in groups:
+        if len(at):
+            style: dict[str, Any] = {"color": colour, "ms": ms, "label": label, "mfc": "none"}
+            axis.plot(*at[:, order].T, mark, rasterized=len(at) > MOST_ARROWS, **style)
+    axis.legend(
+        loc="upper center", bbox_to_anchor=(0.5, 0.02 if len(order) == 3 else -0.16), ncols=3
+    )
+    return figure
 
 
 def body_axes(points: Array, room: float = 0.0) -> tuple[Figure, Any]:

@@ -14,6 +14,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.case.comparison import Comparison
+from msvalidate.case.judge import Judgement
 from msvalidate.output import exchange
 from msvalidate.output.stored import csv_bytes, draw_files
 from msvalidate.output.vtu import vtu_bytes
@@ -52,12 +53,8 @@ def refuse_foreign(folder: Path) -> None:
 def publish(folder: Path, files: exchange.Files) -> None:
     """Put the files in the folder's place in one step; what was there stays until then."""
     refuse_foreign(folder)
-    folder = folder.resolve()
-    folder.parent.mkdir(parents=True, exist_ok=True)
     names = sorted([*files, MARK])
-    with exchange.alone(folder.parent), exchange.stage_folder(folder.parent) as new:
-        exchange.write(new / folder.name, {**files, MARK: json_bytes({"files": names})})
-        exchange.replace(new / folder.name, folder)
+    exchange.replace_one(folder, {**files, MARK: json_bytes({"files": names})})
 
 
 def picture_files(
@@ -98,6 +95,22 @@ def field_files(found: Comparison) -> dict[str, bytes]:
             {body.element.shape: body.cells},
             {"displacement_elements": solution.displacement},
         ),
+    }
+
+
+def judged_field_files(found: Judgement) -> dict[str, bytes]:
+    """points.vtu, a vertex a compared point: displacements (m) and their difference (1)."""
+    places = found.matched.places
+    return {
+        "points.vtu": vtu_bytes(
+            places,
+            {"vertex": np.arange(len(places))[:, None]},
+            {
+                "displacement_result": found.matched.displacement,
+                "displacement_elements": found.reference.displacement.value,
+                "difference": found.relative,
+            },
+        )
     }
 
 

@@ -9,8 +9,11 @@ from dataclasses import dataclass
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from msvalidate.case.budget import COLUMNS
 from msvalidate.case.case import Case, describe_spacing
-from msvalidate.case.comparison import COARSE, COLUMNS, OTHER_MATERIAL, Comparison, Row
+from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, Comparison, Row
+from msvalidate.case.diagnosis import NOTICED
+from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import AGREES, DIFFERS, NOT_ASKED, NOT_AT_REST, NOT_RESOLVED
 from msvalidate.output.page import Table, split_at_backticks, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
@@ -127,6 +130,29 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     return head, tuple(each for each in said if each)
 
 
+def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
+    """What displacements from a file are: one sentence, and those that say why."""
+    row, case = found.row, found.case
+    head = (
+        f"Displacements of {found.result.name} are {percent(row.difference)} off elasticity at "
+        f"{len(found.matched.places)} points, ± {percent(row.doubt)}; the band is "
+        f"{percent(case.band)}."
+    )
+    said = [f"Fits ({percent(each.left)} left): {each.said}" for each in found.explanations]
+    if not said and row.difference > NOTICED * row.doubt:
+        said.append("No single cause that is known here explains the difference.")
+    if math.isnan(found.unrest):
+        said.append("Rest unknown: nobody says how much the displacements would still change.")
+    else:
+        said.append(f"Rest: they may still change by {percent(found.unrest)}, as stated.")
+    reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
+    said.append(
+        f"Elasticity is known to {percent(found.reference.error)}{reached}, the file's numbers to "
+        f"{percent(found.precision)}."
+    )
+    return head, tuple(said)
+
+
 def _kind_sentence(found: Comparison) -> str:
     limit, size = found.limit, found.size or 1.0
     if not math.isfinite(limit.uncertainty):
@@ -188,6 +214,8 @@ def percent(value: float) -> str:
     """A part as a percentage with two digits."""
     if not math.isfinite(value):
         return "not known"
+    if value and abs(value) < 1e-5:
+        return f"{100 * value:.0e} %"
     return f"{100 * value + 0.0:.2g} %" if abs(value) < 10 else f"{value:.3g} times"
 
 

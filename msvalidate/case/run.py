@@ -6,10 +6,12 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from time import perf_counter
 
-from msvalidate.case import comparison, files, page
+from msvalidate.case import budget, comparison, files, judge, page
 from msvalidate.case.case import Case
-from msvalidate.case.figures import figures
+from msvalidate.case.figures import figures, judged_figures
+from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
+from reference_fem.converged import Reference
 
 
 def case_files(
@@ -31,7 +33,7 @@ def case_files(
     started, began = datetime.now(UTC), perf_counter()
     found = comparison.compare_case(case, progress)
     progress("budget")
-    tables = comparison.tables(found)
+    tables = budget.tables(found)
     progress("pictures")
     drawn = figures(found, tables["budget"], tables["lattices"]) if plots else {}
     content, pictures = files.picture_files(drawn)
@@ -60,6 +62,85 @@ def case_files(
     return found, content
 
 
+def judged_files(
+    case: Case,
+    result: Result,
+    *,
+    unit: float = 1.0,
+    unrest: float | None = None,
+    plots: bool = True,
+    command: tuple[str, ...] = (),
+    progress: Callable[[str], None] = lambda _: None,
+) -> tuple[judge.Judgement, dict[str, bytes]]:
+    """What displacements from a file are beside a case's elasticity, and the files that show it.
+
+    Raises
+    ------
+    ProblemError
+        If no point of the file lies in the body, or the case asks what has no answer.
+    SolverError
+        If there is no trustworthy reference.
+    """
+    started, began = datetime.now(UTC), perf_counter()
+    found = judge.judge_result(case, result, unit=unit, unrest=unrest, progress=progress)
+    tables = judge.tables(found)
+    progress("pictures")
+    drawn = judged_figures(found, tables["budget"]) if plots else {}
+    content, pictures = files.picture_files(drawn)
+    fields = files.judged_field_files(found)
+    origin = collect_provenance(command, 0, started, perf_counter() - began, form="case")
+    head, said = page.judged_sentences(found)
+    shown = page.Page(
+        name=f"{result.name} for {case.name}",
+        verdict=found.row.verdict,
+        sentence=head,
+        sentences=said,
+        candidate="Result",
+        band=page.percent(case.band),
+        rows=page.shown_rows((found.row,)),
+        notes=found.matched.notes,
+        pictures=page.shown_pictures(pictures),
+        tables=page.shown_tables(tables),
+        fields=tuple(fields),
+        asked={"result": result.name} | page.asked(case),
+        origin=origin,
+    )
+    verdict = {
+        "name": case.name,
+        "result": result.name,
+        "verdict": found.row.verdict,
+        "sentence": head,
+        "reasons": said,
+        "band": case.band,
+        "quantities": [vars(found.row)],
+        "causes": [vars(each) for each in found.explanations],
+        "rest": found.unrest,
+        "precision": found.precision,
+        "reference": reference_content(found.reference),
+        "points": {
+            "compared": len(found.matched.places),
+            "outside": len(found.matched.outside),
+            "doubled": len(found.matched.doubled),
+            "missing": len(found.matched.missing),
+        },
+        "notes": found.matched.notes,
+        "origin": dict(origin),
+    }
+    content |= files.table_files(tables) | fields
+    content |= {"case.html": page.render(shown).encode(), "verdict.json": files.json_bytes(verdict)}
+    return found, content
+
+
+def reference_content(reference: Reference) -> dict[str, object]:
+    """What `verdict.json` says of elasticity's own error."""
+    return {
+        "error": reference.error,
+        "asked": reference.accuracy,
+        "resolved": reference.resolved,
+        "nodes": len(reference.finest.body.points),
+    }
+
+
 def verdict_content(
     found: comparison.Comparison, head: str, said: tuple[str, ...], origin: Mapping[str, str]
 ) -> dict[str, object]:
@@ -72,12 +153,7 @@ def verdict_content(
         "kind": found.kind,
         "band": found.case.band,
         "quantities": [vars(row) for row in found.rows],
-        "reference": {
-            "error": found.reference.error,
-            "asked": found.reference.accuracy,
-            "resolved": found.reference.resolved,
-            "nodes": len(found.reference.finest.body.points),
-        },
+        "reference": reference_content(found.reference),
         "notes": found.notes,
         "origin": dict(origin),
     }

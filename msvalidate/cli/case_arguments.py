@@ -49,21 +49,46 @@ def _parser() -> argparse.ArgumentParser:
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         for name, said in COMMANDS.items()
-        if name != "judge"
     }
     each["new"].add_argument("name", metavar="NAME", help="of the case; NAME.toml is written")
     each["run"].add_argument("files", nargs="+", type=Path, metavar="FILE", help="case files")
-    each["run"].add_argument(
+    add = each["judge"].add_argument
+    add("file", type=Path, metavar="FILE", help="case file")
+    add(
+        "result",
+        type=Path,
+        metavar="RESULT",
+        help="displacements: .csv (x, y, z or id; ux, uy, uz), .npz (points or id; displacement), "
+        ".vtu",
+    )
+    add(
+        "--unit", default="m", metavar="UNIT", help="of its lengths: m, mm, in ... or a number in m"
+    )
+    add("--field", metavar="NAME", help="the displacements' name, where there are several fields")
+    add(
+        "--at-rest",
+        type=float,
+        metavar="PART",
+        help="how much they may still change, over the largest",
+    )
+    for name in ("run", "judge"):
+        _add_output(each[name])
+    for one in (parser, *each.values()):
+        one.error = lambda message: parser.exit(  # type: ignore[method-assign]
+            USAGE, f"{PROGRAM} case: error: {message}; see --help\n"
+        )
+    return parser
+
+
+def _add_output(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add(
         "--out",
         type=Path,
         default=FOLDER,
         metavar="DIR",
         help="folder in which each case gets a folder of its own (default: %(default)s)",
     )
-    each["run"].add_argument("--no-plots", dest="plots", action="store_false", help="no pictures")
-    each["run"].add_argument("-q", "--quiet", action="store_true", help="say failures only")
-    for one in (parser, *each.values()):
-        one.error = lambda message: parser.exit(  # type: ignore[method-assign]
-            USAGE, f"{PROGRAM} case: error: {message}; see --help\n"
-        )
-    return parser
+    add("--no-plots", dest="plots", action="store_false", help="no pictures")
+    add("-q", "--quiet", action="store_true", help="say failures only")
+    add("-v", "--verbose", action="store_true", help="tracebacks of crashes")

@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from msvalidate.case import building, files, page, run
+from msvalidate.case import building, files, page, results, run
 from msvalidate.case.case import Case
 from msvalidate.case.schema import json_schema
 from msvalidate.case.template import template
@@ -17,12 +17,12 @@ from msvalidate.cli.terminal import print_lines, tell, tell_error
 from msvalidate.judging.compare import AGREES
 from msvalidate.output import exchange
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.problem.checks import format_value
+from msvalidate.problem.checks import finite_number, format_value
 
 
 def act(args: argparse.Namespace) -> int:
     """Do what the command line asks for; return the exit code."""
-    return {"new": _new, "run": _run, "schema": _schema}[args.command](args)
+    return {"new": _new, "run": _run, "judge": _judge, "schema": _schema}[args.command](args)
 
 
 def _new(args: argparse.Namespace) -> int:
@@ -66,6 +66,54 @@ def _run(args: argparse.Namespace) -> int:
         except SolverError as error:
             codes.append(tell_error(_said(file, error), FAILED))
     return max(codes)
+
+
+def _judge(args: argparse.Namespace) -> int:
+    """Displacements from a file beside a case's elasticity."""
+    try:
+        unit = _unit(args.unit)
+        if args.at_rest is not None:
+            finite_number("--at-rest", args.at_rest, least=0.0)
+        folder = args.out / files.folder_name(f"{args.file.stem}-{args.result.stem}")
+        files.refuse_foreign(folder)
+        case = building.read_case(args.file)
+        result = results.read_result(args.result, case.problem.domain.dim, args.field)
+        show = _Progress(case.name, shown=not args.quiet)
+        command = ("msvalidate", "case", "judge", "FILE", "RESULT")
+        found, content = run.judged_files(
+            case,
+            result,
+            unit=unit,
+            unrest=args.at_rest,
+            plots=args.plots,
+            command=command,
+            progress=show,
+        )
+    except SolverError as error:
+        return tell_error(_said(args.file, error), FAILED)
+    except ProblemError as error:
+        text = str(error)
+        return tell_error(text if text.startswith("result ") else _said(args.file, error), USAGE)
+    files.publish(folder, content)
+    show.clear()
+    word = found.row.verdict
+    if not args.quiet:
+        head, said = page.judged_sentences(found)
+        print_lines([f"{result.name}: {word}", f"  {head}", *(f"  {each}" for each in said)])
+        for note in found.matched.notes:
+            tell(f"{result.name}: {note}")
+        tell(f"{result.name}: {folder / 'case.html'}")
+    elif word != AGREES:
+        tell(f"{result.name}: {word}")
+    return HELD if word == AGREES else MISSED
+
+
+def _unit(given: str) -> float:
+    """A unit by name, or as a number in m."""
+    try:
+        return building.unit_in_metres("--unit", float(given))
+    except ValueError:
+        return building.unit_in_metres("--unit", given)
 
 
 def _said(file: Path, error: Exception) -> str:

@@ -143,6 +143,15 @@ def replace_folder(
             replace(new, folder)
 
 
+def replace_one(folder: Path, files: Files) -> None:
+    """Replace a folder of files whole; it is made, and those above it, if it is missing."""
+    folder = folder.resolve()
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with alone(folder.parent), stage_folder(folder.parent) as new:
+        write(new / folder.name, files)
+        replace(new / folder.name, folder)
+
+
 def _copy_others(old: Path, new: Path, names: Container[str]) -> None:
     """Copy what lies in a folder, but for some names in it, to the disk itself as `write` does."""
 

@@ -37,6 +37,14 @@ def pressure(region: Part, domain: Domain, value: float) -> Traction:
     return Traction(region, _normal_field(places, -p))
 
 
+def nearest_on_facets(places: Array, points: Array) -> tuple[Array, Array]:
+    """Places (n, d) in m on facets (f, k, d) nearest to points (n, d), and distances (n,) in m."""
+    shape = FACETS[places.shape[2], places.shape[1]]
+    facet = _nearest_facet(KDTree(places.mean(axis=1)), places, points, CANDIDATES)[0]
+    at, distance = project_on_facets(places[facet], points)
+    return np.einsum("nk,nkd->nd", shape.values(at), places[facet]), distance
+
+
 def _facets(region: Part, domain: Domain) -> tuple[Array, Array]:
     """Nodes (f, k, d) in m of the facets of a part, and their unit normals outwards (m, d)."""
     if isinstance(domain, Mesh):

@@ -1,0 +1,185 @@
+"""Anybody's displacements beside a case's elasticity: verdict, parts of the difference, causes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.case.budget import point_table
+from msvalidate.case.case import Case
+from msvalidate.case.comparison import Row, largest
+from msvalidate.case.diagnosis import NOTICED, Explanation, Field, explain, split
+from msvalidate.case.matching import Matched, match
+from msvalidate.case.results import Result
+from msvalidate.judging.compare import agreement
+from msvalidate.problem import Array, Isotropic, Problem, ProblemError, SolverError
+from reference_fem.body import solve_problem
+from reference_fem.converged import Reference, converge, first_mesh
+
+MEANINGS = {
+    "scale": "elasticity times a number: modulus, load, unit",
+    "rigid motion": "the body moved as one: supports, frame",
+    "shape": "what is left: ratio, mesh, rest, single points",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """Displacements from a file beside elasticity.
+
+    Parameters
+    ----------
+    case, result, matched, reference
+        What was asked, what was given, its points in the body, and elasticity there.
+    row
+        The verdict on the displacements.
+    explanations
+        What the field would have to be, where it is not elasticity's.
+    unrest
+        How much it may still change, over the largest; NaN where nobody says.
+    precision
+        Of its numbers, over the largest displacement.
+    """
+
+    case: Case
+    result: Result
+    matched: Matched
+    reference: Reference
+    row: Row
+    explanations: tuple[Explanation, ...]
+    unrest: float
+    precision: float
+
+    @property
+    def size(self) -> float:
+        """Largest displacement (m) of elasticity."""
+        return largest(self.reference.displacement.value)
+
+    @property
+    def relative(self) -> Array:
+        """Length (m,) of the difference at each point over the largest displacement."""
+        away = self.matched.displacement - self.reference.displacement.value
+        return np.asarray(np.linalg.norm(away, axis=1) / (self.size or 1.0))
+
+
+def judge_result(
+    case: Case,
+    result: Result,
+    *,
+    unit: float = 1.0,
+    unrest: float | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Judgement:
+    """Compare displacements with the elasticity that a case asks for.
+
+    Parameters
+    ----------
+    case, result
+        What was asked, and what `read_result` found.
+    unit
+        What the file's lengths are multiples of, in m.
+    unrest
+        How much they may still change, over the largest, if the file does not say.
+    progress
+        Told what is being done.
+
+    Raises
+    ------
+    ProblemError
+        If no point lies in the body, or the case asks what has no answer.
+    SolverError
+        If there is no trustworthy reference.
+    """
+    progress("points")
+    body = first_mesh(case.problem)
+    matched = match(case, result, unit, body)
+    progress("elements")
+    reference = converge(case.problem, matched.places, case.accuracy, first=body)
+    wanted = reference.displacement.value
+    size = largest(wanted)
+    if not size:
+        raise ProblemError("case: elasticity does not move at these points; load the body")
+    precision = unit * result.grid / size
+    rest = result.rest if unrest is None else unrest
+    difference = largest(matched.displacement - wanted) / size
+    doubt = reference.error + precision
+    word = agreement(difference, doubt, case.band, 0.0 if math.isnan(rest) else rest)
+    row = Row("displacement", "m", largest(matched.displacement), size, difference, doubt, word)
+    progress("causes")
+    causes = explain(_field(case.problem, matched, reference, doubt))
+    if rest >= difference > NOTICED * doubt:
+        causes = (
+            Explanation("rest", "not at rest: it may still change by as much", 0.0, rest),
+            *causes,
+        )
+    return Judgement(case, result, matched, reference, row, causes, rest, precision)
+
+
+def _field(problem: Problem, matched: Matched, reference: Reference, doubt: float) -> Field:
+    """The field with what it takes to ask for other ratios and places."""
+    solution = reference.finest
+    wanted = reference.displacement.value
+    law = problem.material
+    mixed = solution.pressure is not None
+
+    def by_ratio(nu: float) -> Array:
+        if not isinstance(law, Isotropic):
+            raise ProblemError("ratio: the material is a tensor")
+        other = replace(problem, material=replace(law, nu=nu))
+        found = solve_problem(other, solution.body, mixed=mixed)
+        return np.asarray(found.at(matched.places))
+
+    def elsewhere(places: Array) -> Array | None:
+        try:
+            return solution.at(places)
+        except (ProblemError, SolverError):
+            return None
+
+    ratio = by_ratio if isinstance(law, Isotropic) else None
+    return Field(matched.places, matched.displacement, wanted, doubt, problem, ratio, elsewhere)
+
+
+def budget(found: Judgement) -> pd.DataFrame:
+    """Parts of the difference where it is largest, along it; columns as `comparison.budget`."""
+    wanted = found.reference.displacement.value
+    field = Field(
+        found.matched.places,
+        found.matched.displacement,
+        wanted,
+        found.row.doubt,
+        found.case.problem,
+    )
+    total = found.matched.displacement - wanted
+    at = int(np.linalg.norm(total, axis=1).argmax())
+    length = float(np.linalg.norm(total[at]))
+    along = total[at] / (length or 1.0)
+    doubt = found.row.doubt
+    rows = [
+        (name, float(part[at] @ along) / found.size + 0.0, doubt, MEANINGS[name])
+        for name, part in split(field).items()
+    ]
+    rows.append(("total", length / found.size, doubt, "result - elasticity"))
+    known = not math.isnan(found.unrest)
+    said = "how much it may still change, as stated" if known else "nobody says; rest unknown"
+    rows.append(("rest", 0.0 if known else math.nan, found.unrest, said))
+    rows.append(("numbers", 0.0, found.precision, "rounding of the file's numbers"))
+    rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
+    return pd.DataFrame(rows, columns=["part", "value", "doubt", "meaning"])
+
+
+def tables(found: Judgement) -> dict[str, pd.DataFrame]:
+    """Tables of a judgement, by name."""
+    causes = pd.DataFrame(
+        [vars(each) for each in found.explanations], columns=["name", "said", "left", "value"]
+    )
+    made = {
+        "quantities": pd.DataFrame([vars(found.row)]),
+        "causes": causes,
+        "budget": budget(found),
+        "points": point_table(found.matched.places, found.matched.displacement, found.reference),
+    }
+    return {name: table for name, table in made.items() if len(table)}

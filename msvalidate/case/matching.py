@@ -1,0 +1,193 @@
+"""Which points of a result are which of the body: by number or by place."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from msvalidate.case.case import Case, compared_points
+from msvalidate.case.results import Result, spacing_of_numbers
+from msvalidate.problem import AXES, SHAPES, Array, Index, Mask, ProblemError
+from msvalidate.problem.normals import nearest_on_facets
+from msvalidate.problem.shapes import is_on_any
+from reference_fem.mesh.discretisation import Discretisation
+
+SLACK = 2.0
+"""Grid distances of a file's numbers within which a point on the surface may lie outside."""
+MOST_SLACK = 0.02
+"""Of the body's size, beyond which a point is outside however coarse the file's numbers are."""
+MOSTLY = 0.5
+"""Part of the points that must be in the body where all of them together suggest another unit."""
+SMALLER = {"mm": 1e3, "cm": 1e2, "in": 1 / 0.0254, "um": 1e6, "km": 1e-3}
+"""Units in which a file's lengths may be, and how many of them a metre has."""
+ALIKE = 0.1
+"""Part by which the size of a file's points and the body's may differ."""
+SHOWN = 5
+"""Points that a sentence names one by one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Matched:
+    """Points of a result that lie in the body, and what is wrong with others.
+
+    Parameters
+    ----------
+    places
+        (m, d) in m, in the body.
+    displacement
+        (m, d) in m.
+    outside
+        (k, d) in m, those that are in no part of the body.
+    doubled
+        (l, d) in m, places that stand in the file more than once; the first is taken.
+    missing
+        (j, d) in m, points of the case that the file says nothing of.
+    notes
+        Sentences on these.
+    """
+
+    places: Array
+    displacement: Array
+    outside: Array
+    doubled: Array
+    missing: Array
+    notes: tuple[str, ...]
+
+
+def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matched:
+    """The points of a result in the body.
+
+    Parameters
+    ----------
+    case, result
+        Results without places have numbers of the case's points: of the mesh's nodes, of its list,
+        or of the lattice's points inside, from 0.
+    unit
+        What the file's lengths are multiples of, in m.
+    body
+        Of the elements: what its cells hold is inside.
+
+    Raises
+    ------
+    ProblemError
+        If no point lies in the body, or numbers are of no point.
+    """
+    move = unit * result.displacement
+    if result.points is None:
+        return _by_number(case, result, move)
+    places = unit * result.points
+    first = _first_of_each(places, case.problem.domain.tolerance)
+    doubled = places[np.setdiff1d(np.arange(len(places)), first)]
+    places, move = places[first], move[first]
+    room = _room(case, unit * result.points)
+    inside, at = _into_body(body, places, room, case.problem.domain.tolerance)
+    hint = _unit_meant(case, places)
+    if not inside.any() or (hint and inside.mean() < MOSTLY):
+        raise ProblemError(_nowhere(case, places, int(inside.sum()), hint))
+    missing = _missing(case, at[inside], room)
+    notes = [
+        *_noted(f"of {len(places)} points lie outside the body and are left out", places[~inside]),
+        *_noted("places stand in the file more than once; the first counts", doubled),
+        *_noted("points of the case are not in the file", missing),
+    ]
+    return Matched(at[inside], move[inside], places[~inside], doubled, missing, tuple(notes))
+
+
+def _by_number(case: Case, result: Result, move: Array) -> Matched:
+    points = compared_points(case)
+    number: Index = result.id  # type: ignore[assignment]
+    if number.min() < 0 or number.max() >= len(points):
+        raise ProblemError(
+            f"result: id {number.min()} to {number.max()}; the case has points 0 to "
+            f"{len(points) - 1}: give these, or places"
+        )
+    _, first = np.unique(number, return_index=True)
+    doubled = points[number[np.setdiff1d(np.arange(len(number)), first)]]
+    missing = points[np.setdiff1d(np.arange(len(points)), number)]
+    notes = [
+        *_noted("numbers stand in the file more than once; the first counts", doubled),
+        *_noted("points of the case are not in the file", missing),
+    ]
+    none = np.empty((0, points.shape[1]))
+    return Matched(points[number[first]], move[first], none, doubled, missing, tuple(notes))
+
+
+def _first_of_each(places: Array, tolerance: float) -> Index:
+    """The first point (k,) at each place, in their order."""
+    tree = KDTree(places)
+    pairs = tree.query_pairs(tolerance, output_type="ndarray")
+    later = np.zeros(len(places), dtype=bool)
+    later[pairs.max(axis=1) if len(pairs) else []] = True
+    return np.flatnonzero(~later)
+
+
+def _room(case: Case, places: Array) -> float:
+    """Distance (m) from the body that the file's own rounding explains."""
+    size = max(high - low for low, high in case.problem.domain.span)
+    return min(
+        MOST_SLACK * size,
+        max(case.problem.domain.tolerance, SLACK * spacing_of_numbers(places)),
+    )
+
+
+def _into_body(
+    body: Discretisation, places: Array, room: float, tolerance: float
+) -> tuple[Mask, Array]:
+    """Which places (n,) are in the body, and these with those just outside moved onto it."""
+    shape = SHAPES[body.element.shape]
+    inside = is_on_any(shape, body.points[body.cells], places, tolerance)
+    at = places.copy()
+    (rest,) = np.nonzero(~inside)
+    if len(rest):
+        on, distance = nearest_on_facets(body.points[body.surface], places[rest])
+        near = distance <= room
+        at[rest[near]] = on[near]
+        inside[rest[near]] = True
+    return inside, at
+
+
+def _missing(case: Case, places: Array, room: float) -> Array:
+    """Points of the case, where it names some, that no place is at."""
+    if isinstance(case.points, str) and case.points == "lattice":
+        return np.empty((0, places.shape[1]))
+    wanted = compared_points(case)
+    distance, _ = KDTree(places).query(wanted)
+    return np.asarray(wanted[distance > max(room, case.problem.domain.tolerance)])
+
+
+def _unit_meant(case: Case, places: Array) -> str:
+    """Words for the unit in which places would be as large as the body, "" if they are."""
+    low, high = np.array(case.problem.domain.span).T
+    given = np.sort(np.ptp(places, axis=0))
+    own = np.sort(high - low)
+    for unit, many in SMALLER.items():
+        if (np.abs(given / (many * own) - 1) < ALIKE).all():
+            return f" (are they in {unit}? --unit {unit})"
+    if (np.ptp(places, axis=0) <= 1.05 * (high - low)).all():
+        return ""
+    turned = (given <= 1.05 * own).all()
+    return " (are the axes in another order?)" if turned else ""
+
+
+def _nowhere(case: Case, places: Array, inside: int, hint: str) -> str:
+    """What to say where few points are in the body or none: another unit, or other axes."""
+    spans = {"the file has": np.array([places.min(axis=0), places.max(axis=0)]).T}
+    spans["the body"] = np.array(case.problem.domain.span)
+    words = []
+    for who, span in spans.items():
+        along = zip(AXES, span, strict=False)
+        words.append(f"{who} {', '.join(f'{a} {p:.4g} to {q:.4g}' for a, (p, q) in along)}")
+    count = f"{inside} of {len(places)} points" if inside else "no point"
+    return f"result: {count} in the body: {' m, '.join(words)} m{hint}; give places of this body"
+
+
+def _noted(said: str, places: Array) -> Sequence[str]:
+    """A sentence that counts places and names the first."""
+    if not len(places):
+        return ()
+    shown = [f"({', '.join(f'{x:.4g}' for x in place)})" for place in places[:SHOWN]]
+    more = ", ..." if len(places) > SHOWN else ""
+    return (f"{len(places)} {said}: {', '.join(shown)}{more} m.",)

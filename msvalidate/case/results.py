@@ -1,0 +1,273 @@
+"""Displacements from anywhere: .vtu, .csv and .npz files, their names, units and precision."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.bodies.mesh_file import read_points
+from msvalidate.problem import AXES, Array, Index, ProblemError
+from msvalidate.problem.checks import finite_number, format_value, integers, numbers, shaped
+
+LARGEST_FILE = 2_000_000_000
+"""Bytes beyond which a file is not read."""
+MOST_POINTS = 3_000_000
+IDS = ("id", "node", "point", "index")
+PLACES = ("points", "x", "position", "positions", "coordinates")
+MOVES = ("displacement", "displacements", "u", "disp")
+REST = "at_rest"
+"""Of .npz files: how much the displacements would still change, over the largest."""
+DIGITS, BINARY_DIGITS = 17, 40
+"""Decimal digits that no number has more of; binary ones up to which numbers count as rounded."""
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Displacements as a file has them, in its own unit.
+
+    Parameters
+    ----------
+    name
+        The file's, as messages show it.
+    displacement
+        (n, d).
+    points
+        (n, d) at rest, or None.
+    id
+        (n,) numbers of the case's points, from 0, or None.
+    rest
+        What the file says of how much they would still change, over the largest; NaN if nothing.
+    grid
+        Distance between neighbouring numbers of displacements, as far as they were rounded: see
+        `spacing_of_numbers`.
+    """
+
+    name: str
+    displacement: Array
+    points: Array | None
+    id: Index | None
+    rest: float
+    grid: float
+
+
+def read_result(path: str | Path, dim: int, field: str | None = None) -> Result:
+    """Displacements in a file.
+
+    Parameters
+    ----------
+    path
+        .csv with a header: id or x, y, z; and ux, uy, uz. .npz with displacement (n, d), and points
+        (n, d) or id (n,). .vtu with points and a vector field.
+    dim
+        Axes of the case: a third component of plane results is left out if it is 0.
+    field
+        Name of the field, where there are several.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such file, it holds no such field, or a value is no number.
+    """
+    file = Path(path)
+    said = f"result {format_value(file.name)}"
+    readers = {".csv": _read_csv, ".npz": _read_npz, ".vtu": _read_vtu}
+    if file.suffix.lower() not in readers:
+        raise ProblemError(f"{said}: give one of {', '.join(readers)}")
+    _refuse_unreadable(file)
+    try:
+        given = readers[file.suffix.lower()](file, field)
+        return _result(file.name, given, dim)
+    except ProblemError as error:
+        text = str(error)
+        raise ProblemError(text if text.startswith("result ") else f"{said}: {text}") from error
+
+
+def _refuse_unreadable(file: Path) -> None:
+    try:
+        size = file.stat().st_size
+        with file.open("rb"):
+            pass
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or str(error)
+        raise ProblemError(
+            f"result {format_value(str(file))}: {why}; give a file to read"
+        ) from error
+    if size > LARGEST_FILE:
+        raise ProblemError(f"{size:g} bytes; the most is {LARGEST_FILE:g}")
+
+
+def _result(name: str, given: Mapping[str, Any], dim: int) -> Result:
+    move = numbers("displacement", given["displacement"])
+    move = _plane(shaped("displacement", move, "n>0", (2, 3)), dim, "displacement")
+    if len(move) > MOST_POINTS:
+        raise ProblemError(f"{len(move):g} points; the most is {MOST_POINTS:g}")
+    _refuse_not_finite("displacement", move)
+    points = given.get("points")
+    if points is not None:
+        at = shaped("points", numbers("points", points), len(move), (2, 3))
+        points = _plane(at, dim, "points")
+        _refuse_not_finite("points", points)
+    number = given.get("id")
+    if number is not None:
+        number = integers("id", number, len(move))
+    if points is None and number is None:
+        raise ProblemError("neither places nor id: give x, y (and z), or the points' numbers")
+    rest = given.get("rest")
+    unrest = math.nan if rest is None else finite_number(REST, rest, least=0.0)
+    return Result(name, move, points, number, unrest, spacing_of_numbers(move))
+
+
+def _refuse_not_finite(name: str, array: Array) -> None:
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        row, column = (int(i) for i in bad[0])
+        raise ProblemError(
+            f"{name}: {array[row, column]} along {AXES[column]} at point {row}, {len(bad)} in all; "
+            "give finite numbers"
+        )
+
+
+def _plane(array: Array, dim: int, what: str) -> Array:
+    """Without a third component where the case has none."""
+    if array.shape[1] == dim:
+        return array
+    if dim == 3:
+        raise ProblemError(f"{what}: 2 components, the case has 3; give x, y and z")
+    if what == "displacement" and array[:, 2].any():
+        raise ProblemError("displacement: out of the plane too, and the case is plane; leave z out")
+    return np.ascontiguousarray(array[:, :2])
+
+
+def _read_csv(file: Path, _field: str | None) -> dict[str, Any]:
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+        table = pd.read_csv(io.StringIO(text), skipinitialspace=True, comment="#")
+    except UnicodeDecodeError as error:
+        raise ProblemError(f"byte {error.start} is no UTF-8; save it as such") from error
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError) as error:
+        raise ProblemError(
+            f"not a table: {' '.join(str(error).split())}; write it again"
+        ) from error
+    names = {re.sub(r"\s+", "", str(column)).lower(): column for column in table.columns}
+    found: dict[str, Any] = {}
+    move = _columns(names, [f"u{a}" for a in AXES], [f"u_{a}" for a in AXES], ["u", "v", "w"])
+    if len(move) < 2:
+        raise ProblemError(
+            f"columns {', '.join(map(str, table.columns))}; name displacements ux, uy (and uz)"
+        )
+    found["displacement"] = _table_numbers(table, move)
+    at = _columns(names, list(AXES))
+    if len(at) >= 2:
+        found["points"] = _table_numbers(table, at)
+    for name in IDS:
+        if name in names:
+            found["id"] = _table_numbers(table, [names[name]])[:, 0]
+            break
+    return found
+
+
+def _columns(names: Mapping[str, Any], *choices: Sequence[str]) -> list[Any]:
+    """Columns of the first choice of names of which two are there."""
+    for choice in choices:
+        there = [names[name] for name in choice if name in names]
+        if len(there) >= 2:
+            return there
+    return []
+
+
+def _table_numbers(table: pd.DataFrame, columns: Sequence[Any]) -> Array:
+    part = table[list(columns)].apply(pd.to_numeric, errors="coerce")
+    bad = np.argwhere(part.isna().to_numpy())
+    if len(bad):
+        row, column = bad[0]
+        given = table[columns[column]].iloc[row]
+        raise ProblemError(
+            f"{columns[column]} in row {row + 1}: {format_value(given)}; give a number"
+        )
+    return np.asarray(part.to_numpy(dtype=float))
+
+
+def _read_npz(file: Path, field: str | None) -> dict[str, Any]:
+    try:
+        with np.load(file, allow_pickle=False) as content:
+            arrays = {name: content[name] for name in content.files}
+    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, MemoryError) as error:
+        raise ProblemError(f"no .npz of plain arrays: {' '.join(str(error).split())}") from error
+    found: dict[str, Any] = {}
+    move = _named(arrays, (field,) if field else MOVES, "displacement")
+    found["displacement"] = _as_numbers(arrays[move], move)
+    for key, names in (("points", PLACES), ("id", IDS), ("rest", (REST,))):
+        name = next((each for each in names if each in arrays), None)
+        if name is not None:
+            found[key] = _as_numbers(arrays[name], name)
+    return found
+
+
+def _named(arrays: Mapping[str, Any], names: Sequence[str], what: str) -> str:
+    for name in names:
+        if name in arrays:
+            return name
+    known = ", ".join(map(format_value, arrays)) or "nothing"
+    raise ProblemError(f"no {what}: it holds {known}; name one of them {' or '.join(names[:2])}")
+
+
+def _as_numbers(array: np.ndarray, name: str) -> np.ndarray:
+    if array.dtype.kind not in "iuf":
+        raise ProblemError(f"{name}: {array.dtype}; give numbers")
+    return array.astype(float) if array.dtype.itemsize < 8 or array.dtype.kind != "f" else array
+
+
+def _read_vtu(file: Path, field: str | None) -> dict[str, Any]:
+    points, data = read_points(file)
+    vectors = {
+        name: values
+        for name, values in data.items()
+        if np.ndim(values) == 2 and np.shape(values)[1] in (2, 3)
+    }
+    lower = {name.lower(): name for name in vectors}
+    if field is not None:
+        move = field if field in vectors else None
+    else:
+        move = next((lower[name] for name in MOVES if name in lower), None)
+        if move is None and len(vectors) == 1:
+            (move,) = vectors
+    if move is None:
+        known = ", ".join(map(format_value, vectors)) or "none"
+        raise ProblemError(f"vector fields {known}; name the displacements by --field")
+    found: dict[str, Any] = {"displacement": vectors[move], "points": points}
+    return found
+
+
+def spacing_of_numbers(values: Array) -> float:
+    """Distance between neighbouring numbers of the kind that values seem to be rounded to.
+
+    Float32; or multiples of one power of two, as of differences of positions in float32; or
+    decimals of so many digits after the point; else double precision.
+    """
+    size = float(np.abs(values).max(initial=0.0))
+    if not size:
+        return 0.0
+    sample = values.ravel()[:: max(1, values.size // 10_000)]
+    exponent = math.floor(math.log2(size))
+    for lower in range(BINARY_DIGITS):
+        step = math.ldexp(1.0, exponent - lower)
+        if step and (np.rint(sample / step) == sample / step).all():
+            return step
+    with np.errstate(over="ignore", under="ignore"):
+        if np.array_equal(values.astype(np.float32).astype(float), values):
+            return float(np.finfo(np.float32).eps) * size
+    first = math.floor(math.log10(size)) + 1
+    for digits in range(1, DIGITS - 2):
+        step = 10.0 ** (first - digits)
+        if step and np.abs(sample - step * np.rint(sample / step)).max() <= 1e-6 * step:
+            return step
+    return float(np.finfo(float).eps) * size
