@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -38,7 +39,7 @@ from msvalidate.problem.checks import (
 from reference_fem.body import Solution, nodal_forces, solve_problem
 from reference_fem.elasticity import stiffness
 from reference_fem.mesh.boxes import box_discretisation
-from reference_fem.mesh.discretisation import Discretisation
+from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
 from reference_fem.mesh.outlines import outline_discretisation
 from reference_fem.mesh.subdivide import nodes_of_children, subdivide
@@ -291,9 +292,7 @@ def first_mesh(problem: Problem) -> Discretisation:
         return _raised(linear)
     if isinstance(domain, Box):
         h = max(min(domain.size) / ACROSS, max(domain.size) / MOST_ALONG)
-        cells = tuple(max(2, round(side / h)) for side in domain.size)
-        element = "Q2" if domain.dim == 2 else "H2"
-        return box_discretisation(domain, cells, element, through=_planes(problem))
+        return _laid_grid(domain, _lines(problem, h))
     own = mesh_discretisation(domain)
     if own.element.degree > 1:
         return own
@@ -316,19 +315,31 @@ def _corners(problem: Problem) -> Array:
     return np.concatenate(found) if found else np.empty((0, len(span)))
 
 
-def _planes(problem: Problem) -> tuple[tuple[float, ...], ...]:
-    """Coordinates (m) along each axis that lines of a box's mesh must pass through."""
+def _lines(problem: Problem, h: float) -> list[Array]:
+    """Coordinates (m) of lines along each axis, about h apart, through where parts of sides end."""
     domain = problem.domain
-    inner = []
+    found = []
     for x, (low, high) in zip(_corners(problem).T, domain.span, strict=True):
-        room = domain.tolerance
-        each = np.unique(x[(x > low + room) & (x < high - room)])
-        inner.append(
-            tuple(each[np.concatenate([[True], np.diff(each) > room])].tolist())
-            if len(each)
-            else ()
-        )
-    return tuple(inner)
+        stops = np.unique(np.concatenate([x[(x > low) & (x < high)], [low, high]]))
+        apart = np.concatenate([[True], np.diff(stops) > domain.tolerance])
+        stops = np.append(stops[apart][:-1], high) if apart.sum() > 1 else np.array([low, high])
+        parts = []
+        for a, b in pairwise(stops):
+            many = max(2 if len(stops) == 2 else 1, round((b - a) / h))
+            parts.append(a + (b - a) * np.arange(many) / many)
+        found.append(np.append(np.concatenate(parts), high))
+    return found
+
+
+def _laid_grid(box: Box, lines: list[Array]) -> Discretisation:
+    """Quadratic cells between lines (m) along each axis, mid-sides amid."""
+    counts = tuple(len(line) - 1 for line in lines)
+    even = box_discretisation(box, counts, "Q2" if box.dim == 2 else "H2")
+    columns = [
+        np.interp(x / side * many, np.arange(many + 1), line)
+        for x, side, many, line in zip(even.points.T, box.size, counts, lines, strict=True)
+    ]
+    return make_discretisation(np.column_stack(columns), even.cells, even.element.name)
 
 
 def _is_nearly_incompressible(problem: Problem) -> bool:

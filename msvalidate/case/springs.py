@@ -40,6 +40,8 @@ SAFETY, CAUTION = 1.25, 3.0
 """Factors on what is left by an order that three lattices show, and where they show none."""
 LOWEST_ORDER, HIGHEST_ORDER = 0.4, 3.0
 """Orders that are believed: corners bring them below 1, what is smooth to 2."""
+UNEVEN = 1.5
+"""Of the last change, what lattices cut to an outline may be off: their error falls unevenly."""
 ASSUMED_ORDER = 1.0
 """Where there are two lattices alone."""
 ROUNDING = 1e-10
@@ -207,4 +209,7 @@ def limit_of(answers: tuple[SpringAnswer, ...], places: Array) -> SpringLimit:
         doubt = CAUTION * max(change, float(np.abs(first).max()))
         return SpringLimit(fine, doubt, math.nan, "none")
     left = last / (2 ** min(order, 2.0) - 1)
-    return SpringLimit(fine + left, SAFETY * float(np.abs(left).max()), order, "seen")
+    doubt = SAFETY * float(np.abs(left).max())
+    if isinstance(answers[-1].lattice, CutLattice):  # its outline meets the cells anew each time
+        doubt = max(doubt, UNEVEN * change)
+    return SpringLimit(fine + left, doubt, order, "seen")
