@@ -17,14 +17,14 @@ HERE = Path(__file__).parent
 
 
 def bracket() -> None:
-    """L-shaped plate 60 x 60 mm with a rounded inner corner and a hole; triangles with bent sides."""
+    """L-shaped plate with a rounded inner corner and a hole; triangles with bent sides."""
     occ = gmsh.model.occ
     whole = occ.addRectangle(0, 0, 0, 60, 60)
     cut = occ.addRectangle(20, 20, 0, 60, 60, roundedRadius=6)
     hole = occ.addDisk(45, 10, 0, 4, 4)
     occ.cut([(2, whole)], [(2, cut), (2, hole)])
     occ.synchronize()
-    name_lines({"clamp": lambda x, y: abs(y - 60) < 1e-6, "pull": lambda x, y: abs(x - 60) < 1e-6})
+    name_lines({"clamp": lambda _, y: abs(y - 60) < 1e-6, "pull": lambda x, _: abs(x - 60) < 1e-6})
     name_body()
     mesh(size=5, order=2, dim=2)
 
@@ -40,8 +40,8 @@ def ring() -> None:
     name_lines(
         {
             "inner": lambda x, y: abs(math.hypot(x, y) - 1) < 0.2,
-            "bottom": lambda x, y: abs(y) < 1e-6,
-            "left": lambda x, y: abs(x) < 1e-6,
+            "bottom": lambda _, y: abs(y) < 1e-6,
+            "left": lambda x, _: abs(x) < 1e-6,
         }
     )
     name_body()

@@ -40,8 +40,12 @@ NEAR_UNIT = 0.05
 """Part by which a scale may differ from a unit's: a modulus or a load a little off besides."""
 FEW_POINTS = 0.02
 """Part of the points, or one, that may be wrong while all others are right."""
-RATIO_STEP = 0.01
-"""Change of Poisson's ratio with which its first-order effect is found."""
+RATIO_STEP, RATIO_STEPS, RATIO_SETTLED = 0.01, 6, 1e-5
+"""First change of Poisson's ratio that is tried, how many are, and the last that need be."""
+HALF = 0.5
+"""Of the difference, what a ratio's first-order effect may leave for it to be worth more solves."""
+MOST_RATIO = 0.495
+"""Ratio up to which elements without a pressure of their own are asked."""
 
 
 @dataclass(frozen=True)
@@ -104,8 +108,10 @@ def explain(field: Field) -> tuple[Explanation, ...]:
     ]
     simple += [*_scale(field), *_rigid(field), *_ratio(field)]
     fitting = _fitting(simple, before, field.doubt)
-    if not fitting:
-        fitting = _fitting(list(_both(field)), before, field.doubt)
+    left = min((each.left for each in fitting), default=before)
+    if left > NOTICED * field.doubt:  # two numbers fit any field better: they must do so by far
+        both = [each for each in _both(field) if each.left <= FITS * left]
+        fitting = both or fitting
     return tuple(fitting)
 
 
@@ -140,11 +146,17 @@ def _best_scale(field: Field, found: Array) -> float:
 
 
 def _units(field: Field) -> Iterator[Explanation]:
+    """Another unit of length, and a modulus or load a little off besides."""
     scale = _best_scale(field, field.found)
     for unit, many in UNITS.items():
-        if scale > 0 and abs(scale / many - 1) <= NEAR_UNIT:
-            left = field.left(field.found / many)
-            yield Explanation("unit", f"{many:g} times elasticity: {unit}?", left, many)
+        if not (scale > 0 and abs(scale / many - 1) <= NEAR_UNIT):
+            continue
+        exact, fitted = field.left(field.found / many), field.left(field.found / scale)
+        besides = ""
+        if exact > max(AS_WELL * fitted, NOTICED * field.doubt):
+            besides = f", and {scale / many:.4g} times as large besides"
+        said = f"{many:g} times elasticity{besides}: {unit}?"
+        yield Explanation("unit", said, fitted if besides else exact, many)
 
 
 def _scale(field: Field) -> Iterator[Explanation]:
@@ -264,45 +276,58 @@ def _modes(places: Array) -> Array:
     return np.moveaxis(rigid_motions(middle / size), 2, 0)
 
 
-def _sensitivity(field: Field) -> Array | None:
-    """Change (n, d) of elasticity with Poisson's ratio, per unit of it."""
-    if field.by_ratio is None:
-        return None
-    nu = getattr(field.problem.material, "nu", math.nan)
-    step = RATIO_STEP if nu + RATIO_STEP < 0.49 else -RATIO_STEP
-    return np.asarray((field.by_ratio(nu + step) - field.wanted) / step)
-
-
 def _ratio(field: Field) -> Iterator[Explanation]:
     """Another Poisson's ratio, the modulus kept."""
-    slope = _sensitivity(field)
-    if slope is None or field.by_ratio is None or not slope.any():
-        return
-    nu = float(getattr(field.problem.material, "nu", math.nan))
-    (change,) = _fit(slope[None], field.found - field.wanted)
-    guess = nu + float(change)
-    if not 0 <= guess < 0.495:
-        return
-    moved = field.by_ratio(guess)
-    left = field.left(field.found, moved)
-    yield Explanation("ratio", f"Poisson's ratio {guess:.4g} in place of {nu:g}?", left, guess)
+    found = _fitted_ratio(field, scaled=False)
+    if found is not None:
+        nu, _, left = found
+        own = float(getattr(field.problem.material, "nu", math.nan))
+        yield Explanation("ratio", f"Poisson's ratio {nu:.4g} in place of {own:g}?", left, nu)
 
 
 def _both(field: Field) -> Iterator[Explanation]:
     """A scale and another ratio together."""
-    slope = _sensitivity(field)
-    if slope is None or field.by_ratio is None or not slope.any():
-        return
-    nu = float(getattr(field.problem.material, "nu", math.nan))
-    a, b = _fit(np.stack([field.wanted, slope]), field.found)
-    guess = nu + float(b / a) if a else math.nan
-    if not (math.isfinite(guess) and 0 <= guess < 0.495 and a > 0):
-        return
-    moved = field.by_ratio(guess)
-    scale = float((field.found * moved).sum() / (moved**2).sum())
-    left = field.left(field.found, scale * moved)
-    said = f"{scale:.4g} times elasticity of Poisson's ratio {guess:.4g} (given {nu:g})?"
-    yield Explanation("scale and ratio", said, left, guess)
+    found = _fitted_ratio(field, scaled=True)
+    if found is not None:
+        nu, scale, left = found
+        own = float(getattr(field.problem.material, "nu", math.nan))
+        said = f"{scale:.4g} times elasticity of Poisson's ratio {nu:.4g} (given {own:g})?"
+        yield Explanation("scale and ratio", said, left, nu)
+
+
+def _fitted_ratio(field: Field, *, scaled: bool) -> tuple[float, float, float] | None:
+    """Ratio, scale and what they leave; None where no ratio between 0 and 1/2 fits.
+
+    Secant steps: elasticity bends with the ratio, near 1/2 above all.
+    """
+    if field.by_ratio is None:
+        return None
+    own = float(getattr(field.problem.material, "nu", math.nan))
+    other = own + (RATIO_STEP if own + RATIO_STEP < MOST_RATIO else -RATIO_STEP)
+    nu, move = own, field.wanted
+    for _ in range(RATIO_STEPS):
+        slope = (field.by_ratio(other) - move) / (other - nu)
+        nu, move = other, field.by_ratio(other)
+        if not slope.any():
+            return None
+        columns = np.stack([move, slope]) if scaled else slope[None]
+        target = field.found if scaled else field.found - move
+        fitted = _fit(columns, target)
+        rest = float(np.linalg.norm(target - np.einsum("k,knd->nd", fitted, columns)))
+        if rest > HALF * float(np.linalg.norm(field.found - field.wanted)):
+            return None
+        scale = float(fitted[0]) if scaled else 1.0
+        if scale <= 0:
+            return None
+        other = nu + float(fitted[-1]) / scale
+        if not 0 <= other < MOST_RATIO:
+            return None
+        if abs(other - nu) < RATIO_SETTLED:
+            break
+    move = field.by_ratio(other)
+    if scaled:
+        scale = float((field.found * move).sum() / (move**2).sum())
+    return other, scale, field.left(field.found, scale * move)
 
 
 def split(field: Field) -> dict[str, Array]:

@@ -1,0 +1,275 @@
+"""Case files: what they mean, and one line with file, line, key and remedy for what they cannot."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from msvalidate.case.building import read_case
+from msvalidate.case.case import Case, make_lattice, spacing_of
+from msvalidate.case.lines import key_lines, line_of
+from msvalidate.case.reading import CaseError
+from msvalidate.case.schema import json_schema
+from msvalidate.case.template import template
+from msvalidate.problem import Box, Isotropic, PointForce, Polygon, Problem, ProblemError, Support
+from tests.table import table
+
+GOOD = """\
+schema = 1
+name = "beam"
+[body]
+box = [4.0, 1.0]
+[material]
+E = 1e5
+nu = 0.3
+state = "plane_stress"
+[[support]]
+on = "left"
+[[load]]
+on = "right"
+traction = [0, -1]
+"""
+MESH = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+1
+1 1 "clamp"
+$EndPhysicalNames
+$Nodes
+4
+1 0 0 0
+2 2 0 0
+3 2 1 0
+4 0 1 0
+$EndNodes
+$Elements
+3
+1 1 2 1 1 4 1
+2 2 2 2 1 1 2 3
+3 2 2 2 1 1 3 4
+$EndElements
+"""
+
+
+def write(folder, text):
+    path = folder / "beam.toml"
+    path.write_text(text, encoding="utf-8")
+    (folder / "part.msh").write_text(MESH, encoding="utf-8")
+    return path
+
+
+def changed(*changes):
+    text = GOOD
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new)
+    return text
+
+
+BOX, LOAD, HELD = "box = [4.0, 1.0]", 'on = "right"\ntraction = [0, -1]', 'on = "left"'
+BAD = [
+    ((("schema = 1", ""),), "no schema; begin the file with schema = 1"),
+    ((("schema = 1", "schema = 2"),), "line 1: schema: 2; this program reads schema = 1"),
+    ((("schema = 1", "schema = true"),), "line 1: schema: True"),
+    ((("[body]", "[body"),), "not TOML"),
+    ((("[body]", "[bdy]"),), "line 3: bdy: no such key; did you mean body?"),
+    (((BOX, ""),), "line 3: body: no shape; give one of box, polygon and mesh"),
+    (((BOX, BOX + '\nmesh = "part.msh"'),), "line 4: body: box and mesh; give one"),
+    (((BOX, "box = 4"),), "line 4: body.box: 4; give a list"),
+    (((BOX, "box = [4.0]"),), "line 4: body.box"),
+    (((BOX, "box = [4.0, -1.0]"),), "line 4: body.box"),
+    (((BOX, "box = [4.0, nan]"),), "every value must be finite"),
+    (((BOX, "box = [4.0, 1e-12]"),), "thinner than"),
+    (((BOX, BOX + '\nunit = "mmm"'),), "line 5: body.unit: unit: 'mmm'; choose m, km, cm, mm"),
+    (((BOX, BOX + "\nunit = -1"),), "line 5: body.unit"),
+    (((BOX, BOX + '\nunit = "mm"'),), "material.thickness: missing; give it in the unit"),
+    (((BOX, "polygon = [[0, 0], [0, 1], [1, 0]]"),), "line 4: body.polygon"),
+    (((BOX, "polygon = [[0, 0], [1, 0], [0, 1], [1, 1]]"),), "cross or touch"),
+    (((BOX, 'mesh = "../part.msh"'),), "outside the case's own folder"),
+    (((BOX, 'mesh = "/etc/passwd"'),), "outside the case's own folder"),
+    (((BOX, 'mesh = "none.msh"'),), "No such file"),
+    (((BOX, 'mesh = "beam.toml"'),), "give one of .msh"),
+    (((BOX, 'mesh = "a\\u0000b.msh"'),), "line 4: body.mesh"),
+    ((("E = 1e5", "E = -1"),), "line 6: material: Young's modulus E: -1.0 Pa; it must be above"),
+    ((("E = 1e5", "E = '1e5'"),), "line 6: material.E: '1e5'; give a number"),
+    ((("E = 1e5", "E = inf"),), "every value must be finite"),
+    ((("E = 1e5\n", ""),), "line 5: material.E: missing; give it"),
+    ((("nu = 0.3", "nu = 0.6"),), "line 7: material: Poisson's ratio nu: 0.6"),
+    ((("nu = 0.3", "nuu = 0.3"),), "line 7: material.nuu: no such key; did you mean nu?"),
+    ((('state = "plane_stress"', ""),), "material.state: missing; a plane body is in plane_stress"),
+    ((("plane_stress", "plane"),), "line 8: material.state: 'plane'; choose plane_stress"),
+    ((("plane_stress", "solid"),), "line 8: material.state: 'solid'; choose plane_stress"),
+    (((BOX, "box = [4, 1, 1]"),), "line 8: material.state: 'plane_stress'; a body in space"),
+    ((('state = "plane_stress"', 'state = "plane_stress"\nthickness = 0'),), "line 9: material"),
+    ((('state = "plane_stress"', 'state = "plane_stress"\ndensity = -1'),), "line 9: material"),
+    ((("[[support]]\n" + HELD + "\n", ""),), "support: missing; give it"),
+    (
+        (("[[support]]\n" + HELD + "\n", ""), ("[body]", "support = []\n[body]")),
+        "line 3: support: none",
+    ),
+    ((("[[support]]", "[support]"),), "line 9: support: one table; write [[support]]"),
+    (((HELD, 'on = "lft"'),), "line 10: support 1.on: 'lft': did you mean left?"),
+    (((HELD, ""),), "line 9: support 1: no place; give one of on and at"),
+    (((HELD, HELD + "\nat = { x = 0 }"),), "both on and at"),
+    (((HELD, "at = { x = 9 }"),), "reaches outside the body"),
+    (((HELD, "at = { x = [1, 0] }"),), "must be a number, (low, high)"),
+    (((HELD, "at = { x = [0] }"),), "line 10: support 1.at.x"),
+    (((HELD, "at = { w = 0 }"),), "line 10: support 1.at.w: no such key; choose x, y, z"),
+    (((HELD, "at = { z = 0 }"),), "z: the body is plane; leave it out"),
+    (((HELD, HELD + '\ncomponents = ["z"]'),), "support 1.components: component: 'z'; choose x or"),
+    (((HELD, HELD + '\ncomponents = ["x", "x"]'),), "once or not at all"),
+    (((HELD, HELD + "\nvalue = [1, 2, 3]"),), "3 values for 2 components, x, y; give one each"),
+    (((HELD, HELD + "\nvalue = nan"),), "line 11: support 1.value"),
+    (((HELD, "nodes = [1]"),), "nodes are a mesh's"),
+    (((HELD, HELD + '\ncomponents = ["x"]'),), "leave the body free: translation along y"),
+    (((LOAD, "traction = [0, 1]"),), "load 1: no place; give one of on and at"),
+    (((LOAD, 'on = "right"'),), "load 1: no load; give one of traction, pressure, force, gravity"),
+    (((LOAD, LOAD + "\npressure = 1"),), "traction and pressure; give one"),
+    (((LOAD, 'on = "right"\ntraction = [1]'),), "give 2 components"),
+    (((LOAD, 'on = "right"\ntraction = [0, "a"]'),), "load 1.traction 2: 'a'; give a number"),
+    (((LOAD, 'on = "right"\nforce = [1, 2]'),), "goes with no force: it acts at point or node"),
+    (((LOAD, "force = [1, 2]"),), "give its place, by point or by node"),
+    (((LOAD, "force = [1, 2]\npoint = [9, 9]"),), "line 11: load 1"),
+    (((LOAD, "gravity = [0, -9.81]\npoint = [0, 0]"),), "it acts on the whole body"),
+    (((LOAD, "gravity = [0, 0, 1]"),), "load 1"),
+    (((LOAD, 'on = "right"\npressure = inf'),), "load 1.pressure"),
+    (((LOAD, LOAD + '\n[springs]\nlattice = "sq"'),), "line 15: springs: lattice: 'sq'; choose"),
+    (((LOAD, LOAD + '\n[springs]\nlattice = "mesh edges"'),), "has none; give a mesh file"),
+    (((LOAD, LOAD + "\n[springs]\nspacing = 0"),), "line 15: springs: spacing"),
+    (((LOAD, LOAD + "\n[springs]\nspacing = 1\ncells = 2"),), "give one of them"),
+    (((LOAD, LOAD + "\n[springs]\ncells = 1.5"),), "springs.cells: 1.5; give a whole number"),
+    (((LOAD, LOAD + '\n[springs]\nroute = "magic"'),), "route: 'magic'; choose springs, volume"),
+    (((LOAD, LOAD + "\n[springs]\nvolume = 1"),), "it goes with constants"),
+    (((LOAD, LOAD + '\n[compare]\npoints = "all"'),), "points: 'all'; choose lattice or mesh"),
+    (((LOAD, LOAD + '\n[compare]\npoints = "mesh"'),), "give points, or 'lattice'"),
+    (((LOAD, LOAD + "\n[compare]\npoints = [[1, 2, 3]]"),), "give 2 numbers each"),
+    (((LOAD, LOAD + "\n[compare]\npoints = []"),), "line 15: compare"),
+    (((LOAD, LOAD + "\n[compare]\nquantities = []"),), "quantities: none"),
+    (((LOAD, LOAD + '\n[compare]\nquantities = ["x"]'),), "quantity: 'x'; choose displacement"),
+    (((LOAD, LOAD + "\n[compare]\nband = 0"),), "line 15: compare: band"),
+    (((LOAD, LOAD + "\n[reference]\naccuracy = 1"),), "line 15: reference: accuracy: 1.0; give a"),
+    ((('name = "beam"', 'name = ""'),), "line 2: name: problem name"),
+    ((('name = "beam"', "name = 3"),), "line 2: name: 3; give a text"),
+]
+
+
+@table(("changes", "said"), BAD)
+def test_bad_files_are_told_in_one_line(tmp_path, changes, said):
+    path = write(tmp_path, changed(*changes))
+    with pytest.raises(ProblemError) as told:
+        read_case(path)
+    message = str(told.value)
+    assert message.startswith("case beam.toml")
+    assert said in message
+    assert "\n" not in message
+
+
+def test_there_are_many():
+    assert len(BAD) >= 60
+
+
+def test_files_that_are_none(tmp_path):
+    for content, said in ((b"\xff\xfe\x00", "is no UTF-8"), (b"", "no schema")):
+        path = tmp_path / "odd.toml"
+        path.write_bytes(content)
+        with pytest.raises(CaseError, match=said):
+            read_case(path)
+    with pytest.raises(CaseError, match="No such file"):
+        read_case(tmp_path / "none.toml")
+    with pytest.raises(CaseError, match="Is a directory"):
+        read_case(tmp_path)
+
+
+def test_a_file_is_the_problem_that_it_says(tmp_path):
+    case = read_case(
+        write(tmp_path, changed((BOX, BOX + '\nunit = "mm"'), ("state", "thickness = 2\nstate")))
+    )
+    assert case.problem.domain == Box((4e-3, 1e-3))
+    assert case.problem.material == Isotropic(1e5, 0.3, "plane_stress", thickness=2e-3)
+    assert case.problem.supports == (Support(case.problem.domain.side("left"), (0.0, 0.0)),)
+    assert case.problem.loads[0].traction == (0, -1)
+    assert case.name == "beam"
+
+
+def test_lengths_are_in_the_unit(tmp_path):
+    text = changed(
+        (BOX, BOX + '\nunit = "cm"'),
+        ("state", "thickness = 1\nstate"),
+        (HELD, HELD + '\ncomponents = ["y", "x"]\nvalue = [1, 2]'),
+        (
+            LOAD,
+            "force = [1, 2]\npoint = [4, 0.5]\n[springs]\nspacing = .25\n[compare]\npoints=[[1,1]]",
+        ),
+    )
+    case = read_case(write(tmp_path, text))
+    assert case.problem.supports[0].displacement == pytest.approx((0.02, 0.01))
+    assert case.problem.loads == (PointForce((0.04, 0.005), (1.0, 2.0)),)
+    assert spacing_of(case) == pytest.approx(2.5e-3)
+    np.testing.assert_allclose(case.points, [[0.01, 0.01]])
+
+
+def test_sides_of_outlines_and_meshes(tmp_path):
+    outline = "polygon = [[0, 0], [4, 0], [4, 2], [0, 1]]"
+    text = changed(
+        (BOX, outline), ('on = "right"\ntraction = [0, -1]', 'on = "edge 3"\npressure = 2')
+    )
+    problem = read_case(write(tmp_path, text)).problem
+    assert isinstance(problem.domain, Polygon)
+    normal = np.array([-1, 4]) / np.sqrt(17)
+    np.testing.assert_allclose(problem.loads[0].traction, -2 * normal)
+    mesh = changed(
+        (BOX, 'mesh = "part.msh"'),
+        (HELD, 'on = "clamp"'),
+        ('on = "right"\ntraction = [0, -1]', "node = 2\nforce = [0, -1]"),
+    )
+    problem = read_case(write(tmp_path, mesh)).problem
+    assert problem.supports[0].region.name == "clamp"
+    assert problem.loads[0].at == (2.0, 1.0)
+
+
+def test_the_template_is_a_case(tmp_path):
+    path = tmp_path / "new.toml"
+    path.write_text(template("new.toml", "new"), encoding="utf-8")
+    case = read_case(path)
+    assert case.name == "new"
+    assert spacing_of(case) == 0.05
+
+
+def test_slender_bodies_have_few_cells_across():
+    box = Box((1e4, 1.0))
+    held = Support(box.side("left"), (0.0, 0.0))
+    case = Case(Problem(box, Isotropic(1e5, 1 / 3), (held,)))
+    assert spacing_of(case) == 0.5
+    assert len(make_lattice(case, 0.5).points) == 3 * 20_001
+
+
+def test_lines_of_keys():
+    text = 'a = 1\n[t]\nb = [\n  1, # x = 2\n]\n"c d" = { e = 1, f = [2] }\n'
+    text += '[[r]]\n[[r]]\ng.h = """\ni = 3\n"""\nj = 1\n'
+    tomllib.loads(text)
+    lines = key_lines(text)
+    assert lines[("a",)] == 1
+    assert lines[("t", "b")] == 3
+    assert lines[("t", "c d", "e")] == 6
+    assert lines[("r", 1)] == 8
+    assert lines[("r", 1, "g", "h")] == 9
+    assert lines[("r", 1, "j")] == 12
+    assert ("i",) not in lines
+    assert line_of(lines, ("t", "b", 0)) == 3
+    assert line_of(lines, ("none",)) is None
+
+
+def test_the_schema_names_every_table():
+    tables = json_schema()["$defs"]["CaseFile"]["properties"]
+    assert set(tables) >= {"schema", "body", "material", "support", "load", "springs", "compare"}
+
+
+@pytest.mark.parametrize("path", sorted((Path(__file__).parents[3] / "examples").glob("*.toml")))
+def test_examples_are_cases(path):
+    case = read_case(path)
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 22
+    assert case.problem.supports

@@ -1,0 +1,221 @@
+"""Displacements from files: every seeded fault is named with its size, and nothing else is."""
+
+from __future__ import annotations
+
+import functools
+
+import meshio
+import numpy as np
+import pandas as pd
+import pytest
+
+from msvalidate.case.case import Case
+from msvalidate.case.judge import budget, judge_result
+from msvalidate.case.results import read_result, spacing_of_numbers
+from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
+from reference_fem import box_discretisation, solve_problem
+from tests.table import table
+
+BEAM = Box((2.0, 1.0))
+HELD = (Support(BEAM.side("left"), (0.0, 0.0)),)
+
+
+def problem(nu=0.3, load=-10.0):
+    loads = (Traction(BEAM.side("right"), (0.5 * load, load)),)
+    return Problem(BEAM, Isotropic(1e5, nu, "plane_strain"), HELD, loads, "beam")
+
+
+PULLED = Problem(
+    BEAM, Isotropic(1e5, 0.3, "plane_strain"), (*HELD, Support(BEAM.side("right"), (0.01, 0.002)))
+)
+MESH = box_discretisation(BEAM, (32, 16), "Q2")
+X = MESH.points[np.random.default_rng(4).permutation(len(MESH.points))[:400]]
+
+
+@functools.cache
+def elastic(nu=0.3, pulled=False):
+    return solve_problem(PULLED if pulled else problem(nu), MESH).at(X)
+
+
+def judged(tmp_path, points, move, asked=None, **options):
+    path = tmp_path / "field.npz"
+    np.savez(path, points=points, displacement=move, **options.pop("arrays", {}))
+    case = Case(asked or problem(), accuracy=options.pop("accuracy", 2e-3))
+    return judge_result(case, read_result(path, 2), **options)
+
+
+def names(found):
+    return [each.name for each in found.explanations]
+
+
+def one_moved(move):
+    moved = move.copy()
+    moved[17] += (0.3 * np.abs(move).max(), 0)
+    return moved
+
+
+def rigid(move):
+    turn = np.column_stack([-X[:, 1], X[:, 0]])
+    return move + 0.3 * np.abs(move).max() * (turn + 1)
+
+
+FAULTS = [
+    ("clean", lambda u: u, [], None),
+    ("modulus 1 % lower", lambda u: 1.01 * u, ["load", "modulus"], 1.01),
+    ("modulus 1 % higher", lambda u: 0.99 * u, ["load", "modulus"], 0.99),
+    ("twice the load", lambda u: 2 * u, ["load", "modulus"], 2.0),
+    ("millimetres", lambda u: 1e3 * u, ["unit"], 1e3),
+    ("inches", lambda u: u / 0.0254, ["unit"], 1 / 0.0254),
+    ("millimetres, 2 % too stiff", lambda u: 980 * u, ["unit"], 1e3),
+    ("other sign", lambda u: -u, ["sign"], None),
+    ("swapped axes", lambda u: u[:, ::-1], ["axes"], None),
+    ("one component's sign", lambda u: u * [1, -1], ["sign"], None),
+    ("positions", lambda u: u + X, ["positions"], None),
+    ("one point", one_moved, ["one point"], 1),
+    ("rigid motion", rigid, ["rigid motion"], None),
+    ("ratio .25", lambda _: elastic(0.25), ["ratio"], 0.25),
+    ("ratio .25 and modulus", lambda _: 1.2 * elastic(0.25), ["scale and ratio"], 0.25),
+    ("float32", lambda u: u.astype(np.float32), [], None),
+]
+
+
+@table(("fault", "change", "causes", "value"), FAULTS)
+def test_each_fault_is_named_with_its_size(tmp_path, fault, change, causes, value):
+    close = 1e-4 if "ratio" in fault else 2e-3
+    found = judged(tmp_path, X, change(elastic()), accuracy=close)
+    assert sorted(names(found)) == causes, fault
+    if value is not None:
+        assert found.explanations[0].value == pytest.approx(value, rel=0.02)
+    parts = budget(found).set_index("part")["value"]
+    assert parts[["scale", "rigid motion", "shape"]].sum() == pytest.approx(parts["total"])
+
+
+def test_positions_in_float32_are_clean_within_their_digits(tmp_path):
+    move = (X + elastic()).astype(np.float32) - X.astype(np.float32)
+    found = judged(tmp_path, X.astype(np.float32), move)
+    assert names(found) == []
+    assert found.row.verdict == "agrees"
+    assert found.precision == pytest.approx(2.1 * np.finfo(np.float32).eps / found.size, rel=0.1)
+
+
+def test_no_modulus_shows_where_supports_alone_move_the_body(tmp_path):
+    found = judged(tmp_path, X, 1.1 * elastic(pulled=True), PULLED)
+    assert names(found) == ["scale"]
+    assert "No modulus shows" in found.explanations[0].said
+
+
+def test_what_is_not_at_rest(tmp_path):
+    slow = 0.94 * elastic()
+    known = judged(tmp_path, X, slow, arrays={"at_rest": 0.07})
+    assert known.row.verdict == "not at rest"
+    assert names(known)[0] == "rest"
+    stated = judged(tmp_path, X, slow, unrest=0.07)
+    assert stated.row.verdict == "not at rest"
+    unknown = judged(tmp_path, X, slow)
+    assert unknown.row.verdict == "differs"
+    assert np.isnan(unknown.unrest)
+
+
+def test_points_in_any_order_outside_doubled_and_in_a_unit(tmp_path):
+    places = np.concatenate([X, [[5.0, 5.0]], X[:1], X[1:2] - [0, 1e-12]])
+    move = np.concatenate([elastic(), [[0, 0]], elastic()[:2]])
+    found = judged(tmp_path, 1e3 * places, 1e3 * move, unit=1e-3)
+    assert found.row.verdict == "agrees"
+    assert len(found.matched.places) == len(X)
+    np.testing.assert_allclose(found.matched.outside, [[5, 5]])
+    assert len(found.matched.doubled) == 2
+    notes = " ".join(found.matched.notes)
+    assert "1 of 401 points lie outside" in notes
+    assert "2 places stand in the file more than once" in notes
+    with pytest.raises(ProblemError, match="are they in mm"):
+        judged(tmp_path, 1e3 * X, 1e3 * elastic())
+    with pytest.raises(ProblemError, match="axes in another order"):
+        judged(tmp_path, X[:, ::-1] + [0, 3.0], elastic())
+
+
+def test_numbers_of_the_cases_points(tmp_path):
+    at = np.array([[2.0, 0.0], [2.0, 1.0], [1.0, 0.5]])
+    case = Case(problem(), points=at)
+    move = solve_problem(problem(), MESH).at(at)
+    path = tmp_path / "few.csv"
+    pd.DataFrame({"id": [2, 0], "ux": move[[2, 0], 0], "uy": move[[2, 0], 1]}).to_csv(
+        path, index=False
+    )
+    found = judge_result(case, read_result(path, 2))
+    assert found.row.verdict == "agrees"
+    np.testing.assert_array_equal(found.matched.missing, at[1:2])
+    pd.DataFrame({"id": [3], "ux": [0.0], "uy": [0.0]}).to_csv(path, index=False)
+    with pytest.raises(ProblemError, match="the case has points 0 to 2"):
+        judge_result(case, read_result(path, 2))
+
+
+def test_formats_hold_the_same(tmp_path):
+    move = elastic()
+    pd.DataFrame(np.c_[X, move], columns=["x", "y", "ux", "uy"]).to_csv(
+        tmp_path / "a.csv", index=False
+    )
+    np.savez(tmp_path / "a.npz", x=X, u=move)
+    fields = {"displacement": np.c_[move, 0 * move[:, :1]], "force": np.ones((len(X), 3))}
+    vertices = [("vertex", np.arange(len(X))[:, None])]
+    meshio.Mesh(np.c_[X, 0 * X[:, :1]], vertices, point_data=fields).write(tmp_path / "a.vtu")
+    for name in ("a.csv", "a.npz", "a.vtu"):
+        found = read_result(tmp_path / name, 2)
+        np.testing.assert_allclose(found.points, X, rtol=1e-12)
+        np.testing.assert_allclose(found.displacement, move, rtol=1e-12)
+    other = read_result(tmp_path / "a.vtu", 2 + 1, "force")
+    assert (other.displacement == 1).all()
+
+
+@table(
+    ("name", "content", "said"),
+    [
+        ("a.txt", b"", "give one of .csv, .npz, .vtu"),
+        ("a.csv", b"", "not a table"),
+        ("a.csv", b"\xff\xfe", "no UTF-8"),
+        ("a.csv", b"x,y\n1,2\n", "name displacements ux, uy"),
+        ("a.csv", b"ux,uy\n1,2\n", "neither places nor id"),
+        ("a.csv", b"id,ux,uy\n1,2,b\n", "uy in row 1: 'b'; give a number"),
+        ("a.csv", b"id,ux,uy\n1,2,\n", "uy in row 1: nan; give a number"),
+        ("a.csv", b"id,ux,uy\n1,2,inf\n", "inf along y at point 0, 1 in all; give finite numbers"),
+        ("a.csv", b"id,ux,uy\n1.5,2,3\n", "give whole numbers"),
+        ("a.csv", b"id,ux,uy,uz\n1,2,3,4\n", "out of the plane too"),
+        ("a.csv", b"id,ux,uy\n", "n above 0"),
+        ("a.npz", b"PK", "no .npz of plain arrays"),
+        ("a.npz", b"", "no .npz of plain arrays"),
+        ("a.vtu", b"<VTKFile", "not a whole vtu file"),
+    ],
+)
+def test_bad_results_are_told_in_one_line(tmp_path, name, content, said):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(ProblemError) as told:
+        read_result(path, 2)
+    assert str(told.value).startswith(f"result '{name}'")
+    assert said in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_arrays_that_are_none(tmp_path):
+    for arrays, said in (
+        ({"displacement": np.array([{"a": 1}], dtype=object)}, "no .npz of plain arrays"),
+        ({"displacement": np.array(["a"])}, "give numbers"),
+        ({"displacement": np.zeros((3, 2)), "points": np.zeros((2, 2))}, "points: shape"),
+        ({"displacement": np.zeros((3, 4)), "points": np.zeros((3, 2))}, "displacement: shape"),
+        ({"displacement": np.full((3, 2), np.nan), "points": np.zeros((3, 2))}, "nan along x"),
+        ({"velocity": np.zeros((3, 2))}, "no displacement: it holds 'velocity'"),
+        ({"displacement": np.zeros((1, 2)), "id": [0], "at_rest": -1.0}, "at_rest"),
+    ):
+        np.savez(tmp_path / "a.npz", **arrays)
+        with pytest.raises(ProblemError, match=said):
+            read_result(tmp_path / "a.npz", 2)
+
+
+def test_the_grid_of_numbers():
+    x = np.random.default_rng(1).uniform(-3, 3, (50, 2))
+    assert spacing_of_numbers(x) == pytest.approx(np.finfo(float).eps * np.abs(x).max())
+    single = np.finfo(np.float32).eps
+    rounded = x.astype(np.float32).astype(float)
+    assert spacing_of_numbers(rounded) == pytest.approx(3 * single, rel=0.1)
+    assert spacing_of_numbers(np.round(x, 3)) == pytest.approx(1e-3)
+    assert spacing_of_numbers(np.ldexp(np.rint(np.ldexp(x, 20)), -20)) == 2.0**-20
+    assert spacing_of_numbers(np.zeros((2, 2))) == 0
