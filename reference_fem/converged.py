@@ -50,8 +50,8 @@ way to the corner's own, by up to a third on meshes as coarse as these. (1.5, ch
 error was measured, held 95 of 100; other bodies than those tried the factor since.)"""
 CAUTION = 3.0
 """Factor on the last change where no order is seen."""
-LOWEST_ORDER, TRUSTED_ORDER = 0.5, 3.0
-"""Orders that are believed; higher ones, which come and go, count as the latter."""
+LOWEST_ORDER, TRUSTED_ORDER = 0.5, 2.0
+"""Orders that are believed; higher ones, which come and go at corners, count as the latter."""
 ROUNDING = 1e-10
 """Change, over the largest value, that is rounding."""
 MOST_NODES = 150_000
@@ -241,7 +241,8 @@ def converge(
     found = [solve_problem(problem, body, mixed=mixed)]
     while True:
         reference = Reference(problem, x, tuple(found), accuracy, time.perf_counter() - began)
-        enough = len(found) >= LEVELS and reference.resolved
+        known = len(found) >= LEVELS or reference.error <= ROUNDING
+        enough = known and reference.resolved
         if enough or nodes_of_children(body) > most_nodes:
             return reference
         body = subdivide(body)

@@ -202,7 +202,7 @@ def test_lengths_are_in_the_unit(tmp_path):
         (HELD, HELD + '\ncomponents = ["y", "x"]\nvalue = [1, 2]'),
         (
             LOAD,
-            "force = [1, 2]\npoint = [4, 0.5]\n[springs]\nspacing = .25\n[compare]\npoints=[[1,1]]",
+            "force = [1, 2]\npoint = [4, 0.5]\n[springs]\nspacing=0.25\n[compare]\npoints=[[1,1]]",
         ),
     )
     case = read_case(write(tmp_path, text))

@@ -1,0 +1,171 @@
+"""Cases solved: what they leave, what they say of springs, and that nothing is lost or executed."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+from msvalidate.case import files
+from msvalidate.case.budget import budget
+from msvalidate.case.building import read_case
+from msvalidate.case.case import Case
+from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, compare_case
+from msvalidate.case.run import case_files
+from msvalidate.problem import (
+    Box,
+    Isotropic,
+    Polygon,
+    Problem,
+    ProblemError,
+    Segment,
+    Support,
+    Traction,
+)
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+BEAM = Box((2.0, 1.0))
+
+
+def beam(nu=1 / 3, **options):
+    loads = (Traction(BEAM.side("right"), (0.0, -10.0)),)
+    held = (Support(BEAM.side("left"), (0.0, 0.0)),)
+    return Case(Problem(BEAM, Isotropic(1e5, nu), held, loads, "beam"), **options)
+
+
+def test_springs_of_the_material_are_coarse_at_worst():
+    found = compare_case(beam(cells=10))
+    by = {row.quantity: row for row in found.rows}
+    assert by["displacement"].verdict == "agrees"
+    assert by["reaction"].difference < 1e-9
+    assert by["strain energy"].difference < 0.05
+    assert found.kind == COARSE
+    assert found.limit.order == pytest.approx(1.7, abs=0.4)
+    parts = budget(found).set_index("part")
+    assert parts.loc["total", "value"] == pytest.approx(
+        parts.loc[["spacing", "boundary", "material"], "value"].sum()
+    )
+    assert abs(parts.loc["boundary", "value"]) <= parts.loc["boundary", "doubt"]
+
+
+def test_springs_of_another_material_are_told_from_coarse_ones():
+    found = compare_case(beam(cells=10, constants=(1e5, 2e5)))
+    assert found.kind == OTHER_MATERIAL
+    parts = budget(found).set_index("part")
+    assert abs(parts.loc["material", "value"]) > 0.8 * parts.loc["total", "value"]
+    assert found.rows[0].verdict == "differs"
+
+
+def test_an_outline_is_cut_and_its_points_outside_are_no_obstacle(tmp_path):
+    body = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.4), (0.0, 0.8)))
+    held = (Support(Segment((0.0, 0.8), (0.0, 0.0)), (0.0, 0.0)),)
+    loads = (Traction(Segment((2.0, 0.0), (2.0, 1.4)), (0.0, -10.0)),)
+    case = Case(Problem(body, Isotropic(1e5, 0.3), held, loads), spacing=0.07)
+    found, content = case_files(case, plots=False)
+    assert found.rows[0].verdict == "agrees"
+    springs = read_vtu(tmp_path, content["springs.vtu"])
+    outside = np.isnan(springs.point_data["displacement_elements"][:, 0])
+    assert 0 < outside.sum() < len(outside) / 3
+
+
+def read_vtu(folder, content):
+    (folder / "fields.vtu").write_bytes(content)
+    return meshio.read(folder / "fields.vtu")
+
+
+@pytest.fixture(scope="module")
+def run_beam():
+    return case_files(beam(cells=8))
+
+
+def test_fields_are_those_of_the_tables(tmp_path, run_beam):
+    found, content = run_beam
+    springs = read_vtu(tmp_path, content["springs.vtu"])
+    elements = read_vtu(tmp_path, content["elements.vtu"])
+    lattice = found.springs[0].lattice
+    np.testing.assert_array_equal(springs.points[:, :2], lattice.points)
+    (lines,) = springs.cells
+    assert lines.type == "line"
+    np.testing.assert_array_equal(lines.data, lattice.springs)
+    moved = springs.point_data["displacement_springs"]
+    np.testing.assert_array_equal(moved[:, :2], found.springs[0].rest.displacement)
+    np.testing.assert_array_equal(springs.point_data["difference"], found.relative)
+    assert elements.cells[0].type == "quad9"
+    solution = found.reference.finest
+    at = elements.point_data["displacement_elements"][:, :2]
+    np.testing.assert_array_equal(at, solution.displacement)
+
+
+def test_files_say_the_same(run_beam):
+    found, content = run_beam
+    verdict = json.loads(content["verdict.json"])
+    assert {row["quantity"]: row["verdict"] for row in verdict["quantities"]} == {
+        row.quantity: row.verdict for row in found.rows
+    }
+    first = verdict["quantities"][0]
+    assert first["difference"] == found.rows[0].difference
+    page = content["case.html"].decode()
+    assert 'src="http' not in page
+    assert 'href="http' not in page
+    assert "<script" not in page
+    assert page.count("<figure>") == 5
+
+
+def test_a_name_is_no_path_and_no_markup(tmp_path):
+    text = (EXAMPLES / "box.toml").read_text(encoding="utf-8")
+    text = text.replace('"cantilever"', '"../../x<script>alert(1)</script>"')
+    text += "\n[springs]\ncells = 4\n[reference]\naccuracy = 0.05\n"
+    path = tmp_path / "..x<b>.toml"
+    path.write_text(text, encoding="utf-8")
+    _, content = case_files(read_case(path), plots=False)
+    page = content["case.html"].decode()
+    assert "<script" not in page
+    assert "&lt;script&gt;" in page
+    assert files.folder_name("../../x<script>") == "x-script"
+    assert files.folder_name("...") == "case"
+
+
+def program(folder, *words):
+    command = [sys.executable, "-m", "msvalidate.study", "case", *words]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_the_commands(tmp_path):
+    assert program(tmp_path, "new", "my").returncode == 0
+    text = (tmp_path / "my.toml").read_text(encoding="utf-8")
+    assert program(tmp_path, "new", "my").returncode == 2
+    done = program(tmp_path, "run", "my.toml", "none.toml", "--out", "new", "--no-plots")
+    assert done.returncode == 2
+    assert "my: agrees" in done.stdout
+    assert done.stderr.count("\n") == 2
+    assert "case 'none.toml': No such file" in done.stderr
+    kept = (tmp_path / "new" / "my" / "verdict.json").read_bytes()
+    # What is asked next has no answer: what was there stays.
+    (tmp_path / "my.toml").write_text(text.replace("nu = 0.333", "nu = 0.9"), encoding="utf-8")
+    assert program(tmp_path, "run", "my.toml", "--out", "new", "--no-plots").returncode == 2
+    assert (tmp_path / "new" / "my" / "verdict.json").read_bytes() == kept
+    (tmp_path / "new" / "my" / "mine.txt").write_text("kept", encoding="utf-8")
+    (tmp_path / "my.toml").write_text(text, encoding="utf-8")
+    done = program(tmp_path, "run", "my.toml", "--out", "new", "--no-plots")
+    assert done.returncode == 2
+    assert "'mine.txt', which no case left there" in done.stderr
+    assert (tmp_path / "new" / "my" / "mine.txt").read_text(encoding="utf-8") == "kept"
+    points = tmp_path / "new" / "my" / "points.csv"
+    judged = program(tmp_path, "judge", "my.toml", str(points), "--out", "new", "--no-plots")
+    assert judged.returncode == 0
+    assert "points.csv: agrees" in judged.stdout
+    assert json.loads(program(tmp_path, "schema").stdout)["$ref"]
+    assert program(tmp_path).returncode == 2
+
+
+def test_folders_of_others_are_left(tmp_path):
+    (tmp_path / "a").write_text("", encoding="utf-8")
+    with pytest.raises(ProblemError, match="which no case left there"):
+        files.refuse_foreign(tmp_path)
+    with pytest.raises(ProblemError, match="is a file"):
+        files.refuse_foreign(tmp_path / "a")

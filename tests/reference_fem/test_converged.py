@@ -1,0 +1,164 @@
+"""Solutions with their own error: finer meshes of the same body, and errors that are as stated."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from msvalidate.problem import (
+    BodyForce,
+    Box,
+    Isotropic,
+    Mesh,
+    PointForce,
+    Polygon,
+    Problem,
+    ProblemError,
+    Region,
+    Support,
+    Traction,
+)
+from reference_fem import box_discretisation, mesh_discretisation
+from reference_fem.converged import close_in, converge, first_mesh
+from reference_fem.mesh.outlines import outline_discretisation
+from reference_fem.mesh.subdivide import subdivide
+from tests.reference_fem.bodies_at_random import bent_mesh, problems
+
+L_SHAPE = Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)))
+LAW = Isotropic(1e5, 0.3)
+
+
+def volume(body):
+    return Mesh(body.points, body.cells, body.element.shape).volume
+
+
+@pytest.mark.parametrize("element", ["P1", "P2", "Q1", "Q2", "S2", "T1", "T2", "H1", "H2"])
+def test_halved_cells_fill_the_same_body(element):
+    size = (2.0, 1.0, 1.0) if element[0] in "TH" else (2.0, 1.0)
+    body = box_discretisation(Box(size), (2,) + (1,) * (len(size) - 1), element)
+    found = subdivide(body)
+    assert len(found.cells) == 2**body.dim * len(body.cells)
+    assert volume(found) == pytest.approx(volume(body))
+    assert found.in_one_piece
+    # A mesh of twice the cells along each axis has as many nodes: none is there twice.
+    twice = box_discretisation(Box(size), (4,) + (2,) * (len(size) - 1), element)
+    assert len(found.points) == len(twice.points) or element == "T2"
+
+
+def test_bent_sides_stay_the_same_curves():
+    problem = bent_mesh(np.random.default_rng(3))
+    body = mesh_discretisation(problem.domain)
+    fine = subdivide(body, 2)
+    assert volume(fine) == pytest.approx(volume(body), rel=1e-12)
+    rim = fine.points[np.unique(fine.surface)]
+    assert problem.domain.whole_surface.select(rim, 1e-12).all()
+
+
+def test_outlines_are_filled():
+    for spacing in (2.0, 0.5, 0.1):
+        body = outline_discretisation(L_SHAPE, spacing, np.array([[0.3, 0.0], [0.7, 0.2]]))
+        assert volume(body) == pytest.approx(L_SHAPE.volume)
+        for place in ((0.3, 0.0), (0.7, 0.2), (1.0, 1.0)):
+            assert np.linalg.norm(body.points - place, axis=1).min() < 1e-12
+    thin = Polygon(((0.0, 0.0), (9.0, 0.0), (9.0, 1e-3), (0.0, 2e-3)))
+    assert volume(outline_discretisation(thin, 0.5)) == pytest.approx(thin.volume)
+
+
+def test_parts_of_sides_end_at_nodes_wherever_they_do():
+    box = Box((1.0, 0.37))
+    loads = (
+        Traction(Region(((0.123, 0.7654321), 0.37)), (0.0, -1.0)),
+        PointForce((0.31, 0.2), (1.0, 0.0)),
+    )
+    problem = Problem(box, LAW, (Support(box.side("left"), (0.0, 0.0)),), loads)
+    x = first_mesh(problem).points
+    for place in ((0.123, 0.37), (0.7654321, 0.37), (0.31, 0.2)):
+        assert np.linalg.norm(x - place, axis=1).min() < 1e-12
+
+
+def cubic(points):
+    x, y = points.T
+    return np.column_stack([x**3 * y, x * y**2 - y**3])
+
+
+def test_a_smooth_field_is_known_as_well_as_stated():
+    """Prescribed all round: u is what its body force asks for (plane stress, E = 1, nu = 0)."""
+    box = Box((1.0, 0.7))
+
+    def force(points):  # -div σ with σ = sym grad u
+        x, y = points.T
+        # With u = x³y and v = xy² - y³: u_xx = 6xy, v_yy = 2x - 6y, u_xy = 3x², v_xy = 2y.
+        return -np.column_stack([6 * x * y + y, 2 * x - 6 * y + 1.5 * x**2])
+
+    sides = tuple(
+        Support(box.side(name), (lambda p: cubic(p)[:, 0], lambda p: cubic(p)[:, 1]))
+        for name in ("left", "right", "bottom", "top")
+    )
+    problem = Problem(box, Isotropic(1.0, 0.0), sides, (BodyForce(force),))
+    points = np.random.default_rng(2).uniform((0, 0), box.size, (50, 2))
+    found = converge(problem, points, 1e-5)
+    true = np.abs(found.displacement.value - cubic(points)).max() / found.displacement.value.max()
+    assert found.resolved
+    assert 0 < true <= found.error <= 30 * true
+
+
+def test_errors_are_as_stated_on_bodies_at_random():
+    """A look: `docs` have what hundreds of bodies showed."""
+    for kind, problem, points in problems(5, 1, ("box", "bent", "outline")):
+        found = converge(problem, points, 1e-12, most_nodes=1000)
+        body = found.finest.body
+        finer = converge(problem, points, 1e-14, most_nodes=20 * len(body.points), first=body)
+        away = np.linalg.norm(found.displacement.value - finer.displacement.value, axis=1).max()
+        size = np.linalg.norm(finer.displacement.value, axis=1).max()
+        assert away / size <= found.error, kind
+
+
+def test_balance_of_what_is_stated():
+    problem = Problem(
+        L_SHAPE, LAW, (Support(Region((None, 0.0)), (0.0, 0.0)),), (BodyForce((3.0, -2.0)),)
+    )
+    found = converge(problem, np.array([[0.5, 0.5], [0.9, 1.9]]), 1e-2)
+    (reaction,) = found.reactions
+    np.testing.assert_allclose(reaction.value, [-9.0, 6.0], rtol=1e-9)
+    assert found.energy.value[0] > 0
+    work = (np.array([3.0, -2.0]) * found.mean_stress.value[:2]).sum()
+    assert np.isfinite(work)
+
+
+def test_bars_have_the_stress_that_pulls_them():
+    box = Box((3.0, 1.0, 0.5))
+    supports = tuple(
+        Support(box.side(name), tuple(0.0 if a == axis else None for a in range(3)))
+        for axis, name in enumerate(("left", "bottom", "back"))
+    )
+    problem = Problem(
+        box, Isotropic(2e5, 0.3, "solid"), supports, (Traction(box.side("right"), (7.0, 0.0, 0.0)),)
+    )
+    found = converge(problem, np.array([[3.0, 0.2, 0.1]]), 1e-6, most_nodes=6000)
+    np.testing.assert_allclose(found.displacement.value, [[1.05e-4, -2.1e-6, -1.05e-6]], rtol=1e-9)
+    np.testing.assert_allclose(found.mean_stress.value, [7, 0, 0, 0, 0, 0], atol=1e-8)
+    assert found.energy.value[0] == pytest.approx(0.5 * 7**2 / 2e5 * 1.5)
+
+
+def test_what_is_not_reached_is_said():
+    problem = Problem(
+        L_SHAPE, LAW, (Support(Region((None, 0.0)), (0.0, 0.0)),), (BodyForce((3.0, -2.0)),)
+    )
+    found = converge(problem, np.array([[0.9, 1.9]]), 1e-9, most_nodes=500)
+    assert not found.resolved
+    assert 1e-4 < found.error < 1
+    one = converge(problem, np.array([[0.9, 1.9]]), 1e-9, most_nodes=10)
+    assert np.isinf(one.error)
+    with pytest.raises(ProblemError, match="must lie in the body"):
+        converge(problem, np.array([[9.0, 9.0]]))
+
+
+def test_sequences():
+    exact = close_in([np.ones(2)] * 3)
+    assert 0 < exact.uncertainty < 1e-9
+    known = close_in([np.array([1 + 4.0**-n]) for n in range(3)])
+    assert known.order == pytest.approx(2)
+    assert known.uncertainty >= 4.0**-2
+    astray = close_in([np.array([value]) for value in (1.0, 1.1, 1.0)])
+    assert np.isnan(astray.order)
+    assert astray.uncertainty > 0.2
