@@ -31,6 +31,8 @@ COARSE, OTHER_MATERIAL, NOT_TOLD = "coarse", "another material", "not told"
 """Why springs differ: their spacing, or what they are at any spacing, or either."""
 KNOWN_STRESS, LEAST_KNOWN = 0.5, 0.5
 """Of the band, what elasticity's stress may be off at points that count; of all, how many must."""
+UNSTRAINED = 1e-14
+"""Strain energy, over that of a strain as large as displacement over length, that is rounding."""
 STRESSED_POINTS = 400
 """Points at most at which stresses are compared: each is a fit of its own."""
 
@@ -143,6 +145,8 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     limit = limit_of(answers, points)
     progress("elements")
     reference = converge(case.problem, points, case.accuracy)
+    if not largest(reference.displacement.value):
+        raise ProblemError("case: nothing moves the body at these points; give a load")
     homogenised, notes = _homogenised(case, answers[0], points)
     rows = [_displacement(case, answers[0], reference)]
     makers = {
@@ -155,6 +159,7 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
         if name in case.quantities:
             progress(name)
             try:
+                _refuse_unstrained(case, reference)
                 rows += make(case, answers[0], reference)
             except (ProblemError, SolverError) as error:
                 notes.append(f"{name}: not compared: {error}")
@@ -202,6 +207,16 @@ def _held_by(support: Support, springs: SpringAnswer) -> Mask:
         on = region.select(lattice.points, lattice.domain.tolerance)
     asked = [value is not None for value in support.displacement]
     return np.asarray(on[:, None] & np.array(asked))
+
+
+def _refuse_unstrained(case: Case, reference: Reference) -> None:
+    """Raise `SolverError` where the body moves as one: what is left of forces is rounding."""
+    domain, law = case.problem.domain, case.problem.material
+    longest = max(high - low for low, high in domain.span)
+    stiff = float(np.abs(elastic_tensor(law)).max()) * domain.volume * law.thickness
+    bent = (largest(reference.displacement.value) / longest) ** 2
+    if abs(float(reference.energy.value[0])) <= UNSTRAINED * stiff * bent:
+        raise SolverError("the body moves as one and is not strained")
 
 
 def _energy(case: Case, springs: SpringAnswer, reference: Reference) -> list[Row]:

@@ -152,7 +152,7 @@ def _field(problem: Problem, matched: Matched, reference: Reference, doubt: floa
 
 
 def budget(found: Judgement) -> pd.DataFrame:
-    """Parts of the difference where it is largest, along it; columns as `comparison.budget`."""
+    """Parts of the difference where it is largest, along it; columns as `budget.budget`."""
     wanted = found.reference.displacement.value
     field = Field(
         found.matched.places,
