@@ -212,10 +212,16 @@ def _table_numbers(table: pd.DataFrame, columns: Sequence[Any]) -> Array:
 
 def _read_npz(file: Path, field: str | None) -> dict[str, Any]:
     try:
+        _refuse_large(file)
         with np.load(file, allow_pickle=False) as content:
             arrays = {name: content[name] for name in content.files}
-    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, MemoryError) as error:
-        raise ProblemError(f"no .npz of plain arrays: {' '.join(str(error).split())}") from error
+    except ProblemError:
+        raise
+    except Exception as error:  # whatever the readers of archives and arrays stumble over
+        why = " ".join(str(error).split()) or type(error).__name__
+        raise ProblemError(f"no .npz of plain arrays: {why}; write it again") from error
+    if not all(isinstance(each, np.ndarray) for each in arrays.values()):
+        raise ProblemError("no .npz of plain arrays: other files are in it; write it again")
     found: dict[str, Any] = {}
     move = _named(arrays, (field,) if field else MOVES, "displacement")
     found["displacement"] = _as_numbers(arrays[move], move)
@@ -224,6 +230,14 @@ def _read_npz(file: Path, field: str | None) -> dict[str, Any]:
         if name is not None:
             found[key] = _as_numbers(arrays[name], name)
     return found
+
+
+def _refuse_large(file: Path) -> None:
+    """Refuse an archive before memory is taken for what is in it."""
+    with zipfile.ZipFile(file) as packed:
+        size = sum(each.file_size for each in packed.infolist())
+    if size > LARGEST_FILE:
+        raise ProblemError(f"{size:g} bytes when unpacked; the most is {LARGEST_FILE:g}")
 
 
 def _named(arrays: Mapping[str, Any], names: Sequence[str], what: str) -> str:

@@ -15,6 +15,7 @@ from msvalidate.case.reading import CaseError
 from msvalidate.case.schema import json_schema
 from msvalidate.case.template import template
 from msvalidate.problem import Box, Isotropic, PointForce, Polygon, Problem, ProblemError, Support
+from tests.msvalidate.case import mutated
 from tests.table import table
 
 GOOD = """\
@@ -166,6 +167,13 @@ def test_bad_files_are_told_in_one_line(tmp_path, changes, said):
     assert message.startswith("case beam.toml")
     assert said in message
     assert "\n" not in message
+
+
+def test_changed_files_are_read_or_refused():
+    """A look; the module itself tries a hundred thousand."""
+    told = mutated.try_all(1500)
+    assert told["read"] > 10
+    assert told["in several lines"] == 0
 
 
 def test_there_are_many():
