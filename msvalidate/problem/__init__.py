@@ -49,6 +49,13 @@ from msvalidate.problem.statement import (
     prescribed_displacements_at,
     vectors_at,
 )
+from msvalidate.problem.zone import Ball, CellSet, Zone
+from msvalidate.problem.zones import (
+    cut_cells,
+    materials_at,
+    materials_of_cells,
+    require_one_material,
+)
 
 __all__ = [
     "AXES",
@@ -61,9 +68,11 @@ __all__ = [
     "VOIGT",
     "Anisotropic",
     "Array",
+    "Ball",
     "BodyForce",
     "Boundary",
     "Box",
+    "CellSet",
     "Domain",
     "Field",
     "Index",
@@ -83,16 +92,21 @@ __all__ = [
     "SolverError",
     "Support",
     "Traction",
+    "Zone",
     "corners_of",
+    "cut_cells",
     "enclosed_volume",
     "facet_areas",
     "facet_middles",
     "format_point",
     "free_motions",
+    "materials_at",
+    "materials_of_cells",
     "measure_of",
     "prescribed_displacements",
     "prescribed_displacements_at",
     "refuse_free_motions",
+    "require_one_material",
     "rigid_motions",
     "vectors_at",
 ]

@@ -18,9 +18,11 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.domain import Box, Domain, corners_of
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.material import Material
+from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point, refuse_free_motions
 from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import facet_middles
+from msvalidate.problem.zone import CellSet, Zone, refuse_other_state
 
 LONGEST_NAME = 100
 """Letters in a problem's name, which stands at the head of messages."""
@@ -164,6 +166,17 @@ Load = PointForce | Traction | BodyForce
 class Problem:
     """A body with its material, supports and loads.
 
+    Parameters
+    ----------
+    domain, material
+        The body, and what it is of but for its zones.
+    supports, loads
+        How it is held, and what acts on it.
+    name
+        What messages call it.
+    zones
+        Parts of another material; of several that hold a place the last one counts.
+
     Raises
     ------
     ProblemError
@@ -176,12 +189,14 @@ class Problem:
     supports: tuple[Support, ...]
     loads: tuple[Load, ...] = ()
     name: str = field(default="problem")
+    zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
         _check_name(self.name)
         for name, parts, kind in (
             ("supports", self.supports, Support),
             ("loads", self.loads, Load),
+            ("zones", self.zones, Zone),
         ):
             if not isinstance(parts, tuple) or not all(isinstance(part, kind) for part in parts):
                 raise ProblemError(
@@ -192,6 +207,9 @@ class Problem:
         d = self.domain.dim
         if self.material.dim != d:
             raise ProblemError(f"{self.name}: a {self.material.dim}D material in a {d}D domain")
+        for zone in self.zones:
+            refuse_other_state(zone, self.material)
+            _refuse_off_body(zone, self.domain)
         for load in self.loads:
             if isinstance(load, BodyForce):
                 _check_vector("body force", load.force, d)
@@ -201,6 +219,11 @@ class Problem:
                 _refuse_off_side("traction", load.region, self.domain, corners)
         corners, held = self._held_corners()
         refuse_free_motions(self.name, corners, held)
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The body's material, then that of each zone."""
+        return (self.material, *(zone.material for zone in self.zones))
 
     def _held_corners(self) -> tuple[Array, Mask]:
         """Corners of the supported regions and the components held there.
@@ -318,6 +341,26 @@ def _refuse_off_side(what: str, region: Part, domain: Domain, corners: Array) ->
             f"it "
             "is not on one side of the body all the way; give a part of a side, such as a Segment"
         )
+
+
+def _refuse_off_body(zone: Zone, domain: Domain) -> None:
+    """Refuse a zone that shares nothing with the body, or is of the cells of another mesh."""
+    region = zone.region
+    if isinstance(region, CellSet):
+        if not (isinstance(domain, Mesh) and region.name in domain.zones) or not np.array_equal(
+            domain.zone(region.name).places, region.places
+        ):
+            raise ProblemError(
+                f"zone {region}: not of the problem's own {domain}; take its mesh.zone(name)"
+            )
+        return
+    low, high = np.array(domain.span).T
+    if isinstance(region, Region):
+        meets = bool(region.overlaps(low[None], high[None], domain.tolerance)[0])
+    else:
+        meets = region.meets(domain.span)
+    if not meets:
+        raise ProblemError(f"zone {region}: outside the body, a {domain}; leave it out or move it")
 
 
 def _check_region(name: str, region: object) -> None:
