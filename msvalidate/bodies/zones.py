@@ -4,10 +4,20 @@ A spring has from each cell that shares it the cell's part of that cell's consta
 half of each material's. A body whose zones end where cells do is then as exact as each material is
 alone: bars of two materials, one behind or beside the other, are exact.
 
-**A cell that a zone ends in** has of each material the fraction of its area or volume, found from
-`SAMPLES` places along each axis, and constants, κ and density that are the mean by fraction. It is
-a rule, Voigt's bound: a cell of layers across the pull is in truth softer. The other rule, the
-material at the cell's middle, is exact nowhere either, and makes an interface of steps.
+**A cell that a zone ends in** has of each material a fraction of its area or volume, found from
+`SAMPLES` places along each axis. Its density is the mean by fraction. Its moduli are those of the
+materials in series (Reuss's bound): 1/μ and 1/K are the means by fraction, and with them the
+springs' constants and κ. It is a rule, and not exact: displacements are then of first order in the
+spacing. A disc of radius a in a plate under tension changes displacements; these changes are off,
+at a spacing of a/32, in the worst place and relative to the largest of them, by
+
+    disc of                     10 times E    E/10
+    in series                   0.9 %         2.6 %
+    mean of the moduli          3.2 %         3.4 %
+    material of the middle      3.1 %         6.5 %
+
+The mean of the moduli (Voigt's bound) makes the rim of a stiff part too wide, the middle makes an
+interface of steps. Where that counts, let zones end where cells do.
 """
 
 from __future__ import annotations
@@ -21,11 +31,14 @@ from scipy.spatial import KDTree
 
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.lattice_constants import calibrate_by_route, spring_stiffnesses
+from msvalidate.constants.stiffness import isotropic_moduli
 from msvalidate.lattice import Constants, CutLattice, Lattice, Pattern
 from msvalidate.lattice.outline import is_outside, outline
 from msvalidate.lattice.parts import cell_shape, point_parts, spring_parts
 from msvalidate.problem import (
     Array,
+    Isotropic,
+    Material,
     Problem,
     ProblemError,
     cut_cells,
@@ -112,10 +125,44 @@ def stiffness_by_place(
             "route 'volume energy'"
         )
     fraction = material_fractions(problem, lattice)
-    of_spring = spring_parts(lattice) @ fraction
+    shear = np.array([_shear_modulus(material) for material in problem.materials])
+    soft = fraction / shear
+    total = soft.sum(axis=1)
+    of_spring = spring_parts(lattice) @ (soft / total[:, None])
     k = np.array([k for k, _, _ in each])  # (materials, kinds)
     found = (of_spring * k.T[lattice.kind]).sum(axis=1)
-    return found, fraction @ [kappa for _, kappa, _ in each], np.zeros(len(found))
+    bulk = shear * (1 + 2 / lattice.points.shape[1])
+    volumes = np.array([kappa for _, kappa, _ in each])
+    return found, _volume_stiffness(fraction, shear, bulk, volumes), np.zeros(len(found))
+
+
+def _shear_modulus(material: Material) -> float:
+    """μ (N/m) in the plane, with the thickness, or (Pa); of a tensor that of its isotropic part."""
+    if isinstance(material, Isotropic):
+        E, nu = material.E, material.nu
+    else:
+        found = isotropic_moduli(material.C)
+        E, nu = found.E, found.nu
+    return material.thickness * E / (2 * (1 + nu))
+
+
+def _volume_stiffness(fraction: Array, shear: Array, bulk: Array, kappa: Array) -> Array:
+    """κ (c,) of cells of some fractions (c, materials).
+
+    Parameters
+    ----------
+    fraction
+        Of each cell.
+    shear, bulk, kappa
+        (materials,) μ; the bulk modulus of its springs alone, λ + 2μ/d at λ = μ; and its κ.
+    """
+    found = np.asarray(fraction @ kappa)
+    cut = (fraction < 1).all(axis=1)
+    if kappa.any():
+        ratio = bulk[0] / shear[0]
+        part = fraction[cut]
+        found[cut] = 1 / (part @ (1 / (bulk + kappa))) - ratio / (part @ (1 / shear))
+    return found
 
 
 def density_by_point(problem: Problem, lattice: Lattice) -> Array:
