@@ -15,14 +15,13 @@ from msvalidate.problem.checks import (
     positive_number,
     require_type,
 )
-from msvalidate.problem.domain import Box, Domain, corners_of
+from msvalidate.problem.domain import Box, Domain, corners_of, refuse_off_body
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.material import Material
-from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point, refuse_free_motions
 from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import facet_middles
-from msvalidate.problem.zone import CellSet, Zone, refuse_other_state
+from msvalidate.problem.zone import Zone, refuse_other_state
 
 LONGEST_NAME = 100
 """Letters in a problem's name, which stands at the head of messages."""
@@ -209,7 +208,7 @@ class Problem:
             raise ProblemError(f"{self.name}: a {self.material.dim}D material in a {d}D domain")
         for zone in self.zones:
             refuse_other_state(zone, self.material)
-            _refuse_off_body(zone, self.domain)
+            refuse_off_body(zone, self.domain)
         for load in self.loads:
             if isinstance(load, BodyForce):
                 _check_vector("body force", load.force, d)
@@ -341,26 +340,6 @@ def _refuse_off_side(what: str, region: Part, domain: Domain, corners: Array) ->
             f"it "
             "is not on one side of the body all the way; give a part of a side, such as a Segment"
         )
-
-
-def _refuse_off_body(zone: Zone, domain: Domain) -> None:
-    """Refuse a zone that shares nothing with the body, or is of the cells of another mesh."""
-    region = zone.region
-    if isinstance(region, CellSet):
-        if not (isinstance(domain, Mesh) and region.name in domain.zones) or not np.array_equal(
-            domain.zone(region.name).places, region.places
-        ):
-            raise ProblemError(
-                f"zone {region}: not of the problem's own {domain}; take its mesh.zone(name)"
-            )
-        return
-    low, high = np.array(domain.span).T
-    if isinstance(region, Region):
-        meets = bool(region.overlaps(low[None], high[None], domain.tolerance)[0])
-    else:
-        meets = region.meets(domain.span)
-    if not meets:
-        raise ProblemError(f"zone {region}: outside the body, a {domain}; leave it out or move it")
 
 
 def _check_region(name: str, region: object) -> None:

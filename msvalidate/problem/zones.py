@@ -5,16 +5,18 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from msvalidate.problem.arrays import Array, Index, Mask
 from msvalidate.problem.checks import finite_coordinates
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.material import Material
+from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point
 from msvalidate.problem.region import Region
 from msvalidate.problem.shapes import Shape
 from msvalidate.problem.statement import Problem
-from msvalidate.problem.zone import Ball, Zone
+from msvalidate.problem.zone import Ball, CellSet, Zone
 
 SAMPLES = 6
 """Places along each axis of a cell at which a ball is looked for that no corner lies in."""
@@ -88,6 +90,10 @@ def require_one_material(problem: Problem, what: str) -> Material:
 def _inside_and_cut(problem: Problem, zone: Zone, places: Array, shape: Shape) -> tuple[Mask, Mask]:
     """Masks (c,) of the cells (c, k, d) whose middle lies in a zone, and of those it ends in."""
     region, room = zone.region, problem.domain.tolerance
+    if isinstance(region, CellSet) and isinstance(problem.domain, Mesh):
+        own = _numbers_in(problem.domain, places[:, : shape.corners])
+        if own is not None:
+            return np.isin(own, problem.domain.zones[region.name]), np.zeros(len(own), dtype=bool)
     middle = np.einsum("qk,ckd->cd", shape.values(shape.middle[None]), places)
     inside = region.select(middle, room)
     # Amid corners on a ball a straight side has nodes inside it.
@@ -106,6 +112,16 @@ def _inside_and_cut(problem: Problem, zone: Zone, places: Array, shape: Shape) -
             part = doubtful[start : start + AT_ONCE]
             cut[part] = _is_dented(region, places[part], shape, room)
     return inside, cut
+
+
+def _numbers_in(mesh: Mesh, corners: Array) -> Index | None:
+    """Numbers (c,) of cells in a mesh by their corners (c, k, d) in m; None if one is not in it."""
+    own = mesh.points[mesh.cells[:, : mesh.kind.corners]]
+    if corners.shape[1:] != own.shape[1:]:
+        return None
+    which = KDTree(own.mean(axis=1)).query(corners.mean(axis=1))[1]
+    apart = np.linalg.norm(corners[:, :, None] - own[which][:, None], axis=3)
+    return which if apart.min(axis=2).max() <= mesh.tolerance else None
 
 
 def _is_entered(region: Region, corners: Array, shape: Shape, room: float) -> Mask:
