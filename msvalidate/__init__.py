@@ -30,7 +30,8 @@ _HOMES = {
     "network": ("spring_network",),
     "problem": (
         *("Anisotropic", "Ball", "BodyForce", "Box", "Isotropic", "Mesh", "PointForce", "Polygon"),
-        *("Problem", "ProblemError", "Region", "SolverError", "Support", "Traction", "Zone"),
+        *("Problem", "ProblemError", "Region", "SolverError", "Support", "Traction"),
+        *("Weight", "Zone"),
     ),
     "relaxation.relax": ("algorithm1", "relax"),
     "relaxation.relaxations": ("RELAXATIONS",),
@@ -80,6 +81,7 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.problem import SolverError as SolverError
     from msvalidate.problem import Support as Support
     from msvalidate.problem import Traction as Traction
+    from msvalidate.problem import Weight as Weight
     from msvalidate.problem import Zone as Zone
     from msvalidate.relaxation.relax import algorithm1 as algorithm1
     from msvalidate.relaxation.relax import relax as relax

@@ -22,6 +22,7 @@ from msvalidate.problem import (
     Problem,
     ProblemError,
     Traction,
+    Weight,
     enclosed_volume,
     facet_areas,
     facet_middles,
@@ -32,7 +33,7 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.checks import format_value, require_type, shaped
 from reference_fem.elasticity import elastic_tensor, make_solver
-from reference_fem.materials import CellMaterials, Law, materials_of, numbers_of
+from reference_fem.materials import CellMaterials, Law, by_material, materials_of, numbers_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
 from reference_fem.mixed import lame_constants, mixed_solution
@@ -280,7 +281,21 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
         elif isinstance(load, BodyForce):
             basis = body.quadrature(2 * body.element.degree + 2)
             force += thickness * _integrate("body force", load.force, basis, body)
+        elif isinstance(load, Weight):
+            force += thickness * np.outer(_mass_shares(problem, body), load.acceleration)
     return force
+
+
+def _mass_shares(problem: Problem, body: Discretisation) -> Array:
+    """∫ ρ φ_i by node (n,) in kg/m in the plane, kg in space."""
+    basis = body.quadrature(2 * body.element.degree + 2)
+    density = np.empty(len(body.cells))
+    for material, cells in by_material(materials_of(problem, body), body):
+        density[slice(None) if cells is None else cells] = material.density
+    share = np.zeros(len(body.points))
+    each = np.broadcast_to(density[:, None], np.shape(basis.dx))
+    share[body.node] = skfem.LinearForm(lambda v, w: w.rho * v).assemble(basis, rho=each)
+    return share
 
 
 def _loaded_sides(domain: Domain, load: Traction, body: Discretisation) -> Facets:

@@ -47,6 +47,7 @@ from msvalidate.problem import (
     Region,
     Support,
     Traction,
+    Weight,
     corners_of,
     measure_of,
     prescribed_displacements_at,
@@ -102,10 +103,9 @@ def cut_network(
             f"cut network: its supports hold every point at a spacing of {lattice.spacing:g} m; "
             "choose a smaller one"
         )
-    density, thickness = density_by_point(problem, lattice), problem.material.thickness
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
         force = _nodal_force(problem, lattice)
-        mass = density * thickness * lattice.point_volume
+        mass = _nodal_mass(problem, lattice)
     return spring_network(
         lattice.points,
         lattice.springs,
@@ -182,6 +182,11 @@ def _points_along(region: Part, lattice: CutLattice) -> Mask:
 # Loads --------------------------------------------------------------------------------------------
 
 
+def _nodal_mass(problem: Problem, lattice: CutLattice) -> Array:
+    density = density_by_point(problem, lattice)
+    return np.asarray(density * problem.material.thickness * lattice.point_volume)
+
+
 def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
     """Loads as forces (n, d) in N on the lattice's points; the thickness enters here."""
     force = np.zeros(lattice.points.shape)
@@ -192,6 +197,9 @@ def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
         elif isinstance(load, BodyForce):
             volume = thickness * lattice.point_volume[:, None]
             force += volume * vectors_at("body force", load.force, lattice.points)
+            continue
+        elif isinstance(load, Weight):
+            force += np.outer(_nodal_mass(problem, lattice), load.acceleration)
             continue
         else:
             places, vectors = _traction_forces(load, lattice)

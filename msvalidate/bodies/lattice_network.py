@@ -21,6 +21,7 @@ from msvalidate.problem import (
     Problem,
     ProblemError,
     Traction,
+    Weight,
     measure_of,
     prescribed_displacements,
     vectors_at,
@@ -147,6 +148,8 @@ def _nodal_force(problem: Problem, lattice: Lattice) -> Array:
         elif isinstance(load, BodyForce):
             volume = thickness * lattice.point_volume[:, None]
             force += volume * vectors_at("body force", load.force, lattice.points)
+        elif isinstance(load, Weight):
+            force += np.outer(_nodal_mass(problem, lattice, "shared"), load.acceleration)
     return force
 
 

@@ -28,6 +28,7 @@ from msvalidate.problem.domain import (
     measure_of,
 )
 from msvalidate.problem.errors import ProblemError, SolverError
+from msvalidate.problem.loads import BodyForce, Load, PointForce, Traction, Weight
 from msvalidate.problem.material import Anisotropic, Isotropic, Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import (
@@ -39,12 +40,8 @@ from msvalidate.problem.motions import (
 from msvalidate.problem.region import Boundary, Part, Region, Segment
 from msvalidate.problem.shapes import SHAPES, Shape, enclosed_volume, facet_areas, facet_middles
 from msvalidate.problem.statement import (
-    BodyForce,
-    Load,
-    PointForce,
     Problem,
     Support,
-    Traction,
     prescribed_displacements,
     prescribed_displacements_at,
     vectors_at,
@@ -92,6 +89,7 @@ __all__ = [
     "SolverError",
     "Support",
     "Traction",
+    "Weight",
     "Zone",
     "corners_of",
     "cut_cells",

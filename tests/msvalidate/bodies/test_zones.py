@@ -33,11 +33,12 @@ from msvalidate.problem import (
     Region,
     Support,
     Traction,
+    Weight,
     Zone,
     materials_at,
 )
 from msvalidate.statics.equilibrium import equilibrium
-from reference_fem import box_discretisation
+from reference_fem import box_discretisation, solve_problem
 from tests.inclusion import RADIUS, ball, disc, disc_mesh
 from tests.table import table
 
@@ -129,6 +130,35 @@ def test_bars_of_two_materials_are_exact(name, way, series):
         end = network.points[:, 0] == 0
         force = -found.reaction[end, 0].sum()
         assert force == pytest.approx(np.mean(stress), rel=1e-12)
+
+
+@table("way", ["filled", "cut", "elements"])
+def test_a_column_of_two_materials_under_its_weight(way):
+    # σ(y) is the weight above over the area; springs on a grid have a chain's exact nodal values.
+    tall, g = Box((1.0, 2.0)), 10.0
+    low, high = (
+        Isotropic(E, nu, "plane_strain", density=rho, thickness=0.5)
+        for E, nu, rho in ((1e5, 0.2, 1000.0), (3e5, 0.4, 4000.0))
+    )
+    held = [Support(tall.side("bottom"), (None, 0.0))]
+    held += [Support(tall.side(side), (0.0, None)) for side in ("left", "right")]
+    zone = Zone(Region((None, (1.0, 2.0))), high)
+    problem = Problem(tall, low, tuple(held), (Weight((0.0, -g)),), zones=(zone,))
+    if way == "elements":
+        body = box_discretisation(tall, (2, 4), "Q2")
+        x, found = body.points, solve_problem(problem, body).displacement
+    else:
+        lattice = (
+            square(tall, (4, 8)) if way == "filled" else cut_lattice(patterns.square(), tall, 0.25)
+        )
+        network = network_of(problem, lattice)
+        x, found = network.points, equilibrium(network).displacement
+        assert network.force[:, 1].sum() == pytest.approx(-g * 0.5 * 5000.0, rel=1e-12)
+    M = [tensor(material)[0, 0] for material in problem.materials]
+    a, b = np.minimum(x[:, 1], 1.0), np.maximum(x[:, 1] - 1.0, 0.0)
+    wanted = (5000.0 * a - 1000.0 * a**2 / 2) / M[0] + 4000.0 * (b - b**2 / 2) / M[1]
+    np.testing.assert_allclose(found[:, 1], -g * wanted, atol=1e-13 * g * wanted.max())
+    assert np.abs(found[:, 0]).max() <= 1e-13 * g * wanted.max()
 
 
 def tension(material, inner, p, q, n, centre=(1.013, 1.007)):
