@@ -16,6 +16,7 @@ _HOMES = {
     "bodies.fit": ("fitted_constants",),
     "bodies.lattice_network": ("lattice_network",),
     "bodies.mesh_file": ("read_mesh",),
+    "bodies.zones": ("calibrate_zones",),
     "constants.homogenise": ("homogenise",),
     "constants.stiffness": ("isotropic_moduli",),
     "dynamics.integrate": ("State", "motion", "recommended_time_step"),
@@ -28,8 +29,9 @@ _HOMES = {
     ),
     "network": ("spring_network",),
     "problem": (
-        *("Anisotropic", "BodyForce", "Box", "Isotropic", "Mesh", "PointForce", "Polygon"),
-        *("Problem", "ProblemError", "SolverError", "Support", "Traction"),
+        *("Anisotropic", "Ball", "BodyForce", "Box", "Isotropic", "Mesh", "PointForce", "Polygon"),
+        *("Problem", "ProblemError", "Region", "SolverError", "Support", "Traction"),
+        *("Weight", "Zone"),
     ),
     "relaxation.relax": ("algorithm1", "relax"),
     "relaxation.relaxations": ("RELAXATIONS",),
@@ -46,6 +48,7 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.bodies.fit import fitted_constants as fitted_constants
     from msvalidate.bodies.lattice_network import lattice_network as lattice_network
     from msvalidate.bodies.mesh_file import read_mesh as read_mesh
+    from msvalidate.bodies.zones import calibrate_zones as calibrate_zones
     from msvalidate.constants.homogenise import homogenise as homogenise
     from msvalidate.constants.stiffness import isotropic_moduli as isotropic_moduli
     from msvalidate.dynamics.integrate import State as State
@@ -65,6 +68,7 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.lattice import voronoi_box as voronoi_box
     from msvalidate.network import spring_network as spring_network
     from msvalidate.problem import Anisotropic as Anisotropic
+    from msvalidate.problem import Ball as Ball
     from msvalidate.problem import BodyForce as BodyForce
     from msvalidate.problem import Box as Box
     from msvalidate.problem import Isotropic as Isotropic
@@ -73,9 +77,12 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.problem import Polygon as Polygon
     from msvalidate.problem import Problem as Problem
     from msvalidate.problem import ProblemError as ProblemError
+    from msvalidate.problem import Region as Region
     from msvalidate.problem import SolverError as SolverError
     from msvalidate.problem import Support as Support
     from msvalidate.problem import Traction as Traction
+    from msvalidate.problem import Weight as Weight
+    from msvalidate.problem import Zone as Zone
     from msvalidate.relaxation.relax import algorithm1 as algorithm1
     from msvalidate.relaxation.relax import relax as relax
     from msvalidate.relaxation.relaxations import RELAXATIONS as RELAXATIONS

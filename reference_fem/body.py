@@ -15,12 +15,14 @@ from msvalidate.problem import (
     BodyForce,
     Domain,
     Field,
+    Index,
     Material,
     Mesh,
     PointForce,
     Problem,
     ProblemError,
     Traction,
+    Weight,
     enclosed_volume,
     facet_areas,
     facet_middles,
@@ -31,10 +33,18 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.checks import format_value, require_type, shaped
 from reference_fem.elasticity import elastic_tensor, make_solver
+from reference_fem.materials import CellMaterials, Law, by_material, materials_of, numbers_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
 from reference_fem.mixed import lame_constants, mixed_solution
-from reference_fem.stress import displacement_gradient, engineering_strain, pressure_at
+from reference_fem.stress import (
+    displacement_gradient,
+    engineering_strain,
+    gradient_in_cells,
+    mean_by_point,
+    pressure_at,
+    pressure_numbers,
+)
 from reference_fem.systems.solver import SystemSolution
 
 
@@ -47,10 +57,12 @@ class Solution:
     body, displacement
         The discretisation and the displacements of its nodes.
     material
-        What stress follows from; None if only displacements are asked for.
+        What stress follows from, by cell where there are several; None if only displacements are
+        asked for.
     pressure
         (v,) in Pa at the corners of cells, in the order of `body.vertices`, of mixed elements:
-        p = λ div u, positive in tension. None of displacement elements.
+        p = λ div u, positive in tension. Of several materials each has its own corners, one after
+        the other. None of displacement elements.
     solved
         How the displacements were found; None where they were given.
 
@@ -62,7 +74,7 @@ class Solution:
 
     body: Discretisation
     displacement: Array
-    material: Material | None = None
+    material: Law | None = None
     pressure: Array | None = None
     solved: SystemSolution | None = None
 
@@ -73,10 +85,10 @@ class Solution:
             raise ProblemError(f"solution: shape {shape}; give an array {self.body.points.shape}")
         self.displacement.setflags(write=False)
         if self.material is not None:
-            require_type("material", self.material, Material)
+            require_type("material", self.material, Law)
         if self.pressure is not None:
-            wanted = self.body.vertices.shape
-            shaped("pressure", np.asarray(self.pressure), *wanted)
+            _, wanted = pressure_numbers(self.body, self._number)
+            shaped("pressure", np.asarray(self.pressure), wanted)
             self.pressure.setflags(write=False)
 
     @property
@@ -115,9 +127,10 @@ class Solution:
     def stress(self, points: ArrayLike) -> Array:
         """Stress (p, 3 or 6) in Pa at points (p, d), tension positive, in the order of `strain`.
 
-        σ = C:ε of `strain`, so it jumps between cells and is their mean where they meet. Of mixed
-        elements σ = 2με + p I with the pressure that was solved for, which has no jumps. Plane
-        stress has no σzz; in plane strain σzz = nu·(σxx + σyy).
+        σ = C:ε of `strain`, so it jumps between cells and is their mean where they meet, each with
+        its own material. Of mixed elements σ = 2με + p I with the pressure that was solved for,
+        which jumps between materials alone. Plane stress has no σzz; in plane strain
+        σzz = nu·(σxx + σyy).
 
         Raises
         ------
@@ -127,16 +140,37 @@ class Solution:
         law = self.material
         if law is None:
             raise ProblemError("stress: the solution was made without a material; give it one")
-        if self.pressure is None:
-            return np.asarray(self.strain(points) @ elastic_tensor(law).T)
-        d, pairs = self.body.dim, len(VOIGT[self.body.dim]) - self.body.dim
-        mu, _ = lame_constants(law)
-        stress = self.strain(points) * ([2 * mu] * d + [mu] * pairs)
-        stress[:, :d] += self.pressure_at(points)[:, None]
+        if isinstance(law, CellMaterials):
+            rest = self.solved.remainder if self.solved else None
+            point, cell, each = gradient_in_cells(self.body, self.displacement, points, rest)
+            strain, number = engineering_strain(each), law.number[cell]
+            found = np.empty_like(strain)
+            for i, one in enumerate(law.materials):
+                found[number == i] = self._of_strain(strain[number == i], one)
+            stress = mean_by_point(point, found)
+        else:
+            stress = self._of_strain(self.strain(points), law)
+        if self.pressure is not None:
+            stress[:, : self.body.dim] += self.pressure_at(points)[:, None]
         return stress
+
+    def _of_strain(self, strain: Array, material: Material) -> Array:
+        """Stress (p, 3 or 6) in Pa of a material's strain, without the pressure of mixed ones."""
+        if self.pressure is None:
+            return np.asarray(strain @ elastic_tensor(material).T)
+        d, pairs = self.body.dim, len(VOIGT[self.body.dim]) - self.body.dim
+        mu, _ = lame_constants(material)
+        return np.asarray(strain * ([2 * mu] * d + [mu] * pairs))
+
+    @property
+    def _number(self) -> Index | None:
+        """Number (c,) of each cell's material, where there are several."""
+        return None if self.material is None else numbers_of(self.material)
 
     def pressure_at(self, points: ArrayLike) -> Array:
         """Pressure λ div u (p,) in Pa at points (p, d), positive in tension, of mixed elements.
+
+        Where materials meet, the mean over the cells.
 
         Raises
         ------
@@ -145,7 +179,7 @@ class Solution:
         """
         if self.pressure is None:
             raise ProblemError("pressure: displacement elements have none; solve with mixed=True")
-        return pressure_at(self.body, self.pressure, points)
+        return pressure_at(self.body, self.pressure, points, self._number)
 
 
 def solve_problem(
@@ -173,8 +207,8 @@ def solve_problem(
     Raises
     ------
     ProblemError
-        If a support or load does not meet the mesh, mixed elements are not for the material, or the
-        solver is unknown, not there or not for this body.
+        If a support or load does not meet the mesh, a zone ends inside a cell, mixed elements are
+        not for a material, or the solver is unknown, not there or not for this body.
     SolverError
         If the elements lock, or the solution fails its residual check or its error may be above
         `solver.ACCEPTED`.
@@ -183,7 +217,7 @@ def solve_problem(
     held, displacement = prescribed_displacements(problem, body.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the residual refuses what is infinite
         force = nodal_forces(problem, body)
-    law = problem.material
+    law = materials_of(problem, body)
     if mixed:
         if solver not in ("auto", "superlu"):
             raise ProblemError(
@@ -248,7 +282,21 @@ def nodal_forces(problem: Problem, body: Discretisation) -> Array:
         elif isinstance(load, BodyForce):
             basis = body.quadrature(2 * body.element.degree + 2)
             force += thickness * _integrate("body force", load.force, basis, body)
+        elif isinstance(load, Weight):
+            force += thickness * np.outer(_mass_shares(problem, body), load.acceleration)
     return force
+
+
+def _mass_shares(problem: Problem, body: Discretisation) -> Array:
+    """∫ ρ φ_i by node (n,) in kg/m in the plane, kg in space."""
+    basis = body.quadrature(2 * body.element.degree + 2)
+    density = np.empty(len(body.cells))
+    for material, cells in by_material(materials_of(problem, body), body):
+        density[slice(None) if cells is None else cells] = material.density
+    share = np.zeros(len(body.points))
+    each = np.broadcast_to(density[:, None], np.shape(basis.dx))
+    share[body.node] = skfem.LinearForm(lambda v, w: w.rho * v).assemble(basis, rho=each)
+    return share
 
 
 def _loaded_sides(domain: Domain, load: Traction, body: Discretisation) -> Facets:

@@ -12,6 +12,7 @@ from msvalidate.problem import VOIGT, Array, Isotropic, Mask, Material, ProblemE
 from msvalidate.problem.checks import finite, format_value, require_type
 from reference_fem.effort import fits_in_memory
 from reference_fem.locking import refuse_locked
+from reference_fem.materials import CellMaterials, Law, by_material, each_material, numbers_of
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.systems.solver import Solver, refuse_shapes
 
@@ -84,7 +85,7 @@ def check_arrays(
 
 def solve_on(
     body: Discretisation,
-    material: Material,
+    material: Law,
     held: Mask,
     displacement: Array,
     force: Array,
@@ -111,25 +112,22 @@ def solve_on(
     return ready.solve(displacement, force)[0]
 
 
-def stiffness(body: Discretisation, material: Material) -> csr_matrix:
+def stiffness(body: Discretisation, material: Law) -> csr_matrix:
     """Stiffness (d·n, d·n) in N/m, thickness included, component-major.
 
-    K_(ai)(bj) = t Σ_cd C_acbd ∫ ∂c φi ∂d φj.
+    K_(ai)(bj) = t Σ_cd ∫ C_acbd ∂c φi ∂d φj, C constant in a cell.
 
     Source: [ZienkiewiczTaylorZhu2013].
 
     Raises
     ------
     ProblemError
-        If the material is of another dimension.
+        If the material is of another dimension, or not one a cell.
     SolverError
         If memory does not suffice.
     """
-    require_type("body", body, Discretisation)
-    require_type("material", material, Material)
-    if material.dim != body.dim:
-        raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
-    return weighted_stiffness(body, thickness_tensor(material))
+    each = [(thickness_tensor(one), cells) for one, cells in by_material(material, body)]
+    return weighted_stiffness(body, *each)
 
 
 def thickness_tensor(material: Material) -> Array:
@@ -137,9 +135,15 @@ def thickness_tensor(material: Material) -> Array:
     return np.asarray(material.thickness * full_tensor(elastic_tensor(material)))
 
 
+def thickness_tensors(material: Law) -> Array:
+    """As `thickness_tensor`, or (m, d, d, d, d) of several materials."""
+    tensors = [thickness_tensor(one) for one in each_material(material)]
+    return np.array(tensors) if isinstance(material, CellMaterials) else tensors[0]
+
+
 def make_solver(
     body: Discretisation,
-    material: Material,
+    material: Law,
     held: Mask,
     choice: str = "auto",
     *,
@@ -156,15 +160,29 @@ def make_solver(
     """
     K = stiffness(body, material)
     if not allow_locked:
-        refuse_locked(body, elastic_tensor(material))
-    return Solver(body, K, held, choice, thickness_tensor(material))
+        for one in each_material(material):
+            refuse_locked(body, elastic_tensor(one))
+    return Solver(body, K, held, choice, thickness_tensors(material), numbers_of(material))
 
 
-def weighted_stiffness(body: Discretisation, C: Array) -> csr_matrix:
-    """Σ_cd C_acbd ∫ ∂c φi ∂d φj (d·n, d·n), component-major, of a constant tensor (d, d, d, d)."""
+def weighted_stiffness(body: Discretisation, *each: tuple[Array, Mask | None]) -> csr_matrix:
+    """Σ_cd C_acbd ∫ ∂c φi ∂d φj (d·n, d·n), component-major, summed over tensors and their cells.
+
+    Each tensor (d, d, d, d) holds in the cells of a mask (c,), or in all where there is none.
+    """
     with fits_in_memory(len(body.points), "nodes"):
-        blocks = np.tensordot(C, body.gradients, axes=((1, 3), (0, 1)))
-        return body.pattern.component_major(blocks)
+        blocks = [
+            np.tensordot(
+                C,
+                body.gradients if cells is None else body.gradients_over(cells),
+                axes=((1, 3), (0, 1)),
+            )
+            for C, cells in each
+        ]
+        whole = blocks[0]
+        for block in blocks[1:]:
+            whole += block
+        return body.pattern.component_major(whole)
 
 
 def elastic_tensor(material: Material) -> Array:

@@ -19,7 +19,7 @@ from time import perf_counter
 import numpy as np
 import skfem
 from numpy.typing import ArrayLike
-from scipy.sparse import block_array, csr_array, diags_array, hstack
+from scipy.sparse import block_array, block_diag, csr_array, diags_array, hstack, vstack
 from scipy.sparse.linalg import splu
 
 from msvalidate.problem import (
@@ -34,6 +34,7 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import require_one_of, require_type
 from reference_fem.effort import fits_in_memory
 from reference_fem.elasticity import check_arrays, full_tensor, weighted_stiffness
+from reference_fem.materials import Law, by_material, each_material, numbers_of
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.systems.cells import mixed_cells
@@ -95,7 +96,7 @@ def solve_mixed(
 
 
 def solve_mixed_on(
-    body: Discretisation, material: Material, held: Mask, displacement: Array, force: Array
+    body: Discretisation, material: Law, held: Mask, displacement: Array, force: Array
 ) -> tuple[Array, Array]:
     """Displacement (n, d) in m and pressure (v,) in Pa under held components, values, forces (N).
 
@@ -113,13 +114,14 @@ def solve_mixed_on(
 
 
 def mixed_solution(
-    body: Discretisation, material: Material, held: Mask, displacement: Array, force: Array
+    body: Discretisation, material: Law, held: Mask, displacement: Array, force: Array
 ) -> tuple[Array, Array, SystemSolution]:
     """As `solve_mixed_on`, and how it was solved: the larger residual of forces and of volumes."""
     refuse_shapes(body, held=held, displacement=displacement, force=force)
     began = perf_counter()
     with fits_in_memory(len(body.points), "nodes"):
         system = _mixed_system(body, material)
+    lame = [lame_constants(one) for one in each_material(material)]
     refuse_free_motions("finite element body", body.points, held)
     free = ~held.T.ravel()
     u = np.where(held, displacement, 0.0).T.ravel()
@@ -131,7 +133,7 @@ def mixed_solution(
         left = system.check(free, u, p, load)
         pressures = np.ones(len(p), dtype=bool)
         better = refine_solution(
-            mixed_cells(body, *lame_constants(material), material.thickness),
+            mixed_cells(body, lame, material.thickness, numbers_of(material)),
             inverse,
             np.concatenate([u, p]),
             np.concatenate([load, np.zeros(len(p))]),
@@ -223,12 +225,12 @@ def _factorise(K: csr_array) -> Inverse:
     return lambda right: np.asarray(factor.solve(right))
 
 
-def _mixed_system(body: Discretisation, material: Material) -> _System:
-    """The matrices of a body and material that mixed elements are for."""
-    require_type("body", body, Discretisation)
-    mu, inverse = lame_constants(material)
-    if material.dim != body.dim:
-        raise ProblemError(f"material: {material.dim}D, the body {body.dim}D")
+def _mixed_system(body: Discretisation, material: Law) -> _System:
+    """The matrices of a body and material that mixed elements are for.
+
+    Each material has pressures of its own, for they jump where materials meet.
+    """
+    each = [(lame_constants(one), cells) for one, cells in by_material(material, body)]
     if body.element.degree != 2:
         raise ProblemError(
             f"mixed elements: {body.element.name} has displacements of degree 1; take one of "
@@ -236,18 +238,36 @@ def _mixed_system(body: Discretisation, material: Material) -> _System:
         )
     d, t = body.dim, material.thickness
     pairs = d * (d - 1) // 2
-    A = weighted_stiffness(body, t * full_tensor(np.diag([2 * mu] * d + [mu] * pairs)))
-    basis = body.basis
-    pressure = skfem.Basis(
-        basis.mesh, body.element.linear, mapping=basis.mapping, quadrature=(basis.X, basis.W)
-    )
+    shear = [
+        (t * full_tensor(np.diag([2 * mu] * d + [mu] * pairs)), cells) for (mu, _), cells in each
+    ]
+    A = weighted_stiffness(body, *shear)
+    found = [(inverse, *_pressure_matrices(body, cells)) for (_, inverse), cells in each]
+    if len(found) == 1:
+        ((inverse, B, mass),) = found
+        return _System(csr_array(A), t * B, t * inverse * mass)
+    mass = block_diag([inverse * mass for inverse, _, mass in found], "csr")
+    return _System(csr_array(A), t * vstack([B for _, B, _ in found], "csr"), t * mass)
+
+
+def _pressure_matrices(body: Discretisation, cells: Mask | None) -> tuple[csr_array, csr_array]:
+    """∫ q div u (v, d·n) and ∫ p q (v, v) over all cells, or those of a mask and their corners."""
+    basis, among = body.basis, None if cells is None else np.flatnonzero(cells)
+    rule = {"mapping": basis.mapping, "quadrature": (basis.X, basis.W), "elements": among}
+    pressure = skfem.Basis(basis.mesh, body.element.linear, **rule)
+    if among is not None:
+        basis = skfem.Basis(basis.mesh, basis.elem, dofs=basis.dofs, **rule)
     column = np.argsort(body.node, kind="stable")
     parts = []
-    for axis in range(d):
+    for axis in range(body.dim):
         form = skfem.BilinearForm(lambda u, v, _, axis=axis: v * u.grad[axis])
-        parts.append(t * csr_array(form.assemble(basis, pressure))[:, column])
-    mass = skfem.BilinearForm(lambda p, q, _: p * q).assemble(pressure)
-    return _System(csr_array(A), hstack(parts, "csr"), t * inverse * csr_array(mass))
+        parts.append(csr_array(form.assemble(basis, pressure))[:, column])
+    mass = csr_array(skfem.BilinearForm(lambda p, q, _: p * q).assemble(pressure))
+    B = hstack(parts, "csr")
+    if among is None:
+        return B, mass
+    own = np.unique(pressure.element_dofs)
+    return B[own], mass[own][:, own]
 
 
 def lame_constants(material: Material) -> tuple[float, float]:

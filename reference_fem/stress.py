@@ -2,7 +2,8 @@
 
 Gradients jump from cell to cell. At a point that several cells share, such as a node, the value is
 the mean over these cells, each counted once. Inside a cell it is the cell's own: nothing is
-smoothed, so that the order of convergence is that of the gradient.
+smoothed, so that the order of convergence is that of the gradient. Stress is each cell's own before
+it is a mean, so where materials meet it is between theirs: ask for it a little beside.
 """
 
 from __future__ import annotations
@@ -31,6 +32,20 @@ def displacement_gradient(
     ProblemError
         If a point lies outside the body.
     """
+    point, _, each = gradient_in_cells(body, displacement, points, rest)
+    return mean_by_point(point, each)
+
+
+def gradient_in_cells(
+    body: Discretisation, displacement: Array, points: ArrayLike, rest: Array | None = None
+) -> tuple[Index, Index, Array]:
+    """As `displacement_gradient`, of each pair of a point and a cell there: (q,), (q,), (q, d, d).
+
+    Raises
+    ------
+    ProblemError
+        If a point lies outside the body.
+    """
     point, cell, local = body.incident(points)
     nodes = body.nodes_of(cell)
     _, slope = body.element.functions(local)
@@ -39,8 +54,7 @@ def displacement_gradient(
     if rest is not None:
         moved += _relative_to_first(rest, nodes)
     change = np.einsum("kjq,kqd->qjd", slope, moved)
-    each = np.linalg.solve(along, change).transpose(0, 2, 1)
-    return _mean_by_point(point, each)
+    return point, cell, np.linalg.solve(along, change).transpose(0, 2, 1)
 
 
 def _relative_to_first(values: Array, nodes: Index) -> Array:
@@ -63,8 +77,26 @@ def engineering_strain(gradient: Array) -> Array:
     return np.stack(rows, axis=1)
 
 
-def pressure_at(body: Discretisation, pressure: Array, points: ArrayLike) -> Array:
-    """Pressure (p,) at points (p, d), of values (v,) at the corners of cells: it is continuous.
+def pressure_numbers(body: Discretisation, number: Index | None) -> tuple[Index, int]:
+    """Number (k, c) of the pressure at each corner of each cell, and how many there are.
+
+    Cells share it at their common corners if they are of one material; number (c,) says which.
+    Pressures run by material, then by rising number of the corners.
+    """
+    corners = body.cell_nodes.T[: body.element.corners]
+    if number is None:
+        return np.searchsorted(body.vertices, corners), len(body.vertices)
+    used, which = np.unique(number * len(body.points) + corners, return_inverse=True)
+    return which.reshape(corners.shape), len(used)
+
+
+def pressure_at(
+    body: Discretisation, pressure: Array, points: ArrayLike, number: Index | None = None
+) -> Array:
+    """Pressure (p,) at points (p, d), of values (v,) at the corners of cells.
+
+    It is continuous but where materials meet, given by the number (c,) of each cell's, and there
+    the mean of the cells.
 
     Raises
     ------
@@ -72,14 +104,13 @@ def pressure_at(body: Discretisation, pressure: Array, points: ArrayLike) -> Arr
         If a point lies outside the body.
     """
     point, cell, local = body.incident(points)
-    corners = body.nodes_of(cell)[: body.element.corners]
     linear = body.element.linear
-    values = np.array([linear.lbasis(local.T, i)[0] for i in range(len(corners))])
-    known = pressure[np.searchsorted(body.vertices, corners)]
-    return _mean_by_point(point, (values * known).sum(axis=0))
+    values = np.array([linear.lbasis(local.T, i)[0] for i in range(body.element.corners)])
+    known = pressure[pressure_numbers(body, number)[0][:, cell]]
+    return mean_by_point(point, (values * known).sum(axis=0))
 
 
-def _mean_by_point(point: Index, values: Array) -> Array:
+def mean_by_point(point: Index, values: Array) -> Array:
     """Means by point, which are numbered without a gap and rise, of values (q, ...)."""
     count = np.bincount(point)
     shape = len(count), len(point)

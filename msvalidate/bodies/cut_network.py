@@ -31,9 +31,7 @@ from collections.abc import Callable
 import numpy as np
 
 from msvalidate.bodies.lattice_network import refuse_other_domain
-from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.lattice_constants import spring_stiffnesses
-from msvalidate.lattice import Constants
+from msvalidate.bodies.zones import OneOrEach, density_by_point, stiffness_by_place
 from msvalidate.lattice.cut import CutLattice
 from msvalidate.lattice.outline import crossed_cells, is_outside, outline, straight_pieces
 from msvalidate.network import Network, spring_network
@@ -49,12 +47,13 @@ from msvalidate.problem import (
     Region,
     Support,
     Traction,
+    Weight,
     corners_of,
     measure_of,
     prescribed_displacements_at,
     vectors_at,
 )
-from msvalidate.problem.checks import finite_number, require_type
+from msvalidate.problem.checks import require_type
 
 GAUSS = (0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3))
 """Places on a piece within one cell: exact for a traction that is linear along it."""
@@ -63,7 +62,7 @@ GAUSS = (0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3))
 def cut_network(
     problem: Problem,
     lattice: CutLattice,
-    constants: Constants | Calibration | None = None,
+    constants: OneOrEach | None = None,
     *,
     volume: float = 0.0,
 ) -> Network:
@@ -76,7 +75,8 @@ def cut_network(
     constants
         Spring constants (N/m) per kind of spring of a lattice without end, or a calibration by
         springs or a volume energy; by default those of the problem's isotropic material, if the
-        lattice can be it by springs alone.
+        lattice can be it by springs alone. With zones a tuple of these, one for each of the
+        problem's materials, as `calibrate_zones` gives it.
     volume
         κ of a whole cell, in N/m with the thickness in the plane, in Pa in space: see
         `msvalidate.network.laws.volumes`. A cut cell has the part of it that it has of the body.
@@ -89,7 +89,7 @@ def cut_network(
     require_type("problem", problem, Problem)
     require_type("lattice", lattice, CutLattice)
     refuse_other_domain(problem, lattice)
-    k, kappa, k_t = spring_stiffnesses(problem.material, lattice, constants, volume)
+    k, kappa, k_t = stiffness_by_place(problem, lattice, constants, volume)
     if k_t.any():
         raise ProblemError(
             "shear springs: strains of points at a cut outline are not the body's; calibrate by "
@@ -103,14 +103,13 @@ def cut_network(
             f"cut network: its supports hold every point at a spacing of {lattice.spacing:g} m; "
             "choose a smaller one"
         )
-    material = problem.material
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
         force = _nodal_force(problem, lattice)
-        mass = material.density * material.thickness * lattice.point_volume
+        mass = _nodal_mass(problem, lattice)
     return spring_network(
         lattice.points,
         lattice.springs,
-        k[lattice.kind] * lattice.factor,
+        k * lattice.factor,
         mass=mass,
         held=held,
         displacement=displacement,
@@ -120,10 +119,9 @@ def cut_network(
     )
 
 
-def _volumes(lattice: CutLattice, stiffness: float) -> Volumes | None:
+def _volumes(lattice: CutLattice, kappa: Array) -> Volumes | None:
     """The lattice's cells, where they resist a change of volume."""
-    kappa = finite_number("volume stiffness", stiffness)
-    if not kappa:
+    if not kappa.any():
         return None
     return Volumes(lattice.points, lattice.cells, kappa * lattice.fraction)
 
@@ -184,6 +182,11 @@ def _points_along(region: Part, lattice: CutLattice) -> Mask:
 # Loads --------------------------------------------------------------------------------------------
 
 
+def _nodal_mass(problem: Problem, lattice: CutLattice) -> Array:
+    density = density_by_point(problem, lattice)
+    return np.asarray(density * problem.material.thickness * lattice.point_volume)
+
+
 def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
     """Loads as forces (n, d) in N on the lattice's points; the thickness enters here."""
     force = np.zeros(lattice.points.shape)
@@ -194,6 +197,9 @@ def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
         elif isinstance(load, BodyForce):
             volume = thickness * lattice.point_volume[:, None]
             force += volume * vectors_at("body force", load.force, lattice.points)
+            continue
+        elif isinstance(load, Weight):
+            force += np.outer(_nodal_mass(problem, lattice), load.acceleration)
             continue
         else:
             places, vectors = _traction_forces(load, lattice)

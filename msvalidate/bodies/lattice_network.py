@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from msvalidate.constants.calibration import Calibration
-from msvalidate.constants.lattice_constants import spring_stiffnesses
-from msvalidate.lattice import Constants, CutLattice, Lattice, VoronoiLattice, boundary_weights
+from msvalidate.bodies.zones import OneOrEach, density_by_point, stiffness_by_place
+from msvalidate.lattice import CutLattice, Lattice, VoronoiLattice, boundary_weights
 from msvalidate.lattice.corners import quadrilateral_shares
 from msvalidate.network import Network, spring_network
 from msvalidate.network.laws.local_shear import LocalShear
@@ -22,11 +21,12 @@ from msvalidate.problem import (
     Problem,
     ProblemError,
     Traction,
+    Weight,
     measure_of,
     prescribed_displacements,
     vectors_at,
 )
-from msvalidate.problem.checks import finite_number, require_one_of, require_type
+from msvalidate.problem.checks import require_one_of, require_type
 
 RIGHT = 1e-9
 """Cotangent down to which an angle beyond 90° counts as right: rounding of coordinates is 1e-16."""
@@ -35,7 +35,7 @@ RIGHT = 1e-9
 def lattice_network(
     problem: Problem,
     lattice: Lattice,
-    constants: Constants | Calibration | None = None,
+    constants: OneOrEach | None = None,
     *,
     volume: float = 0.0,
     weights: str = "shared",
@@ -50,7 +50,8 @@ def lattice_network(
     constants
         Spring constants (N/m) per kind of spring, or a calibration, which brings what stands
         beside the springs too; by default those of the problem's isotropic material, if the
-        lattice can be it by springs alone.
+        lattice can be it by springs alone. With zones a tuple of these, one for each of the
+        problem's materials, as `calibrate_zones` gives it.
     volume
         κ of every cell, in N/m with the thickness in the plane, in Pa in space: see
         `msvalidate.network.laws.volumes`. By default none resists a change of volume.
@@ -63,14 +64,14 @@ def lattice_network(
     Raises
     ------
     ProblemError
-        If the lattice cannot be the material, or a support or load does not meet its points.
+        If the lattice cannot be a material, or a support or load does not meet its points.
     """
     require_type("problem", problem, Problem)
     require_type("lattice", lattice, Lattice)
     if isinstance(lattice, CutLattice):
         raise ProblemError(f"lattice {lattice.name}: its points miss the outline; give cut_network")
     refuse_other_domain(problem, lattice)
-    k, kappa, k_t = spring_stiffnesses(problem.material, lattice, constants, volume)
+    k, kappa, k_t = stiffness_by_place(problem, lattice, constants, volume)
     weight = boundary_weights(lattice, weights)
     held, displacement = prescribed_displacements(problem, lattice.points)
     with np.errstate(over="ignore", invalid="ignore"):  # the network refuses what is infinite
@@ -78,13 +79,13 @@ def lattice_network(
     return spring_network(
         lattice.points,
         lattice.springs,
-        k[lattice.kind] * lattice.factor * weight,
+        k * lattice.factor * weight,
         mass=masses,
         held=held,
         displacement=displacement,
         force=force,
         volumes=_volumes(lattice, kappa),
-        shear=_shear(lattice, k_t[lattice.kind] * lattice.factor * weight),
+        shear=_shear(lattice, k_t * lattice.factor * weight),
         cells=lattice.cells,
     )
 
@@ -105,12 +106,11 @@ def _shear(lattice: Lattice, stiffness: Array) -> LocalShear | None:
     return LocalShear(lattice.points, lattice.springs, stiffness, lattice.share)
 
 
-def _volumes(lattice: Lattice, stiffness: float) -> Volumes | None:
+def _volumes(lattice: Lattice, kappa: Array) -> Volumes | None:
     """The lattice's cells, where they resist a change of volume."""
-    kappa = finite_number("volume stiffness", stiffness)
-    if not kappa:
+    if not kappa.any():
         return None
-    cells = Volumes(lattice.points, lattice.cells, np.full(len(lattice.cells), kappa))
+    cells = Volumes(lattice.points, lattice.cells, kappa)
     covered, whole = cells.rest_volume.sum(), lattice.domain.volume
     if abs(covered - whole) > 1e-9 * whole:
         raise ProblemError(
@@ -121,11 +121,13 @@ def _volumes(lattice: Lattice, stiffness: float) -> Volumes | None:
 
 
 def _nodal_mass(problem: Problem, lattice: Lattice, rule: str) -> Array:
-    total = problem.material.density * problem.material.thickness
     require_one_of("mass", rule, ("shared", "equal"))
+    total = density_by_point(problem, lattice) * problem.material.thickness
     if rule == "shared":
-        return total * lattice.point_volume
-    return np.full(len(lattice.points), total * lattice.domain.volume / len(lattice.points))
+        return np.asarray(total * lattice.point_volume)
+    n = len(lattice.points)
+    whole = total[0] * lattice.domain.volume if len(total) == 1 else total @ lattice.point_volume
+    return np.full(n, whole / n)
 
 
 def _nodal_force(problem: Problem, lattice: Lattice) -> Array:
@@ -146,6 +148,8 @@ def _nodal_force(problem: Problem, lattice: Lattice) -> Array:
         elif isinstance(load, BodyForce):
             volume = thickness * lattice.point_volume[:, None]
             force += volume * vectors_at("body force", load.force, lattice.points)
+        elif isinstance(load, Weight):
+            force += np.outer(_nodal_mass(problem, lattice, "shared"), load.acceleration)
     return force
 
 

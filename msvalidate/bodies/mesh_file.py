@@ -8,8 +8,12 @@ Names of boundaries are what the file holds for them:
 - VTK: lines or surface cells by any array of whole numbers in the cell data, as ``ARRAY:VALUE``;
   and arrays of point data that hold 0 and 1 alone, as sets of points.
 
-A set of points stands for the facets of the surface all of whose nodes are in it. Sets of the
-body's own cells, and of points that make no facet, name no boundary.
+A set of points stands for the facets of the surface all of whose nodes are in it. Sets of points
+that make no facet name no boundary.
+
+Groups and sets of the body's own cells name zones of it in the same way, in VTK's arrays of cell
+data by zeros and negative numbers too. An array of more than `MOST_ZONES` values numbers cells: it
+names none.
 """
 
 from __future__ import annotations
@@ -27,15 +31,19 @@ import numpy as np
 
 from msvalidate.problem import SHAPES, Array, Index, Mesh, ProblemError
 from msvalidate.problem.checks import finite, finite_coordinates, format_value, positive_number
+from msvalidate.problem.mesh import LONGEST_NAME
 
 FORMATS = {".msh": "gmsh", ".vtu": "vtu", ".vtk": "vtk", ".inp": "abaqus"}
 """Suffix -> meshio's name of the format."""
 PLANE = 1e-9
 """Part of a plane mesh's size within which its third coordinate is one: the placement of a body."""
 
+MOST_ZONES = 200
+"""Values of an array of cell data up to which each is a zone's name."""
+
 
 def read_mesh(path: str | Path, unit: float = 1.0) -> Mesh:
-    """Mesh in a file, with the boundaries that it names.
+    """Mesh in a file, with the boundaries and zones that it names.
 
     Cells of one kind make the body; lower ones serve as names of its sides. A plane mesh may have a
     third coordinate, the same at all points, which is dropped; if all its cells run clockwise, as
@@ -63,7 +71,7 @@ def read_mesh(path: str | Path, unit: float = 1.0) -> Mesh:
         points = _coordinates(content.points, SHAPES[shape].dim, unit)
         cells = _orient_cells(points, cells, shape)
         mesh = Mesh(points, cells, shape)
-        return mesh.named(_boundaries(content, file, mesh))
+        return mesh.named(_boundaries(content, file, mesh), _zones(content, file, mesh))
     except ProblemError as error:
         raise ProblemError(f"{said}: {error}") from error
 
@@ -216,16 +224,31 @@ def _boundaries(content: Any, file: Path, mesh: Mesh) -> dict[str, Index]:
     return {name: np.concatenate(parts) for name, parts in found.items()}
 
 
+def _zones(content: Any, file: Path, mesh: Mesh) -> dict[str, Index]:
+    """Numbers of the body's cells (z,) by name."""
+    first, count = {}, 0
+    for block in content.cells:
+        if block.dim == mesh.dim:
+            first[id(block)], count = count, count + len(block.data)
+    found: dict[str, list[Index]] = {}
+    for name, block, chosen in _cell_groups(content, file):
+        known = 0 < len(name) <= LONGEST_NAME and name.isprintable()
+        if block.dim == mesh.dim and len(chosen) and known:
+            found.setdefault(name, []).append(first[id(block)] + chosen)
+    return {name: np.concatenate(parts) for name, parts in found.items()}
+
+
 def _cell_groups(content: Any, file: Path) -> Iterator[tuple[str, Any, Index]]:
     """Name, block of cells, and which of them (k,)."""
     gmsh = FORMATS[file.suffix.lower()] == "gmsh"
     names = content.field_data.items() if gmsh else ()
     physical = {(int(tag), int(dim)): name for name, (tag, dim) in names}
+    dim = max(block.dim for block in content.cells)
     for array, blocks in content.cell_data.items():
         for block, values in zip(content.cells, blocks, strict=True):
             if values.ndim != 1 or values.dtype.kind not in "iu" or (gmsh and "phys" not in array):
                 continue
-            for value in np.unique(values[values > 0]).tolist():
+            for value in _labels(values, block.dim == dim and not gmsh):
                 name = f"{value}" if gmsh else f"{array}:{value}"
                 yield physical.get((value, block.dim), name), block, np.flatnonzero(values == value)
     sets = dict(content.cell_sets)
@@ -238,6 +261,12 @@ def _cell_groups(content: Any, file: Path) -> Iterator[tuple[str, Any, Index]]:
             continue
         for block, chosen in zip(content.cells, members, strict=True):
             yield name, block, np.asarray(chosen, dtype=np.intp)
+
+
+def _labels(values: Any, zones: bool) -> list[int]:
+    """Values of an array that name something: of facets those above zero, of zones any but many."""
+    found = np.unique(values) if zones else np.unique(values[values > 0])
+    return [] if zones and len(found) > MOST_ZONES else found.tolist()
 
 
 def _element_sets(content: Any, file: Path) -> dict[str, list[Index]]:

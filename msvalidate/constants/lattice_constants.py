@@ -35,7 +35,7 @@ ORDINARY = 1e100
 
 
 def calibrate_by_route(
-    material: Isotropic, lattice: Pattern | Lattice, spacing: float | None, route: str | None
+    material: Material, lattice: Pattern | Lattice, spacing: float | None, route: str | None
 ) -> Calibration:
     """What `bodies.calibrate.calibrate_material` returns, but for what it says of the body.
 

@@ -301,12 +301,37 @@ def _number_points(index: Index) -> tuple[Index, Index]:
     return points, cells.reshape(flat.shape)
 
 
+def cell_gifts(lattice: CutLattice) -> tuple[Index, Index, Array]:
+    """Numbers (g,) of a spring and of a cell, and what the cell brings to the spring's factor."""
+    part = lattice.corner_volume / lattice.spacing ** lattice.points.shape[1]
+    found = _gifts(lattice.pattern, _steps(lattice.pattern), lattice.cells, part)
+    cell = np.tile(np.arange(len(part)), len(found))
+    pairs = np.concatenate([pair for pair, _, _ in found])
+    n = len(lattice.points)
+    spring = np.searchsorted(lattice.springs @ (n, 1), pairs @ (n, 1))  # which are sorted
+    return spring, cell, np.concatenate([gift for _, _, gift in found])
+
+
 def _springs(
     pattern: Pattern, steps: Index, cells: Index, part: Array
 ) -> tuple[Index, Index, Array]:
     """Springs (m, 2), their kinds (m,) and their factors (m,): what all cells give them."""
+    found = _gifts(pattern, steps, cells, part)
+    pairs = np.concatenate([pair for pair, _, _ in found])
+    springs, which = np.unique(pairs, axis=0, return_inverse=True)
+    which = which.ravel()
+    kind_of = np.zeros(len(springs), dtype=np.intp)
+    kind_of[which] = np.repeat([kind for _, kind, _ in found], len(cells))
+    factor = np.bincount(which, np.concatenate([gift for _, _, gift in found]))
+    return springs, kind_of, factor.astype(float)
+
+
+def _gifts(
+    pattern: Pattern, steps: Index, cells: Index, part: Array
+) -> list[tuple[Index, int, Array]]:
+    """Springs (c, 2), their kind and what the cells give (c,), for each spring in a cell."""
     corners = corners_of_cell(pattern.dim).tolist()
-    pairs, kinds, gifts = [], [], []
+    found = []
     for step, kind, factor in zip(steps, pattern.kind, pattern.factor, strict=True):
         for start, corner in enumerate(corners):
             end = [a + b for a, b in zip(corner, step, strict=True)]
@@ -314,14 +339,9 @@ def _springs(
                 continue
             # All corners that agree with the spring across it: N of those axes alone is left.
             near = [c for c, other in enumerate(corners) if _are_beside(other, corner, step)]
-            pairs.append(np.sort(cells[:, [start, corners.index(end)]], axis=1))
-            kinds.append(np.full(len(cells), kind))
-            gifts.append(factor * part[:, near].sum(axis=1))
-    springs, which = np.unique(np.concatenate(pairs), axis=0, return_inverse=True)
-    which = which.ravel()
-    kind_of = np.zeros(len(springs), dtype=np.intp)
-    kind_of[which] = np.concatenate(kinds)
-    return springs, kind_of, np.bincount(which, np.concatenate(gifts)).astype(float)
+            pair = np.sort(cells[:, [start, corners.index(end)]], axis=1)
+            found.append((pair, int(kind), factor * part[:, near].sum(axis=1)))
+    return found
 
 
 def _are_beside(other: list[int], corner: list[int], step: Array) -> bool:

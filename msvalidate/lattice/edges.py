@@ -31,6 +31,7 @@ jittered points come to E 2 % low and 0.29, squares all cut one way into triangl
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -46,7 +47,23 @@ EDGE_SHARES = {"quad": (3 / 8, 3 / 4), "hexahedron": (1 / 10, 2 / 5)}
 """Of edges and of faces' diagonals: those that make squares and cubes isotropic."""
 
 
-def mesh_lattice(mesh: Mesh, rule: str = "area") -> Lattice:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EdgeLattice(Lattice):
+    """A spring along each edge of a mesh.
+
+    Parameters
+    ----------
+    gifts
+        (c, e) what each cell brings to the factors of its springs.
+    of
+        (c, e) numbers of these springs.
+    """
+
+    gifts: Array
+    of: Index
+
+
+def mesh_lattice(mesh: Mesh, rule: str = "area") -> EdgeLattice:
     """Lattice of a mesh's points with a spring along every edge; its one constant is E·t, or E.
 
     Quadrilaterals get both diagonals too, and hexahedra those of their faces: they would shear
@@ -87,7 +104,7 @@ def mesh_lattice(mesh: Mesh, rule: str = "area") -> Lattice:
     _refuse_slack(springs, factor)
     # Corners of a lattice's facets are listed the first axis fastest.
     surface = mesh.surface[:, VTK_ORDER[2]] if mesh.shape == "hexahedron" else mesh.surface
-    return Lattice(
+    return EdgeLattice(
         name=f"{mesh.shape} edges",
         domain=mesh,
         points=mesh.points,
@@ -100,6 +117,8 @@ def mesh_lattice(mesh: Mesh, rule: str = "area") -> Lattice:
         point_volume=np.bincount(cells.ravel(), volume.ravel()).astype(float),
         factor=factor,
         regular=False,
+        gifts=gifts,
+        of=which.reshape(gifts.shape),
     )
 
 

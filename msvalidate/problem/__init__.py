@@ -28,6 +28,7 @@ from msvalidate.problem.domain import (
     measure_of,
 )
 from msvalidate.problem.errors import ProblemError, SolverError
+from msvalidate.problem.loads import BodyForce, Load, PointForce, Traction, Weight
 from msvalidate.problem.material import Anisotropic, Isotropic, Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import (
@@ -39,15 +40,18 @@ from msvalidate.problem.motions import (
 from msvalidate.problem.region import Boundary, Part, Region, Segment
 from msvalidate.problem.shapes import SHAPES, Shape, enclosed_volume, facet_areas, facet_middles
 from msvalidate.problem.statement import (
-    BodyForce,
-    Load,
-    PointForce,
     Problem,
     Support,
-    Traction,
     prescribed_displacements,
     prescribed_displacements_at,
     vectors_at,
+)
+from msvalidate.problem.zone import Ball, CellSet, Zone
+from msvalidate.problem.zones import (
+    cut_cells,
+    materials_at,
+    materials_of_cells,
+    require_one_material,
 )
 
 __all__ = [
@@ -61,9 +65,11 @@ __all__ = [
     "VOIGT",
     "Anisotropic",
     "Array",
+    "Ball",
     "BodyForce",
     "Boundary",
     "Box",
+    "CellSet",
     "Domain",
     "Field",
     "Index",
@@ -83,16 +89,22 @@ __all__ = [
     "SolverError",
     "Support",
     "Traction",
+    "Weight",
+    "Zone",
     "corners_of",
+    "cut_cells",
     "enclosed_volume",
     "facet_areas",
     "facet_middles",
     "format_point",
     "free_motions",
+    "materials_at",
+    "materials_of_cells",
     "measure_of",
     "prescribed_displacements",
     "prescribed_displacements_at",
     "refuse_free_motions",
+    "require_one_material",
     "rigid_motions",
     "vectors_at",
 ]

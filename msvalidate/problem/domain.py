@@ -19,6 +19,7 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.region import Boundary, Part, Region, Segment
+from msvalidate.problem.zone import CellSet, Zone
 
 SIDES = {
     "left": (0, 0),
@@ -297,3 +298,23 @@ def _refuse_misfit(region: Part, domain: Domain) -> None:
     require_type("domain", domain, Domain)
     if region.dim != domain.dim:
         raise ProblemError(f"region {region} has {region.dim} axes, the body {domain.dim}")
+
+
+def refuse_off_body(zone: Zone, domain: Domain) -> None:
+    """Raise `ProblemError` for a zone off the body, or of cells that are not its own."""
+    region = zone.region
+    if isinstance(region, CellSet):
+        if not (isinstance(domain, Mesh) and region.name in domain.zones) or not np.array_equal(
+            domain.zone(region.name).places, region.places
+        ):
+            raise ProblemError(
+                f"zone {region}: not of the problem's own {domain}; take its mesh.zone(name)"
+            )
+        return
+    low, high = np.array(domain.span).T
+    if isinstance(region, Region):
+        meets = bool(region.overlaps(low[None], high[None], domain.tolerance)[0])
+    else:
+        meets = region.meets(domain.span)
+    if not meets:
+        raise ProblemError(f"zone {region}: outside the body, a {domain}; leave it out or move it")

@@ -31,7 +31,8 @@ class Isotropic:
     state
         "plane_stress" or "plane_strain" for d = 2, "solid" for d = 3.
     density
-        Mass density (kg/m³); only the motion depends on it. Default: that of water and soft tissue.
+        Mass density (kg/m³); only motion and `Weight` depend on it. Default: that of water and
+        soft tissue.
     thickness
         Out-of-plane thickness (m) of a plane body; must stay 1 for a solid.
     """

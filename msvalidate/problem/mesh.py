@@ -28,16 +28,17 @@ from msvalidate.problem.checks import (
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.region import Boundary, Region, Segment
 from msvalidate.problem.shapes import CELLS, SHAPES, Shape, enclosed_volume, is_on_any
+from msvalidate.problem.zone import CellSet
 
 LONGEST_NAME = 100
-"""Letters in a boundary's name."""
+"""Letters in a boundary's or a zone's name."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Body made of cells of one shape, and the names of parts of its surface.
 
-    Two meshes are equal if their cells are, whatever the names of their boundaries.
+    Two meshes are equal if their cells are, whatever the names of their boundaries and zones.
 
     Parameters
     ----------
@@ -51,19 +52,22 @@ class Mesh:
         space. Mid-sides may lie off the straight line: the side is then bent.
     boundaries
         Name -> nodes (f, k) of facets, corners first, that belong to one cell alone.
+    zones
+        Name -> numbers (z,) of cells, as of those of another material.
 
     Raises
     ------
     ProblemError
         If a cell is inverted, flat, folded or overlaps another, a point lies where another does,
-        belongs to no cell or lies in one that does not name it, or a boundary is empty or not on
-        the surface.
+        belongs to no cell or lies in one that does not name it, a boundary is empty or not on the
+        surface, or a zone is empty or names a cell that is not there.
     """
 
     points: Array
     cells: Index
     shape: str
     boundaries: Mapping[str, Index] = field(default_factory=dict)
+    zones: Mapping[str, Index] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         require_one_of("mesh shape", self.shape, CELLS)
@@ -76,6 +80,7 @@ class Mesh:
         self._take("_surface", surface_facets(self.cells, self.kind))
         refuse_hanging(self.points, self.cells, self.kind, self.surface, self.tolerance)
         self._name(self.boundaries)
+        self._name_zones(self.zones)
 
     def __str__(self) -> str:
         sizes = " x ".join(f"{high - low:g}" for low, high in self.span)
@@ -125,10 +130,17 @@ class Mesh:
         """Area (m²) or volume (m³), bent sides included."""
         return enclosed_volume(self.points[self.surface])
 
-    def named(self, boundaries: Mapping[str, Index]) -> Mesh:
-        """Return the same mesh with these boundaries instead; raises `ProblemError` as `Mesh`."""
+    def named(
+        self, boundaries: Mapping[str, Index], zones: Mapping[str, Index] | None = None
+    ) -> Mesh:
+        """Return the same mesh with these boundaries instead, and these zones if any are given.
+
+        Raises `ProblemError` as `Mesh`.
+        """
         other = copy(self)
         other._name(boundaries)
+        if zones is not None:
+            other._name_zones(zones)
         return other
 
     def side(self, name: str) -> Boundary:
@@ -139,6 +151,17 @@ class Mesh:
                 f"boundary {format_value(name)}: the mesh has {known}; choose one of them"
             )
         return Boundary(name, self.points[self.boundaries[name]])
+
+    def zone(self, name: str) -> CellSet:
+        """Return the cells of a name. Raises `ProblemError` that lists the names for another."""
+        if not isinstance(name, str) or name not in self.zones:
+            known = ", ".join(map(format_value, self.zones)) or "none with a name"
+            raise ProblemError(
+                f"zone {format_value(name)}: the mesh has {known}; choose one of them"
+            )
+        cells = self.cells[self.zones[name]]
+        rim = surface_facets(cells, self.kind)
+        return CellSet(name, self.shape, self.points[cells], self.points[rim])
 
     @cached_property
     def whole_surface(self) -> Boundary:
@@ -266,11 +289,30 @@ class Mesh:
         sides = {name: self._checked(name, facets) for name, facets in boundaries.items()}
         object.__setattr__(self, "boundaries", sides)
 
+    def _name_zones(self, zones: object) -> None:
+        if not isinstance(zones, Mapping):
+            raise ProblemError(f"mesh zones: {format_value(zones)}; give cells by their names")
+        found = {name: self._checked_cells(name, cells) for name, cells in zones.items()}
+        object.__setattr__(self, "zones", found)
+
+    def _checked_cells(self, name: object, given: Index) -> Index:
+        """Numbers of a zone's cells, each once and rising."""
+        said = f"mesh zone {format_value(name)}"
+        _check_name(said, name)
+        cells = np.unique(integers(said, given))
+        if np.ndim(given) != 1 or not len(cells):
+            raise ProblemError(f"{said}: shape {np.shape(given)}; give numbers (z,) of its cells")
+        if cells[0] < 0 or cells[-1] >= len(self.cells):
+            raise ProblemError(
+                f"{said}: cells {cells[0]} to {cells[-1]}; there are 0 to {len(self.cells) - 1}"
+            )
+        cells.setflags(write=False)
+        return cells
+
     def _checked(self, name: object, given: Index) -> Index:
         """Facets of a boundary, each once, as the surface lists them."""
         said = f"mesh boundary {format_value(name)}"
-        if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
-            raise ProblemError(f"{said}: give 1 to {LONGEST_NAME} printable letters as its name")
+        _check_name(said, name)
         facets = integers(said, given)
         k = self.surface.shape[1]
         if not facets.size:
@@ -289,3 +331,8 @@ class Mesh:
         found = self.surface[np.unique(at)]
         found.setflags(write=False)
         return np.asarray(found)
+
+
+def _check_name(said: str, name: object) -> None:
+    if not isinstance(name, str) or not name.isprintable() or not 0 < len(name) <= LONGEST_NAME:
+        raise ProblemError(f"{said}: give 1 to {LONGEST_NAME} printable letters as its name")

@@ -75,6 +75,14 @@ class Region:
                 chosen &= (x >= low - tolerance) & (x <= high + tolerance)
         return chosen
 
+    def on_rim(self, points: Array, tolerance: float) -> Mask:
+        """Mask (n,) of the points (n, d) of the region where an interval of it ends."""
+        near = np.zeros(len(points), dtype=bool)
+        for x, entry in zip(points.T, self.extent, strict=True):
+            if isinstance(entry, tuple):
+                near |= np.minimum(np.abs(x - entry[0]), np.abs(x - entry[1])) <= tolerance
+        return near & self.select(points, tolerance)
+
     def overlaps(self, low: Array, high: Array, tolerance: float) -> Mask:
         """Mask (n,) of the boxes with ends (n, d) in m that share more than a rim with the region.
 

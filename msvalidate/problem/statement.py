@@ -12,15 +12,23 @@ from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
     format_value,
-    positive_number,
     require_type,
 )
-from msvalidate.problem.domain import Box, Domain, corners_of
+from msvalidate.problem.domain import Box, Domain, corners_of, refuse_off_body
 from msvalidate.problem.errors import ProblemError
+from msvalidate.problem.loads import (
+    BodyForce,
+    Load,
+    Traction,
+    Weight,
+    check_region,
+    check_vector,
+)
 from msvalidate.problem.material import Material
 from msvalidate.problem.motions import format_point, refuse_free_motions
 from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import facet_middles
+from msvalidate.problem.zone import Zone, refuse_other_state
 
 LONGEST_NAME = 100
 """Letters in a problem's name, which stands at the head of messages."""
@@ -43,7 +51,7 @@ class Support:
     displacement: tuple[float | Field | None, ...]
 
     def __post_init__(self) -> None:
-        _check_region("support", self.region)
+        check_region("support", self.region)
         if not isinstance(self.displacement, tuple):
             given = format_value(self.displacement)
             raise ProblemError(f"support on {self.region}: {given}; give a tuple")
@@ -63,106 +71,20 @@ class Support:
                     )
 
 
-@dataclass(frozen=True)
-class PointForce:
-    """Force (N) of d components at one place (m)."""
-
-    at: tuple[float, ...]
-    force: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        force = finite("point force", self.force)
-        place = finite_coordinates("place of a point force", self.at)
-        if place.shape != force.shape or place.shape not in {(2,), (3,)}:
-            raise ProblemError(
-                f"point force {format_value(self.force)} at {format_value(self.at)}: give 2 or 3 "
-                f"numbers each"
-            )
-        require_type("place of a point force", self.at, tuple)
-
-    @property
-    def region(self) -> Region:
-        """The point as a region."""
-        return Region(self.at)
-
-
-@dataclass(frozen=True)
-class Traction:
-    """Force per area (Pa) on a face (d = 3) or an edge (d = 2) of the body, or on a part of it.
-
-    Parameters
-    ----------
-    region
-        A region with exactly one flat axis, or a segment.
-    traction
-        d components (Pa), or a field of points (n, d) -> (n, d).
-    """
-
-    region: Part
-    traction: tuple[float, ...] | Field
-
-    def __post_init__(self) -> None:
-        _check_region("traction", self.region)
-        if not self.region.is_facet:
-            raise ProblemError(
-                f"traction on {self.region}: a traction acts on a side of the body, where exactly "
-                "one coordinate is fixed; or give a Segment"
-            )
-        _check_vector(f"traction on {self.region}", self.traction, self.region.dim)
-
-
-@dataclass(frozen=True)
-class BodyForce:
-    """Force per volume (N/m³): d components, or a field of points (n, d) -> (n, d)."""
-
-    force: tuple[float, ...] | Field
-
-    def __post_init__(self) -> None:
-        if not callable(self.force):
-            finite("body force", self.force, (2, 3), need="give 2 or 3 components or a field")
-
-    @classmethod
-    def gravity(cls, density: float, acceleration: tuple[float, ...]) -> BodyForce:
-        """The weight of a body, or what else accelerates all of its mass alike.
-
-        Parameters
-        ----------
-        density
-            Mass density (kg/m³), as `material.density`.
-        acceleration
-            d components (m/s²), such as (0.0, -9.81): downwards along y.
-
-        Raises
-        ------
-        ProblemError
-            If the density is not above zero, the acceleration not 2 or 3 finite numbers, or their
-            product beyond the largest number or below the smallest: a weight that is none would
-            pass for a body without weight.
-        """
-        rho = positive_number("gravity: density", density, "kg/m³")
-        g = finite("gravity", acceleration)
-        if g.shape not in {(2,), (3,)}:
-            raise ProblemError(
-                f"gravity: {format_value(acceleration)}; give 2 or 3 components in m/s², such as "
-                "(0.0, -9.81)"
-            )
-        with np.errstate(over="ignore", under="ignore"):
-            weight = rho * g
-        size = np.abs(weight[g != 0])
-        if not ((size >= np.finfo(float).tiny) & (size < np.inf)).all():
-            raise ProblemError(
-                f"gravity: density {rho:g} kg/m³ by {format_value(acceleration)} m/s² is no "
-                "ordinary number; choose units in which it is"
-            )
-        return cls(tuple(weight.tolist()))
-
-
-Load = PointForce | Traction | BodyForce
-
-
 @dataclass(frozen=True, eq=False)
 class Problem:
     """A body with its material, supports and loads.
+
+    Parameters
+    ----------
+    domain, material
+        The body, and what it is of but for its zones.
+    supports, loads
+        How it is held, and what acts on it.
+    name
+        What messages call it.
+    zones
+        Parts of another material; of several that hold a place the last one counts.
 
     Raises
     ------
@@ -176,12 +98,14 @@ class Problem:
     supports: tuple[Support, ...]
     loads: tuple[Load, ...] = ()
     name: str = field(default="problem")
+    zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
         _check_name(self.name)
         for name, parts, kind in (
             ("supports", self.supports, Support),
             ("loads", self.loads, Load),
+            ("zones", self.zones, Zone),
         ):
             if not isinstance(parts, tuple) or not all(isinstance(part, kind) for part in parts):
                 raise ProblemError(
@@ -192,15 +116,26 @@ class Problem:
         d = self.domain.dim
         if self.material.dim != d:
             raise ProblemError(f"{self.name}: a {self.material.dim}D material in a {d}D domain")
+        for zone in self.zones:
+            refuse_other_state(zone, self.material)
+            refuse_off_body(zone, self.domain)
         for load in self.loads:
             if isinstance(load, BodyForce):
-                _check_vector("body force", load.force, d)
+                check_vector("body force", load.force, d)
+                continue
+            if isinstance(load, Weight):
+                check_vector("weight", load.acceleration, d)
                 continue
             corners = corners_of(load.region, self.domain)
             if isinstance(load, Traction):
                 _refuse_off_side("traction", load.region, self.domain, corners)
         corners, held = self._held_corners()
         refuse_free_motions(self.name, corners, held)
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The body's material, then that of each zone."""
+        return (self.material, *(zone.material for zone in self.zones))
 
     def _held_corners(self) -> tuple[Array, Mask]:
         """Corners of the supported regions and the components held there.
@@ -318,20 +253,6 @@ def _refuse_off_side(what: str, region: Part, domain: Domain, corners: Array) ->
             f"it "
             "is not on one side of the body all the way; give a part of a side, such as a Segment"
         )
-
-
-def _check_region(name: str, region: object) -> None:
-    if not isinstance(region, Part):
-        raise ProblemError(
-            f"{name}: region {format_value(region)}; give a Region, such as box.side('left'), a "
-            f"Segment, "
-            "or a mesh.side(name)"
-        )
-
-
-def _check_vector(name: str, value: Sequence[float] | Field, dim: int) -> None:
-    if not callable(value) and finite(name, value).shape != (dim,):
-        raise ProblemError(f"{name}: {format_value(value)}; give {dim} components")
 
 
 def _component_values(name: str, entry: float | Field, points: Array) -> Array:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 
-from msvalidate.problem import Array, Index
+from msvalidate.problem import Array, Index, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,9 +102,14 @@ def sparsity_pattern(cells: Index, nodes: int) -> SparsityPattern:
     return SparsityPattern(columns, start, gather, entry.tocsc().data)
 
 
-def gradient_products(basis: Any, shared: SparsityPattern) -> Array:
-    """∫ ∂φi/∂xc ∂φj/∂xd as entries (d, d, e) of a pattern, on a scalar basis of the library."""
+def gradient_products(basis: Any, shared: SparsityPattern, cells: Mask | None = None) -> Array:
+    """∫ ∂φi/∂xc ∂φj/∂xd as entries (d, d, e) of a pattern, on a scalar basis of the library.
+
+    Over all cells, or those of a mask (c,).
+    """
     by_function, measure = basis_gradients(basis)
+    if cells is not None:
+        measure = np.where(cells[:, None], measure, 0.0)
     along = np.ascontiguousarray(by_function.transpose(1, 2, 0, 3))  # (d, c, k, q)
     weighed = along * measure[:, None]  # a weight may be negative: no root of it on either side
     return shared.symmetric(len(along), lambda a, b: weighed[a] @ along[b].transpose(0, 2, 1))

@@ -13,7 +13,7 @@ from scipy.sparse import coo_array, csr_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem import Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import finite_coordinates, require_one_of
 from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.assembly import SparsityPattern, gradient_products, sparsity_pattern
@@ -141,6 +141,11 @@ class Discretisation:
         """
         with fits_in_memory(len(self.points), "nodes"):
             return gradient_products(self.basis, self.pattern)
+
+    def gradients_over(self, cells: Mask) -> Array:
+        """As `gradients`, over the cells of a mask (c,) alone; raises `SolverError` as they do."""
+        with fits_in_memory(len(self.points), "nodes"):
+            return gradient_products(self.basis, self.pattern, cells)
 
     def interpolation(self, points: ArrayLike) -> csr_matrix:
         """Matrix (p, n) that takes nodal values to values at points (p, d) of the body.

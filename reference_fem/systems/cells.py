@@ -10,6 +10,7 @@ from scipy.sparse import csr_matrix
 from msvalidate.problem import Array, Index
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients_at_points
+from reference_fem.stress import pressure_numbers
 from reference_fem.systems.refined import change_by_rewriting
 
 EPS = float(np.finfo(float).eps)
@@ -24,11 +25,14 @@ class ElasticCells:
     gradients
         Of the mesh.
     tensor
-        C (d, d, d, d) in Pa, thickness included.
+        C (d, d, d, d) in Pa, thickness included; (m, d, d, d, d) of several materials.
+    number
+        (c,) which of several tensors is a cell's; None of one for all.
     """
 
     gradients: Gradients
     tensor: Array
+    number: Index | None = None
     positive = True
 
     def strain(self, u: Array, rest: Array | None = None) -> Array:
@@ -38,7 +42,14 @@ class ElasticCells:
 
     def stress(self, strain: Array) -> Array:
         """C:ε times the measure (s, q, c)."""
-        found = (self._voigt @ strain.reshape(len(strain), -1)).reshape(strain.shape)
+        if self.number is None:
+            voigt = self._voigt(self.tensor)
+            found = (voigt @ strain.reshape(len(strain), -1)).reshape(strain.shape)
+        else:
+            found = np.empty_like(strain)
+            for i, tensor in enumerate(self.tensor):
+                at = self.number == i
+                found[..., at] = np.tensordot(self._voigt(tensor), strain[..., at], axes=1)
         return np.asarray(found * self.gradients.measure)
 
     def forces(self, stress: Array) -> Array:
@@ -50,17 +61,21 @@ class ElasticCells:
         return change_by_rewriting(self, u, rest, force, number)
 
     @property
-    def _pairs(self) -> list[tuple[int, int]]:
-        d = len(self.tensor)
-        return [(a, a) for a in range(d)] + [(a, b) for a in range(d) for b in range(a + 1, d)]
+    def dim(self) -> int:
+        """Number of axes."""
+        return int(self.tensor.shape[-1])
 
     @property
-    def _voigt(self) -> Array:
-        return np.array([[self.tensor[a, b, c, e] for c, e in self._pairs] for a, b in self._pairs])
+    def _pairs(self) -> list[tuple[int, int]]:
+        d = self.dim
+        return [(a, a) for a in range(d)] + [(a, b) for a in range(d) for b in range(a + 1, d)]
+
+    def _voigt(self, tensor: Array) -> Array:
+        return np.array([[tensor[a, b, c, e] for c, e in self._pairs] for a, b in self._pairs])
 
     def _full(self, stress: Array) -> Array:
         """Stress (d, d, q, c) of its parts (s, q, c)."""
-        d = len(self.tensor)
+        d = self.dim
         full = np.empty((d, d, *stress.shape[1:]))
         for part, (a, b) in zip(stress, self._pairs, strict=True):
             full[a, b] = full[b, a] = part
@@ -78,7 +93,7 @@ class MixedCells:
     shear
         The forces of 2με.
     inverse
-        1/λ (1/Pa).
+        1/λ (1/Pa), one for all or (c,).
     thickness
         In m.
     functions, corners
@@ -89,7 +104,7 @@ class MixedCells:
     """
 
     shear: ElasticCells
-    inverse: float
+    inverse: float | Array
     thickness: float
     functions: Array
     corners: Index
@@ -105,7 +120,7 @@ class MixedCells:
 
     def stress(self, strain: tuple[Array, Array]) -> tuple[Array, Array]:
         """Stress (s, q, c) and what volumes are wrong by (q, c), times the measure."""
-        d, weight = len(self.shear.tensor), self.thickness * self.shear.gradients.measure
+        d, weight = self.shear.dim, self.thickness * self.shear.gradients.measure
         stress = self.shear.stress(strain[0])
         stress[:d] += weight * strain[1]
         return stress, weight * (strain[0][:d].sum(axis=0) - self.inverse * strain[1])
@@ -120,23 +135,32 @@ class MixedCells:
         return change_by_rewriting(self, u, rest, force, number)
 
     def _displacement(self, u: Array) -> Array:
-        return u[: -self.count].reshape(len(self.shear.tensor), -1)
+        return u[: -self.count].reshape(self.shear.dim, -1)
 
     def _by_corner(self, each: Array) -> Array:
         found = np.bincount(self.corners.ravel(), each.ravel(), self.count)
         return np.asarray(found, dtype=float)
 
 
-def mixed_cells(body: Discretisation, mu: float, inverse: float, thickness: float) -> MixedCells:
-    """The equations of mixed elements of μ (Pa), 1/λ (1/Pa) and thickness (m)."""
+def mixed_cells(
+    body: Discretisation, lame: list[tuple[float, float]], thickness: float, number: Index | None
+) -> MixedCells:
+    """The equations of mixed elements of μ (Pa), 1/λ (1/Pa) and thickness (m).
+
+    Of one material, or of several with the number (c,) of each cell's.
+    """
     unit = np.eye(body.dim)
     straight = np.einsum("ac,be->abce", unit, unit)
-    tensor = thickness * mu * (straight + straight.swapaxes(2, 3))
+    tensors = [thickness * mu * (straight + straight.swapaxes(2, 3)) for mu, _ in lame]
+    inverse: float | Array = lame[0][1]
+    if number is not None:
+        inverse = np.array([each for _, each in lame])[number]
     X, linear = np.asarray(body.basis.X), body.element.linear
     functions = np.array([linear.lbasis(X, i)[0] for i in range(body.element.corners)])
-    shear = ElasticCells(gradients_at_points(body), tensor)
-    corners = np.searchsorted(body.vertices, shear.gradients.nodes[: body.element.corners])
-    return MixedCells(shear, inverse, thickness, functions, corners, len(body.vertices))
+    tensor = tensors[0] if number is None else np.array(tensors)
+    shear = ElasticCells(gradients_at_points(body), tensor, number)
+    corners, count = pressure_numbers(body, number)
+    return MixedCells(shear, inverse, thickness, functions, corners, count)
 
 
 @dataclass(frozen=True, eq=False)

@@ -106,6 +106,8 @@ class Solver:
         C (d, d, d, d) in Pa that the stiffness was made with, thickness included, as `measured`
         gives it. With it residuals are summed cell by cell, which slender bodies need; without it,
         by the entries of the stiffness, whose rounding is then a part of the error.
+    number
+        (c,) which of several such tensors (m, d, d, d, d) is a cell's; None of one for all.
 
     Raises
     ------
@@ -119,6 +121,7 @@ class Solver:
     held: Mask
     choice: str = "auto"
     tensor: Array | None = None
+    number: Index | None = None
 
     def __post_init__(self) -> None:
         refuse_no_mask(self.body, self.held)
@@ -198,7 +201,7 @@ class Solver:
     def _system(self) -> System:
         if self.tensor is None:
             return Entries(self.stiffness)
-        return ElasticCells(self._gradients, self.tensor)
+        return ElasticCells(self._gradients, self.tensor, self.number)
 
     @cached_property
     def _gradients(self) -> Gradients:

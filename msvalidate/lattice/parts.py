@@ -1,0 +1,95 @@
+"""What each cell brings to a lattice's springs and points, where cells are not alike."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from msvalidate.lattice.corners import corner_volumes
+from msvalidate.lattice.cut import CutLattice, cell_gifts
+from msvalidate.lattice.edges import EdgeLattice
+from msvalidate.lattice.filled import Lattice
+from msvalidate.lattice.voronoi import VoronoiLattice
+from msvalidate.problem import SHAPES, Array, Index, ProblemError, Shape
+from msvalidate.problem.shapes import incident_pairs
+
+
+def cell_shape(lattice: Lattice) -> Shape:
+    """The shape of a lattice's cells."""
+    d, corners = lattice.points.shape[1], lattice.cells.shape[1]
+    return next(s for s in SHAPES.values() if (s.dim, len(s.nodes)) == (d, corners))
+
+
+def spring_parts(lattice: Lattice) -> csr_array:
+    """Part (m, c) of each spring's stiffness that each cell brings; those of a spring sum to 1.
+
+    A mesh's edges and a cut lattice's springs have it from the rule that made them. In a lattice
+    that repeats every cell that holds the spring's middle brings the same: half in each of the two
+    beside it in the plane, a quarter along an edge in space, all in the cell that it runs inside.
+
+    Raises
+    ------
+    ProblemError
+        If the lattice has no cells that its springs belong to.
+    """
+    if isinstance(lattice, EdgeLattice):
+        spring, cell, gift = lattice.of.ravel(), _numbered(lattice.of), lattice.gifts.ravel()
+    elif isinstance(lattice, CutLattice):
+        spring, cell, gift = cell_gifts(lattice)
+    else:
+        middle = lattice.points[lattice.springs].mean(axis=1)
+        spring, cell = _holding_cells(lattice, middle)
+        gift = np.ones(len(spring))
+    return _shared(spring, cell, gift, (len(lattice.springs), len(lattice.cells)), lattice)
+
+
+def point_parts(lattice: Lattice) -> csr_array:
+    """Part (n, c) of each point's area or volume that lies in each cell; a point's sum to 1.
+
+    Raises
+    ------
+    ProblemError
+        If the lattice has no cells that its points belong to.
+    """
+    if isinstance(lattice, CutLattice):
+        volume = lattice.corner_volume
+    else:
+        volume = corner_volumes(lattice.points, lattice.cells)
+    point, cell, gift = lattice.cells.ravel(), _numbered(lattice.cells), volume.ravel()
+    inside = np.setdiff1d(np.arange(len(lattice.points)), point)
+    if len(inside):  # of a cell, beside its corners
+        which, holding = _holding_cells(lattice, lattice.points[inside])
+        point, cell = np.append(point, inside[which]), np.append(cell, holding)
+        gift = np.append(gift, np.ones(len(which)))
+    return _shared(point, cell, gift, (len(lattice.points), len(lattice.cells)), lattice)
+
+
+def _numbered(each: Index) -> Index:
+    """Number of the row of each entry (r, k), one after the other."""
+    return np.repeat(np.arange(len(each)), each.shape[1])
+
+
+def _holding_cells(lattice: Lattice, places: Array) -> tuple[Index, Index]:
+    """Pairs of a place (q, d) and a cell that holds it, or has it on its rim."""
+    if isinstance(lattice, VoronoiLattice):
+        raise ProblemError(
+            f"zones: the springs of an irregular lattice ({lattice.name}) belong to no cells; take "
+            "one that repeats, or a mesh's edges"
+        )
+    room = lattice.domain.tolerance
+    cell, place = incident_pairs(cell_shape(lattice), lattice.points[lattice.cells], places, room)
+    return place, cell
+
+
+def _shared(
+    row: Index, cell: Index, gift: Array, size: tuple[int, int], lattice: Lattice
+) -> csr_array:
+    """Gifts of cells as parts that sum to 1 in each row."""
+    gifts = csr_array((gift, (row, cell)), shape=size)
+    total = gifts.sum(axis=1)
+    if not (total > 0).all():
+        raise ProblemError(
+            f"zones: the cells of the {lattice.name} lattice do not cover its springs; take one "
+            "whose cells fill the body"
+        )
+    return csr_array(diags_array(1 / total) @ gifts)

@@ -1,0 +1,103 @@
+"""Of what each cell of a mesh is: one material, or several by the zones of a problem."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from msvalidate.problem import (
+    SHAPES,
+    Index,
+    Mask,
+    Material,
+    Problem,
+    ProblemError,
+    materials_of_cells,
+)
+from msvalidate.problem.checks import require_type
+from reference_fem.mesh.discretisation import Discretisation
+
+
+@dataclass(frozen=True, eq=False)
+class CellMaterials:
+    """Several materials of one dimension, state and thickness, and which each cell is of.
+
+    Parameters
+    ----------
+    materials
+        Two or more, each of some cells.
+    number
+        (c,) index into them of each cell.
+    """
+
+    materials: tuple[Material, ...]
+    number: Index
+
+    def __post_init__(self) -> None:
+        self.number.setflags(write=False)
+
+    @property
+    def dim(self) -> int:
+        """Number of axes, 2 or 3."""
+        return self.materials[0].dim
+
+    @property
+    def thickness(self) -> float:
+        """Out-of-plane thickness (m) of a plane body; 1 of a solid."""
+        return self.materials[0].thickness
+
+
+Law = Material | CellMaterials
+"""What a body is of."""
+
+
+def materials_of(problem: Problem, body: Discretisation) -> Law:
+    """What the cells of a problem's mesh are of.
+
+    Raises
+    ------
+    ProblemError
+        If a zone holds no cell, or ends inside one.
+    """
+    if not problem.zones:
+        return problem.material
+    shape = SHAPES[body.element.shape]
+    number = materials_of_cells(problem, body.points[body.cells], shape)
+    used, own = np.unique(number, return_inverse=True)
+    materials = tuple(problem.materials[i] for i in used)
+    return CellMaterials(materials, own.ravel()) if len(used) > 1 else materials[0]
+
+
+def by_material(law: Law, body: Discretisation) -> Iterator[tuple[Material, Mask | None]]:
+    """Each material, and the cells (c,) that are of it: None for all.
+
+    Raises
+    ------
+    ProblemError
+        If there is not one material a cell, or it is of another dimension than the body.
+    """
+    require_type("body", body, Discretisation)
+    require_type("material", law, Law)
+    if law.dim != body.dim:
+        raise ProblemError(f"material: {law.dim}D, the body {body.dim}D")
+    if not isinstance(law, CellMaterials):
+        yield law, None
+        return
+    if law.number.shape != (len(body.cells),):
+        raise ProblemError(
+            f"materials: of {law.number.shape} cells; the mesh has {len(body.cells)}"
+        )
+    for i, material in enumerate(law.materials):
+        yield material, law.number == i
+
+
+def numbers_of(law: Law) -> Index | None:
+    """Index (c,) of each cell's material, where there are several."""
+    return law.number if isinstance(law, CellMaterials) else None
+
+
+def each_material(law: Law) -> tuple[Material, ...]:
+    """The materials, of which there may be one."""
+    return law.materials if isinstance(law, CellMaterials) else (law,)

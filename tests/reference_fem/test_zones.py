@@ -1,0 +1,266 @@
+"""Elements of several materials: bars exact, and the closed form of a disc and a ball."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import reference_fem
+from msvalidate.problem import (
+    Ball,
+    Box,
+    Isotropic,
+    Problem,
+    ProblemError,
+    Region,
+    SolverError,
+    Support,
+    Traction,
+    Zone,
+)
+from reference_fem.elasticity import elastic_tensor, stiffness
+from reference_fem.materials import CellMaterials, materials_of
+from tests.inclusion import RADIUS, ball, ball_mesh, disc, disc_mesh, moduli
+from tests.table import table
+
+ROUNDING = 1e-13
+BOX = Box((2.0, 1.0))
+STEP = 1e-4
+"""Of central differences, whose error is then 1e-8 and whose rounding 1e-12."""
+DISCS = {
+    "stiff": (Isotropic(1.0, 0.3), Isotropic(10.0, 0.2)),
+    "soft": (Isotropic(1.0, 0.3, "plane_strain"), Isotropic(0.1, 0.45, "plane_strain")),
+    "rubber about": (Isotropic(1.0, 0.4999, "plane_strain"), Isotropic(1.0, 0.3, "plane_strain")),
+}
+BALLS = (Isotropic(1.0, 0.3, "solid"), Isotropic(10.0, 0.2, "solid"))
+TENSIONS = {"uniform": (1.0, 0.0), "shear": (0.0, 1.0)}
+
+
+# The closed forms ---------------------------------------------------------------------------------
+
+
+def stress_of(field, x, material):
+    """Stress (n, d, d) of a displacement field by central differences and Lamé's constants."""
+    d = x.shape[1]
+    slope = [(field(x + STEP * e) - field(x - STEP * e)) / (2 * STEP) for e in np.eye(d)]
+    strain = np.stack(slope, axis=2)
+    strain = (strain + strain.transpose(0, 2, 1)) / 2
+    mu, K, _ = moduli(material)
+    trace = np.trace(strain, axis1=1, axis2=2)[:, None, None] * np.eye(d)
+    return 2 * mu * strain + (K - 2 * mu / d) * trace
+
+
+def check_closed_form(field, outer, inner, d, far):
+    """In equilibrium on both sides, continuous between, and as it should be far away."""
+    rng = np.random.default_rng(0)
+    n = rng.normal(size=(20, d))
+    n /= np.linalg.norm(n, axis=1)[:, None]
+    for material, r in ((inner, 0.6), (outer, 1.7)):
+        x = RADIUS * r * n
+        rise = [
+            stress_of(field, x + 1e-2 * e, material) - stress_of(field, x - 1e-2 * e, material)
+            for e in np.eye(d)
+        ]
+        force = sum(each[:, axis] for axis, each in enumerate(rise)) / 2e-2
+        assert np.abs(force).max() < 2e-3 * np.abs(rise).max() / 2e-2 + 1e-7
+    at, room = RADIUS * n, 4 * STEP
+    inside, outside = at * (1 - room), at * (1 + room)
+    assert np.abs(field(inside) - field(outside)).max() < 20 * room * np.abs(field(at)).max()
+    traction = [
+        np.einsum("nij,nj->ni", stress_of(field, x, material), n)
+        for x, material in ((inside, inner), (outside, outer))
+    ]
+    assert np.abs(traction[0] - traction[1]).max() < 50 * room
+    found = stress_of(field, 1e3 * n, outer)
+    np.testing.assert_allclose(found, np.broadcast_to(far, found.shape), atol=1e-5)
+
+
+@pytest.mark.parametrize("tension", TENSIONS)
+@table("name", DISCS)
+def test_closed_form_of_a_disc(name, tension):
+    p, q = TENSIONS[tension]
+    outer, inner = DISCS[name]
+    far = np.diag([p + q, p - q])
+    check_closed_form(lambda x: disc(x, outer, inner, p, q), outer, inner, 2, far)
+
+
+def test_closed_form_of_a_ball():
+    outer, inner = BALLS
+    check_closed_form(lambda x: ball(x, outer, inner, 1.0), outer, inner, 3, np.eye(3))
+
+
+# Elements against them ----------------------------------------------------------------------------
+
+
+def around(mesh, field, outer, inner):
+    """A mesh moved all round as a field is."""
+    parts = tuple((lambda x, axis=axis: field(x)[:, axis]) for axis in range(mesh.dim))
+    held = (Support(mesh.whole_surface, parts),)
+    return Problem(mesh, outer, held, zones=(Zone(mesh.zone("disc"), inner),))
+
+
+@pytest.mark.parametrize("mixed", [False, True])
+@pytest.mark.parametrize("tension", TENSIONS)
+@table("name", DISCS)
+def test_discs_are_met_to_third_order(name, tension, mixed):
+    outer, inner = DISCS[name]
+    if mixed and outer.state == "plane_stress":
+        return
+    errors = []
+    for n in (2, 4, 8):
+        mesh = disc_mesh(n)
+        field = lambda x: disc(x, outer, inner, *TENSIONS[tension])  # noqa: E731
+        body = reference_fem.mesh_discretisation(mesh)
+        found = reference_fem.solve_problem(around(mesh, field, outer, inner), body, mixed=mixed)
+        wanted = field(mesh.points)
+        errors.append(np.abs(found.displacement - wanted).max() / np.abs(wanted).max())
+    lost = name == "rubber about" and not mixed  # quadratic elements lose an order near nu = 1/2
+    assert np.log2(errors[0] / errors[-1]) / 2 > (1.2 if lost else 2.8)
+    assert errors[-1] < (6e-3 if lost else 3e-4)
+    if lost:
+        return
+    # Uniform inside, and the same on its rim as seen from the cells there.
+    places = np.array([[0.0, 0.0], [0.1, 0.2], [0.3, 0.3]])
+    stress = found.stress(places)
+    wanted = stress_of(field, places, inner)
+    np.testing.assert_allclose(stress[:, [0, 1, 2]], wanted[:, [0, 1, 0], [0, 1, 1]], atol=2e-3)
+
+
+def test_a_ball_is_met():
+    outer, inner = BALLS
+    errors = []
+    for n in (1, 2):
+        mesh = ball_mesh(n)
+        field = lambda x: ball(x, outer, inner, 1.0)  # noqa: E731
+        problem = around(mesh, field, outer, inner)
+        found = reference_fem.solve_problem(problem, reference_fem.mesh_discretisation(mesh))
+        wanted = field(mesh.points)
+        errors.append(np.abs(found.displacement - wanted).max() / np.abs(wanted).max())
+    assert errors[0] > 2.5 * errors[1]
+    assert errors[1] < 5e-3
+
+
+# Bars ---------------------------------------------------------------------------------------------
+
+
+def bar(series, state="plane_strain", nu=(0.2, 0.4)):
+    soft, hard = Isotropic(1e5, nu[0], state), Isotropic(3e5, nu[1], state)
+    rollers = [Support(BOX.side("left"), (0.0, None)), Support(BOX.side("bottom"), (None, 0.0))]
+    if series:
+        rollers.append(Support(BOX.side("top"), (None, 0.0)))
+        loads = (Traction(BOX.side("right"), (3.0, 0.0)),)
+        region = Region(((1.0, 2.0), None))
+    else:
+        rollers.append(Support(BOX.side("right"), (0.01, None)))
+        loads, region = (), Region((None, (0.5, 1.0)))
+    return Problem(BOX, soft, tuple(rollers), loads, zones=(Zone(region, hard),))
+
+
+@pytest.mark.parametrize("series", [True, False], ids=["series", "parallel"])
+@table("element, mixed", [("Q1", 0), ("P1", 0), ("Q2", 0), ("P2", 0), ("Q2", 1), ("P2", 1)])
+def test_bars_of_two_materials_are_exact(element, mixed, series):
+    problem = bar(series)
+    body = reference_fem.box_discretisation(BOX, (4, 2), element)
+    found = reference_fem.solve_problem(problem, body, mixed=bool(mixed))
+    C = [elastic_tensor(material) for material in problem.materials]
+    x, y = body.points.T
+    if series:
+        wanted = 3 * np.minimum(x, 1) / C[0][0, 0] + 3 * np.maximum(x - 1, 0) / C[1][0, 0]
+        wanted = np.column_stack([wanted, 0 * x])
+        stress = [(3.0, 3.0 * c[0, 1] / c[0, 0], 0.0) for c in C]
+    else:
+        ratio = [c[0, 1] / c[0, 0] for c in C]
+        down = ratio[0] * np.minimum(y, 0.5) + ratio[1] * np.maximum(y - 0.5, 0)
+        wanted = 0.005 * np.column_stack([x, -down])
+        stress = [
+            (0.005 * (c[0, 0] - r * c[0, 1]), 0.0, 0.0) for c, r in zip(C, ratio, strict=True)
+        ]
+    assert np.abs(found.displacement - wanted).max() <= ROUNDING * np.abs(wanted).max()
+    # Each side of the interface has its own, and a node on it the mean of its cells.
+    places = [[0.9, 0.2], [1.1, 0.8], [1.0, 0.5]]
+    size, mean = np.abs(stress).max(), np.mean(stress, axis=0)
+    got = found.stress(places)
+    np.testing.assert_allclose(got[:2], stress, atol=1e-11 * size)
+    if element.startswith("Q"):
+        np.testing.assert_allclose(got[2], mean, atol=1e-11 * size)
+
+
+def test_a_zone_of_all_or_of_the_same_is_the_plain_body():
+    problem = bar(series=True)
+    body = reference_fem.box_discretisation(BOX, (4, 2), "Q2")
+    plain = Problem(BOX, problem.material, problem.supports, problem.loads)
+    wanted = reference_fem.solve_problem(plain, body).displacement
+    whole = Zone(Region((None, None)), problem.material)
+    same = Zone(problem.zones[0].region, problem.material)
+    for zone, exactly in ((whole, True), (same, False)):
+        again = Problem(BOX, problem.material, problem.supports, problem.loads, zones=(zone,))
+        got = reference_fem.solve_problem(again, body).displacement
+        assert np.abs(got - wanted).max() <= (0 if exactly else ROUNDING * np.abs(wanted).max())
+    assert isinstance(materials_of(problem, body), CellMaterials)
+
+
+@table(
+    "solve, kind, message",
+    [
+        (
+            lambda p: reference_fem.solve_problem(p, reference_fem.box_discretisation(BOX, (3, 2))),
+            ProblemError,
+            "zone (1 <= x <= 2): it ends inside 2 of 6 cells",
+        ),
+        (
+            lambda p: stiffness(
+                reference_fem.box_discretisation(BOX, (4, 2)),
+                materials_of(p, reference_fem.box_discretisation(BOX, (2, 1))),
+            ),
+            ProblemError,
+            "materials: of (2,) cells; the mesh has 8",
+        ),
+        (
+            lambda _: reference_fem.solve_problem(
+                bar(True, nu=(0.2, 0.4999999)), reference_fem.box_discretisation(BOX, (4, 2), "Q1")
+            ),
+            SolverError,
+            "lock",
+        ),
+        (
+            lambda _: reference_fem.solve_problem(
+                bar(True, "plane_stress"),
+                reference_fem.box_discretisation(BOX, (4, 2), "Q2"),
+                mixed=True,
+            ),
+            ProblemError,
+            "mixed elements: plane stress",
+        ),
+        (
+            lambda _: reference_fem.solve_problem(
+                bar(True, nu=(0.2, -0.1)),
+                reference_fem.box_discretisation(BOX, (4, 2), "Q2"),
+                mixed=True,
+            ),
+            ProblemError,
+            "nu = -0.1",
+        ),
+    ],
+)
+def test_what_is_refused(solve, kind, message):
+    with pytest.raises(kind, match=re.escape(message)) as refused:
+        solve(bar(series=True))
+    assert "\n" not in str(refused.value)
+
+
+def test_a_disc_of_straight_cells_is_a_polygon():
+    # Its corners lie on the circle; the area that is missing is of second order.
+    mesh = disc_mesh(4)
+    corners = mesh.cells[:, :4]
+    used, cells = np.unique(corners, return_inverse=True)
+    straight = type(mesh)(mesh.points[used], cells.reshape(corners.shape), "quad")
+    laws = Isotropic(1.0, 0.3), Isotropic(5.0, 0.3)
+    zone = Zone(Ball((0.0, 0.0), RADIUS), laws[1])
+    problem = Problem(
+        straight, laws[0], (Support(straight.whole_surface, (0.0, 0.0)),), zones=(zone,)
+    )
+    body = reference_fem.mesh_discretisation(straight, "Q2")
+    law = materials_of(problem, body)
+    np.testing.assert_array_equal(np.flatnonzero(law.number), mesh.zones["disc"])
