@@ -38,6 +38,7 @@ from msvalidate.problem.checks import (
 )
 from reference_fem.body import Solution, nodal_forces, solve_problem
 from reference_fem.elasticity import stiffness
+from reference_fem.materials import materials_of
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.from_mesh import mesh_discretisation
@@ -171,7 +172,7 @@ class Reference:
         for solution in self.solutions:
             if solution.pressure is not None:
                 raise SolverError("reactions: of mixed elements they are not known")
-            K = stiffness(solution.body, self.problem.material)
+            K = stiffness(solution.body, materials_of(self.problem, solution.body))
             n, d = solution.displacement.shape
             inner = (K @ solution.displacement.T.ravel()).reshape(d, n).T
             held, _ = prescribed_displacements(self.problem, solution.body.points)
@@ -321,11 +322,14 @@ def _raised(linear: Discretisation) -> Discretisation:
 
 
 def _corners(problem: Problem) -> Array:
-    """Places (k, d) in m that must be nodes: ends of loaded and supported parts, point forces."""
+    """Places (k, d) in m that must be nodes: ends of parts and zones, point forces."""
     span = problem.domain.span
     parts = [*problem.supports, *(load for load in problem.loads if hasattr(load, "region"))]
     found = [
         part.region.corners(span) for part in parts if isinstance(part.region, Region | Segment)
+    ]
+    found += [
+        zone.region.corners(span) for zone in problem.zones if isinstance(zone.region, Region)
     ]
     return np.concatenate(found) if found else np.empty((0, len(span)))
 
@@ -358,6 +362,9 @@ def _laid_grid(box: Box, lines: list[Array]) -> Discretisation:
 
 
 def _is_nearly_incompressible(problem: Problem) -> bool:
-    law = problem.material
-    plane_stress = isinstance(law, Isotropic) and law.state == "plane_stress"
-    return isinstance(law, Isotropic) and not plane_stress and law.nu >= NEARLY_INCOMPRESSIBLE
+    return any(
+        isinstance(law, Isotropic)
+        and law.state != "plane_stress"
+        and law.nu >= NEARLY_INCOMPRESSIBLE
+        for law in problem.materials
+    )

@@ -11,12 +11,13 @@ import numpy as np
 from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.case.case import Case
 from msvalidate.case.reading import CaseError, Source, read_source
-from msvalidate.case.schema import Interval, Load, Place, Support
+from msvalidate.case.schema import Interval, Load, PartOfBody, Place, Support
 from msvalidate.problem import (
     AXES,
     SIDES,
-    BodyForce,
+    Ball,
     Box,
+    CellSet,
     Domain,
     Isotropic,
     Mesh,
@@ -28,6 +29,8 @@ from msvalidate.problem import (
     Region,
     Segment,
     Traction,
+    Weight,
+    Zone,
 )
 from msvalidate.problem import Load as ProblemLoad
 from msvalidate.problem import Support as ProblemSupport
@@ -77,12 +80,14 @@ def build_case(source: Source) -> Case:
     with source.at("body"):
         domain = _domain(source, unit)
     material = _material(source, domain, unit)
+    zones = tuple(_zone(source, i, each, domain, material) for i, each in enumerate(data.region))
     supports = [_support(source, i, given, domain) for i, given in enumerate(data.support)]
     if not data.support:
         raise source.error(("support",), "none; hold the body with at least one [[support]]")
-    loads = tuple(_load(source, i, each, domain, material) for i, each in enumerate(data.load))
+    loads = tuple(_load(source, i, each, domain) for i, each in enumerate(data.load))
     name = data.name if data.name is not None else Path(source.name).stem
-    problem = _problem(source, name, domain, material, supports, loads)
+    parts = (supports, loads, zones)
+    problem = _problem(source, name, domain, material, parts)
     return _case(source, problem, unit)
 
 
@@ -99,13 +104,16 @@ def _problem(
     name: str,
     domain: Domain,
     material: Isotropic,
-    supports: list[tuple[ProblemSupport, ...]],
-    loads: tuple[ProblemLoad, ...],
+    parts: tuple[list[tuple[ProblemSupport, ...]], tuple[ProblemLoad, ...], tuple[Zone, ...]],
 ) -> Problem:
     """The problem; what is wrong with one of its parts stands at the line of that part."""
+    supports, loads, zones = parts
     whole = ProblemSupport(Region((None,) * domain.dim), (0.0,) * domain.dim)
     with source.at("name"):
         Problem(domain, material, (whole,), (), name)
+    for i, zone in enumerate(zones):
+        with source.at("region", i):
+            Problem(domain, material, (whole,), (), name, (zone,))
     for i, load in enumerate(loads):
         with source.at("load", i):
             Problem(domain, material, (whole,), (load,), name)
@@ -114,7 +122,8 @@ def _problem(
             for support in given:
                 Problem(domain, material, (support, whole), (), name)
     with source.at("support"):
-        return Problem(domain, material, tuple(chain.from_iterable(supports)), loads, name)
+        held = tuple(chain.from_iterable(supports))
+        return Problem(domain, material, held, loads, name, zones)
 
 
 def _domain(source: Source, unit: float) -> Domain:
@@ -253,6 +262,39 @@ def _where(
     return _place(source, (*path, "at"), given.at or Place(), domain)
 
 
+def _zone(
+    source: Source, number: int, given: PartOfBody, domain: Domain, material: Isotropic
+) -> Zone:
+    """A part of the body of another material."""
+    path = ("region", number)
+    places = [key for key in ("cells", "box", "ball") if getattr(given, key) is not None]
+    if len(places) != 1:
+        said = " and ".join(places) or "no place"
+        raise source.error(path, f"{said}; give one of cells, box and ball")
+    with source.at(*path, places[0]):
+        where = _zone_region(source, path, given, domain)
+    with source.at(*path):
+        density = material.density if given.density is None else given.density
+        own = Isotropic(given.E, given.nu, material.state, density, material.thickness)
+        return Zone(where, own)
+
+
+def _zone_region(
+    source: Source, path: tuple[str | int, ...], given: PartOfBody, domain: Domain
+) -> Region | Ball | CellSet:
+    unit = unit_in_metres("unit", source.data.body.unit)
+    if given.cells is not None:
+        if not isinstance(domain, Mesh):
+            raise ProblemError(
+                f"{format_value(given.cells)}: the body is no mesh; give a box or ball"
+            )
+        return domain.zone(given.cells)
+    if given.ball is not None:
+        centre = tuple(unit * x for x in given.ball.centre)
+        return Ball(centre, unit * given.ball.radius)
+    return _place(source, (*path, "box"), given.box or Place(), domain)
+
+
 # Supports and loads -------------------------------------------------------------------------------
 
 
@@ -308,9 +350,7 @@ def _node(source: Source, path: tuple[str | int, ...], number: int, domain: Doma
         return Region(tuple(domain.points[number].tolist()))
 
 
-def _load(
-    source: Source, number: int, given: Load, domain: Domain, material: Isotropic
-) -> ProblemLoad:
+def _load(source: Source, number: int, given: Load, domain: Domain) -> ProblemLoad:
     path = ("load", number)
     kinds = [key for key in LOADS if getattr(given, key) is not None]
     if len(kinds) != 1:
@@ -329,7 +369,7 @@ def _load(
         with source.at(*path, "force"):
             return PointForce(at, tuple(given.force))
     with source.at(*path, "gravity"):
-        return BodyForce.gravity(material.density, tuple(given.gravity or ()))
+        return Weight(tuple(given.gravity or ()))
 
 
 def _refuse_place(source: Source, path: tuple[str | int, ...], given: Load, kind: str) -> None:

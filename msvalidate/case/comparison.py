@@ -241,6 +241,8 @@ def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> li
 
     Next to corners no mesh knows it, and cells that an outline cuts have none of the body's.
     """
+    if case.problem.zones:
+        raise ProblemError("the body is of several materials, whose stresses jump between them")
     lattice = springs.lattice
     usable = np.ones(len(lattice.points), dtype=bool)
     if isinstance(lattice, CutLattice):

@@ -18,8 +18,9 @@ from msvalidate.case.judge import Judgement
 from msvalidate.output import exchange
 from msvalidate.output.stored import csv_bytes, draw_files
 from msvalidate.output.vtu import vtu_bytes
-from msvalidate.problem import Array, ProblemError
+from msvalidate.problem import SHAPES, Array, Problem, ProblemError, materials_of_cells
 from msvalidate.problem.checks import format_value
+from reference_fem.mesh.discretisation import Discretisation
 
 MARK = "case.json"
 """The file that tells a folder of results of a case from other people's."""
@@ -94,8 +95,16 @@ def field_files(found: Comparison) -> dict[str, bytes]:
             body.points,
             {body.element.shape: body.cells},
             {"displacement_elements": solution.displacement},
+            {"material": material_numbers(found.case.problem, body)},
         ),
     }
+
+
+def material_numbers(problem: Problem, body: Discretisation) -> np.ndarray:
+    """Number (c,) of each cell's material, from 0 of the body's own, then of its regions'."""
+    if not problem.zones:
+        return np.zeros(len(body.cells), dtype=int)
+    return materials_of_cells(problem, body.points[body.cells], SHAPES[body.element.shape])
 
 
 def judged_field_files(found: Judgement) -> dict[str, bytes]:

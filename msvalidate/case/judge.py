@@ -147,7 +147,7 @@ def _field(problem: Problem, matched: Matched, reference: Reference, doubt: floa
         except (ProblemError, SolverError):
             return None
 
-    ratio = by_ratio if isinstance(law, Isotropic) else None
+    ratio = by_ratio if isinstance(law, Isotropic) and not problem.zones else None
     return Field(matched.places, matched.displacement, wanted, doubt, problem, ratio, elsewhere)
 
 

@@ -17,7 +17,7 @@ from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import AGREES, DIFFERS, NOT_ASKED, NOT_AT_REST, NOT_RESOLVED
 from msvalidate.output.page import Table, split_at_backticks, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
-from msvalidate.problem import BodyForce, PointForce, Support, Traction
+from msvalidate.problem import BodyForce, PointForce, Support, Traction, Weight
 
 PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
@@ -173,6 +173,10 @@ def asked(case: Case) -> dict[str, str]:
     """What a case asks, in words."""
     problem, law = case.problem, case.problem.material
     words = {**case.notes, "body": str(problem.domain), "material": _material(case)}
+    for number, zone in enumerate(problem.zones, 1):
+        own = zone.material
+        E, nu = getattr(own, "E", math.nan), getattr(own, "nu", math.nan)
+        words[f"region {number}"] = f"{zone.region}: E = {E:g} Pa, nu = {nu:g}"
     words["supports"] = "; ".join(_support(each) for each in problem.supports)
     words["loads"] = "; ".join(_load(each) for each in problem.loads) or "none"
     words["springs"] = describe_spacing(case)
@@ -205,6 +209,8 @@ def _load(load: object) -> str:
         return f"traction {vector(load.traction)} Pa on {load.region}"
     if isinstance(load, PointForce):
         return f"force {vector(load.force)} N at {vector(load.at)} m"
+    if isinstance(load, Weight):
+        return f"weight, g = {vector(load.acceleration)} m/s²"
     if isinstance(load, BodyForce):
         return f"body force {vector(load.force)} N/m³"
     return str(load)

@@ -55,7 +55,7 @@ class Material(Struct, forbid_unknown_fields=True):
     thickness: float | None = None
 
 
-class Region(Struct, forbid_unknown_fields=True):
+class PartOfBody(Struct, forbid_unknown_fields=True):
     """A part of the body of another material: cells of a mesh by name, a box or a ball."""
 
     E: float
@@ -123,7 +123,7 @@ class CaseFile(Struct, forbid_unknown_fields=True):
     support: list[Support]
     name: str | None = None
     load: list[Load] = msgspec.field(default_factory=list)
-    region: list[Region] = msgspec.field(default_factory=list)
+    region: list[PartOfBody] = msgspec.field(default_factory=list)
     springs: Springs = msgspec.field(default_factory=Springs)
     compare: Compare = msgspec.field(default_factory=Compare)
     reference: Reference = msgspec.field(default_factory=Reference)

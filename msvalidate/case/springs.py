@@ -22,6 +22,7 @@ from scipy.spatial import KDTree
 
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
+from msvalidate.bodies.zones import OneOrEach, calibrate_zones
 from msvalidate.case.case import CUT, MESH_EDGES, Case, make_lattice, spacing_of
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.lattice_constants import calibrate_by_route
@@ -156,10 +157,12 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
     return SpringAnswer(spacing, lattice, network, rest, calibration, time.perf_counter() - began)
 
 
-def _constants(
-    case: Case, lattice: Lattice
-) -> tuple[tuple[float, ...] | Calibration | None, Calibration | None]:
+def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibration | None]:
     """What a network is made with, and the calibration that it is, if it is one."""
+    if case.problem.zones:
+        _refuse_one_for_several(case)
+        each = calibrate_zones(case.problem, lattice, route=case.route)
+        return each, each[0]
     if case.constants is not None:
         return case.constants, None
     if case.lattice == MESH_EDGES:
@@ -169,6 +172,14 @@ def _constants(
         raise ProblemError("springs: the material is a tensor; give their constants")
     found = calibrate_by_route(material, lattice, None, case.route)
     return found, found
+
+
+def _refuse_one_for_several(case: Case) -> None:
+    if case.constants is not None or case.lattice == MESH_EDGES:
+        what = "constants" if case.constants is not None else "springs on mesh edges"
+        raise ProblemError(
+            f"{what}: the body is of several materials; take a square or cubic lattice and a route"
+        )
 
 
 def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:

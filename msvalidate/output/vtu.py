@@ -15,7 +15,12 @@ import numpy as np
 from msvalidate.problem import Array, Index
 
 
-def vtu_bytes(points: Array, cells: Mapping[str, Index], fields: Mapping[str, np.ndarray]) -> bytes:
+def vtu_bytes(
+    points: Array,
+    cells: Mapping[str, Index],
+    fields: Mapping[str, np.ndarray],
+    by_cell: Mapping[str, np.ndarray] | None = None,
+) -> bytes:
     """A .vtu file's content.
 
     Parameters
@@ -26,10 +31,13 @@ def vtu_bytes(points: Array, cells: Mapping[str, Index], fields: Mapping[str, np
         meshio's name of a shape -> nodes (c, k).
     fields
         Name -> values (n,) or (n, d) at the points; vectors of two components get a third, 0.
+    by_cell
+        Name -> values (c,) of cells of one shape.
     """
     mesh = meshio.Mesh(
         _in_space(points),
         [(name, np.asarray(each)) for name, each in cells.items()],
+        cell_data={name: [np.asarray(each)] for name, each in (by_cell or {}).items()},
         point_data={name: _in_space(np.asarray(value)) for name, value in fields.items()},
     )
     with tempfile.TemporaryDirectory() as folder:

@@ -9,10 +9,10 @@ from msvalidate.problem.arrays import Array, Field, Index
 from msvalidate.problem.checks import finite_number
 from msvalidate.problem.domain import Box, Domain, Polygon
 from msvalidate.problem.errors import ProblemError
+from msvalidate.problem.loads import Traction
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.region import Boundary, Part, Region, Segment
 from msvalidate.problem.shapes import FACETS, project_on_facets
-from msvalidate.problem.statement import Traction
 
 FLAT = 1e-9
 """Difference of normals below which a side is flat."""
