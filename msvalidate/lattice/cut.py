@@ -36,7 +36,7 @@ from msvalidate.lattice.outline import is_inside, outline
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import level_numbers
 from msvalidate.lattice.winding import is_enclosed
-from msvalidate.problem import Array, Domain, Index, Mask, Polygon, ProblemError
+from msvalidate.problem import Array, Domain, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
     finite_number,
@@ -215,7 +215,7 @@ def _keep_cells(found: CutCells, h: float, rule: str) -> tuple[CutCells, Array, 
 
 def _inside(kept: CutCells, domain: Domain, points: Array, number_of: Index, cells: Index) -> Mask:
     """Points (n,) inside the body as drawn and not on its surface; of a prism, inside its walls."""
-    if kept.surface is None or isinstance(domain, Polygon):
+    if kept.surface is None:
         return is_inside(outline(domain), points[:, :2], domain.tolerance)
     whole = cells[kept.part.sum(axis=1) > 1 - ROUNDING]
     inside = np.bincount(whole.ravel(), minlength=len(points)) == cells.shape[1]

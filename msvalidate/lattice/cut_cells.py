@@ -13,7 +13,7 @@ from msvalidate.lattice.corners import corners_of_cell
 from msvalidate.lattice.drawn import draw_surface, prism_layers, solid_facets
 from msvalidate.lattice.grid_cut import cell_parts
 from msvalidate.lattice.outline import area_moments, outline, outline_gap
-from msvalidate.problem import Array, Domain, Index, Polygon, ProblemError
+from msvalidate.problem import Array, Domain, Index, ProblemError
 from msvalidate.problem.checks import refuse_too_many
 
 ROUNDING = 1e-9
@@ -76,7 +76,7 @@ def cut_cells(domain: Domain, h: float, base: Array, sliver: float) -> CutCells:
 
 def _layers(domain: Domain, h: float, base: Array) -> int:
     """Layers of cells along z of a prism: 0 in the plane, -1 of any other solid."""
-    if isinstance(domain, Polygon) or domain.dim == 2:
+    if domain.dim == 2:
         return 0
     if abs(base[2] - domain.span[2][0]) > domain.tolerance:
         return -1
@@ -101,10 +101,8 @@ def _by_outline(domain: Domain, h: float, base: Array, sliver: float, layers: in
 
 
 def _by_surface(domain: Domain, h: float, base: Array, sliver: float) -> CutCells:
-    if isinstance(domain, Polygon):
-        raise ProblemError(f"cut lattice: {domain} has no surface")
     _cover(np.array(domain.span).T, h, base, 1)  # before anything is drawn
-    drawn = draw_surface(solid_facets(domain), domain.tolerance, DRAWING * domain.volume)
+    drawn = draw_surface(solid_facets(domain), domain.tolerance, gap=DRAWING * domain.volume)
     bounds = np.stack([drawn.corners.min(axis=(0, 1)), drawn.corners.max(axis=(0, 1))])
     first, count = _cover(bounds, h, base, 1)
     inside = (drawn.corners - base) / h - first

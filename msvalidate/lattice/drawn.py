@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msvalidate.problem import Array, Box, Index, Mask, Mesh, facet_areas
+from msvalidate.problem import Array, Domain, Index, Mask, Mesh, facet_areas
 from msvalidate.problem.checks import refuse_too_many
-from msvalidate.problem.shapes import FACETS, Shape, area_vectors
+from msvalidate.problem.shapes import FACETS, SHAPES, Shape, area_vectors
 
 MOST_TRIANGLES = 2_000_000
 """Flat triangles that a surface is drawn by at most: 150 MB of corners."""
@@ -42,10 +42,17 @@ class DrawnSurface:
     gap: float
 
 
-def draw_surface(places: Array, tolerance: float, gap: float) -> DrawnSurface:
-    """Draw facets (f, k, 3) in m so that no more than a volume `gap` (m³) lies between.
+def draw_surface(
+    places: Array, tolerance: float, *, gap: float = np.inf, away: float = np.inf
+) -> DrawnSurface:
+    """Draw facets (f, k, 3) in m by flat triangles.
 
-    `tolerance` (m) is the distance below which two places are one: facets as near to flat are.
+    Parameters
+    ----------
+    tolerance
+        Distance (m) below which two places are one: facets as near to flat are.
+    gap, away
+        What may lie between at most: a volume (m³), and the distance (m) of edges' middles.
 
     Raises
     ------
@@ -58,24 +65,24 @@ def draw_surface(places: Array, tolerance: float, gap: float) -> DrawnSurface:
     if flat.all():
         return DrawnSurface(corners, facet, 0.0)
     bent = np.flatnonzero(~flat)
-    n = _parts_needed(shape, places[bent], gap, len(corners))
+    n = _parts_needed(shape, places[bent], gap, away, len(corners))
     drawn = [corners]
     between = 0.0
     for some in _in_groups(len(bent), n):
-        triangles, apart = _draw_bent(shape, places[bent[some]], n)
+        triangles, apart, _ = _draw_bent(shape, places[bent[some]], n)
         drawn.append(triangles)
         between += apart
     each = len(_unit_triangles(shape, n))
     return DrawnSurface(np.concatenate(drawn), np.r_[facet, np.repeat(bent, each)], between)
 
 
-def solid_facets(domain: Box | Mesh) -> Array:
-    """Facets (f, k, 3) in m of a solid's surface, counter-clockwise as seen from outside."""
+def solid_facets(domain: Domain) -> Array:
+    """Facets (f, k, 3) in m of a box or mesh, counter-clockwise as seen from outside."""
     if isinstance(domain, Mesh):
         return np.asarray(domain.points[domain.surface])
-    cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))])
-    from_outside = [(0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1)]
-    return np.asarray(cube[[*from_outside, (4, 5, 6, 7)]] * np.array(domain.size))
+    cube = SHAPES["hexahedron"]
+    low, high = np.array(domain.span).T
+    return np.asarray((low + (high - low) * cube.nodes)[cube.facets])
 
 
 def true_areas(places: Array, drawn: DrawnSurface) -> Array:
@@ -117,19 +124,19 @@ def _split_flat(shape: Shape, places: Array, facet: Index) -> tuple[Array, Index
     return corners, np.repeat(facet, len(rings))
 
 
-def _parts_needed(shape: Shape, places: Array, gap: float, flat: int) -> int:
-    """Parts of each edge with which no more than a volume `gap` (m³) lies between."""
+def _parts_needed(shape: Shape, places: Array, gap: float, away: float, flat: int) -> int:
+    """Parts of each edge with which no more than a volume and a distance lie between."""
     n = 4
     while True:
         count = flat + len(places) * len(_unit_triangles(shape, 1)) * float(n) ** 2
-        refuse_too_many(
-            f"bent surface drawn to {gap:.2g} m³", count, MOST_TRIANGLES, "flat triangles"
-        )
-        found = sum(_draw_bent(shape, places[some], n)[1] for some in _in_groups(len(places), n))
-        if found <= gap:
+        refuse_too_many("bent surface drawn", count, MOST_TRIANGLES, "flat triangles")
+        found = [_draw_bent(shape, places[some], n)[1:] for some in _in_groups(len(places), n)]
+        volumes, distances = zip(*found, strict=True)
+        over = max(sum(volumes) / gap, max(distances) / away)
+        if over <= 1:
             return n
-        # Rounded surfaces need few more steps; twice is always worth a try.
-        n = max(n + 1, int(np.ceil(min(n * np.sqrt(found / gap), 1e4) * 1.02)))
+        # What is left falls as 1/n²; 2 % more saves most a second look.
+        n = max(n + 1, int(np.ceil(min(n * np.sqrt(over), 1e4) * 1.02)))
 
 
 def _in_groups(facets: int, n: int) -> list[slice]:
@@ -137,8 +144,8 @@ def _in_groups(facets: int, n: int) -> list[slice]:
     return [slice(start, start + step) for start in range(0, facets, step)]
 
 
-def _draw_bent(shape: Shape, places: Array, n: int) -> tuple[Array, float]:
-    """Triangles (t, 3, 3) of bent facets (f, k, 3), and the volume (m³) between."""
+def _draw_bent(shape: Shape, places: Array, n: int) -> tuple[Array, float, float]:
+    """Triangles (t, 3, 3) of bent facets (f, k, 3), and the volume and distance between."""
     unit = _unit_triangles(shape, n)
     values = shape.values(unit.reshape(-1, 2))
     middles = (unit + np.roll(unit, -1, axis=1)) / 2
@@ -148,7 +155,7 @@ def _draw_bent(shape: Shape, places: Array, n: int) -> tuple[Array, float]:
     edges = corners[:, 1:] - corners[:, :1]
     normal = np.cross(edges[:, 0], edges[:, 1]) / 2
     apart = np.abs(np.einsum("ted,td->te", off, normal)).mean(axis=1)
-    return corners, float(apart.sum())
+    return corners, float(apart.sum()), float(np.linalg.norm(off, axis=2).max())
 
 
 def _unit_triangles(shape: Shape, n: int) -> Array:
@@ -164,7 +171,7 @@ def _unit_triangles(shape: Shape, n: int) -> Array:
     return np.concatenate([lower, upper]) / n
 
 
-def prism_layers(domain: Box | Mesh, spacing: float) -> int:
+def prism_layers(domain: Domain, spacing: float) -> int:
     """Layers of cells of a prism along z that is a whole number of spacings (m) high; else 0.
 
     A prism's facets are flat where z is least or most, or stand along z.
@@ -185,17 +192,19 @@ def prism_layers(domain: Box | Mesh, spacing: float) -> int:
     return layers
 
 
-def is_on_surface(domain: Box | Mesh, points: Array) -> Mask:
+def is_on_surface(domain: Domain, points: Array) -> Mask:
     """Mask (n,) of the points (n, 3) in a box or mesh that are on its surface."""
     if isinstance(domain, Mesh):
         return domain.whole_surface.select(points, domain.tolerance)
-    near = np.minimum(np.abs(points), np.abs(points - np.array(domain.size)))
+    low, high = np.array(domain.span).T
+    near = np.minimum(np.abs(points - low), np.abs(points - high))
     return np.asarray((near <= domain.tolerance).any(axis=1))
 
 
-def is_outside_solid(domain: Box | Mesh, points: Array) -> Mask:
-    """Mask (n,) of the points (n, 3) outside a solid by more than its tolerance."""
-    room = domain.tolerance
+def is_outside_solid(domain: Domain, points: Array) -> Mask:
+    """Mask (n,) of the points (n, 3) outside a box or mesh by more than its tolerance."""
     if isinstance(domain, Mesh):
         return ~domain.contains(points)
-    return np.asarray(((points < -room) | (points > np.array(domain.size) + room)).any(axis=1))
+    low, high = np.array(domain.span).T
+    room = domain.tolerance
+    return np.asarray(((points < low - room) | (points > high + room)).any(axis=1))

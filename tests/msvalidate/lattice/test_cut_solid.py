@@ -59,7 +59,7 @@ def test_prisms_have_the_same_parts_by_their_outline_and_by_their_surface():
     by_outline = cut_lattice(patterns.cubic18(), mesh, 0.1)
     assert not by_outline.by_surface
     base = np.array([0.0, 0.0, 0.3])
-    corners = (draw_surface(solid_facets(mesh), mesh.tolerance, 0.0).corners - base) / 0.1
+    corners = (draw_surface(solid_facets(mesh), mesh.tolerance).corners - base) / 0.1
     first = np.floor(corners.min(axis=(0, 1)))
     index, part, _, _ = cell_parts(corners - first, np.array([13, 13, 4]), 0.01 + 1e-9)
     low = np.rint((by_outline.points[by_outline.cells[:, 0]] - base) / 0.1 - first)
@@ -107,8 +107,8 @@ def test_what_does_not_fit_is_refused_in_one_line():
     with refused("no cell of 9 m has more than 0.01 of it inside the body"):
         cut_lattice(patterns.cubic18(), mesh, 9.0)
     with refused("flat triangles, and the most is 2e+06; take fewer"):
-        draw_surface(solid_facets(mesh), mesh.tolerance, 1e-12)
+        draw_surface(solid_facets(mesh), mesh.tolerance, gap=1e-12)
     # One body in another counts twice: `cut_lattice` refuses it, as its surface crosses itself.
     at = np.concatenate([solid_facets(mesh), solid_facets(mesh) / 2])
-    drawn = draw_surface(at, mesh.tolerance, 1e-2).corners + 1.5
+    drawn = draw_surface(at, mesh.tolerance, gap=1e-2).corners + 1.5
     assert cell_parts(drawn, np.array([3, 3, 3]), 0.0)[3][1] > 1 + 1e-3
