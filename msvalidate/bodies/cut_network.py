@@ -30,15 +30,18 @@ from collections.abc import Callable
 
 import numpy as np
 
+from msvalidate.bodies.cut_solid import points_held, traction_on_solid
 from msvalidate.bodies.lattice_network import refuse_other_domain
 from msvalidate.bodies.zones import OneOrEach, density_by_point, stiffness_by_place
 from msvalidate.lattice.cut import CutLattice
+from msvalidate.lattice.drawn import is_outside_solid
 from msvalidate.lattice.outline import crossed_cells, is_outside, outline, straight_pieces
 from msvalidate.network import Network, spring_network
 from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import (
     Array,
     BodyForce,
+    Domain,
     Mask,
     Part,
     PointForce,
@@ -49,7 +52,6 @@ from msvalidate.problem import (
     Traction,
     Weight,
     corners_of,
-    measure_of,
     prescribed_displacements_at,
     vectors_at,
 )
@@ -134,10 +136,12 @@ def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
 
     def held(support: Support) -> Mask:
         region = support.region
+        if isinstance(region, Region) and not region.is_facet:
+            return np.asarray(region.select(lattice.points, lattice.domain.tolerance))
+        if lattice.points.shape[1] == 3:
+            return points_held(region, lattice)
         corners = corners_of(region, lattice.domain)
         flat = np.flatnonzero(np.ptp(corners, axis=0) <= lattice.domain.tolerance)
-        if isinstance(region, Region) and len(flat) != 1:
-            return np.asarray(region.select(lattice.points, lattice.domain.tolerance))
         if len(flat):
             return _on_lattice_line(support, lattice, corners, int(flat[0]))
         return _points_along(region, lattice)
@@ -146,7 +150,7 @@ def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
 
 
 def _on_lattice_line(support: Support, lattice: CutLattice, corners: Array, axis: int) -> Mask:
-    """Points of a lattice line or plane across an axis, of all cells that have body at the part."""
+    """Points of a lattice line across an axis, of all cells that have body at the part."""
     x, room = lattice.points, lattice.domain.tolerance
     on = np.abs(x[:, axis] - corners[0, axis]) <= room
     if not on.any():
@@ -172,10 +176,6 @@ def _points_along(region: Part, lattice: CutLattice) -> Mask:
     cells = crossed_cells(pieces, lattice.points[lattice.cells[:, 0], :2], lattice.spacing)
     held = np.zeros(len(lattice.points), dtype=bool)
     held[lattice.cells[cells]] = True
-    if lattice.points.shape[1] == 3:  # a wall may not reach from the bottom to the top
-        z = corners_of(region, lattice.domain)[:, 2]
-        room = lattice.domain.tolerance
-        held &= (lattice.points[:, 2] > z.min() - room) & (lattice.points[:, 2] < z.max() + room)
     return held
 
 
@@ -201,6 +201,9 @@ def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
         elif isinstance(load, Weight):
             force += np.outer(_nodal_mass(problem, lattice), load.acceleration)
             continue
+        elif lattice.points.shape[1] == 3:
+            force += traction_on_solid(load, lattice)
+            continue
         else:
             places, vectors = _traction_forces(load, lattice)
             vectors = thickness * vectors
@@ -212,46 +215,28 @@ def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
 def _nearest_in_body(load: PointForce, lattice: CutLattice) -> Array:
     """The place (1, d) in m of a point force: beyond the body a cell's motion means nothing."""
     place, domain = np.array([load.at]), lattice.domain
-    if is_outside(outline(domain), place[:, :2], domain.tolerance).any():
+    if _is_outside(domain, place).any():
         raise ProblemError(
             f"point force at {load.region}: outside the body, as in a hole; choose a place in it"
         )
     return place
 
 
+def _is_outside(domain: Domain, places: Array) -> Mask:
+    """Mask (n,) of the places (n, d) outside a body by more than its tolerance."""
+    if domain.dim == 2:
+        return is_outside(outline(domain), places, domain.tolerance)
+    return is_outside_solid(domain, places)
+
+
 def _traction_forces(load: Traction, lattice: CutLattice) -> tuple[Array, Array]:
     """Places (q, 2) in m and forces (q, 2) in N per thickness that a traction amounts to."""
-    if lattice.points.shape[1] == 3:
-        return _face_forces(load, lattice)
     ends = _split_at_lattice_lines(straight_pieces(load.region, lattice.domain), lattice)
     along = ends[:, 1] - ends[:, 0]
     places = np.concatenate([ends[:, 0] + s * along for s in GAUSS])
     length = np.tile(np.linalg.norm(along, axis=1) / 2, 2)
     traction = vectors_at(f"traction on {load.region}", load.traction, places)
     return places, length[:, None] * traction
-
-
-def _face_forces(load: Traction, lattice: CutLattice) -> tuple[Array, Array]:
-    """Places (q, 3) in m and forces (q, 3) in N that a traction on a face across z amounts to.
-
-    Exact in sum for one that is linear, evaluated at the lattice's points.
-    """
-    corners, span = corners_of(load.region, lattice.domain), lattice.domain.span
-    z = corners[:, 2].mean()
-    whole = measure_of(load.region, lattice.domain) >= (1 - 1e-9) * outline(lattice.domain).area
-    if np.ptp(corners[:, 2]) > lattice.domain.tolerance or not whole:
-        raise ProblemError(
-            f"traction on {load.region}: a cut lattice in space takes tractions on its whole face "
-            f"at z = {span[2][0]:g} or {span[2][1]:g} m only; load one of these"
-        )
-    x = lattice.points
-    there = np.abs(x[lattice.cells, 2] - z) <= lattice.domain.tolerance
-    # A cell's part of the face: each corner's volume twice over the height.
-    area = np.where(there, 2 * lattice.corner_volume / lattice.spacing, 0.0)
-    of_point = np.bincount(lattice.cells.ravel(), area.ravel())
-    (taking,) = np.nonzero(of_point)
-    traction = vectors_at(f"traction on {load.region}", load.traction, x[taking])
-    return x[taking], of_point[taking, None] * traction
 
 
 def _split_at_lattice_lines(pieces: Array, lattice: CutLattice) -> Array:

@@ -1,4 +1,4 @@
-"""A lattice cut to an outline: cells of a grid laid over a body, each as far as it lies inside.
+"""A lattice cut to a body: cells of a grid laid over it, each as far as it lies inside.
 
 A spring of a whole cell belongs to it as the boundary weights of a filled box have it: half of a
 side in the plane, a quarter of an edge in space, all of a diagonal inside. That part is an integral
@@ -13,38 +13,41 @@ over the part of the cell inside the body. Rules for it (`RULES`):
 In a ring under pressure, 32 cells to its inner radius, displacements err by 2e-4, 7e-4 and 1e-2. In
 a turned square under uniform tension the first two are alike, and the third is ten times worse.
 
+In the plane, and in prisms along z of whole layers of cells, the outline is cut; any other solid is
+cut by its surface (`msvalidate.lattice.grid_cut`). Both are exact for straight sides and flat
+facets; what bent ones are off by is `CutLattice.drawing_error`.
+
 A cell is one, whatever the parts of the body in it. Where it reaches both sides of a gap, as of a
 slit or crack narrower than a cell, it joins them: take cells smaller than the gap.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from msvalidate.lattice.corners import corners_of_cell
+from msvalidate.lattice.cut_cells import ROUNDING, CutCells, cut_cells
+from msvalidate.lattice.drawn import is_on_surface
 from msvalidate.lattice.filled import PatternLattice
-from msvalidate.lattice.outline import area_moments, is_inside, outline
+from msvalidate.lattice.outline import is_inside, outline
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import level_numbers
+from msvalidate.lattice.winding import is_enclosed
 from msvalidate.problem import Array, Domain, Index, Mask, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
     finite_number,
     format_value,
     length_in_metres,
-    refuse_too_many,
     require_one_of,
     require_type,
 )
 
 RULES = ("moment", "fraction", "whole")
 """What of a cell's springs counts where the outline cuts it: see the module's text."""
-ROUNDING = 1e-9
-"""Part of a cell, or of its side, that is rounding: a cell of which just half or just a sliver is
-inside counts as one of those that have no more, and no less, whatever its coordinates round to."""
 SLIVER = 1e-2
 """Cells with less than this part of them inside are left out: the tangent is then as well
 conditioned as an uncut lattice's, and errors are as without. From 0.1 on what is lost shows."""
@@ -61,15 +64,22 @@ class CutLattice(PatternLattice):
     corner_volume
         (c, corners) area (m²) or volume (m³) of each cell that belongs to each of its corners.
     inside
-        (n,) whether each point lies inside the body, by more than rounding.
+        (n,) whether each point lies inside the body as drawn, by more than rounding.
     lost_fraction
         Part of the body's area or volume in cells that were left out, as slivers or by the rule.
+    drawing_error
+        Part of the body's area or volume that may lie between its bent sides or facets and the
+        straight or flat pieces that they are drawn by: 0 where all are straight or flat.
+    by_surface
+        Whether the body was cut by its surface: a solid that is no prism of whole layers.
     """
 
     fraction: Array
     corner_volume: Array
     inside: Mask
     lost_fraction: float
+    drawing_error: float
+    by_surface: bool
 
     def weights_at(self, places: Array) -> tuple[Index, Array]:
         """Points (q, corners) and weights (q, corners) that interpolate at places (q, d) in m.
@@ -127,18 +137,19 @@ def cut_lattice(
     rule: str = "moment",
     sliver: float = SLIVER,
 ) -> CutLattice:
-    """Lattice cut to a body's outline.
+    """Lattice cut to a body.
 
     Parameters
     ----------
     pattern
         With one point a cell and springs to corners of the same cell: square, cubic 18 and such.
     domain
-        A plane body; in space a prism along z, whose height is a whole number of spacings.
+        Any body, of the pattern's dimension.
     spacing
         Side (m) of the cells.
     origin
-        A place (m) of the lattice, by default (0, 0): lines of it should run along supports.
+        A place (m) of the lattice, by default (0, 0): lines or planes of it should run along
+        supports. In space z may be given too; by default it is where the body begins.
     rule
         One of `RULES`.
     sliver
@@ -149,13 +160,16 @@ def cut_lattice(
     Raises
     ------
     ProblemError
-        If the pattern is not such a one, no cell is left, the points are too many, or a value is
-        out of range.
+        If the pattern is not such a one, no cell is left, the points or the triangles of a bent
+        surface are too many, the surface crosses itself, or a value is out of range.
     """
     steps, h = _steps(pattern), length_in_metres("cut lattice: spacing", spacing)
     _refuse_misfit(pattern, domain, rule, sliver)
     d = domain.dim
-    points, cells, part, lost = _lay_cells(domain, h, origin, rule, sliver)
+    base = _origin(origin, domain, h)
+    kept, part, lost = _keep_cells(cut_cells(domain, h, base, sliver), h, rule)
+    number_of, cells = _number_points(kept.index)
+    points = base + h * number_of
     springs, kind, factor = _springs(pattern, steps, cells, part)
     corner_volume = part * h**d
     return CutLattice(
@@ -175,8 +189,10 @@ def cut_lattice(
         regular=False,
         fraction=part.sum(axis=1),
         corner_volume=corner_volume,
-        inside=is_inside(outline(domain), points[:, :2], domain.tolerance),
+        inside=_inside(kept, domain, points, number_of, cells),
         lost_fraction=lost,
+        drawing_error=kept.drawing_error,
+        by_surface=kept.surface is not None,
     )
 
 
@@ -190,30 +206,31 @@ def _refuse_misfit(pattern: Pattern, domain: Domain, rule: str, sliver: float) -
     finite_number("cut lattice: sliver", sliver, least=0, below=1)
 
 
-def _lay_cells(
-    domain: Domain, h: float, origin: tuple[float, ...] | None, rule: str, sliver: float
-) -> tuple[Array, Index, Array, float]:
-    """Points (n, d) in m and cells (c, 2^d) laid over the body; then as `_keep_cells`."""
-    base = _origin(origin, domain, h)
-    index, part, lost = _keep_cells(domain, h, base, rule, sliver)
-    number_of, cells = _number_points(index)
-    return base + h * number_of, cells, part, lost
-
-
-def _keep_cells(
-    domain: Domain, h: float, base: Array, rule: str, sliver: float
-) -> tuple[Index, Array, float]:
-    """Cells (c, d) that are kept, the parts that count of each, and the part of the body lost."""
-    index, part, body = _grid(domain, h, base, sliver)
-    counted = _weigh_corners(part, rule)
+def _keep_cells(found: CutCells, h: float, rule: str) -> tuple[CutCells, Array, float]:
+    """The cells that a rule counts, their parts (c, 2^d) by it, and the part of the body lost."""
+    counted = _weigh_corners(found.part, rule)
     some = counted.sum(axis=1) > 0
     if not some.any():
         raise ProblemError(
             f"cut lattice: no cell of {h:g} m has half of it inside the body; choose a smaller "
             "spacing, or rule 'moment'"
         )
-    lost = 1 - part[some].sum() * h**domain.dim / body
-    return index[some], counted[some], max(float(lost), 0.0)
+    lost = 1 - counted[some].sum() * h ** found.index.shape[1] / found.size
+    kept = replace(found, index=found.index[some], part=found.part[some])
+    return kept, counted[some], max(float(lost), 0.0)
+
+
+def _inside(kept: CutCells, domain: Domain, points: Array, number_of: Index, cells: Index) -> Mask:
+    """Points (n,) inside the body as drawn and not on its surface; of a prism, inside its walls."""
+    if kept.surface is None:
+        return is_inside(outline(domain), points[:, :2], domain.tolerance)
+    whole = cells[kept.part.sum(axis=1) > 1 - ROUNDING]
+    inside = np.bincount(whole.ravel(), minlength=len(points)) == cells.shape[1]
+    (near,) = np.nonzero(~inside)
+    low = number_of.min(axis=0)
+    near = near[is_enclosed(kept.surface - low, number_of[near] - low)]
+    inside[near] = ~is_on_surface(domain, points[near])
+    return np.asarray(inside)
 
 
 def _steps(pattern: Pattern) -> Index:
@@ -231,53 +248,16 @@ def _origin(origin: tuple[float, ...] | None, domain: Domain, h: float) -> Array
     """A place of the lattice: one like that given, nearest to 0; at the low end of z in space."""
     base = np.zeros(domain.dim)
     given = base[:2] if origin is None else finite_coordinates("cut lattice: origin", origin)
-    if given.shape != (2,):
-        raise ProblemError(f"cut lattice: origin {format_value(origin)}; give two coordinates")
-    base[:2] = np.fmod(given, h)  # exact, where steps of h from far away would be rounded
-    base[2:] = [low for low, _ in domain.span[2:]]
+    if given.shape not in {(2,), (domain.dim,)}:
+        need = "two coordinates" if domain.dim == 2 else "two or three coordinates"
+        raise ProblemError(f"cut lattice: origin {format_value(origin)}; give {need}")
+    base[: len(given)] = np.fmod(given, h)  # exact, where steps of h from far away would be rounded
+    if domain.dim == 3:
+        low = domain.span[2][0]
+        steps = (low - base[2]) / h if len(given) == 3 else 0.0
+        if abs(steps - np.rint(steps)) * h <= domain.tolerance:
+            base[2] = low
     return base
-
-
-def _grid(domain: Domain, h: float, base: Array, sliver: float) -> tuple[Index, Array, float]:
-    """Cells with more than a sliver inside: indices (c, d), corners' parts (c, 2^d); body's size.
-
-    A corner's part is relative to a whole cell.
-    """
-    area = outline(domain)
-    bounds = np.array(area.bounds).reshape(2, 2)
-    low, high = (bounds - base[:2]) / h
-    first = np.floor(low + 1e-9).astype(int)
-    count = np.maximum(np.ceil(high - 1e-9).astype(int) - first, 1)
-    layers = _layers(domain, h)
-    refuse_too_many(f"cut lattice of spacing {h:g} m", float(np.prod(count + 1.0)) * (layers + 1))
-    index = first + np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), -1).reshape(-1, 2)
-    part = area_moments(area, base[:2] + h * index, h).reshape(-1, 4)[:, [0, 2, 3, 1]]
-    kept = part.sum(axis=1) > sliver + ROUNDING
-    if not kept.any():
-        raise ProblemError(
-            f"cut lattice: no cell of {h:g} m has more than {sliver:g} of it inside the body; "
-            "choose a smaller spacing"
-        )
-    index, part = index[kept], part[kept]
-    if domain.dim == 2:
-        return index, part, area.area
-    z = np.repeat(np.arange(layers), len(index))[:, None]
-    stacked = np.concatenate([np.tile(index, (layers, 1)), z], axis=1)
-    return stacked, np.tile(part, (layers, 2)) / 2, area.area * layers * h
-
-
-def _layers(domain: Domain, h: float) -> int:
-    """Layers of cells along z: 0 in the plane."""
-    if domain.dim == 2:
-        return 0
-    low, high = domain.span[2]
-    layers = round((high - low) / h)
-    if not layers or abs(layers * h - (high - low)) > domain.tolerance:
-        raise ProblemError(
-            f"cut lattice: spacing {h:g} m in a prism {high - low:g} m high; choose a spacing that "
-            "divides its height"
-        )
-    return layers
 
 
 def _weigh_corners(part: Array, rule: str) -> Array:

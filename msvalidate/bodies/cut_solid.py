@@ -1,0 +1,195 @@
+"""Supports and tractions of a lattice cut to a solid, anywhere on its surface.
+
+Facets are drawn by flat triangles and cut along the planes of the lattice, so that each piece lies
+in one cell. A traction does the work that it does on the motion interpolated there: exact for one
+that is linear on a flat facet, and whose area is the facet's own on a bent one.
+
+A support holds the points of the cells that its facets run through. Facets in a plane of the
+lattice hold that plane's points alone, of all cells that have body at them; and beyond the body's
+rim one point more, for a cell there may be cut too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from msvalidate.lattice.corners import corners_of_cell
+from msvalidate.lattice.cut import CutLattice
+from msvalidate.lattice.drawn import (
+    draw_surface,
+    is_outside_solid,
+    triangle_areas,
+    true_areas,
+)
+from msvalidate.lattice.grid_cut import RULE, Pieces, cut_to_grid
+from msvalidate.problem import (
+    Array,
+    Boundary,
+    Domain,
+    Index,
+    Mask,
+    Mesh,
+    Part,
+    Traction,
+    corners_of,
+    vectors_at,
+)
+
+AWAY = 1e-3
+"""Part of a cell by which bent facets may lie off the triangles that they are drawn by."""
+TOUCHED = 1e-9
+"""Part of a cell's side face that a surface needs within the cell to run through it: rounding
+would decide about a cell that it touches along an edge."""
+AT_ONCE = 20_000
+"""Places in cells that were left out, for which the nearest cell is looked up at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Grid:
+    """Places of a lattice by whole numbers, `low` (3,) in m being the first along each axis."""
+
+    low: Array
+    spacing: float
+    size: Index
+    key: Index
+    order: Index
+
+    @classmethod
+    def of(cls, places: Array, low: Array, spacing: float) -> _Grid:
+        number = np.rint((places - low) / spacing).astype(np.intp)
+        size = number.max(axis=0) + 1
+        key = np.ravel_multi_index(tuple(number.T), tuple(size))
+        order = np.argsort(key, kind="stable")
+        return cls(low, spacing, size, key[order], order)
+
+    def find(self, number: Index) -> Index:
+        """Which place (q,) has a number (q, 3), or -1."""
+        found = np.full(len(number), -1, dtype=np.intp)
+        (within,) = np.nonzero(((number >= 0) & (number < self.size)).all(axis=1))
+        key = np.ravel_multi_index(tuple(number[within].T), tuple(self.size))
+        at = np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
+        there = self.key[at] == key
+        found[within[there]] = self.order[at[there]]
+        return found
+
+
+def points_held(part: Part, lattice: CutLattice) -> Mask:
+    """Points (n,) of the lattice that a support on a part of the surface holds.
+
+    Raises
+    ------
+    ProblemError
+        If it is no part of the surface.
+    """
+    facets, h = _facets(part, lattice.domain), lattice.spacing
+    grid = _Grid.of(lattice.points, lattice.points.min(axis=0), h)
+    level, room = (facets - grid.low) / h, lattice.domain.tolerance / h
+    off_plane = np.abs(level - np.rint(level[:, :1])).max(axis=1)
+    axis_of = np.where((off_plane <= room).any(axis=1), off_plane.argmin(axis=1), -1)
+    held = np.zeros(len(lattice.points), dtype=bool)
+    for axis in np.unique(axis_of).tolist():
+        corners = _touched_corners(facets[axis_of == axis], lattice, grid.low, axis)
+        found = grid.find(corners)
+        held[found[found >= 0]] = True
+        if axis >= 0:
+            held[_beyond_rim(corners, lattice, grid, axis)] = True
+    return held
+
+
+def traction_on_solid(load: Traction, lattice: CutLattice) -> Array:
+    """Forces (n, 3) in N on the lattice's points that a traction amounts to.
+
+    Raises
+    ------
+    ProblemError
+        If it acts on no part of the surface, or a field of it is not finite there.
+    """
+    facets, h = _facets(load.region, lattice.domain), lattice.spacing
+    low = lattice.points.min(axis=0)
+    cells = _Grid.of(lattice.points[lattice.cells[:, 0]], low, h)
+    drawn = draw_surface(facets, lattice.domain.tolerance, away=AWAY * h)
+    per_area = true_areas(facets, drawn) / triangle_areas(drawn.corners)
+    force = np.zeros(lattice.points.shape)
+    for pieces in cut_to_grid((drawn.corners - low) / h):
+        area = triangle_areas(pieces.corners) * h**2 * per_area[pieces.owner]
+        places = (low + h * pieces.places).reshape(-1, 3)
+        pull = vectors_at(f"traction on {load.region}", load.traction, places)
+        pull = (area[:, None] * RULE[1]).reshape(-1, 1) * pull
+        points, weights = _weights_in(pieces, places, lattice, cells)
+        for axis in range(3):
+            gift = (weights * pull[:, axis, None]).ravel()
+            force[:, axis] += np.bincount(points.ravel(), gift, len(force))
+    return force
+
+
+def _facets(part: Part, domain: Domain) -> Array:
+    """Facets (f, k, 3) in m of a part of a solid's surface; of a box, one of its plane parts."""
+    if isinstance(part, Boundary):
+        return part.places
+    if isinstance(domain, Mesh):
+        return domain.part(part).places
+    corners = corners_of(part, domain)
+    return corners[None, [0, 1, 3, 2]]
+
+
+def _touched_corners(facets: Array, lattice: CutLattice, low: Array, axis: int) -> Index:
+    """Numbers (q, 3) of corners of the cells that facets (f, k, 3) run through.
+
+    Of facets in planes of the lattice across an axis, if it is not -1, those in the plane alone.
+    """
+    h = lattice.spacing
+    drawn = draw_surface(facets, lattice.domain.tolerance, away=AWAY * h)
+    cells, areas = [], []
+    for pieces in cut_to_grid((drawn.corners - low) / h):
+        cell = pieces.cell.copy()
+        if axis >= 0:
+            cell[:, axis] = np.rint(pieces.corners[:, 0, axis])
+        some, which = np.unique(cell, axis=0, return_inverse=True)
+        cells.append(some)
+        areas.append(np.bincount(which.ravel(), triangle_areas(pieces.corners), len(some)))
+    cell, which = np.unique(np.concatenate(cells), axis=0, return_inverse=True)
+    area = np.bincount(which.ravel(), np.concatenate(areas), len(cell))
+    steps = corners_of_cell(3)
+    if axis >= 0:
+        steps = steps[steps[:, axis] == 0]
+    return np.unique((cell[area > TOUCHED][:, None] + steps).reshape(-1, 3), axis=0)
+
+
+def _beyond_rim(corners: Index, lattice: CutLattice, grid: _Grid, axis: int) -> Index:
+    """Points beside some in a plane across an axis that lie in it and outside the body."""
+    steps = np.array([s for s in np.ndindex(3, 3, 3) if s[axis] == 1]) - 1
+    beside = grid.find(np.unique((corners[:, None] + steps).reshape(-1, 3), axis=0))
+    beside = beside[beside >= 0]
+    return beside[is_outside_solid(lattice.domain, lattice.points[beside])]
+
+
+def _weights_in(
+    pieces: Pieces, places: Array, lattice: CutLattice, cells: _Grid
+) -> tuple[Index, Array]:
+    """As `CutLattice.weights_at`, of places (q, 3) in m in pieces whose cells are known."""
+    number, cell = _cells_beside(pieces, cells)
+    cell = np.repeat(cell, len(RULE[1]))
+    s = np.clip(pieces.places - number[:, None], 0.0, 1.0).reshape(-1, 3)
+    weights = np.stack([np.where(up, s, 1 - s).prod(axis=1) for up in corners_of_cell(3)], axis=1)
+    points = lattice.cells[cell]
+    (lost,) = np.nonzero(cell < 0)
+    for some in np.split(lost, range(AT_ONCE, len(lost), AT_ONCE)):
+        if len(some):
+            points[some], weights[some] = lattice.weights_at(places[some])
+    return points, weights
+
+
+def _cells_beside(pieces: Pieces, cells: _Grid) -> tuple[Index, Index]:
+    """Number (p, 3) of each piece's cell, and which cell it is, or -1.
+
+    Of pieces in a plane between two cells that which is there; if both are, the one below.
+    """
+    middle = pieces.corners.mean(axis=1)
+    number = np.floor(middle - TOUCHED).astype(np.intp)
+    cell = cells.find(number)
+    other = np.floor(middle + TOUCHED).astype(np.intp)[cell < 0]
+    number[cell < 0] = other
+    cell[cell < 0] = cells.find(other)
+    return number, cell

@@ -1,0 +1,223 @@
+"""Triangles cut along the planes of a grid, and how much of each cell lies inside what they close.
+
+A triangle's piece in one cell stands over all that is below it in its column of cells. Of a closed
+surface the parts under triangles that look upwards, less those under triangles that look downwards,
+are the body (Gauss's theorem with a field along z). In the cell of the piece the integral of a
+corner's weight runs from the cell's floor to the piece; in the cells below it, over their whole
+height. Both are polynomials of degree 4 at most over a flat triangle, so a quadrature of that
+degree is exact, whichever way the surface runs through the cell. Triangles along planes of the grid
+need no care: what is on either side of one weighs the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from msvalidate.problem import Array, Index, Mask
+
+PIECES = 60_000
+"""Pieces that are looked into at once, about: some 60 MB."""
+SLAB = 500_000
+"""Cells of the grid that are looked into at once: 100 MB."""
+
+_ROOT = np.sqrt(38 - 44 * np.sqrt(2 / 5)) * np.array([1, -1])
+_AT = (8 - np.sqrt(10) + _ROOT) / 18
+RULE = (
+    np.concatenate([s + (1 - 3 * s) * np.eye(3) for s in _AT]),
+    np.repeat((620 + np.sqrt(213125 - 53320 * np.sqrt(10)) * np.array([1, -1])) / 3720, 3),
+)
+"""Barycentric places (6, 3) and weights (6,) that are exact to degree 4 [Dunavant1985]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Parts of triangles, each within one cell of the grid; lengths in cells.
+
+    Parameters
+    ----------
+    corners
+        (p, 3, 3).
+    owner
+        (p,) number of the triangle.
+    cell
+        (p, 3) indices of the cell.
+    """
+
+    corners: Array
+    owner: Index
+    cell: Index
+
+    @property
+    def places(self) -> Array:
+        """Places (p, 6, 3) of the quadrature."""
+        return np.asarray(np.einsum("qv,pvd->pqd", RULE[0], self.corners))
+
+
+def cut_to_grid(corners: Array, count: Index | None = None) -> Iterator[Pieces]:
+    """Pieces of triangles (t, 3, 3), given in cells, between the planes at whole numbers.
+
+    They come in groups, so that memory stays small. Indices are held below `count` (3,).
+    """
+    corners, owner, load = _split_large(corners)
+    group = (np.cumsum(load) // PIECES).astype(int)
+    ends = np.flatnonzero(np.diff(group, append=-1)) + 1
+    start = 0
+    for end in ends.tolist():
+        some, whose = corners[start:end], owner[start:end]
+        for axis in range(3):
+            some, whose = _cut_across(some, whose, axis)
+        cell = np.floor(some.mean(axis=1)).astype(np.intp)
+        if count is not None:
+            cell = np.clip(cell, 0, np.asarray(count) - 1)
+        yield Pieces(some, whose, cell)
+        start = end
+
+
+def _expected_pieces(corners: Array) -> Array:
+    """Pieces (t,) that triangles will be cut into, at most about."""
+    planes = np.floor(corners.max(axis=1)) - np.floor(corners.min(axis=1)) + 1
+    return np.asarray((planes * np.roll(planes, 1, axis=1)).sum(axis=1))
+
+
+def _split_large(corners: Array) -> tuple[Array, Index, Array]:
+    """Triangles halved until none has more pieces than a group; their numbers and pieces."""
+    owner = np.arange(len(corners))
+    while True:
+        load = _expected_pieces(corners)
+        (large,) = np.nonzero(load > PIECES)
+        if not len(large):
+            return corners, owner, load
+        some = corners[large]
+        length = np.linalg.norm(np.roll(some, -1, axis=1) - some, axis=2)
+        a, b, c = _turned(some, length.argmax(axis=1))
+        middle = (a + b) / 2
+        halves = [np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)]
+        corners = np.concatenate([np.delete(corners, large, axis=0), *halves])
+        owner = np.concatenate([np.delete(owner, large), owner[large], owner[large]])
+
+
+def _turned(corners: Array, first: Index) -> tuple[Array, Array, Array]:
+    """Corners of triangles, each (t, 3), begun at one of them."""
+    each = np.arange(len(corners))
+    return tuple(corners[each, (first + i) % 3] for i in range(3))  # type: ignore[return-value]
+
+
+def _cut_across(corners: Array, owner: Index, axis: int) -> tuple[Array, Index]:
+    """Triangles cut at each whole number along an axis: at the middle one first."""
+    done: list[tuple[Array, Index]] = []
+    while len(corners):
+        low, high = corners[..., axis].min(axis=1), corners[..., axis].max(axis=1)
+        first, last = np.floor(low) + 1, np.ceil(high) - 1
+        crossed = first <= last
+        done.append((corners[~crossed], owner[~crossed]))
+        plane = np.clip(np.rint((low + high) / 2), first, last)[crossed]
+        corners, owner = _halve(corners[crossed], owner[crossed], axis, plane)
+    return np.concatenate([one for one, _ in done]), np.concatenate([one for _, one in done])
+
+
+def _halve(corners: Array, owner: Index, axis: int, plane: Array) -> tuple[Array, Index]:
+    """Triangles on either side of a plane that each is cut by: two or three of each."""
+    above = corners[..., axis] > plane[:, None]
+    # The corner that is alone on its side.
+    lone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (~above).argmax(axis=1))
+    a, b, c = _turned(corners, lone)
+    p, q = (_meet(a, end, axis, plane) for end in (b, c))
+    parts = [np.stack(part, axis=1) for part in ((a, p, q), (p, b, c), (p, c, q))]
+    there = [np.ones(len(a), dtype=bool), (p != b).any(axis=1), (q != c).any(axis=1)]
+    corners = np.concatenate([part[some] for part, some in zip(parts, there, strict=True)])
+    return corners, np.concatenate([owner[some] for some in there])
+
+
+def _meet(a: Array, b: Array, axis: int, plane: Array) -> Array:
+    """Where lines from a to b, each (t, 3), meet a plane."""
+    s = ((plane - a[:, axis]) / (b[:, axis] - a[:, axis]))[:, None]
+    met = (1 - s) * a + s * b
+    met[:, axis] = plane
+    return np.asarray(np.where(s == 1, b, met))
+
+
+def cell_parts(
+    corners: Array, count: Index, least: float
+) -> tuple[Index, Array, float, tuple[float, float]]:
+    """Cells (c, 3) with more than `least` of them inside a closed surface, of a grid from 0.
+
+    Parameters
+    ----------
+    corners
+        (t, 3, 3) triangles, counter-clockwise from outside, in cells.
+    count
+        (3,) cells of the grid along each axis.
+
+    Returns
+    -------
+    Indices (c, 3) of the cells; the part (c, 2, 2, 2) of a whole cell that is each corner's, by
+    steps along x, y and z; the volume inside in cells; and the least and largest part of any cell,
+    0 and 1 but for rounding unless the surface crosses itself.
+    """
+    key, own, over = _surface_cells(corners, count)
+    layer = int(count[1] * count[2])
+    step = max(SLAB // layer, 1)
+    index, part, volume, extremes = [], [], 0.0, [0.0, 0.0]
+    for start in range(0, int(count[0]), step):
+        end = min(start + step, int(count[0]))
+        some = slice(*np.searchsorted(key, [start * layer, end * layer]))
+        shape = (end - start, int(count[1]), int(count[2]))
+        found = _fill_columns(key[some] - start * layer, own[some], over[some], shape)
+        inside = found.sum(axis=(1, 2, 3))
+        volume += float(inside.sum())
+        extremes = [min(extremes[0], inside.min()), max(extremes[1], inside.max())]
+        kept = np.flatnonzero(inside > least)
+        i, j, k = np.unravel_index(kept, shape)
+        index.append(np.stack([i + start, j, k], axis=1))
+        part.append(np.maximum(found[kept], 0.0))
+    return np.concatenate(index), np.concatenate(part), volume, (extremes[0], extremes[1])
+
+
+def _fill_columns(key: Index, own: Array, over: Array, shape: tuple[int, int, int]) -> Array:
+    """Parts (cells, 2, 2, 2) of a slab: what lies in each cell, and under what is above it."""
+    above = np.zeros((shape[0] * shape[1] * shape[2], 2, 2))
+    above[key] = over
+    column = above.reshape(-1, shape[2], 2, 2)
+    under = np.cumsum(column[:, ::-1], axis=1)[:, ::-1] - column
+    part = np.repeat(under.reshape(-1, 2, 2, 1) / 2, 2, axis=3)
+    part[key] += own
+    return part
+
+
+def _surface_cells(corners: Array, count: Index) -> tuple[Index, Array, Array]:
+    """Cells (s,) that pieces lie in, by number; ∫ (s, 2, 2, 2) under them in the cell, and above.
+
+    The last (s, 2, 2) are integrals of the weights along x and y alone, over the pieces' shadows.
+    """
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lying: Mask = np.abs(normal[:, 2]) > 1e-15 * np.linalg.norm(normal, axis=1)
+    keys, sums = [np.empty(0, dtype=np.intp)], [np.empty((0, 12))]
+    for pieces in cut_to_grid(corners[lying], count):
+        key = np.ravel_multi_index(tuple(pieces.cell.T), tuple(count))
+        one, which = np.unique(key, return_inverse=True)
+        found = _integrals(pieces)
+        keys.append(one)
+        sums.append(_sums(which.ravel(), found, len(one)))
+    key, which = np.unique(np.concatenate(keys), return_inverse=True)
+    total = _sums(which.ravel(), np.concatenate(sums), len(key))
+    return key, total[:, :8].reshape(-1, 2, 2, 2), total[:, 8:].reshape(-1, 2, 2)
+
+
+def _sums(which: Index, values: Array, count: int) -> Array:
+    columns = [np.bincount(which, column, count) for column in values.T]
+    return np.stack(columns, axis=1)
+
+
+def _integrals(pieces: Pieces) -> Array:
+    """For each piece (p, 12) the integrals under it in its cell (8) and over its shadow (4)."""
+    x, y, z = np.moveaxis(np.clip(pieces.places - pieces.cell[:, None], 0.0, 1.0), 2, 0)
+    edges = pieces.corners[:, 1:, :2] - pieces.corners[:, :1, :2]
+    shadow = (edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]) / 2
+    weight = shadow[:, None] * RULE[1]
+    along = [(weight * u * v) for u in (1 - x, x) for v in (1 - y, y)]
+    up = (z - z**2 / 2, z**2 / 2)
+    own = [(flat * height).sum(axis=1) for flat in along for height in up]
+    return np.stack([*own, *(flat.sum(axis=1) for flat in along)], axis=1)

@@ -1,0 +1,114 @@
+"""Lattices cut to solids of any shape: volumes, moments, what is inside, prisms both ways."""
+
+from __future__ import annotations
+
+import re
+from itertools import product
+
+import numpy as np
+import pytest
+
+from msvalidate.lattice import cut_lattice, patterns
+from msvalidate.lattice.cut_cells import DRAWING
+from msvalidate.lattice.drawn import draw_surface, solid_facets
+from msvalidate.lattice.grid_cut import cell_parts
+from msvalidate.problem import Box, Mesh, ProblemError
+from tests.msvalidate.solids import ball, bar, rotation
+
+HALF = np.array([0.1, 0.2, 0.3])
+
+
+def test_corners_of_a_cell_have_the_integrals_of_their_weights_over_a_tetrahedron():
+    # ∫ x^a y^b z^c = a! b! c! / (a + b + c + 3)! over the tetrahedron x + y + z < 1.
+    tetra = np.vstack([np.zeros(3), np.eye(3)])
+    faces = tetra[[(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]]
+    _, part, size, _ = cell_parts(faces, np.array([1, 1, 1]), 0.0)
+    one, x, xy, xyz = 1 / 6, 1 / 24, 1 / 120, 1 / 720
+    wanted = {0: one - 3 * x + 3 * xy - xyz, 1: x - 2 * xy + xyz, 2: xy - xyz, 3: xyz}
+    for up in product((0, 1), repeat=3):
+        assert part[0][up] == pytest.approx(wanted[sum(up)], rel=1e-13)
+    assert size == pytest.approx(one, rel=1e-14)
+
+
+@pytest.mark.parametrize("shape", ["tetra", "hexahedron", "tetra10", "hexahedron27"])
+def test_points_have_the_volume_and_first_moment_of_a_turned_bar(shape):
+    mesh = bar((1.0, 0.6, 0.5), (2, 1, 1), shape, rotation(0.3, 0.5, 0.7), HALF)
+    lattice = cut_lattice(patterns.cubic18(), mesh, 0.13, sliver=0.0)
+    assert lattice.by_surface
+    assert lattice.drawing_error == 0
+    assert lattice.lost_fraction < 1e-8
+    assert lattice.point_volume.sum() == pytest.approx(0.3, rel=1e-9)
+    middle = rotation(0.3, 0.5, 0.7) @ [0.5, 0.3, 0.25] + HALF
+    np.testing.assert_allclose(lattice.point_volume @ lattice.points / 0.3, middle, rtol=1e-8)
+    own = (lattice.points - HALF) @ rotation(0.3, 0.5, 0.7)
+    within = ((own > 1e-9) & (own < np.array([1.0, 0.6, 0.5]) - 1e-9)).all(axis=1)
+    np.testing.assert_array_equal(lattice.inside, within)
+
+
+def test_a_box_of_broken_cells_is_cut_on_every_side():
+    box = Box((1.03, 0.71, 0.57))
+    lattice = cut_lattice(patterns.cubic18(), box, 0.1, sliver=0.0, origin=(0.02, 0.0, 0.03))
+    assert lattice.point_volume.sum() == pytest.approx(box.volume, rel=1e-12)
+    middle = lattice.point_volume @ lattice.points / box.volume
+    np.testing.assert_allclose(middle, np.array(box.size) / 2, rtol=1e-12)
+    assert lattice.fraction.min() == pytest.approx(0.1 * 0.1 * 0.3, rel=1e-9)
+
+
+def test_prisms_have_the_same_parts_by_their_outline_and_by_their_surface():
+    mesh = bar((1.0, 0.6, 0.4), (2, 1, 2), "hexahedron", rotation(0.0, 0.0, 0.4), HALF)
+    by_outline = cut_lattice(patterns.cubic18(), mesh, 0.1)
+    assert not by_outline.by_surface
+    base = np.array([0.0, 0.0, 0.3])
+    corners = (draw_surface(solid_facets(mesh), mesh.tolerance).corners - base) / 0.1
+    first = np.floor(corners.min(axis=(0, 1)))
+    index, part, _, _ = cell_parts(corners - first, np.array([13, 13, 4]), 0.01 + 1e-9)
+    low = np.rint((by_outline.points[by_outline.cells[:, 0]] - base) / 0.1 - first)
+    order, mine = np.lexsort(low.T), np.lexsort(index.T)
+    np.testing.assert_array_equal(index[mine], low[order])
+    found = part[mine].transpose(0, 3, 2, 1).reshape(-1, 8)[:, [0, 1, 3, 2, 4, 5, 7, 6]]
+    np.testing.assert_allclose(found, by_outline.corner_volume[order] / 1e-3, rtol=0, atol=1e-13)
+
+
+def test_a_curved_ball_is_cut_to_the_error_that_it_states():
+    mesh = ball(1)
+    lattice = cut_lattice(patterns.cubic18(), mesh, 0.25, sliver=0.0)
+    missing = 1 - lattice.point_volume.sum() / mesh.volume
+    assert 0.9 * DRAWING < lattice.drawing_error <= DRAWING
+    # All of its facets bulge outwards, so that what lies between is what is missing.
+    assert missing == pytest.approx(lattice.drawing_error, rel=1e-3)
+    away = np.linalg.norm(lattice.points, axis=1)
+    assert lattice.inside[away < 0.97].all()
+    assert not lattice.inside[away > 1.001].any()
+
+
+def test_a_cavity_is_left_out():
+    grid = np.stack(np.meshgrid(*[np.arange(4.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    number = np.arange(64).reshape(4, 4, 4)
+    round_ = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    cells = [
+        [number[i + a, j + b, k + c] for c in (0, 1) for a, b in round_]
+        for i, j, k in product(range(3), repeat=3)
+        if (i, j, k) != (1, 1, 1)
+    ]
+    mesh = Mesh(grid @ rotation(0.2, 0.1, 0.4).T, np.array(cells), "hexahedron")
+    lattice = cut_lattice(patterns.cubic18(), mesh, 0.3, sliver=0.0)
+    assert lattice.point_volume.sum() == pytest.approx(26, rel=1e-9)
+    own = lattice.points @ rotation(0.2, 0.1, 0.4)
+    assert not lattice.inside[((own > 1) & (own < 2)).all(axis=1)].any()
+
+
+def test_what_does_not_fit_is_refused_in_one_line():
+    def refused(message):
+        return pytest.raises(ProblemError, match=re.escape(message))
+
+    mesh = ball(0)
+    with refused("cut lattice of spacing 1e-05 m: "):
+        cut_lattice(patterns.cubic18(), mesh, 1e-5)
+    with refused("no cell of 9 m has more than 0.01 of it inside the body"):
+        cut_lattice(patterns.cubic18(), mesh, 9.0)
+    with refused("flat triangles, and the most is 2e+06; take fewer"):
+        draw_surface(solid_facets(mesh), mesh.tolerance, gap=1e-12)
+    # One body in another counts twice: `cut_lattice` refuses it, as its surface crosses itself.
+    at = np.concatenate([solid_facets(mesh), solid_facets(mesh) / 2])
+    drawn = draw_surface(at, mesh.tolerance, gap=1e-2).corners + 1.5
+    assert cell_parts(drawn, np.array([3, 3, 3]), 0.0)[3][1] > 1 + 1e-3
