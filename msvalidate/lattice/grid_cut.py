@@ -200,13 +200,14 @@ def _surface_cells(corners: Array, count: Index) -> tuple[Index, Array, Array]:
         one, which = np.unique(key, return_inverse=True)
         found = _integrals(pieces)
         keys.append(one)
-        sums.append(_sums(which.ravel(), found, len(one)))
+        sums.append(sum_groups(which.ravel(), found, len(one)))
     key, which = np.unique(np.concatenate(keys), return_inverse=True)
-    total = _sums(which.ravel(), np.concatenate(sums), len(key))
+    total = sum_groups(which.ravel(), np.concatenate(sums), len(key))
     return key, total[:, :8].reshape(-1, 2, 2, 2), total[:, 8:].reshape(-1, 2, 2)
 
 
-def _sums(which: Index, values: Array, count: int) -> Array:
+def sum_groups(which: Index, values: Array, count: int) -> Array:
+    """Sums (count, k) of the rows of values (p, k) that belong to each group."""
     columns = [np.bincount(which, column, count) for column in values.T]
     return np.stack(columns, axis=1)
 
