@@ -134,9 +134,9 @@ def _halve(corners: Array, owner: Index, axis: int, plane: Array) -> tuple[Array
 def _meet(a: Array, b: Array, axis: int, plane: Array) -> Array:
     """Where lines from a to b, each (t, 3), meet a plane."""
     s = ((plane - a[:, axis]) / (b[:, axis] - a[:, axis]))[:, None]
-    met = (1 - s) * a + s * b
-    met[:, axis] = plane
-    return np.asarray(np.where(s == 1, b, met))
+    met = (1 - s) * a + s * b  # b itself where s is 1
+    met[:, axis] = plane  # or a corner less than rounding away would be cut off again and again
+    return np.asarray(met)
 
 
 def cell_parts(
