@@ -41,6 +41,7 @@ from msvalidate.network.laws.volumes import Volumes
 from msvalidate.problem import (
     Array,
     BodyForce,
+    Boundary,
     Domain,
     Mask,
     Part,
@@ -52,6 +53,7 @@ from msvalidate.problem import (
     Traction,
     Weight,
     corners_of,
+    measure_of,
     prescribed_displacements_at,
     vectors_at,
 )
@@ -138,8 +140,8 @@ def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
         region = support.region
         if isinstance(region, Region) and not region.is_facet:
             return np.asarray(region.select(lattice.points, lattice.domain.tolerance))
-        if lattice.points.shape[1] == 3:
-            return points_held(region, lattice)
+        if lattice.points.shape[1] == 3 and not _is_wall(region, lattice):
+            return points_held(support, lattice)
         corners = corners_of(region, lattice.domain)
         flat = np.flatnonzero(np.ptp(corners, axis=0) <= lattice.domain.tolerance)
         if len(flat):
@@ -176,7 +178,20 @@ def _points_along(region: Part, lattice: CutLattice) -> Mask:
     cells = crossed_cells(pieces, lattice.points[lattice.cells[:, 0], :2], lattice.spacing)
     held = np.zeros(len(lattice.points), dtype=bool)
     held[lattice.cells[cells]] = True
+    if lattice.points.shape[1] == 3:  # a wall may not reach from the bottom to the top
+        z = corners_of(region, lattice.domain)[:, 2]
+        room = lattice.domain.tolerance
+        held &= (lattice.points[:, 2] > z.min() - room) & (lattice.points[:, 2] < z.max() + room)
     return held
+
+
+def _is_wall(region: Part, lattice: CutLattice) -> bool:
+    """Whether a part is a wall of a prism, across no axis: one that its outline tells all about."""
+    if lattice.by_surface or not isinstance(region, Boundary):
+        return False
+    size = np.ptp(region.places, axis=1)
+    room = lattice.domain.tolerance
+    return bool((size[:, 2] > room).all() and (np.ptp(region.places, axis=(0, 1)) > room).all())
 
 
 # Loads --------------------------------------------------------------------------------------------
@@ -202,7 +217,8 @@ def _nodal_force(problem: Problem, lattice: CutLattice) -> Array:
             force += np.outer(_nodal_mass(problem, lattice), load.acceleration)
             continue
         elif lattice.points.shape[1] == 3:
-            force += traction_on_solid(load, lattice)
+            of_faces = _is_end(load, lattice)
+            force += _end_forces(load, lattice) if of_faces else traction_on_solid(load, lattice)
             continue
         else:
             places, vectors = _traction_forces(load, lattice)
@@ -237,6 +253,32 @@ def _traction_forces(load: Traction, lattice: CutLattice) -> tuple[Array, Array]
     length = np.tile(np.linalg.norm(along, axis=1) / 2, 2)
     traction = vectors_at(f"traction on {load.region}", load.traction, places)
     return places, length[:, None] * traction
+
+
+def _is_end(load: Traction, lattice: CutLattice) -> bool:
+    """Whether a traction acts on a whole end of a prism."""
+    z = corners_of(load.region, lattice.domain)[:, 2]
+    if lattice.by_surface or np.ptp(z) > lattice.domain.tolerance:
+        return False
+    whole = (1 - 1e-9) * outline(lattice.domain).area
+    return bool(measure_of(load.region, lattice.domain) >= whole)
+
+
+def _end_forces(load: Traction, lattice: CutLattice) -> Array:
+    """Forces (n, 3) in N of a traction on an end, as it is at the lattice's points.
+
+    Exact in sum for one that is linear.
+    """
+    x, z = lattice.points, corners_of(load.region, lattice.domain)[:, 2].mean()
+    there = np.abs(x[lattice.cells, 2] - z) <= lattice.domain.tolerance
+    # A cell's part of the end: each corner's volume twice over the height.
+    area = np.where(there, 2 * lattice.corner_volume / lattice.spacing, 0.0)
+    of_point = np.bincount(lattice.cells.ravel(), area.ravel())[:, None]
+    (taking,) = np.nonzero(of_point[:, 0])
+    force = np.zeros(x.shape)
+    at_points = vectors_at(f"traction on {load.region}", load.traction, x[taking])
+    force[taking] = of_point[taking] * at_points
+    return force
 
 
 def _split_at_lattice_lines(pieces: Array, lattice: CutLattice) -> Array:

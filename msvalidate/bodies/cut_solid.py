@@ -4,9 +4,11 @@ Facets are drawn by flat triangles and cut along the planes of the lattice, so t
 in one cell. A traction does the work that it does on the motion interpolated there: exact for one
 that is linear on a flat facet, and whose area is the facet's own on a bent one.
 
-A support holds the points of the cells that its facets run through. Facets in a plane of the
-lattice hold that plane's points alone, of all cells that have body at them; and beyond the body's
-rim one point more, for a cell there may be cut too.
+A support holds points of the cells that its facets run through: all of them if a component is a
+field, which goes on to both sides of the surface as the body's own displacement does, so that a
+linear one is exact; if all are numbers, such as a clamp's 0, those no deeper in the body than half
+a cell. Facets in a plane of the lattice hold that plane's points alone, of all cells that have body
+at them; and beyond the body's rim one point more, for a cell there may be cut too.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from msvalidate.lattice.drawn import (
     triangle_areas,
     true_areas,
 )
-from msvalidate.lattice.grid_cut import RULE, Pieces, cut_to_grid
+from msvalidate.lattice.grid_cut import RULE, Pieces, cut_to_grid, sum_groups
 from msvalidate.problem import (
     Array,
     Boundary,
@@ -32,6 +34,7 @@ from msvalidate.problem import (
     Mask,
     Mesh,
     Part,
+    Support,
     Traction,
     corners_of,
     vectors_at,
@@ -39,6 +42,11 @@ from msvalidate.problem import (
 
 AWAY = 1e-3
 """Part of a cell by which bent facets may lie off the triangles that they are drawn by."""
+HALF = 0.5 + 1e-9
+"""How deep in the body, in cells, a support of plain numbers holds points. What is held then begins
+as often too early as too late. Of a turned block with a hole, clamped at one end and loaded at the
+other, at 16 cells a metre, displacements err by 0.5 %; with all points of the cells held by 11 %,
+with none inside by 10 %."""
 TOUCHED = 1e-9
 """Part of a cell's side face that a surface needs within the cell to run through it: rounding
 would decide about a cell that it touches along an edge."""
@@ -75,7 +83,7 @@ class _Grid:
         return found
 
 
-def points_held(part: Part, lattice: CutLattice) -> Mask:
+def points_held(support: Support, lattice: CutLattice) -> Mask:
     """Points (n,) of the lattice that a support on a part of the surface holds.
 
     Raises
@@ -83,14 +91,15 @@ def points_held(part: Part, lattice: CutLattice) -> Mask:
     ProblemError
         If it is no part of the surface.
     """
-    facets, h = _facets(part, lattice.domain), lattice.spacing
+    facets, h = _facets(support.region, lattice.domain), lattice.spacing
     grid = _Grid.of(lattice.points, lattice.points.min(axis=0), h)
     level, room = (facets - grid.low) / h, lattice.domain.tolerance / h
     off_plane = np.abs(level - np.rint(level[:, :1])).max(axis=1)
     axis_of = np.where((off_plane <= room).any(axis=1), off_plane.argmin(axis=1), -1)
+    depth = np.inf if any(map(callable, support.displacement)) else HALF
     held = np.zeros(len(lattice.points), dtype=bool)
     for axis in np.unique(axis_of).tolist():
-        corners = _touched_corners(facets[axis_of == axis], lattice, grid.low, axis)
+        corners = _touched_corners(facets[axis_of == axis], lattice, grid.low, axis, depth)
         found = grid.find(corners)
         held[found[found >= 0]] = True
         if axis >= 0:
@@ -130,31 +139,50 @@ def _facets(part: Part, domain: Domain) -> Array:
         return part.places
     if isinstance(domain, Mesh):
         return domain.part(part).places
-    corners = corners_of(part, domain)
-    return corners[None, [0, 1, 3, 2]]
+    corners = corners_of(part, domain)[[0, 1, 3, 2]]
+    outward = corners.mean(axis=0) - np.array(domain.span).mean(axis=1)
+    normal = np.cross(corners[1] - corners[0], corners[3] - corners[0])
+    return (corners if normal @ outward >= 0 else corners[::-1])[None]
 
 
-def _touched_corners(facets: Array, lattice: CutLattice, low: Array, axis: int) -> Index:
+def _touched_corners(
+    facets: Array, lattice: CutLattice, low: Array, axis: int, depth: float
+) -> Index:
     """Numbers (q, 3) of corners of the cells that facets (f, k, 3) run through.
 
-    Of facets in planes of the lattice across an axis, if it is not -1, those in the plane alone.
+    Of facets in planes of the lattice across an axis, if it is not -1, those in the plane alone; of
+    others those that lie no deeper in the body than so many cells.
     """
-    h = lattice.spacing
-    drawn = draw_surface(facets, lattice.domain.tolerance, away=AWAY * h)
-    cells, areas = [], []
-    for pieces in cut_to_grid((drawn.corners - low) / h):
+    drawn = draw_surface(facets, lattice.domain.tolerance, away=AWAY * lattice.spacing)
+    cells, sums = [], []
+    for pieces in cut_to_grid((drawn.corners - low) / lattice.spacing):
         cell = pieces.cell.copy()
         if axis >= 0:
             cell[:, axis] = np.rint(pieces.corners[:, 0, axis])
         some, which = np.unique(cell, axis=0, return_inverse=True)
         cells.append(some)
-        areas.append(np.bincount(which.ravel(), triangle_areas(pieces.corners), len(some)))
+        sums.append(sum_groups(which.ravel(), _areas_and_middles(pieces.corners), len(some)))
     cell, which = np.unique(np.concatenate(cells), axis=0, return_inverse=True)
-    area = np.bincount(which.ravel(), np.concatenate(areas), len(cell))
+    total = sum_groups(which.ravel(), np.concatenate(sums), len(cell))
+    through = total[:, 0] > TOUCHED
+    cell, total = cell[through], total[through]
     steps = corners_of_cell(3)
     if axis >= 0:
         steps = steps[steps[:, axis] == 0]
-    return np.unique((cell[area > TOUCHED][:, None] + steps).reshape(-1, 3), axis=0)
+    corners = cell[:, None] + steps
+    middle, outward = total[:, 1:4] / total[:, :1], total[:, 4:]
+    length = np.linalg.norm(outward, axis=1)[:, None]
+    above = np.einsum("cvd,cd->cv", corners - middle[:, None], outward)
+    near = (above >= -depth * length) if axis < 0 else np.ones(above.shape, dtype=bool)
+    return np.unique(corners[near], axis=0)
+
+
+def _areas_and_middles(corners: Array) -> Array:
+    """Columns (t, 7) of triangles (t, 3, 3): area, area × middle, area vector."""
+    edges = corners[:, 1:] - corners[:, :1]
+    vector = np.cross(edges[:, 0], edges[:, 1]) / 2
+    area = np.linalg.norm(vector, axis=1)[:, None]
+    return np.concatenate([area, area * corners.mean(axis=1), vector], axis=1)
 
 
 def _beyond_rim(corners: Index, lattice: CutLattice, grid: _Grid, axis: int) -> Index:

@@ -134,9 +134,9 @@ def _halve(corners: Array, owner: Index, axis: int, plane: Array) -> tuple[Array
 def _meet(a: Array, b: Array, axis: int, plane: Array) -> Array:
     """Where lines from a to b, each (t, 3), meet a plane."""
     s = ((plane - a[:, axis]) / (b[:, axis] - a[:, axis]))[:, None]
-    met = (1 - s) * a + s * b
-    met[:, axis] = plane
-    return np.asarray(np.where(s == 1, b, met))
+    met = (1 - s) * a + s * b  # b itself where s is 1
+    met[:, axis] = plane  # or a corner less than rounding away would be cut off again and again
+    return np.asarray(met)
 
 
 def cell_parts(
@@ -200,13 +200,14 @@ def _surface_cells(corners: Array, count: Index) -> tuple[Index, Array, Array]:
         one, which = np.unique(key, return_inverse=True)
         found = _integrals(pieces)
         keys.append(one)
-        sums.append(_sums(which.ravel(), found, len(one)))
+        sums.append(sum_groups(which.ravel(), found, len(one)))
     key, which = np.unique(np.concatenate(keys), return_inverse=True)
-    total = _sums(which.ravel(), np.concatenate(sums), len(key))
+    total = sum_groups(which.ravel(), np.concatenate(sums), len(key))
     return key, total[:, :8].reshape(-1, 2, 2, 2), total[:, 8:].reshape(-1, 2, 2)
 
 
-def _sums(which: Index, values: Array, count: int) -> Array:
+def sum_groups(which: Index, values: Array, count: int) -> Array:
+    """Sums (count, k) of the rows of values (p, k) that belong to each group."""
     columns = [np.bincount(which, column, count) for column in values.T]
     return np.stack(columns, axis=1)
 

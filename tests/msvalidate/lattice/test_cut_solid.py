@@ -30,6 +30,12 @@ def test_corners_of_a_cell_have_the_integrals_of_their_weights_over_a_tetrahedro
     assert size == pytest.approx(one, rel=1e-14)
 
 
+def test_corners_less_than_rounding_off_a_plane_are_cut_once():
+    tetra = np.vstack([np.zeros(3), np.eye(3)]) * 1.5 + [0.0, 0.0, np.nextafter(1.0, 0.0)]
+    faces = tetra[[(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]]
+    assert cell_parts(faces, np.array([2, 2, 3]), 0.0)[2] == pytest.approx(1.5**3 / 6, rel=1e-14)
+
+
 @pytest.mark.parametrize("shape", ["tetra", "hexahedron", "tetra10", "hexahedron27"])
 def test_points_have_the_volume_and_first_moment_of_a_turned_bar(shape):
     mesh = bar((1.0, 0.6, 0.5), (2, 1, 1), shape, rotation(0.3, 0.5, 0.7), HALF)
