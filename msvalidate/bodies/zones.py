@@ -27,6 +27,7 @@ from itertools import product
 from typing import cast
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 from scipy.spatial import KDTree
 
 from msvalidate.constants.calibration import Calibration
@@ -126,11 +127,7 @@ def stiffness_by_place(
         )
     fraction = material_fractions(problem, lattice)
     shear = np.array([_shear_modulus(material) for material in problem.materials])
-    soft = fraction / shear
-    total = soft.sum(axis=1)
-    of_spring = spring_parts(lattice) @ (soft / total[:, None])
-    k = np.array([k for k, _, _ in each])  # (materials, kinds)
-    found = (of_spring * k.T[lattice.kind]).sum(axis=1)
+    found = _gifts(lattice, fraction / shear, np.array([k for k, _, _ in each])).sum(axis=1)
     bulk = shear * (1 + 2 / lattice.points.shape[1])
     volumes = np.array([kappa for _, kappa, _ in each])
     return found, _volume_stiffness(fraction, shear, bulk, volumes), np.zeros(len(found))
@@ -163,6 +160,48 @@ def _volume_stiffness(fraction: Array, shear: Array, bulk: Array, kappa: Array) 
         part = fraction[cut]
         found[cut] = 1 / (part @ (1 / (bulk + kappa))) - ratio / (part @ (1 / shear))
     return found
+
+
+def spring_shares(
+    problem: Problem, lattice: Lattice, constants: OneOrEach | None = None
+) -> csr_array:
+    """Part (m, c) of each spring's stiffness that each cell brings; those of a spring sum to 1.
+
+    Which of the force of a spring on an interface is whose: `msvalidate.statics.stress.cell_stress`
+    takes them. A spring without stiffness has none.
+
+    Parameters
+    ----------
+    problem, lattice, constants
+        As for `lattice_network`.
+
+    Raises
+    ------
+    ProblemError
+        As there.
+    """
+    given = _each(problem, constants)
+    each = [
+        spring_stiffnesses(material, lattice, one)[0]
+        for material, one in zip(problem.materials, given, strict=True)
+    ]
+    shear = np.array([_shear_modulus(material) for material in problem.materials])
+    gifts = _gifts(lattice, material_fractions(problem, lattice) / shear, np.array(each))
+    total = gifts.sum(axis=1)
+    return csr_array(diags_array(1 / np.where(total, total, 1.0)) @ gifts)
+
+
+def _gifts(lattice: Lattice, soft: Array, k: Array) -> csr_array:
+    """What each cell brings (m, c) to each spring's constant.
+
+    Of each material's fraction over its shear modulus (c, materials), and its constants
+    (materials, kinds).
+    """
+    of_cell = soft / soft.sum(axis=1, keepdims=True) @ k
+    parts = spring_parts(lattice)
+    kind = np.repeat(lattice.kind, np.diff(parts.indptr))
+    data = parts.data * of_cell[parts.indices, kind]
+    return csr_array((data, parts.indices, parts.indptr), shape=parts.shape)
 
 
 def density_by_point(problem: Problem, lattice: Lattice) -> Array:
@@ -227,6 +266,8 @@ def _each(
     count = len(problem.materials)
     if constants is None:
         return (None,) * count
+    if count == 1:
+        return (cast("Constants | Calibration", constants),)
     entries = constants if isinstance(constants, tuple) else ()
     each = [entry for entry in entries if isinstance(entry, Calibration | tuple)]
     if len(each) != count or len(entries) != count:

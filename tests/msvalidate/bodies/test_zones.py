@@ -10,7 +10,7 @@ import pytest
 from msvalidate.bodies import zones
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
-from msvalidate.bodies.zones import calibrate_zones, material_fractions
+from msvalidate.bodies.zones import calibrate_zones, material_fractions, spring_shares
 from msvalidate.constants.stiffness import isotropic_tensor
 from msvalidate.lattice import (
     CutLattice,
@@ -38,6 +38,7 @@ from msvalidate.problem import (
     materials_at,
 )
 from msvalidate.statics.equilibrium import equilibrium
+from msvalidate.statics.stress import cell_stress
 from reference_fem import box_discretisation, solve_problem
 from tests.inclusion import RADIUS, ball, disc, disc_mesh
 from tests.table import table
@@ -121,11 +122,18 @@ def test_bars_of_two_materials_are_exact(name, way, series):
     problem = pulled(name, series)
     if problem.domain.dim == 3 and way == "cut" and series:
         return  # tractions on walls are not for cut lattices
-    network = network_of(problem, lattices(problem.domain, way))
+    lattice = lattices(problem.domain, way)
+    network = network_of(problem, lattice)
     found = equilibrium(network)
     wanted, stress = exact(problem, network.points, series)
     assert np.abs(found.displacement - wanted).max() <= ROUNDING * np.abs(wanted).max()
     assert network.mass.sum() == pytest.approx(2500.0 * problem.domain.volume, rel=1e-12)
+    shares = spring_shares(problem, lattice, calibrate_zones(problem, lattice))
+    stresses = cell_stress(network, lattice, found, parts=shares)
+    number = materials_at(problem, network.points[lattice.cells].mean(axis=1))
+    np.testing.assert_allclose(stresses[:, 0], np.array(stress)[number], rtol=1e-12)
+    if not series:
+        np.testing.assert_allclose(stresses[:, 1], 0, atol=1e-12 * max(stress))
     if way == "filled":
         end = network.points[:, 0] == 0
         force = -found.reaction[end, 0].sum()
