@@ -1,9 +1,10 @@
 """A disc or ball of another material in an endless body: closed forms, and meshes of it.
 
+Strain inside is uniform [Eshelby1957]; outside it is that of [Goodier1933], derived here anew.
 Plane, stressed far away by σxx = p + q and σyy = p - q, with Kolosov's κ (3 - 4 nu in plane strain,
 (3 - nu)/(1 + nu) in plane stress) and K = 2μ/(κ - 1). In polar coordinates, a the radius:
 
-    inside    u_r = (A + D cos 2θ) r,  u_θ = -D r sin 2θ:  uniform strain
+    inside    u_r = (A + D cos 2θ) r,  u_θ = -D r sin 2θ
     outside   u_r = C r + b a²/r + (q r + (κ + 1) G a²/r + H a⁴/r³) cos 2θ / 2μ
               u_θ = (-q r - (κ - 1) G a²/r + H a⁴/r³) sin 2θ / 2μ
 

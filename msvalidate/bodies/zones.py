@@ -6,7 +6,7 @@ alone: bars of two materials, one behind or beside the other, are exact.
 
 **A cell that a zone ends in** has of each material a fraction of its area or volume, found from
 `SAMPLES` places along each axis. Its density is the mean by fraction. Its moduli are those of the
-materials in series (Reuss's bound): 1/μ and 1/K are the means by fraction, and with them the
+materials in series [Reuss1929]: 1/μ and 1/K are the means by fraction, and with them the
 springs' constants and κ. It is a rule, and not exact: displacements are then of first order in the
 spacing. A disc of radius a in a plate under tension changes displacements; these changes are off,
 at a spacing of a/32, in the worst place and relative to the largest of them, by
@@ -16,7 +16,7 @@ at a spacing of a/32, in the worst place and relative to the largest of them, by
     mean of the moduli          3.2 %         3.4 %
     material of the middle      3.1 %         6.5 %
 
-The mean of the moduli (Voigt's bound) makes the rim of a stiff part too wide, the middle makes an
+The mean of the moduli [Voigt1889] makes the rim of a stiff part too wide, the middle makes an
 interface of steps. Where that counts, let zones end where cells do.
 """
 

@@ -10,7 +10,6 @@ from scipy.spatial import KDTree
 from msvalidate.problem.arrays import Array, Index, Mask
 from msvalidate.problem.checks import finite_coordinates
 from msvalidate.problem.errors import ProblemError
-from msvalidate.problem.material import Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point
 from msvalidate.problem.region import Region
@@ -70,21 +69,6 @@ def cut_cells(problem: Problem, places: Array, shape: Shape) -> Mask:
     for zone in problem.zones:
         cut |= _inside_and_cut(problem, zone, places, shape)[1]
     return cut
-
-
-def require_one_material(problem: Problem, what: str) -> Material:
-    """The material of a problem without zones.
-
-    Raises
-    ------
-    ProblemError
-        That names what is not for several materials, if it has some.
-    """
-    if problem.zones:
-        raise ProblemError(
-            f"{what}: not for {len(problem.zones) + 1} materials; take a problem without zones"
-        )
-    return problem.material
 
 
 def _inside_and_cut(problem: Problem, zone: Zone, places: Array, shape: Shape) -> tuple[Mask, Mask]:
