@@ -38,6 +38,7 @@ from msvalidate.lattice.outline import is_outside, outline
 from msvalidate.lattice.parts import cell_shape, point_parts, spring_parts
 from msvalidate.problem import (
     Array,
+    CellSet,
     Isotropic,
     Material,
     Problem,
@@ -223,7 +224,8 @@ def material_fractions(problem: Problem, lattice: Lattice) -> Array:
     shape, places = cell_shape(lattice), lattice.points[lattice.cells]
     count = len(problem.materials)
     cut = cut_cells(problem, places, shape)
-    if isinstance(lattice, CutLattice):  # of which corners and middle may be outside
+    named = any(isinstance(zone.region, CellSet) for zone in problem.zones)
+    if isinstance(lattice, CutLattice) and named:  # whose middle may be in no cell of the mesh
         cut |= lattice.fraction < 1
     middle = np.einsum("qk,ckd->cd", shape.values(shape.middle[None]), places)
     found = np.eye(count)[materials_at(problem, middle)]

@@ -184,11 +184,15 @@ def tension(material, inner, p, q, n, centre=(1.013, 1.007)):
     return Problem(box, material, around, zones=(zone,)), square(box, n), moved
 
 
-def disc_error(ratio, rule, n, nu=(1 / 3, 1 / 3), state="plane_stress"):
-    """Largest error of uniaxial tension's changes by a disc, of the largest change."""
+BOTH = ((1.0, 0.0), (0.0, 1.0))
+"""Tension in the plane, and shear: sums of the two are any tension."""
+
+
+def disc_error(ratio, rule, n, nu=(1 / 3, 1 / 3), state="plane_stress", tensions=BOTH):
+    """Largest error of what a disc changes, of the largest change."""
     outer, inner = Isotropic(1.0, nu[0], state), Isotropic(ratio, nu[1], state)
     off = 0.0
-    for p, q in ((1.0, 0.0), (0.0, 1.0)):
+    for p, q in tensions:
         problem, lattice, moved = tension(outer, inner, p, q, n)
         with pytest.MonkeyPatch.context() as patch:
             if rule:
@@ -226,9 +230,9 @@ def test_cells_in_series_err_least_at_a_disc(ratio):
     [(10.0, (0.3, 0.2), "plane_stress"), (0.1, (0.3, 0.45), "plane_strain")],
 )
 def test_a_disc_is_met_to_first_order(ratio, nu, state):
-    errors = np.array([disc_error(ratio, None, n, nu, state) for n in (16, 32, 64, 128)])
-    assert np.log2(errors[-2] / errors[-1]) > 0.75
-    assert errors[-1] < 0.035
+    coarse, fine = (disc_error(ratio, None, n, nu, state, BOTH[1:]) for n in (60, 120))
+    assert np.log2(coarse / fine) > 0.75
+    assert fine < 0.035
 
 
 def test_a_ball_is_met_to_first_order():
@@ -243,26 +247,26 @@ def test_a_ball_is_met_to_first_order():
         for side in ("left", "right", "bottom", "top", "back", "front")
     )
     problem = Problem(box, outer, sides, zones=(Zone(Ball((0.0,) * 3, RADIUS), inner),))
-    for n in (4, 8, 16):
+    for n in (6, 12):
         network = network_of(problem, fill(patterns.cubic18(), box, n))
         wanted = ball(network.points, outer, inner, 1.0)
         change = wanted - ball(network.points, outer, outer, 1.0)
         miss = equilibrium(network).displacement - wanted
         errors.append(np.linalg.norm(miss) / np.linalg.norm(change))
-    assert errors[0] > 1.6 * errors[1] > 2.5 * errors[2]
-    assert errors[-1] < 0.02
+    assert np.log2(errors[0] / errors[1]) > 0.75
+    assert errors[1] < 0.025
 
 
 def test_named_cells_in_a_cut_lattice():
-    mesh, outer, inner = disc_mesh(4), Isotropic(1.0, 1 / 3), Isotropic(10.0, 1 / 3)
+    mesh, outer, inner = disc_mesh(2), Isotropic(1.0, 1 / 3), Isotropic(10.0, 1 / 3)
     held = (Support(mesh.whole_surface, (0.0, 0.0)),)
-    lattice = cut_lattice(patterns.square(), mesh, 0.06, origin=(0.01, 0.02))
+    lattice = cut_lattice(patterns.square(), mesh, 0.12, origin=(0.01, 0.02))
     named, round_ = (
         material_fractions(Problem(mesh, outer, held, zones=(Zone(region, inner),)), lattice)
         for region in (mesh.zone("disc"), Ball((0.0, 0.0), RADIUS))
     )
     # The disc's outline is of quadratic sides, and a place or two of 256 lie between.
-    np.testing.assert_allclose(named, round_, atol=2 / 256)
+    np.testing.assert_allclose(named, round_, atol=3 / 256)
     volume = lattice.corner_volume.sum(axis=1)
     assert volume @ named[:, 1] == pytest.approx(np.pi * RADIUS**2, rel=2e-3)
 
