@@ -229,16 +229,19 @@ def material_fractions(problem: Problem, lattice: Lattice) -> Array:
         cut |= lattice.fraction < 1
     middle = np.einsum("qk,ckd->cd", shape.values(shape.middle[None]), places)
     found = np.eye(count)[materials_at(problem, middle)]
-    at = (np.array(list(product(range(SAMPLES[shape.dim]), repeat=shape.dim))) + 0.5) / (
-        SAMPLES[shape.dim]
-    )
+    n = SAMPLES[shape.dim]
+    at = (np.array(list(product(range(n), repeat=shape.dim))) + 0.5) / n
     if shape.simplex:
         at = at[at.sum(axis=1) <= 1]
+    x = np.einsum("qk,ckd->cqd", shape.values(at), places[cut])
     if cut.any():
-        x = np.einsum("qk,ckd->cqd", shape.values(at), places[cut])
         found[cut] = _sampled_fractions(problem, lattice, x)
-    for number, zone in enumerate(problem.zones, 1):
-        if not found[:, number:].any():
+    asked = np.concatenate([middle, x.reshape(-1, x.shape[2])])
+    for number, zone in enumerate(problem.zones, 1):  # a later one may have all of an earlier
+        if (
+            not found[:, number].any()
+            and not zone.region.select(asked, problem.domain.tolerance).any()
+        ):
             raise ProblemError(f"zone {zone.region}: no cell has a part of it; take smaller cells")
     return found
 

@@ -339,7 +339,13 @@ EACH = calibrate_zones(TWO, GRID)
         ),
         (
             lambda: lattice_network(
-                Problem(BOX, SHEET, LEFT, zones=(Zone(Ball((0.5, 0.5), 1e-4), SHEET),)), GRID
+                Problem(
+                    BOX,
+                    SHEET,
+                    LEFT,
+                    zones=(Zone(Ball((0.5, 0.5), 1e-4), SHEET), CAUCHY.zones[0]),
+                ),
+                GRID,
             ),
             "no cell has a part of it; take smaller cells",
         ),
