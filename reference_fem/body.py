@@ -33,7 +33,7 @@ from msvalidate.problem import (
 )
 from msvalidate.problem.checks import format_value, require_type, shaped
 from reference_fem.elasticity import elastic_tensor, make_solver
-from reference_fem.materials import CellMaterials, Law, by_material, materials_of, numbers_of
+from reference_fem.materials import CellMaterials, Materials, by_material, materials_of, numbers_of
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.facets import Facets
 from reference_fem.mixed import lame_constants, mixed_solution
@@ -74,7 +74,7 @@ class Solution:
 
     body: Discretisation
     displacement: Array
-    material: Law | None = None
+    material: Materials | None = None
     pressure: Array | None = None
     solved: SystemSolution | None = None
 
@@ -85,7 +85,7 @@ class Solution:
             raise ProblemError(f"solution: shape {shape}; give an array {self.body.points.shape}")
         self.displacement.setflags(write=False)
         if self.material is not None:
-            require_type("material", self.material, Law)
+            require_type("material", self.material, Materials)
         if self.pressure is not None:
             _, wanted = pressure_numbers(self.body, self._number)
             shaped("pressure", np.asarray(self.pressure), wanted)

@@ -12,7 +12,7 @@ from msvalidate.problem import VOIGT, Array, Isotropic, Mask, Material, ProblemE
 from msvalidate.problem.checks import finite, format_value, require_type
 from reference_fem.effort import fits_in_memory
 from reference_fem.locking import refuse_locked
-from reference_fem.materials import CellMaterials, Law, by_material, each_material, numbers_of
+from reference_fem.materials import CellMaterials, Materials, by_material, each_material, numbers_of
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.systems.solver import Solver, refuse_shapes
 
@@ -85,7 +85,7 @@ def check_arrays(
 
 def solve_on(
     body: Discretisation,
-    material: Law,
+    material: Materials,
     held: Mask,
     displacement: Array,
     force: Array,
@@ -112,7 +112,7 @@ def solve_on(
     return ready.solve(displacement, force)[0]
 
 
-def stiffness(body: Discretisation, material: Law) -> csr_matrix:
+def stiffness(body: Discretisation, material: Materials) -> csr_matrix:
     """Stiffness (d·n, d·n) in N/m, thickness included, component-major.
 
     K_(ai)(bj) = t Σ_cd ∫ C_acbd ∂c φi ∂d φj, C constant in a cell.
@@ -135,7 +135,7 @@ def thickness_tensor(material: Material) -> Array:
     return np.asarray(material.thickness * full_tensor(elastic_tensor(material)))
 
 
-def thickness_tensors(material: Law) -> Array:
+def thickness_tensors(material: Materials) -> Array:
     """As `thickness_tensor`, or (m, d, d, d, d) of several materials."""
     tensors = [thickness_tensor(one) for one in each_material(material)]
     return np.array(tensors) if isinstance(material, CellMaterials) else tensors[0]
@@ -143,7 +143,7 @@ def thickness_tensors(material: Law) -> Array:
 
 def make_solver(
     body: Discretisation,
-    material: Law,
+    material: Materials,
     held: Mask,
     choice: str = "auto",
     *,

@@ -49,11 +49,11 @@ class CellMaterials:
         return self.materials[0].thickness
 
 
-Law = Material | CellMaterials
+Materials = Material | CellMaterials
 """What a body is of."""
 
 
-def materials_of(problem: Problem, body: Discretisation) -> Law:
+def materials_of(problem: Problem, body: Discretisation) -> Materials:
     """What the cells of a problem's mesh are of.
 
     Raises
@@ -70,7 +70,7 @@ def materials_of(problem: Problem, body: Discretisation) -> Law:
     return CellMaterials(materials, own.ravel()) if len(used) > 1 else materials[0]
 
 
-def by_material(law: Law, body: Discretisation) -> Iterator[tuple[Material, Mask | None]]:
+def by_material(law: Materials, body: Discretisation) -> Iterator[tuple[Material, Mask | None]]:
     """Each material, and the cells (c,) that are of it: None for all.
 
     Raises
@@ -79,7 +79,7 @@ def by_material(law: Law, body: Discretisation) -> Iterator[tuple[Material, Mask
         If there is not one material a cell, or it is of another dimension than the body.
     """
     require_type("body", body, Discretisation)
-    require_type("material", law, Law)
+    require_type("material", law, Materials)
     if law.dim != body.dim:
         raise ProblemError(f"material: {law.dim}D, the body {body.dim}D")
     if not isinstance(law, CellMaterials):
@@ -93,11 +93,11 @@ def by_material(law: Law, body: Discretisation) -> Iterator[tuple[Material, Mask
         yield material, law.number == i
 
 
-def numbers_of(law: Law) -> Index | None:
+def numbers_of(law: Materials) -> Index | None:
     """Index (c,) of each cell's material, where there are several."""
     return law.number if isinstance(law, CellMaterials) else None
 
 
-def each_material(law: Law) -> tuple[Material, ...]:
+def each_material(law: Materials) -> tuple[Material, ...]:
     """The materials, of which there may be one."""
     return law.materials if isinstance(law, CellMaterials) else (law,)

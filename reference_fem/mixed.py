@@ -34,7 +34,7 @@ from msvalidate.problem import (
 from msvalidate.problem.checks import require_one_of, require_type
 from reference_fem.effort import fits_in_memory
 from reference_fem.elasticity import check_arrays, full_tensor, weighted_stiffness
-from reference_fem.materials import Law, by_material, each_material, numbers_of
+from reference_fem.materials import Materials, by_material, each_material, numbers_of
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
 from reference_fem.mesh.elements import ELEMENTS
 from reference_fem.systems.cells import mixed_cells
@@ -96,7 +96,7 @@ def solve_mixed(
 
 
 def solve_mixed_on(
-    body: Discretisation, material: Law, held: Mask, displacement: Array, force: Array
+    body: Discretisation, material: Materials, held: Mask, displacement: Array, force: Array
 ) -> tuple[Array, Array]:
     """Displacement (n, d) in m and pressure (v,) in Pa under held components, values, forces (N).
 
@@ -114,7 +114,7 @@ def solve_mixed_on(
 
 
 def mixed_solution(
-    body: Discretisation, material: Law, held: Mask, displacement: Array, force: Array
+    body: Discretisation, material: Materials, held: Mask, displacement: Array, force: Array
 ) -> tuple[Array, Array, SystemSolution]:
     """As `solve_mixed_on`, and how it was solved: the larger residual of forces and of volumes."""
     refuse_shapes(body, held=held, displacement=displacement, force=force)
@@ -225,7 +225,7 @@ def _factorise(K: csr_array) -> Inverse:
     return lambda right: np.asarray(factor.solve(right))
 
 
-def _mixed_system(body: Discretisation, material: Law) -> _System:
+def _mixed_system(body: Discretisation, material: Materials) -> _System:
     """The matrices of a body and material that mixed elements are for.
 
     Each material has pressures of its own, for they jump where materials meet.

@@ -1,9 +1,10 @@
 """A disc or ball of another material in an endless body: closed forms, and meshes of it.
 
+Strain inside is uniform [Eshelby1957]; outside it is that of [Goodier1933], derived here anew.
 Plane, stressed far away by σxx = p + q and σyy = p - q, with Kolosov's κ (3 - 4 nu in plane strain,
 (3 - nu)/(1 + nu) in plane stress) and K = 2μ/(κ - 1). In polar coordinates, a the radius:
 
-    inside    u_r = (A + D cos 2θ) r,  u_θ = -D r sin 2θ:  uniform strain
+    inside    u_r = (A + D cos 2θ) r,  u_θ = -D r sin 2θ
     outside   u_r = C r + b a²/r + (q r + (κ + 1) G a²/r + H a⁴/r³) cos 2θ / 2μ
               u_θ = (-q r - (κ - 1) G a²/r + H a⁴/r³) sin 2θ / 2μ
 
@@ -21,7 +22,7 @@ from itertools import product
 
 import numpy as np
 
-from msvalidate.problem import SHAPES, Array, Ball, Isotropic, Mesh
+from msvalidate.problem import SHAPES, Array, Ball, Index, Isotropic, Mesh
 
 RADIUS = 0.5
 DISC = Ball((0.0, 0.0), RADIUS)
@@ -79,13 +80,20 @@ def disc_mesh(n: int) -> Mesh:
     blocks = [core * np.stack([2 * s[..., 0] - 1, 2 * t - 1], axis=-1)]
     for ring, k in product(rings, range(4)):
         blocks.append(ring @ np.linalg.matrix_power(quarter, k).T)
-    return _joined(blocks, n, 5)
+    points, cells, inner = _joined(blocks, n, 5)
+    return Mesh(points, cells, "quad9", zones={"disc": inner})
 
 
 def ball_mesh(n: int) -> Mesh:
-    """An octant of a cube of side 2 about a ball, of hexahedra with 27 nodes: n along 7 blocks.
+    """The octant of `ball_cells` as a body; cells of the ball are the zone "disc"."""
+    points, cells, inner = ball_cells(n)
+    return Mesh(points, cells, "hexahedron27", zones={"disc": inner})
 
-    Cells of the ball are the zone "disc".
+
+def ball_cells(n: int) -> tuple[Array, Index, Index]:
+    """An octant of a cube of side 2 about a ball: points, cells, and which are the ball's.
+
+    Of hexahedra with 27 nodes, n along each of 7 blocks.
     """
     grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 2 * n + 1)] * 3, indexing="ij"), axis=-1)
     s, face = grid[..., :1], np.concatenate([np.ones_like(grid[..., :1]), grid[..., 1:]], axis=-1)
@@ -97,8 +105,8 @@ def ball_mesh(n: int) -> Mesh:
     return _joined(blocks, n, 4)
 
 
-def _joined(blocks: list[Array], n: int, inner: int) -> Mesh:
-    """A mesh of blocks of nodes (2n + 1, .., d), of which the first few are the disc."""
+def _joined(blocks: list[Array], n: int, inner: int) -> tuple[Array, Index, Index]:
+    """Points and cells of blocks of nodes (2n + 1, .., d), and which are of the first few."""
     d = blocks[0].shape[-1]
     shape = {2: "quad9", 3: "hexahedron27"}[d]
     places = np.concatenate([block.reshape(-1, d) for block in blocks])
@@ -110,6 +118,4 @@ def _joined(blocks: list[Array], n: int, inner: int) -> Mesh:
     at = low[:, None] + local
     each = np.ravel_multi_index(tuple(np.moveaxis(at, -1, 0)), (2 * n + 1,) * d)
     cells = np.concatenate([each + i * (2 * n + 1) ** d for i in range(len(blocks))])
-    return Mesh(
-        places[first], number.ravel()[cells], shape, zones={"disc": np.arange(inner * n**d)}
-    )
+    return places[first], number.ravel()[cells], np.arange(inner * n**d)

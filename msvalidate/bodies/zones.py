@@ -6,7 +6,7 @@ alone: bars of two materials, one behind or beside the other, are exact.
 
 **A cell that a zone ends in** has of each material a fraction of its area or volume, found from
 `SAMPLES` places along each axis. Its density is the mean by fraction. Its moduli are those of the
-materials in series (Reuss's bound): 1/μ and 1/K are the means by fraction, and with them the
+materials in series [Reuss1929]: 1/μ and 1/K are the means by fraction, and with them the
 springs' constants and κ. It is a rule, and not exact: displacements are then of first order in the
 spacing. A disc of radius a in a plate under tension changes displacements; these changes are off,
 at a spacing of a/32, in the worst place and relative to the largest of them, by
@@ -16,7 +16,7 @@ at a spacing of a/32, in the worst place and relative to the largest of them, by
     mean of the moduli          3.2 %         3.4 %
     material of the middle      3.1 %         6.5 %
 
-The mean of the moduli (Voigt's bound) makes the rim of a stiff part too wide, the middle makes an
+The mean of the moduli [Voigt1889] makes the rim of a stiff part too wide, the middle makes an
 interface of steps. Where that counts, let zones end where cells do.
 """
 
@@ -27,6 +27,7 @@ from itertools import product
 from typing import cast
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 from scipy.spatial import KDTree
 
 from msvalidate.constants.calibration import Calibration
@@ -37,6 +38,7 @@ from msvalidate.lattice.outline import is_outside, outline
 from msvalidate.lattice.parts import cell_shape, point_parts, spring_parts
 from msvalidate.problem import (
     Array,
+    CellSet,
     Isotropic,
     Material,
     Problem,
@@ -126,11 +128,7 @@ def stiffness_by_place(
         )
     fraction = material_fractions(problem, lattice)
     shear = np.array([_shear_modulus(material) for material in problem.materials])
-    soft = fraction / shear
-    total = soft.sum(axis=1)
-    of_spring = spring_parts(lattice) @ (soft / total[:, None])
-    k = np.array([k for k, _, _ in each])  # (materials, kinds)
-    found = (of_spring * k.T[lattice.kind]).sum(axis=1)
+    found = _gifts(lattice, fraction / shear, np.array([k for k, _, _ in each])).sum(axis=1)
     bulk = shear * (1 + 2 / lattice.points.shape[1])
     volumes = np.array([kappa for _, kappa, _ in each])
     return found, _volume_stiffness(fraction, shear, bulk, volumes), np.zeros(len(found))
@@ -165,6 +163,48 @@ def _volume_stiffness(fraction: Array, shear: Array, bulk: Array, kappa: Array) 
     return found
 
 
+def spring_shares(
+    problem: Problem, lattice: Lattice, constants: OneOrEach | None = None
+) -> csr_array:
+    """Part (m, c) of each spring's stiffness that each cell brings; those of a spring sum to 1.
+
+    Which of the force of a spring on an interface is whose: `msvalidate.statics.stress.cell_stress`
+    takes them. A spring without stiffness has none.
+
+    Parameters
+    ----------
+    problem, lattice, constants
+        As for `lattice_network`.
+
+    Raises
+    ------
+    ProblemError
+        As there.
+    """
+    given = _each(problem, constants)
+    each = [
+        spring_stiffnesses(material, lattice, one)[0]
+        for material, one in zip(problem.materials, given, strict=True)
+    ]
+    shear = np.array([_shear_modulus(material) for material in problem.materials])
+    gifts = _gifts(lattice, material_fractions(problem, lattice) / shear, np.array(each))
+    total = gifts.sum(axis=1)
+    return csr_array(diags_array(1 / np.where(total, total, 1.0)) @ gifts)
+
+
+def _gifts(lattice: Lattice, soft: Array, k: Array) -> csr_array:
+    """What each cell brings (m, c) to each spring's constant.
+
+    Of each material's fraction over its shear modulus (c, materials), and its constants
+    (materials, kinds).
+    """
+    of_cell = soft / soft.sum(axis=1, keepdims=True) @ k
+    parts = spring_parts(lattice)
+    kind = np.repeat(lattice.kind, np.diff(parts.indptr))
+    data = parts.data * of_cell[parts.indices, kind]
+    return csr_array((data, parts.indices, parts.indptr), shape=parts.shape)
+
+
 def density_by_point(problem: Problem, lattice: Lattice) -> Array:
     """Mean density (n,) in kg/m³ of the material that is each point's, or one (1,) for all."""
     density = np.array([material.density for material in problem.materials])
@@ -184,20 +224,24 @@ def material_fractions(problem: Problem, lattice: Lattice) -> Array:
     shape, places = cell_shape(lattice), lattice.points[lattice.cells]
     count = len(problem.materials)
     cut = cut_cells(problem, places, shape)
-    if isinstance(lattice, CutLattice):  # of which corners and middle may be outside
+    named = any(isinstance(zone.region, CellSet) for zone in problem.zones)
+    if isinstance(lattice, CutLattice) and named:  # whose middle may be in no cell of the mesh
         cut |= lattice.fraction < 1
     middle = np.einsum("qk,ckd->cd", shape.values(shape.middle[None]), places)
     found = np.eye(count)[materials_at(problem, middle)]
-    at = (np.array(list(product(range(SAMPLES[shape.dim]), repeat=shape.dim))) + 0.5) / (
-        SAMPLES[shape.dim]
-    )
+    n = SAMPLES[shape.dim]
+    at = (np.array(list(product(range(n), repeat=shape.dim))) + 0.5) / n
     if shape.simplex:
         at = at[at.sum(axis=1) <= 1]
+    x = np.einsum("qk,ckd->cqd", shape.values(at), places[cut])
     if cut.any():
-        x = np.einsum("qk,ckd->cqd", shape.values(at), places[cut])
         found[cut] = _sampled_fractions(problem, lattice, x)
-    for number, zone in enumerate(problem.zones, 1):
-        if not found[:, number:].any():
+    asked = np.concatenate([middle, x.reshape(-1, x.shape[2])])
+    for number, zone in enumerate(problem.zones, 1):  # a later one may have all of an earlier
+        if (
+            not found[:, number].any()
+            and not zone.region.select(asked, problem.domain.tolerance).any()
+        ):
             raise ProblemError(f"zone {zone.region}: no cell has a part of it; take smaller cells")
     return found
 
@@ -227,6 +271,8 @@ def _each(
     count = len(problem.materials)
     if constants is None:
         return (None,) * count
+    if count == 1:
+        return (cast("Constants | Calibration", constants),)
     entries = constants if isinstance(constants, tuple) else ()
     each = [entry for entry in entries if isinstance(entry, Calibration | tuple)]
     if len(each) != count or len(entries) != count:

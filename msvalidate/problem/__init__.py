@@ -51,7 +51,6 @@ from msvalidate.problem.zones import (
     cut_cells,
     materials_at,
     materials_of_cells,
-    require_one_material,
 )
 
 __all__ = [
@@ -104,7 +103,6 @@ __all__ = [
     "prescribed_displacements",
     "prescribed_displacements_at",
     "refuse_free_motions",
-    "require_one_material",
     "rigid_motions",
     "vectors_at",
 ]

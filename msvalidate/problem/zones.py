@@ -10,16 +10,17 @@ from scipy.spatial import KDTree
 from msvalidate.problem.arrays import Array, Index, Mask
 from msvalidate.problem.checks import finite_coordinates
 from msvalidate.problem.errors import ProblemError
-from msvalidate.problem.material import Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point
 from msvalidate.problem.region import Region
-from msvalidate.problem.shapes import Shape
+from msvalidate.problem.shapes import Shape, facet_middles, incident_pairs
 from msvalidate.problem.statement import Problem
 from msvalidate.problem.zone import Ball, CellSet, Zone
 
 SAMPLES = 6
 """Places along each axis of a cell at which a ball is looked for that no corner lies in."""
+INSIDE = 1e-4
+"""Part of a cell from its side on which a place lies inside it."""
 AT_ONCE = 5_000
 """Cells looked into at once: 216 places in each take 25 MB."""
 
@@ -72,21 +73,6 @@ def cut_cells(problem: Problem, places: Array, shape: Shape) -> Mask:
     return cut
 
 
-def require_one_material(problem: Problem, what: str) -> Material:
-    """The material of a problem without zones.
-
-    Raises
-    ------
-    ProblemError
-        That names what is not for several materials, if it has some.
-    """
-    if problem.zones:
-        raise ProblemError(
-            f"{what}: not for {len(problem.zones) + 1} materials; take a problem without zones"
-        )
-    return problem.material
-
-
 def _inside_and_cut(problem: Problem, zone: Zone, places: Array, shape: Shape) -> tuple[Mask, Mask]:
     """Masks (c,) of the cells (c, k, d) whose middle lies in a zone, and of those it ends in."""
     region, room = zone.region, problem.domain.tolerance
@@ -96,14 +82,20 @@ def _inside_and_cut(problem: Problem, zone: Zone, places: Array, shape: Shape) -
             return np.isin(own, problem.domain.zones[region.name]), np.zeros(len(own), dtype=bool)
     middle = np.einsum("qk,ckd->cd", shape.values(shape.middle[None]), places)
     inside = region.select(middle, room)
+    cut = np.zeros(len(places), dtype=bool)
+    near = np.arange(len(places))
+    if isinstance(region, CellSet):  # to find out takes long, and most cells are far from its rim
+        near = _near(region.rim, places)
+        cut[near] = _has_inside(places[near], facet_middles(region.rim), shape, room)
     # Amid corners on a ball a straight side has nodes inside it.
-    nodes = places[:, : shape.corners] if isinstance(region, Ball) else places
+    nodes = places[near, : shape.corners] if isinstance(region, Ball) else places[near]
+    each, number = np.unique(nodes.reshape(-1, nodes.shape[2]), axis=0, return_inverse=True)
     held, rim = (
-        which(nodes.reshape(-1, nodes.shape[2]), room).reshape(nodes.shape[:2])
+        which(each, room)[number.ravel()].reshape(nodes.shape[:2])
         for which in (region.select, region.on_rim)
     )
     some_in, some_out = (held & ~rim).any(axis=1), (~held & ~rim).any(axis=1)
-    cut = (inside & some_out) | (~inside & some_in)
+    cut[near] |= np.where(inside[near], some_out, some_in)
     doubtful = np.flatnonzero(~cut & ~inside)
     if isinstance(region, Region):
         cut[doubtful] = _is_entered(region, places[doubtful, : shape.corners], shape, room)
@@ -112,6 +104,23 @@ def _inside_and_cut(problem: Problem, zone: Zone, places: Array, shape: Shape) -
             part = doubtful[start : start + AT_ONCE]
             cut[part] = _is_dented(region, places[part], shape, room)
     return inside, cut
+
+
+def _near(rim: Array, places: Array) -> Index:
+    """Numbers of the cells (c, k, d) that may meet facets (f, k, d): by balls round both."""
+    (a, r), (b, s) = (
+        (x.mean(axis=1), np.linalg.norm(np.ptp(x, axis=1), axis=1)) for x in (rim, places)
+    )
+    return np.flatnonzero(KDTree(a).query(b)[0] <= s + r.max())
+
+
+def _has_inside(places: Array, points: Array, shape: Shape, room: float) -> Mask:
+    """Mask (c,) of the cells (c, k, d) that have a point (n, d) inside, not on a side."""
+    middle = places.mean(axis=1, keepdims=True)
+    found = np.zeros(len(places), dtype=bool)
+    less = middle + (1 - INSIDE) * (places - middle)
+    found[incident_pairs(shape, less, points, INSIDE * room)[0]] = True
+    return found
 
 
 def _numbers_in(mesh: Mesh, corners: Array) -> Index | None:

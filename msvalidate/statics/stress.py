@@ -21,6 +21,7 @@ from itertools import combinations, combinations_with_replacement
 from typing import Literal
 
 import numpy as np
+from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from msvalidate.lattice import CutLattice, Lattice
@@ -86,11 +87,13 @@ def cell_stress(
     *,
     geometry: Geometry = "linear",
     thickness: float = 1.0,
+    parts: csr_array | None = None,
 ) -> Array:
     """Mean stress (c, 3) or (c, 6) in Pa of each cell.
 
     A spring belongs to the cells that both of its ends are corners of, shared out as the cells have
-    volume inside the body.
+    volume inside the body. In a body with zones that would mix two materials at their interface:
+    there give the parts.
 
     Source: the virial, [Clausius1870], [BornHuang1954].
 
@@ -100,6 +103,9 @@ def cell_stress(
         The network must be one on the lattice.
     thickness
         Of a plane body, m.
+    parts
+        (m, c) part of each spring that is each cell's, as `spring_shares` of
+        `msvalidate.bodies.zones` has it.
 
     Raises
     ------
@@ -109,8 +115,14 @@ def cell_stress(
     """
     _refuse_other_lattice(network, lattice)
     volume = cell_volume(lattice) * positive_number("thickness", thickness, "m")
-    spring, cell = spring_cell_pairs(lattice)
-    part = volume[cell] / np.bincount(spring, volume[cell], len(lattice.springs))[spring]
+    if parts is None:
+        spring, cell = spring_cell_pairs(lattice)
+        part = volume[cell] / np.bincount(spring, volume[cell], len(lattice.springs))[spring]
+    else:
+        if parts.shape != (len(lattice.springs), len(lattice.cells)):
+            raise ProblemError(f"stress: parts {parts.shape}; give spring_shares of this lattice")
+        spring, cell = parts.nonzero()
+        part = parts[spring, cell]
     virial = part[:, None, None] * spring_virial(network, found, geometry)[spring]
     total = np.zeros((len(lattice.cells), *virial.shape[1:]))
     np.add.at(total, cell, virial)
@@ -226,7 +238,7 @@ def fitted_stress(
     Parameters
     ----------
     points, displacement
-        (n, d) in m.
+        (n, d) in m. In a body with zones those of one zone: strains jump at its end.
     tensor
         Voigt tensor in Pa, (3, 3) or (6, 6), with engineering shear strain.
     degree

@@ -1,5 +1,6 @@
 """Solids at large strain: laws, forces and tangent of a `Solid`, and `deform` under dead loads."""
 
+from reference_fem.large_strain.by_cell import CellLaws, laws_of
 from reference_fem.large_strain.equilibrium import LargeStrainSolution, deform
 from reference_fem.large_strain.hyperelastic import (
     Fibres,
@@ -13,6 +14,7 @@ from reference_fem.large_strain.hyperelastic import (
 from reference_fem.large_strain.solid import Solid
 
 __all__ = [
+    "CellLaws",
     "Fibres",
     "LargeStrainSolution",
     "Law",
@@ -20,6 +22,7 @@ __all__ = [
     "Solid",
     "StVenantKirchhoff",
     "deform",
+    "laws_of",
     "neo_hookean",
     "square_fibres",
     "st_venant_kirchhoff",

@@ -150,7 +150,8 @@ def deform(
         )
     how = _Steps(1 / parts, least_part, tolerance)
     if not allow_locked:
-        refuse_locked(solid.body, solid.at_rest)
+        for tensor in solid.at_rest:
+            refuse_locked(solid.body, tensor)
     # What has no numbers is not upright, and refused as such.
     with fits_in_memory(len(begin), "nodes"), np.errstate(over="ignore", invalid="ignore"):
         return _follow_load(solid, begin, displacement, force, how)

@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix
 
 from msvalidate.problem import VOIGT, Array, Index, Mask, ProblemError, refuse_free_motions
 from msvalidate.problem.checks import positive_number
+from reference_fem.large_strain.by_cell import CellLaws, each_law, stress_by_gradient
 from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
 from reference_fem.mesh.assembly import sum_to_nodes
 from reference_fem.mesh.discretisation import Discretisation
@@ -28,14 +29,14 @@ ROUNDED = 4 * float(np.finfo(float).eps)
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A supported body of one law, ready for loads.
+    """A supported body, ready for loads.
 
     Parameters
     ----------
     body
         The mesh of the undeformed body.
     law
-        Its energy density.
+        Its energy density; `laws_of` has that of a problem, with its zones.
     held
         Components (n, d) that are held.
     thickness
@@ -57,6 +58,10 @@ class Solid:
         refuse_other_laws(self.law)
         if self.law.dim != self.body.dim:
             raise ProblemError(f"law: {self.law.dim}D, the body {self.body.dim}D")
+        if isinstance(self.law, CellLaws) and len(self.law.number) != len(self.body.cells):
+            raise ProblemError(
+                f"laws: of {len(self.law.number)} cells; the mesh has {len(self.body.cells)}"
+            )
         if positive_number("thickness", self.thickness, "m") != 1 and self.body.dim == 3:
             raise ProblemError(f"thickness: {self.thickness} m; a solid has none, leave it at 1")
         refuse_free_motions("body at large strain", self.body.points, self.held)
@@ -84,7 +89,7 @@ class Solid:
     def internal_force(self, displacement: Array) -> tuple[Array, Array]:
         """∫ P:∂φ/∂X dX (n, d) in N, and the sizes (n, d) that add up to it."""
         H = self._slope(displacement)
-        P = self._stress(H.reshape(-1, *H.shape[2:])).reshape(H.shape)
+        P = stress_by_gradient(self.law, H.reshape(-1, *H.shape[2:])).reshape(H.shape)
         # A cell's forces, (c, k, d): its points and the axis J are one sum.
         each = np.einsum("cqkJ,cqiJ,cq->cki", self._slopes, P, self._weights, optimize=True)
         return self._gathered(each), self._gathered(np.abs(each))
@@ -101,24 +106,19 @@ class Solid:
         felt = np.bincount(self._nodes.ravel(), each.ravel())
         return float(ROUNDED * self._modulus * felt.max())
 
-    def _stress(self, H: Array) -> Array:
-        """P (q, d, d) in Pa of displacement gradients (q, d, d), as exactly as the law can."""
-        exact = getattr(self.law, "stress_by_gradient", None)
-        if exact is not None:
-            return np.asarray(exact(H))
-        return np.asarray(self.law.stress(np.eye(self.body.dim) + H))
-
     @cached_property
     def _modulus(self) -> float:
-        """Largest entry (Pa) of the law's tangent at rest."""
+        """Largest entry (Pa) of a law's tangent at rest."""
         return float(np.abs(self.at_rest).max())
 
     @cached_property
     def at_rest(self) -> Array:
-        """The law's tangent (Pa) at rest as a Voigt tensor (3, 3) or (6, 6)."""
-        (A,) = self.law.tangent(np.eye(self.body.dim)[None])
-        pairs = VOIGT[self.body.dim]
-        return np.array([[A[i, j, k, m] for k, m in pairs] for i, j in pairs])
+        """Each law's tangent (Pa) at rest as a Voigt tensor: (laws, 3, 3) or (laws, 6, 6)."""
+        pairs, found = VOIGT[self.body.dim], []
+        for law in each_law(self.law):
+            (A,) = law.tangent(np.eye(self.body.dim)[None])
+            found.append([[A[i, j, k, m] for k, m in pairs] for i, j in pairs])
+        return np.array(found)
 
     def tangent(self, displacement: Array) -> csr_matrix:
         """∂f/∂u (d·n, d·n) in N/m, component-major and symmetric."""

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import reference_fem
 from msvalidate.problem import (
@@ -19,10 +20,12 @@ from msvalidate.problem import (
     Support,
     Traction,
     Zone,
+    prescribed_displacements,
 )
-from reference_fem.elasticity import elastic_tensor, stiffness
+from reference_fem.elasticity import elastic_tensor, solve_on, stiffness
+from reference_fem.large_strain import Solid, deform, laws_of
 from reference_fem.materials import CellMaterials, materials_of
-from tests.inclusion import RADIUS, ball, ball_mesh, disc, disc_mesh, moduli
+from tests.inclusion import RADIUS, ball, ball_cells, disc, disc_mesh, moduli
 from tests.table import table
 
 ROUNDING = 1e-13
@@ -132,12 +135,13 @@ def test_a_ball_is_met():
     outer, inner = BALLS
     errors = []
     for n in (1, 2):
-        mesh = ball_mesh(n)
-        field = lambda x: ball(x, outer, inner, 1.0)  # noqa: E731
-        problem = around(mesh, field, outer, inner)
-        found = reference_fem.solve_problem(problem, reference_fem.mesh_discretisation(mesh))
-        wanted = field(mesh.points)
-        errors.append(np.abs(found.displacement - wanted).max() / np.abs(wanted).max())
+        points, cells, inside = ball_cells(n)
+        body = reference_fem.make_discretisation(points, cells, "H2")
+        law = CellMaterials(BALLS, np.isin(np.arange(len(cells)), inside).astype(int))
+        wanted = ball(points, outer, inner, 1.0)
+        held = np.isin(np.arange(len(points)), body.surface)[:, None].repeat(3, axis=1)
+        found = solve_on(body, law, held, np.where(held, wanted, 0.0), 0 * points)
+        errors.append(np.abs(found - wanted).max() / np.abs(wanted).max())
     assert errors[0] > 2.5 * errors[1]
     assert errors[1] < 5e-3
 
@@ -187,6 +191,34 @@ def test_bars_of_two_materials_are_exact(element, mixed, series):
         np.testing.assert_allclose(got[2], mean, atol=1e-11 * size)
 
 
+def test_a_bar_of_two_materials_at_large_strain():
+    # In series the stretches a and b of the halves have one stress and add up to what is asked for.
+    problem = bar(series=True)
+    body = reference_fem.box_discretisation(BOX, (4, 2), "Q2")
+    law = laws_of(problem, body)
+    first, second = law.laws
+
+    def pull(part, stretch):
+        return part.stress(np.diag([stretch, 1.0])[None])[0, 0, 0]
+
+    a = brentq(lambda a: pull(first, a) - pull(second, 3.0 - a), 1.0, 2.0, xtol=1e-15)
+    end = Support(BOX.side("right"), (1.0, None))
+    moved = Problem(BOX, problem.material, (*problem.supports, end), zones=problem.zones)
+    held, displacement = prescribed_displacements(moved, body.points)
+    found = deform(Solid(body, law, held), displacement, np.zeros_like(displacement), parts=4)
+    x = body.points[:, 0]
+    wanted = (a - 1) * np.minimum(x, 1) + (2 - a) * np.maximum(x - 1, 0)
+    np.testing.assert_allclose(found.displacement[:, 0], wanted, atol=1e-9)
+    reaction = found.reaction[x == 2, 0].sum()
+    assert reaction == pytest.approx(pull(first, a), rel=1e-9)
+    # At small strain it is the linear body's.
+    small, force = 1e-7 * displacement, np.zeros_like(displacement)
+    linear = solve_on(body, materials_of(problem, body), held, small, force)
+    np.testing.assert_allclose(
+        deform(Solid(body, law, held), small, force).displacement, linear, atol=1e-13
+    )
+
+
 def test_a_zone_of_all_or_of_the_same_is_the_plain_body():
     problem = bar(series=True)
     body = reference_fem.box_discretisation(BOX, (4, 2), "Q2")
@@ -216,6 +248,15 @@ def test_a_zone_of_all_or_of_the_same_is_the_plain_body():
             ),
             ProblemError,
             "materials: of (2,) cells; the mesh has 8",
+        ),
+        (
+            lambda p: Solid(
+                reference_fem.box_discretisation(BOX, (2, 2)),
+                laws_of(p, reference_fem.box_discretisation(BOX, (4, 2))),
+                np.ones((25, 2), dtype=bool),
+            ),
+            ProblemError,
+            "laws: of 8 cells; the mesh has 4",
         ),
         (
             lambda _: reference_fem.solve_problem(

@@ -80,9 +80,10 @@ def test_named_cells_in_another_mesh_of_the_same_body():
     )
     square = np.array([[[-0.9, 0.7], [-0.6, 0.7], [-0.6, 0.9], [-0.9, 0.9]]])
     inner = square * [0.3, 0.3] + [0.2, -0.2]
-    across = square + np.array([0.5, -0.3])
-    found = [cut_cells(problem, each, SHAPES["quad"])[0] for each in (square, inner, across)]
-    assert found == [False, False, True]
+    across, about = square + np.array([0.5, -0.3]), np.sign(square - square.mean(axis=1)) * 0.99
+    given = (square, inner, across, about)
+    found = [cut_cells(problem, each, SHAPES["quad"])[0] for each in given]
+    assert found == [False, False, True, True]
     assert materials_at(problem, np.array([[0.0, 0.0], [0.45, 0.0], [0.45, 0.45]])).tolist() == [
         1,
         1,
