@@ -51,12 +51,15 @@ way to the corner's own, by up to a third on meshes as coarse as these. (1.5, ch
 error was measured, held 95 of 100; other bodies than those tried the factor since.)"""
 CAUTION = 3.0
 """Factor on the last change where no order is seen."""
+TWO_MESHES = 2.0
+"""Factor on the change between the only two meshes: what an order of 0.6 leaves, lower than that of
+any corner of one material."""
 LOWEST_ORDER, TRUSTED_ORDER = 0.5, 2.0
 """Orders that are believed; higher ones, which come and go at corners, count as the latter."""
 ROUNDING = 1e-10
 """Change, over the largest value, that is rounding."""
-MOST_NODES = 150_000
-"""Nodes of the finest mesh, by default: some 5 s in the plane, 30 s in space."""
+MOST_NODES = {2: 150_000, 3: 60_000}
+"""Nodes of the finest mesh, by default, by the number of axes: some 5 s and 30 s."""
 LEVELS = 3
 """Meshes that are always solved, if their nodes are few enough."""
 ACROSS = 3
@@ -211,7 +214,7 @@ def converge(
     points: Array,
     accuracy: float = 1e-3,
     *,
-    most_nodes: int = MOST_NODES,
+    most_nodes: int | None = None,
     first: Discretisation | None = None,
 ) -> Reference:
     """Solve a problem on finer and finer meshes until displacements at points are known.
@@ -227,7 +230,7 @@ def converge(
         Of the displacement, over the largest at the points. Where it takes more nodes than there
         may be, the answer is what there is, with the error that it has.
     most_nodes
-        Of the finest mesh.
+        Of the finest mesh, by default `MOST_NODES`.
     first
         A mesh to start from in place of the one made here.
 
@@ -241,7 +244,9 @@ def converge(
     require_type("problem", problem, Problem)
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     positive_number("accuracy", accuracy)
-    whole_number("most nodes", most_nodes, 1)
+    most = MOST_NODES[problem.domain.dim]
+    if most_nodes is not None:
+        most = whole_number("most nodes", most_nodes, 1)
     began = time.perf_counter()
     body = first_mesh(problem) if first is None else first
     mixed = _is_nearly_incompressible(problem)
@@ -250,7 +255,7 @@ def converge(
         reference = Reference(problem, x, tuple(found), accuracy, time.perf_counter() - began)
         known = len(found) >= LEVELS or reference.error <= ROUNDING
         enough = known and reference.resolved
-        if enough or nodes_of_children(body) > most_nodes:
+        if enough or nodes_of_children(body) > most:
             return reference
         body = subdivide(body)
         found.append(solve_problem(problem, body, mixed=mixed))
@@ -260,7 +265,7 @@ def close_in(values: list[Array]) -> Converged:
     """The last of some values on meshes each twice as fine as the one before, and its error.
 
     With an order p seen on the last three, twice (u - u')/(2^p - 1), what is left by it. With
-    no order, three times the larger of the last two changes.
+    no order, three times the larger of the last two changes; twice the only one of two meshes.
 
     Source: Richardson's extrapolation as in [Roache1994].
     """
@@ -273,7 +278,7 @@ def close_in(values: list[Array]) -> Converged:
     if change <= ROUNDING * size:
         return Converged(fine, max(change, ROUNDING * size), np.nan)
     if len(values) == 2:
-        return Converged(fine, CAUTION * change, np.nan)
+        return Converged(fine, TWO_MESHES * change, np.nan)
     order = _order(values[-3:])
     before = float(np.abs(values[-2] - values[-3]).max(initial=0.0))
     if np.isnan(order):
