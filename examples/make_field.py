@@ -1,6 +1,6 @@
 """softer.vtu: what a simulator would leave of the bracket in a material 1 % softer, in mm.
 
-    python examples/make_field.py
+python examples/make_field.py
 """
 
 from __future__ import annotations

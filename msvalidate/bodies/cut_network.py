@@ -1,4 +1,4 @@
-"""From a `Problem` to a network on a lattice cut to its body's outline.
+"""From a `Problem` to a network on a lattice cut to its body.
 
 Supports and loads meet the outline, which is not where the lattice's points are.
 
@@ -12,6 +12,8 @@ its displacements were no better, and it can do pressures only.
 any other line hold every point of the cells that it runs through. A displacement prescribed as a
 field that goes on to both sides of the outline as the body's own does is then met to second order,
 a linear one exactly; one number all along it, such as a clamp's 0, to first order in the spacing.
+In space that is so of a prism's walls; any other part of a surface, and loads on it, are met as
+`bodies.cut_solid` has it.
 
 The diagonals of a cut cell pull at points on both sides of the outline, which no rule for their
 stiffness mends: uniform stress leaves forces of the order of stress × spacing at the points of cut
@@ -141,7 +143,7 @@ def support_selector(lattice: CutLattice) -> Callable[[Support], Mask]:
         if isinstance(region, Region) and not region.is_facet:
             return np.asarray(region.select(lattice.points, lattice.domain.tolerance))
         if lattice.points.shape[1] == 3 and not _is_wall(region, lattice):
-            return points_held(support, lattice)
+            return points_held(region, lattice)
         corners = corners_of(region, lattice.domain)
         flat = np.flatnonzero(np.ptp(corners, axis=0) <= lattice.domain.tolerance)
         if len(flat):

@@ -4,11 +4,10 @@ Facets are drawn by flat triangles and cut along the planes of the lattice, so t
 in one cell. A traction does the work that it does on the motion interpolated there: exact for one
 that is linear on a flat facet, and whose area is the facet's own on a bent one.
 
-A support holds points of the cells that its facets run through: all of them if a component is a
-field, which goes on to both sides of the surface as the body's own displacement does, so that a
-linear one is exact; if all are numbers, such as a clamp's 0, those no deeper in the body than half
-a cell. Facets in a plane of the lattice hold that plane's points alone, of all cells that have body
-at them; and beyond the body's rim one point more, for a cell there may be cut too.
+A support holds the points of the cells that its facets run through, but for those deeper in the
+body than half a cell; it is then met to first order in the spacing. Facets in a plane of the
+lattice hold that plane's points alone, of all cells that have body at them; and beyond the body's
+rim one point more, for a cell there may be cut too.
 """
 
 from __future__ import annotations
@@ -34,7 +33,6 @@ from msvalidate.problem import (
     Mask,
     Mesh,
     Part,
-    Support,
     Traction,
     corners_of,
     vectors_at,
@@ -42,11 +40,12 @@ from msvalidate.problem import (
 
 AWAY = 1e-3
 """Part of a cell by which bent facets may lie off the triangles that they are drawn by."""
-HALF = 0.5 + 1e-9
-"""How deep in the body, in cells, a support of plain numbers holds points. What is held then begins
-as often too early as too late. Of a turned block with a hole, clamped at one end and loaded at the
-other, at 16 cells a metre, displacements err by 0.5 %; with all points of the cells held by 11 %,
-with none inside by 10 %."""
+DEEPEST = 0.5 + 1e-9
+"""How deep in the body, in cells, a support holds points. What is held then begins as often too
+early as too late. Of a turned block with a hole, clamped at one end and loaded at the other, at 16
+cells a metre, displacements err by 0.5 %; with all points of the cells held, as in the plane, by
+11 %, and with none inside by 10 %. A linear displacement all over the surface, which all points
+would meet exactly, errs by some 1 %."""
 TOUCHED = 1e-9
 """Part of a cell's side face that a surface needs within the cell to run through it: rounding
 would decide about a cell that it touches along an edge."""
@@ -83,7 +82,7 @@ class _Grid:
         return found
 
 
-def points_held(support: Support, lattice: CutLattice) -> Mask:
+def points_held(part: Part, lattice: CutLattice) -> Mask:
     """Points (n,) of the lattice that a support on a part of the surface holds.
 
     Raises
@@ -91,15 +90,14 @@ def points_held(support: Support, lattice: CutLattice) -> Mask:
     ProblemError
         If it is no part of the surface.
     """
-    facets, h = _facets(support.region, lattice.domain), lattice.spacing
+    facets, h = _facets(part, lattice.domain), lattice.spacing
     grid = _Grid.of(lattice.points, lattice.points.min(axis=0), h)
     level, room = (facets - grid.low) / h, lattice.domain.tolerance / h
     off_plane = np.abs(level - np.rint(level[:, :1])).max(axis=1)
     axis_of = np.where((off_plane <= room).any(axis=1), off_plane.argmin(axis=1), -1)
-    depth = np.inf if any(map(callable, support.displacement)) else HALF
     held = np.zeros(len(lattice.points), dtype=bool)
     for axis in np.unique(axis_of).tolist():
-        corners = _touched_corners(facets[axis_of == axis], lattice, grid.low, axis, depth)
+        corners = _touched_corners(facets[axis_of == axis], lattice, grid.low, axis)
         found = grid.find(corners)
         held[found[found >= 0]] = True
         if axis >= 0:
@@ -145,13 +143,11 @@ def _facets(part: Part, domain: Domain) -> Array:
     return (corners if normal @ outward >= 0 else corners[::-1])[None]
 
 
-def _touched_corners(
-    facets: Array, lattice: CutLattice, low: Array, axis: int, depth: float
-) -> Index:
+def _touched_corners(facets: Array, lattice: CutLattice, low: Array, axis: int) -> Index:
     """Numbers (q, 3) of corners of the cells that facets (f, k, 3) run through.
 
     Of facets in planes of the lattice across an axis, if it is not -1, those in the plane alone; of
-    others those that lie no deeper in the body than so many cells.
+    others those that lie no deeper in the body than `DEEPEST`.
     """
     drawn = draw_surface(facets, lattice.domain.tolerance, away=AWAY * lattice.spacing)
     cells, sums = [], []
@@ -173,7 +169,7 @@ def _touched_corners(
     middle, outward = total[:, 1:4] / total[:, :1], total[:, 4:]
     length = np.linalg.norm(outward, axis=1)[:, None]
     above = np.einsum("cvd,cd->cv", corners - middle[:, None], outward)
-    near = (above >= -depth * length) if axis < 0 else np.ones(above.shape, dtype=bool)
+    near = (above >= -DEEPEST * length) if axis < 0 else np.ones(above.shape, dtype=bool)
     return np.unique(corners[near], axis=0)
 
 

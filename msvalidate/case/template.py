@@ -22,6 +22,11 @@ state = "plane_stress"    # or "plane_strain"; leave it out in space
 thickness = 1.0           # in the unit of length; leave it out in space
 # density = 1000.0        # kg/m3, for gravity
 
+# [[region]]              # a part of another material
+# box = {{ x = [2.0, 4.0] }} # or cells = "name in the mesh"
+# E = 1e6
+# nu = 0.3
+
 [[support]]               # as many as are needed to hold the body
 on = "left"               # a side: left, right, bottom, top, back, front, or a name in the mesh
 # at = {{ x = 0.0, y = [0.0, 1.0] }}   # or a place: numbers, intervals; what is left out is free

@@ -16,7 +16,8 @@ from msvalidate.case.budget import budget
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case
 from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, compare_case
-from msvalidate.case.run import case_files
+from msvalidate.case.results import read_result
+from msvalidate.case.run import case_files, judged_files
 from msvalidate.problem import (
     Box,
     Isotropic,
@@ -169,3 +170,23 @@ def test_folders_of_others_are_left(tmp_path):
         files.refuse_foreign(tmp_path)
     with pytest.raises(ProblemError, match="is a file"):
         files.refuse_foreign(tmp_path / "a")
+
+
+def test_regions_of_another_material_are_known_to_both_sides(tmp_path):
+    case = read_case(EXAMPLES / "bimaterial.toml")
+    found, content = case_files(case, plots=False)
+    by = {row.quantity: row.verdict for row in found.rows}
+    assert by["displacement"] == by["reaction"] == by["mean stress"] == "agrees"
+    assert by["point stress"] == "not asked"
+    elements = read_vtu(tmp_path, content["elements.vtu"])
+    (material,) = elements.cell_data["material"]
+    assert material.mean() == pytest.approx(0.5)
+    assert "region 1" in content["case.html"].decode()
+
+
+def test_a_foreign_field_of_a_softer_material():
+    case = read_case(EXAMPLES / "bracket.toml")
+    result = read_result(EXAMPLES / "softer.vtu", 2)
+    found, _ = judged_files(case, result, unit=1e-3, plots=False)
+    assert {each.name for each in found.explanations} == {"load", "modulus"}
+    assert found.explanations[0].value == pytest.approx(1.01, abs=1e-4)
