@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.judge import Judgement
 from msvalidate.output.body_drawing import draw_loads, draw_supports
-from msvalidate.output.figures import COLOURS, new_figure, solid_axes
+from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure, solid_axes
 from msvalidate.problem import Array, Index, Mask
 from reference_fem.body import Solution, nodal_forces
 
@@ -26,7 +26,7 @@ ARROW = 0.12
 MOST_ARROWS = 40
 UPWARDS = [0, 2, 1]
 """Axes in the order in which they are drawn in space, the last upwards."""
-WIDE, TALLEST = 6.4, 6.0
+WIDE, TALLEST = 6.2, 6.0
 
 
 def figures(
@@ -257,7 +257,7 @@ def draw_spacing(found: Comparison, lattices: pd.DataFrame) -> Figure:
             100 * found.reference.error, color="grey", ls=":", label="elasticity's own error"
         )
     axis.set(xlabel="spacing (m)", ylabel="difference (%)")
-    axis.legend()
+    add_shared_legend(figure, [axis], 2)
     return figure
 
 
