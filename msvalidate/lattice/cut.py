@@ -279,6 +279,7 @@ def _springs(
 ) -> tuple[Index, Index, Array]:
     """Springs (m, 2), their kinds (m,) and their factors (m,): what all cells give them."""
     corners = corners_of_cell(pattern.dim).tolist()
+    n = int(cells.max()) + 1
     pairs, kinds, gifts = [], [], []
     for step, kind, factor in zip(steps, pattern.kind, pattern.factor, strict=True):
         for start, corner in enumerate(corners):
@@ -287,11 +288,12 @@ def _springs(
                 continue
             # All corners that agree with the spring across it: N of those axes alone is left.
             near = [c for c, other in enumerate(corners) if _are_beside(other, corner, step)]
-            pairs.append(np.sort(cells[:, [start, corners.index(end)]], axis=1))
+            ends = cells[:, start], cells[:, corners.index(end)]
+            pairs.append(np.minimum(*ends) * n + np.maximum(*ends))
             kinds.append(np.full(len(cells), kind))
             gifts.append(factor * part[:, near].sum(axis=1))
-    springs, which = np.unique(np.concatenate(pairs), axis=0, return_inverse=True)
-    which = which.ravel()
+    pair, which = np.unique(np.concatenate(pairs), return_inverse=True)
+    springs = np.stack(np.divmod(pair, n), axis=1)
     kind_of = np.zeros(len(springs), dtype=np.intp)
     kind_of[which] = np.concatenate(kinds)
     return springs, kind_of, np.bincount(which, np.concatenate(gifts)).astype(float)
