@@ -35,6 +35,8 @@ from msvalidate.problem.mesh import LONGEST_NAME
 
 FORMATS = {".msh": "gmsh", ".vtu": "vtu", ".vtk": "vtk", ".inp": "abaqus"}
 """Suffix -> meshio's name of the format."""
+LARGEST_FILE = 1_000_000_000
+"""Bytes of a mesh file beyond which it is not read."""
 PLANE = 1e-9
 """Part of a plane mesh's size within which its third coordinate is one: the placement of a body."""
 
@@ -111,6 +113,7 @@ def _check_path(path: object) -> Path:
 def _read_content(file: Path, said: str) -> Any:
     """What meshio finds in a file; it prints what it thinks, and leaves the program on an error."""
     form = FORMATS[file.suffix.lower()]
+    _refuse_before_reading(file, form, said)
     heard = io.StringIO()
     try:
         with contextlib.redirect_stdout(heard), contextlib.redirect_stderr(heard):
@@ -127,6 +130,20 @@ def _read_content(file: Path, said: str) -> Any:
     if not len(content.points) or not len(content.cells):
         raise ProblemError(f"{said}: no {'cells' if len(content.points) else 'points'} in it")
     return content
+
+
+def _refuse_before_reading(file: Path, form: str, said: str) -> None:
+    """Refuse what would take much memory, or lead to other files: meshio follows any path."""
+    size = file.stat().st_size
+    if size > LARGEST_FILE:
+        raise ProblemError(f"{said}: {size:g} bytes; the most is {LARGEST_FILE:g}")
+    if form == "abaqus":
+        with file.open(encoding="utf-8", errors="replace") as lines:
+            for number, line in enumerate(lines, 1):
+                if line.lstrip().upper().replace(" ", "").startswith(("*INCLUDE", "*MANIFEST")):
+                    raise ProblemError(
+                        f"{said}: line {number} includes another file; join the files into one"
+                    )
 
 
 def _announced_cells(file: Path, form: str) -> int:

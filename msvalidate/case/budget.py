@@ -10,9 +10,17 @@ import pandas as pd
 
 from msvalidate.case.comparison import Comparison, largest
 from msvalidate.case.springs import SpringAnswer
-from msvalidate.problem import AXES, Array, ProblemError, SolverError
+from msvalidate.problem import AXES, Array, ProblemError, SolverError, prescribed_displacements
 from msvalidate.statics.equilibrium import equilibrium
+from reference_fem.body import nodal_forces
 from reference_fem.converged import Reference
+from reference_fem.large_strain.by_cell import laws_of
+from reference_fem.large_strain.equilibrium import deform
+from reference_fem.large_strain.hyperelastic import st_venant_kirchhoff
+from reference_fem.large_strain.solid import Solid
+
+FEW_NODES = 5_000
+"""Of the mesh on which large displacements are sought."""
 
 PARTS = {
     "spacing": "what finer lattices take away",
@@ -57,6 +65,12 @@ def budget(found: Comparison) -> pd.DataFrame:
         ("total", length / size, found.reference.error, "springs - elasticity, both linear")
     )
     rows.append(("large displacements", *_geometric(found, part)))
+    elements = elements_in_full(found)
+    if elements is not None:
+        said = (
+            "elements in full - to first order (St Venant and Kirchhoff's law), beside the springs'"
+        )
+        rows.append(("the same of elements", part(elements), 0.0, said))
     rows.append(("rest", 0.0, _rest(found), "solver and rounding of the springs"))
     rows.append(("reference", 0.0, found.reference.error, "elasticity's own error"))
     return pd.DataFrame(rows, columns=["part", "value", "doubt", "meaning"])
@@ -79,6 +93,28 @@ def _geometric(found: Comparison, part: Callable[[Array], float]) -> tuple[float
         springs.spacing, springs.lattice, springs.network, full, springs.calibration, 0.0
     )
     return part(moved.at(found.points) - found.displacement), 0.0, said
+
+
+def elements_in_full(found: Comparison) -> Array | None:
+    """What elasticity's displacement (p, d) in m at the points changes by where it is large.
+
+    On one mesh, with dead loads as the springs have; None in plane stress, where there is no such
+    law here, of nearly incompressible bodies, and where no equilibrium is found.
+    """
+    problem = found.case.problem
+    meshes = [each for each in found.reference.solutions if len(each.body.points) <= FEW_NODES]
+    states = {getattr(law, "state", "") for law in problem.materials}
+    if not meshes or meshes[-1].pressure is not None or states - {"plane_strain", "solid"}:
+        return None
+    linear, law = meshes[-1], problem.material
+    held, moved = prescribed_displacements(problem, linear.body.points)
+    try:
+        whole = laws_of(problem, linear.body, st_venant_kirchhoff)
+        solid = Solid(linear.body, whole, held, law.thickness)
+        full = deform(solid, moved, nodal_forces(problem, linear.body))
+    except (ProblemError, SolverError):
+        return None
+    return np.asarray(full.at(found.points) - linear.at(found.points))
 
 
 def tables(found: Comparison) -> dict[str, pd.DataFrame]:

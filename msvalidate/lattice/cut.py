@@ -298,8 +298,9 @@ def _springs(
     """Springs (m, 2), their kinds (m,) and their factors (m,): what all cells give them."""
     found = _gifts(pattern, steps, cells, part)
     pairs = np.concatenate([pair for pair, _, _ in found])
-    springs, which = np.unique(pairs, axis=0, return_inverse=True)
-    which = which.ravel()
+    n = int(cells.max()) + 1
+    key, which = np.unique(pairs[:, 0] * n + pairs[:, 1], return_inverse=True)
+    springs = np.stack(np.divmod(key, n), axis=1)
     kind_of = np.zeros(len(springs), dtype=np.intp)
     kind_of[which] = np.repeat([kind for _, kind, _ in found], len(cells))
     factor = np.bincount(which, np.concatenate([gift for _, _, gift in found]))

@@ -62,11 +62,11 @@ def test_a_bar_in_tension_converges_at_any_slope():
     problem = Problem(mesh, SOLID, (end,), (Traction(mesh.side("right"), tuple(along)),))
     error = [
         deviation(problem, cut_lattice(patterns.cubic18(), mesh, 0.5 / n), lambda x: x @ strain)
-        for n in (5, 14)
+        for n in (5, 10)
     ]
     # The end that is held begins up to half a cell early or late: of first order.
-    assert error[1] < 0.012
-    assert 0.8 < np.log(error[0] / error[1]) / np.log(14 / 5) < 1.4
+    assert error[1] < 0.02
+    assert 0.8 < np.log(error[0] / error[1]) / np.log(2) < 1.4
 
 
 def test_a_ball_under_pressure_converges():
