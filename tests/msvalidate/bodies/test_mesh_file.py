@@ -378,3 +378,13 @@ def test_names_inside_the_body_and_of_another_order_are_refused(tmp_path):
     blocks = [("triangle6", mesh.cells), ("line", mesh.boundaries["left"][:, :2])]
     with refused("boundary 'boundary:1': line cells on sides of triangle6 cells; mesh both to"):
         read_mesh(bad(mesh.points, blocks, tmp_path, cell_data={"boundary": [[0, 0], [1]]}))
+
+
+def test_files_that_include_others_are_refused(tmp_path):
+    """The reader follows any path."""
+    (tmp_path / "secret.txt").write_text("*NODE\n1, 0, 0\n", encoding="utf-8")
+    path = tmp_path / "part.inp"
+    for line in ("*INCLUDE, INPUT=secret.txt", " *include,input=/etc/passwd", "*MANIFEST, INPUT=a"):
+        path.write_text(f"*NODE\n1, 0, 0\n{line}\n", encoding="utf-8")
+        with pytest.raises(ProblemError, match="line 3 includes another file; join the files"):
+            read_mesh(path)

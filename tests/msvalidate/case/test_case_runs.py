@@ -54,6 +54,17 @@ def test_springs_of_the_material_are_coarse_at_worst():
     assert abs(parts.loc["boundary", "value"]) <= parts.loc["boundary", "doubt"]
 
 
+def test_large_displacements_of_both_sides_stand_beside_each_other():
+    loads = (Traction(BEAM.side("right"), (0.0, -1000.0)),)
+    held = (Support(BEAM.side("left"), (0.0, 0.0)),)
+    law = Isotropic(1e5, 0.3, "plane_strain")
+    found = compare_case(Case(Problem(BEAM, law, held, loads), cells=10))
+    parts = budget(found).set_index("part")["value"]
+    springs, elements = parts["large displacements"], parts["the same of elements"]
+    assert abs(springs) > 0.005
+    assert elements == pytest.approx(springs, rel=0.3)
+
+
 def test_springs_of_another_material_are_told_from_coarse_ones():
     found = compare_case(beam(cells=10, constants=(1e5, 2e5)))
     assert found.kind == OTHER_MATERIAL
