@@ -133,7 +133,8 @@ def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace)
         ("--update", args.update),
         ("--junit", args.junit),
     ):
-        if value and args.verb != "check":
+        of_candidate = option == "--junit" and args.candidate
+        if value and args.verb != "check" and not of_candidate:
             parser.error(f"{option} goes with 'check' only; leave it out")
     if args.tables and args.verb != "run":
         parser.error(f"{args.verb} prints no tables; leave --table out")

@@ -9,6 +9,7 @@ size, since numbers lose digits with their distance from the origin. In double p
 from __future__ import annotations
 
 import zlib
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -160,41 +161,58 @@ def measure_grid(points: Array, displacement: Array) -> float | None:
     -------
     float or None
         Half a step of the coarsest grid that all of them lie on, over the largest coordinate; 0 if
-        they lie on none, None if they are too few, or on too even a grid, to show any.
+        they lie on none, None if they are too few, or on too even a grid, to show any. For
+        significant decimal digits the step is that of most numbers, else of the largest.
     """
     place = points + displacement
     largest = float(np.abs(place).max())
     moved = displacement[displacement != 0]
     if len(moved) < LEAST or not largest:
         return None
-    span = float(np.ptp(displacement))
-    found, even = 0.0, False
+    span, found = float(np.ptp(displacement)), 0.0
     for values in (place.ravel(), moved):
-        size = float(np.abs(values).max())
-        for rounded, step in _roundings(values, size):
-            # Numbers far below the step of their own size show nothing; those that do must fit.
-            if np.abs(rounded - values).max() > ROUNDING * size or step <= 8 * ROUNDING * size:
-                continue
-            if span < LEVELS * step:
-                even = True
-            else:
-                found = max(found, step / 2 / largest)
-    return None if even and not found else found
+        for family in (_binary, _decimal, _significant):
+            step = _coarsest(family(values), values)
+            if step and span < LEVELS * step:
+                return None
+            found = max(found, step / 2 / largest)
+    return found
 
 
-def _roundings(values: Array, size: float) -> list[tuple[Array, float]]:
-    """Values as each format would round them, and its largest step for values up to a size."""
-    found = []
-    with np.errstate(over="ignore", under="ignore"):
-        for kind in FORMATS:
-            rounded = values.astype(kind).astype(float)
-            found.append((rounded, float(np.spacing(kind(size)))))
-    found += [(np.round(values, places), 10.0**-places) for places in DECIMALS]
+def _coarsest(family: Iterable[tuple[Array, Array]], values: Array) -> float:
+    """Step of the coarsest format that values lie on, of formats from coarse to fine; 0 for none.
+
+    Of decimal digits it is that of three quarters of the values or less: the largest may be a few
+    even ones, such as prescribed places, and steps differ by ten.
+    """
+    size = float(np.abs(values).max())
+    for rounded, steps in family:
+        step = float(np.quantile(steps, 0.75))
+        if step <= 8 * ROUNDING * size:
+            return 0.0  # of double precision's own size: everything lies on it
+        if np.abs(rounded - values).max() <= ROUNDING * size:
+            return step
+    return 0.0
+
+
+def _binary(values: Array) -> Iterator[tuple[Array, Array]]:
+    for kind in FORMATS:
+        with np.errstate(over="ignore", under="ignore"):
+            rounded = values.astype(kind)
+            if np.isfinite(rounded).all():
+                yield rounded.astype(float), np.spacing(np.abs(rounded).max(keepdims=True))
+
+
+def _decimal(values: Array) -> Iterator[tuple[Array, Array]]:
+    for places in DECIMALS:
+        yield np.round(values, places), np.array([10.0**-places])
+
+
+def _significant(values: Array) -> Iterator[tuple[Array, Array]]:
     power = np.floor(np.log10(np.abs(np.where(values == 0, 1.0, values))))
     for digits in DIGITS:
-        step = 10.0 ** (power + 1 - digits)
-        found.append((np.round(values / step) * step, float(step.max())))
-    return [(rounded, step) for rounded, step in found if np.isfinite(rounded).all()]
+        steps = 10.0 ** (power + 1 - digits)
+        yield np.round(values / steps) * steps, steps
 
 
 def _fingerprint(network: Network, answer: str) -> int:
