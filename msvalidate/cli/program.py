@@ -113,7 +113,15 @@ def _report(args: argparse.Namespace) -> int:
         tell(f"report in {args.out / 'report.html'}")
     if any(study.error for study in studies):
         return FAILED
-    return HELD if all(study.held for study in studies) else MISSED
+    return max([HELD, *(_missed_code(study) for study in studies if not study.held)])
+
+
+def _missed_code(study: Stored | Outcome) -> int:
+    """Exit code of a study that did not hold; nothing is known if none of its rows is resolved."""
+    from msvalidate.judging.evidence import is_missed
+
+    unknown = len(study.verdict) and not is_missed(study.verdict).any()
+    return NOTHING if unknown else MISSED
 
 
 def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
@@ -231,8 +239,6 @@ def _results(found: Mapping[str, Outcome], args: argparse.Namespace) -> Results:
 
 def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
     """Say how a study ended; its exit code if that was not with all held."""
-    from msvalidate.judging.evidence import is_missed
-
     codes = []
     if outcome.fault:
         code = USAGE if outcome.fault == "problem" else FAILED
@@ -240,9 +246,7 @@ def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
         if args.verbose and outcome.fault == "crash":
             tell(outcome.trace)
     elif not outcome.held:
-        # Of a candidate of which nothing is resolved, nothing is known: it did not miss anything.
-        unknown = len(outcome.verdict) and not is_missed(outcome.verdict).any()
-        codes.append(NOTHING if unknown else MISSED)
+        codes.append(_missed_code(outcome))
     _say(outcome, args)
     return codes
 

@@ -135,6 +135,11 @@ class Section:
         return self.origin.get("candidate", "")
 
     @property
+    def asked(self) -> str:
+        """Which of the study's questions were asked; "" for all."""
+        return self.origin.get("questions", "")
+
+    @property
     def open(self) -> int:
         """How many quantities were not resolved."""
         return sum(layer.open for layer in self.layers)
@@ -170,7 +175,8 @@ def render_page(studies: Sequence[Stored]) -> str:
         sentence=sentence,
         heading=verdict_heading(sections),
         sections=sections,
-        front=first_screen(studies),
+        # What our own springs are good for is no part of what is said of somebody else's.
+        front=None if sections and all(s.candidate for s in sections) else first_screen(studies),
         picture=next((p for s in sections for p in s.pictures if p.file == FIGURE), None),
         there={section.name: section.anchor for section in sections},
         # An unfinished study's rows are of the run before: they say nothing about this one.
