@@ -33,8 +33,9 @@ from msvalidate.problem import Array, Problem, ProblemError, SolverError
 Run = Callable[..., Evidence]
 SEEDS = (1, 2, 3)
 """Of the perturbations; rounding to the grid is one more."""
-MARGIN = 3.0
-"""Times the largest move of them by which a limit is widened: the next draw may be larger."""
+MARGIN = 4.0
+"""Times the largest move of them by which a limit is widened: the next draw may be larger. In 150
+draws of ten rows of `poisson` it was up to 2.9 times as large."""
 FAULT = 0.01
 """Size of the faults that a row must still notice if it did by its own limit."""
 FAULTS: Mapping[str, tuple[Callable[[Network, float], Network], float]] = {
