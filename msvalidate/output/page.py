@@ -41,7 +41,6 @@ MANY_COLUMNS = 10
 LONG = 28
 """Characters beyond which a cell is prose, which needs some width to be readable."""
 PASS, FAIL, NOT_FINISHED = "pass", "FAIL", "not finished"
-CANDIDATES = (AGREES, DIFFERS, *OPEN)
 MISSES = (FAIL, DIFFERS)
 STATES = (FAIL, DIFFERS, NOT_FINISHED, NOT_RESOLVED, PASS, AGREES)
 """What may be said of a study, what a reader must know first before the rest."""
@@ -223,11 +222,11 @@ def study_status(study: Stored) -> str:
 
 def verdict_heading(sections: Sequence[Section]) -> str:
     """Whose verdict the page begins with."""
-    names = list(dict.fromkeys(s.candidate for s in sections if s.candidate))
+    names = ", ".join(dict.fromkeys(s.candidate for s in sections if s.candidate))
     if not names:
         return "The software's own verdict"
     ours = "" if all(s.candidate for s in sections) else ", and the software's own"
-    return f"Verdict on {', '.join(names)}{ours}"
+    return f"Verdict on {names}{ours}"
 
 
 def overall_verdict(sections: Sequence[Section]) -> tuple[str, str]:
@@ -284,7 +283,7 @@ def judgements(study: Stored) -> list[Judgement]:
         words = {k: str(said.get(k, "")) for k in ("layer", "quantity", "unit", "because")}
         numbers = {k: format_number(float(said[k])) for k in NUMBERS}
         word = str(said["verdict"])
-        status = PASS if word == "pass" else word if word in CANDIDATES else FAIL
+        status = PASS if word == "pass" else word if word in (AGREES, DIFFERS, *OPEN) else FAIL
         found.append(Judgement(study=study.name, status=status, **words, **numbers))
     return found
 
