@@ -233,6 +233,21 @@ BAD_COMMANDS = [
     (["report", "check"], "stands alone"),
     (["poisson", "--full"], "--full goes with 'check' only; leave it out"),
     (["all", "--junit", "x.xml"], "--junit goes with 'check' only; leave it out"),
+    (["check", "--candidate", "a:b"], "--candidate goes with 'run' only"),
+    (["check", "poisson", "--questions", "cube"], "--questions goes with 'run' only"),
+    (["all", "--candidate", "a:b"], "--candidate: name the studies that can judge it"),
+    (["poisson", "--accuracy", "1e-7"], "--accuracy is that of a candidate"),
+    (["poisson", "--candidate", "a:b", "--accuracy", "1"], "'1' is no number from 0 to below 1"),
+    (["poisson", "cost", "--questions", "fem"], "--questions are those of one study"),
+    (["poisson", "--questions", "cube,"], "give names with commas between them"),
+    (["poisson", "--candidate", "a"], "--candidate 'a'; give module:function"),
+    (["poisson", "--candidate", "no_such:f"], "no_such cannot be imported (ModuleNotFoundError"),
+    (["poisson", "--candidate", "no.py:f"], "--candidate: no file no.py"),
+    (["poisson", "--candidate", "math:pie"], "no 'pie' in math; did you mean 'pi'?"),
+    (["poisson", "--candidate", "math:pi"], "3.141592653589793; give a function of (problem,"),
+    (["poisson", "--candidate", "ast:dump_all"], "no 'dump_all' in ast"),
+    (["poisson", "--candidate", "math:sin"], "give a function of (problem, network, answer)"),
+    (["claims", "--candidate", "math:sin"], "claims judges what other studies found"),
     (["check", "--update"], '--update and --reason "..." go together; give both or none'),
     (["check", "--reason", "so"], '--update and --reason "..." go together; give both or none'),
     (["check", "--update", "--reason", " "], "argument --reason: ' '; say why in one line"),
@@ -852,3 +867,34 @@ def test_a_place_for_junit_that_is_taken(checked):
         assert done.returncode == 2
         assert f"--junit {place}: {said}" in done.stderr
         assert len(done.stderr.splitlines()) == 1
+
+
+SINGLE = """
+import numpy as np
+from msvalidate.judging.candidate import solve_springs
+
+
+def mine(problem, network, answer):
+    place = network.points + solve_springs(problem, network, answer)
+    return place.astype(np.float32) - network.points
+"""
+
+
+def test_a_candidate_has_a_page_of_its_own(tmp_path):
+    (tmp_path / "own.py").write_text(SINGLE, encoding="utf-8")
+    asked = ["poisson", "--quick", "--questions", "algorithm1", "--no-plots", "--junit", "j.xml"]
+    done = run(*asked, "--candidate", "own.py:mine", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"poisson: own.py:mine, 3 rows, agrees: 1, not resolved: 2", done.stderr)
+    folder = tmp_path / "reports" / "candidate"
+    row, *_ = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
+    assert (row["candidate"], row["verdict"]) == ("own.py:mine", "not resolved")
+    assert "widened to" in row["because"]
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Verdict on own.py:mine" in page
+    assert "algorithm1; the others were not asked" in page
+    assert "The software's own verdict" not in page
+    assert "What springs are good for" not in page
+    assert "<skipped" in (tmp_path / "j.xml").read_text(encoding="utf-8")
+    again = run("report", "--out", "reports/candidate", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr

@@ -19,10 +19,17 @@ VERBS = {
     "report": "report.html again, from stored results",
 }
 """Commands, and what each does."""
-PLACES = {"--out": "DIR", "--junit": "FILE", "--studies": "DIR"}
+PLACES = {
+    "--out": "DIR",
+    "--junit": "FILE",
+    "--studies": "DIR",
+    "--candidate": "MODULE:FUNCTION",
+}
 """Options whose value is the reader's own affair: option -> what a report shows in its place."""
-VALUED = {*PLACES, "--seed", "--jobs", "--table", "--reason"}
+VALUED = {*PLACES, "--seed", "--jobs", "--table", "--reason", "--accuracy", "--questions"}
 """Options that take the next word."""
+LATEST, CANDIDATES = Path("reports/latest"), Path("reports/candidate")
+"""Where results go: those of a candidate do not take the place of our own."""
 CASE = "your own body: case new, case run, case schema"
 COMMANDS = "\n".join(f"  {verb:<8}{said}" for verb, said in {**VERBS, "case": CASE}.items())
 FIRST = f"""\
@@ -79,6 +86,8 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
         parser.error(
             f"--update: {foreign[0]} is a study of your own and has no baseline; leave it out"
         )
+    _refuse_partial(parser, args)
+    args.out = args.out or (CANDIDATES if args.candidate else LATEST)
     args.form = "quick" if args.quick or (args.verb == "check" and not args.full) else "full"
     _refuse_misplaced(parser, args)
     return args
@@ -126,7 +135,8 @@ def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace)
         ("--update", args.update),
         ("--junit", args.junit),
     ):
-        if value and args.verb != "check":
+        of_candidate = option == "--junit" and args.candidate
+        if value and args.verb != "check" and not of_candidate:
             parser.error(f"{option} goes with 'check' only; leave it out")
     if args.tables and args.verb != "run":
         parser.error(f"{args.verb} prints no tables; leave --table out")
@@ -139,6 +149,26 @@ def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace)
         parser.error('--update and --reason "..." go together; give both or none')
     if args.verb == "check" and (args.quick or args.seed):
         parser.error("check has its own form and seed; leave --quick and --seed out")
+
+
+def _refuse_partial(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
+    """End the program if a candidate, or some questions, are asked for where they cannot be."""
+    for option, value in (
+        ("--candidate", args.candidate),
+        ("--accuracy", args.accuracy),
+        ("--questions", args.questions),
+    ):
+        if value is not None and args.verb != "run":
+            parser.error(
+                f"{option} goes with 'run' only: check holds our own whole studies to their "
+                "baseline; leave it out"
+            )
+    if args.accuracy is not None and args.candidate is None:
+        parser.error("--accuracy is that of a candidate; give --candidate too, or leave it out")
+    if args.candidate is not None and not args.named:
+        parser.error("--candidate: name the studies that can judge it, such as displacement")
+    if args.questions is not None and (not args.named or len(args.studies) > 1):
+        parser.error("--questions are those of one study; name it alone")
 
 
 def _parser(verb: str) -> argparse.ArgumentParser:
@@ -171,11 +201,12 @@ def _parser(verb: str) -> argparse.ArgumentParser:
     add(
         "--out",
         type=_path,
-        default=Path("reports/latest"),
+        default=None,
         metavar="DIR",
         help=told(
             verb != "list",
-            "folder for tables, figures, report.html and verdict.json (default: %(default)s)",
+            f"folder for tables, figures, report.html and verdict.json (default: {LATEST}"
+            + (f"; with --candidate {CANDIDATES})" if runs else ")"),
         ),
     )
     add(
@@ -220,6 +251,7 @@ def _parser(verb: str) -> argparse.ArgumentParser:
         metavar="TABLE",
         help=told(runs, "print this table alone, and whole; may be given again for another"),
     )
+    _add_candidate(parser, shown=runs)
     _add_check(parser, shown=checks)
     _add_volume(parser)
     # One line, without the usage.
@@ -236,6 +268,34 @@ def _add_volume(parser: argparse.ArgumentParser) -> None:
         "-v", "--verbose", action="store_true", help="print all tables, and tracebacks of crashes"
     )
     parser.add_argument("--version", action="version", version=f"msvalidate {__version__}")
+
+
+def _add_candidate(parser: argparse.ArgumentParser, *, shown: bool) -> None:
+    def told(text: str) -> str:
+        return text if shown else argparse.SUPPRESS
+
+    add = parser.add_argument
+    add(
+        "--candidate",
+        type=_line,
+        metavar="MODULE:FUNCTION",
+        help=told("judge this in the place of our springs; file.py:function too. It is run"),
+    )
+    add(
+        "--accuracy",
+        type=_part,
+        metavar="A",
+        help=told(
+            "error of the candidate's positions over the largest coordinate; by default read off "
+            "its numbers"
+        ),
+    )
+    add(
+        "--questions",
+        type=_names,
+        metavar="A,B",
+        help=told("only these questions of the one study that is named"),
+    )
 
 
 def _add_check(parser: argparse.ArgumentParser, *, shown: bool) -> None:
@@ -278,6 +338,23 @@ def _line(text: str) -> str:
     if not text.strip() or not text.isprintable():
         raise argparse.ArgumentTypeError(f"{text!r}; say why in one line")
     return text.strip()
+
+
+def _part(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number from 0 to below 1, such as 6e-8")
+    return value
+
+
+def _names(text: str) -> tuple[str, ...]:
+    found = tuple(dict.fromkeys(name.strip() for name in text.split(",")))
+    if not all(found) or not text.isprintable():
+        raise argparse.ArgumentTypeError(f"{text!r}; give names with commas between them")
+    return found
 
 
 def _whole(least: int) -> Callable[[str], int]:

@@ -5,6 +5,7 @@ What comes of it can be sent from one process to another, so that studies may ru
 
 from __future__ import annotations
 
+import inspect
 import time
 import traceback
 from collections.abc import Mapping
@@ -14,8 +15,10 @@ from typing import Literal
 
 import pandas as pd
 
+from msvalidate.cli.candidates import load_candidate, shown_name
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import Evidence, all_passed, judge
+from msvalidate.judging.foreign import judge_candidate
 from msvalidate.judging.sweep import Setting
 from msvalidate.output import baseline, stored
 from msvalidate.output.junit import printable
@@ -47,6 +50,12 @@ class Task:
         Form of the baseline that its tables are held to, "quick" or "full"; "" for none.
     results
         What other studies found, for one that puts that together; None for others.
+    candidate
+        Whom it judges, as ``module:function`` or ``file.py:function``; "" for our own.
+    accuracy
+        That the candidate is said to have; None has it measured.
+    questions
+        Of the study that are asked; None asks all.
     """
 
     name: str
@@ -55,6 +64,9 @@ class Task:
     plots: bool = True
     against: str = ""
     results: Results | None = None
+    candidate: str = ""
+    accuracy: float | None = None
+    questions: tuple[str, ...] | None = None
 
     @property
     def form(self) -> str:
@@ -128,18 +140,13 @@ def run_task(task: Task) -> Outcome:
     """
     clock = Clock()
     try:
-        given = {} if task.results is None else {"candidate": task.results}
-        evidence = catalogue.load(task.name).run(setting=task.setting, **given)
-        require_type("what its run returns", evidence, Evidence)
-        seconds = clock.seconds
-        verdict, rows = judge(evidence), []
+        evidence, verdict = _judged(task)
+        seconds, rows = clock.seconds, []
         if task.against:
             rows = baseline.compare(evidence, baseline.baseline_folder(task.against) / task.name)
             verdict = pd.concat([verdict, pd.DataFrame(rows)], ignore_index=True)
         result = Result(task.name, catalogue.docstring(task.name), evidence, verdict)
-        origin = collect_provenance(
-            task.command, task.setting.seed, clock.started, seconds, form=task.form
-        )
+        origin = _origin(task, clock, seconds)
         files = stored.result_files(result, origin, seconds=seconds, plots=task.plots)
     except (ProblemError, SolverError) as error:
         said = printable(str(error))
@@ -150,6 +157,35 @@ def run_task(task: Task) -> Outcome:
     # Functions that draw may be of any kind, and not all can be sent to another process.
     found = replace(result, evidence=replace(evidence, figures={}))
     return Outcome(task.name, found.question, seconds, origin, found, files, compared=bool(rows))
+
+
+def _judged(task: Task) -> tuple[Evidence, pd.DataFrame]:
+    """What a study found, and its verdict by its own limits, or by those for a candidate."""
+    run = catalogue.load(task.name).run
+    if task.questions is not None and "questions" not in inspect.signature(run).parameters:
+        raise ProblemError(f"--questions: {task.name} has one question only; leave it out")
+    if task.candidate:
+        candidate = load_candidate(task.candidate)
+        found = judge_candidate(run, candidate, task.setting, task.questions, task.accuracy)
+        return found.evidence, found.verdict
+    given: dict[str, object] = {} if task.results is None else {"candidate": task.results}
+    if task.questions is not None:
+        given["questions"] = task.questions
+    evidence = run(setting=task.setting, **given)
+    require_type("what its run returns", evidence, Evidence)
+    return evidence, judge(evidence)
+
+
+def _origin(task: Task, clock: Clock, seconds: float) -> dict[str, str]:
+    """Provenance of a study's results; of a candidate or of some questions it says so."""
+    found = collect_provenance(
+        task.command, task.setting.seed, clock.started, seconds, form=task.form
+    )
+    if task.candidate:
+        found["candidate"] = printable(shown_name(task.candidate))
+    if task.questions is not None:
+        found["questions"] = f"{', '.join(task.questions)}; the others were not asked"
+    return found
 
 
 def crashed_outcome(task: Task, clock: Clock, error: BaseException) -> Outcome:
@@ -166,9 +202,7 @@ def unfinished_outcome(
 ) -> Outcome:
     """The outcome of a study that did not finish."""
     seconds = clock.seconds
-    origin = collect_provenance(
-        task.command, task.setting.seed, clock.started, seconds, form=task.form
-    )
+    origin = _origin(task, clock, seconds)
     question = catalogue.docstring(task.name)
     return Outcome(
         task.name, question, seconds, origin, error=error, said=said, trace=trace, fault=fault

@@ -125,7 +125,15 @@ def _report(args: argparse.Namespace) -> int:
         tell(f"report in {args.out / 'report.html'}")
     if any(study.error for study in studies):
         return FAILED
-    return HELD if all(study.held for study in studies) else MISSED
+    return max([HELD, *(_missed_code(study) for study in studies if not study.held)])
+
+
+def _missed_code(study: Stored | Outcome) -> int:
+    """Exit code of a study that did not hold; nothing is known if none of its rows is resolved."""
+    from msvalidate.judging.evidence import is_missed
+
+    unknown = len(study.verdict) and not is_missed(study.verdict).any()
+    return NOTHING if unknown else MISSED
 
 
 def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
@@ -140,6 +148,8 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     _refuse_unknown_tables(args)
     for name in args.studies:
         catalogue.load(name)
+    if args.candidate:
+        _check_candidate(args)
     if not args.quiet:
         kernels = logging.getLogger("msvalidate.kernels")
         kernels.setLevel(logging.INFO)
@@ -161,6 +171,14 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
             tell(ending_of_all(outcomes, time.perf_counter() - clock))
         tell(f"results in {args.out}, to read in {args.out / 'report.html'}")
     return max([*codes, HELD])
+
+
+def _check_candidate(args: argparse.Namespace) -> None:
+    """Raise `ProblemError`, before the work, for what cannot be a candidate of the studies."""
+    from msvalidate.cli.candidates import check_candidate
+
+    for name in args.studies:
+        check_candidate(args.candidate, name, catalogue.load(name))
 
 
 def _strangers(args: argparse.Namespace) -> list[int]:
@@ -193,7 +211,14 @@ def _run_studies(
     command = tuple(as_shown(arguments))
     # A study of a user's own has no baseline here: its tolerances alone judge it.
     compared = {name: against if catalogue.is_ours(name) else "" for name in args.studies}
-    tasks = [Task(name, setting, command, args.plots, compared[name]) for name in args.studies]
+    asked = {
+        "candidate": args.candidate or "",
+        "accuracy": args.accuracy,
+        "questions": args.questions,
+    }
+    tasks = [
+        Task(name, setting, command, args.plots, compared[name], **asked) for name in args.studies
+    ]
 
     def began(name: str) -> None:
         if args.verbose:
@@ -233,7 +258,7 @@ def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
         if args.verbose and outcome.fault == "crash":
             tell(outcome.trace)
     elif not outcome.held:
-        codes.append(MISSED)
+        codes.append(_missed_code(outcome))
     _say(outcome, args)
     return codes
 
@@ -299,7 +324,8 @@ def _say(study: Stored | Outcome, args: argparse.Namespace) -> None:
     """What a study missed, and how it ended, to stderr."""
     for line in failure_lines(study, f"{args.out / study.name}{os.sep}verdict.csv"):
         tell(line)
-    if args.form == "quick" and not (study.held or study.error):
+    ours = "candidate" not in study.origin  # whose limits were those of the recorded faults
+    if args.form == "quick" and ours and not (study.held or study.error):
         for line in suspect_line(study):
             tell(line)
     if not args.quiet:
@@ -313,12 +339,15 @@ def _refuse_unknown_tables(args: argparse.Namespace) -> None:
     """
     if not args.tables:
         return
+    from msvalidate.judging.foreign import TABLE
     from msvalidate.output import baseline
     from msvalidate.problem import ProblemError
     from msvalidate.problem.checks import format_value
 
     known = {"verdict"}.union(*map(baseline.tables, args.studies))
-    if len(known) == 1:
+    if args.candidate:
+        known.add(TABLE)
+    elif len(known) == 1:
         return  # nothing to go by
     words = known.union(*map(catalogue.words, args.studies))
     for name in args.tables:

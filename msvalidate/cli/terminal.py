@@ -124,8 +124,11 @@ def suspect_line(study: Stored | Outcome) -> list[str]:
 
 def missed_rows(study: Stored | Outcome) -> list[dict[str, Any]]:
     """Rows of a verdict that were missed, worst first; what is no number, and baseline, last."""
-    rows: list[Any] = [] if study.error else study.verdict.to_dict("records")
-    missed = [row for row in rows if row["verdict"] != "pass"]
+    from msvalidate.judging.evidence import is_missed
+
+    missed: list[Any] = []
+    if not study.error:
+        missed = study.verdict[is_missed(study.verdict)].to_dict("records")
     return sorted(
         missed,
         key=lambda row: (
@@ -143,6 +146,10 @@ def ending(study: Stored | Outcome) -> str:
     said = f"{rows - missed} of {rows} held"
     if study.error:
         said = "not finished"
+    elif "candidate" in study.origin:
+        counts = Counter(study.verdict["verdict"])
+        words = ", ".join(f"{word}: {many}" for word, many in sorted(counts.items()))
+        said = f"{study.origin['candidate']}, {rows} rows, {words}"
     elif not study.held:
         said = f"FAILED, {rows} row{'s' * (rows != 1)}: {rows - missed} held, {missed} missed"
     return f"{study.name}: {said}" + (f", {study.seconds:.1f} s" if study.seconds else "")

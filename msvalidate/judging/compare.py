@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
-from msvalidate.judging.evidence import Observed
+from msvalidate.judging.evidence import AGREES, DIFFERS, NOT_AT_REST, NOT_RESOLVED, Observed
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, numbers
 
-AGREES, DIFFERS, NOT_RESOLVED, NOT_AT_REST = "agrees", "differs", "not resolved", "not at rest"
 NOT_ASKED = "not asked"
-"""What is said of a candidate beside elasticity."""
+"""What is said, beside the verdicts of `evidence`, where a candidate was not looked at."""
 CONFIDENCE = 0.95
 """Of the interval in which the true exponent of a fitted power lies, were its scatter random."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeVar
@@ -11,7 +12,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.problem.checks import require_type
+from msvalidate.problem.checks import format_value, require_type
 
 T = TypeVar("T")
 Tables = Mapping[str, pd.DataFrame]
@@ -19,6 +20,11 @@ Layer = Literal["theory", "agreement", "regression", "baseline"]
 """What a judgement holds a value to: formulas, orders, identities and the reference's own accuracy;
 a band between springs and elasticity, whose width has a reason of its own; a limit that was set
 from a measurement, which notices a change and proves nothing; or the value as it was."""
+AGREES, DIFFERS, NOT_RESOLVED, NOT_AT_REST = "agrees", "differs", "not resolved", "not at rest"
+"""What is said of somebody else's candidate, in the place of pass and fail."""
+HELD, OPEN = ("pass", AGREES), (NOT_RESOLVED, NOT_AT_REST)
+"""Verdicts of rows that held, and of those that say neither that they held nor that they did not.
+Any other is a miss."""
 UNGATED = ("_seconds", "_per_second", "_bytes", "_here")
 """Endings of columns that depend on the machine, or on its rounding: in the tables, and not held to
 the baseline."""
@@ -170,9 +176,20 @@ def gather_evidence(
     ProblemError
         If none is asked, or one that is none of the study's.
     """
-    asked = set(study) if questions is None else set(questions)
-    if not asked or not asked <= set(study):
-        raise ProblemError(f"questions: {questions!r}; choose from {', '.join(study)}")
+    if questions is None:
+        return merge(*(answer() for answer in study.values()))
+    # A text is a row of letters to Python; a reader means one question.
+    if isinstance(questions, str) or not isinstance(questions, Iterable):
+        raise ProblemError(
+            f"questions: {format_value(questions)}; choose from {', '.join(study)}, in a tuple"
+        )
+    asked = list(questions)
+    unknown = [name for name in asked if name not in study]
+    if unknown or not asked:
+        near = difflib.get_close_matches(str(unknown[0]), study, n=1) if unknown else []
+        hint = f"did you mean {near[0]!r}?" if near else f"choose from {', '.join(study)}"
+        given = format_value(unknown[0]) if unknown else "none"
+        raise ProblemError(f"questions: {given}; {hint}")
     return merge(*(answer() for name, answer in study.items() if name in asked))
 
 
@@ -213,8 +230,15 @@ def judge_one(tolerance: Tolerance, seen: Observed) -> dict[str, object]:
 
 
 def all_passed(verdict: pd.DataFrame) -> bool:
-    """Whether a judgement has rows, and every one of them passed."""
-    return bool(len(verdict)) and bool((verdict["verdict"] == "pass").all())
+    """Whether a judgement has rows that held, and none was missed; see `HELD`."""
+    if verdict.empty:
+        return False
+    return bool(verdict["verdict"].isin(HELD).any()) and not is_missed(verdict).any()
+
+
+def is_missed(verdict: pd.DataFrame) -> pd.Series:
+    """Which rows of a judgement were missed."""
+    return ~verdict["verdict"].isin((*HELD, *OPEN))
 
 
 def _is_missing(value: object) -> bool:

@@ -6,15 +6,20 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.etree import ElementTree as ET
 
+from msvalidate.judging.evidence import HELD, OPEN
 from msvalidate.output.stored import Stored
 
 
 def junit_xml(studies: Sequence[Stored]) -> bytes:
-    """A test suite a study; a study that did not finish is an error, a missed limit a failure."""
+    """A test suite a study; a study that did not finish is an error, a missed limit a failure.
+
+    What is not resolved is skipped: it neither held nor failed.
+    """
     root = ET.Element("testsuites", name="msvalidate")
     for study in studies:
         rows = [] if study.error else study.verdict.to_dict("records")
-        failed = sum(row["verdict"] != "pass" for row in rows)
+        failed = sum(row["verdict"] not in (*HELD, *OPEN) for row in rows)
+        left_open = sum(row["verdict"] in OPEN for row in rows)
         suite = ET.SubElement(
             root,
             "testsuite",
@@ -24,11 +29,16 @@ def junit_xml(studies: Sequence[Stored]) -> bytes:
             errors=str(int(bool(study.error))),
             time=f"{study.seconds:.3f}",
         )
+        if left_open:
+            suite.set("skipped", str(left_open))
         for row in rows:
             case = ET.SubElement(
                 suite, "testcase", classname=f"{study.name}.{row['layer']}", name=row["quantity"]
             )
-            if row["verdict"] != "pass":
+            if row["verdict"] in OPEN:
+                said = f"{row['verdict']}: {row['because']}"
+                ET.SubElement(case, "skipped", message=printable(said))
+            elif row["verdict"] not in HELD:
                 ET.SubElement(case, "failure", message=failure_line(row)).text = printable(
                     row["because"]
                 )

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from msvalidate.judging.evidence import AGREES, DIFFERS, NOT_RESOLVED, OPEN, is_missed
 from msvalidate.output.front import FIGURE, first_screen
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.output.stored import NUMBERS, Stored
@@ -40,6 +41,9 @@ MANY_COLUMNS = 10
 LONG = 28
 """Characters beyond which a cell is prose, which needs some width to be readable."""
 PASS, FAIL, NOT_FINISHED = "pass", "FAIL", "not finished"
+MISSES = (FAIL, DIFFERS)
+STATES = (FAIL, DIFFERS, NOT_FINISHED, NOT_RESOLVED, PASS, AGREES)
+"""What may be said of a study, what a reader must know first before the rest."""
 
 _NUMBER = re.compile(r"[+-]?(?P<digits>\d+\.?\d*|\.\d+)(?P<power>[eE][+-]?\d+)?")
 _CODE = re.compile(r"``(.+?)``|`([^`]+)`")
@@ -71,13 +75,14 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Layer:
-    """The judgements of one layer, and which of them are listed."""
+    """The judgements of one layer, which of them are listed, and how many are not resolved."""
 
     name: str
     meaning: str
     judged: int
     missed: int
     listed: tuple[Judgement, ...]
+    open: int = 0
 
 
 @dataclass(frozen=True)
@@ -124,6 +129,21 @@ class Section:
     seconds: float
 
     @property
+    def candidate(self) -> str:
+        """Whom it judged; "" for our own springs."""
+        return self.origin.get("candidate", "")
+
+    @property
+    def asked(self) -> str:
+        """Which of the study's questions were asked; "" for all."""
+        return self.origin.get("questions", "")
+
+    @property
+    def open(self) -> int:
+        """How many quantities were not resolved."""
+        return sum(layer.open for layer in self.layers)
+
+    @property
     def judged(self) -> int:
         """How many quantities were judged."""
         return sum(layer.judged for layer in self.layers)
@@ -152,8 +172,10 @@ def render_page(studies: Sequence[Stored]) -> str:
     return environment.get_template("report.html").render(
         status=status,
         sentence=sentence,
+        heading=verdict_heading(sections),
         sections=sections,
-        front=first_screen(studies),
+        # What our own springs are good for is no part of what is said of somebody else's.
+        front=None if sections and all(s.candidate for s in sections) else first_screen(studies),
         picture=next((p for s in sections for p in s.pictures if p.file == FIGURE), None),
         there={section.name: section.anchor for section in sections},
         # An unfinished study's rows are of the run before: they say nothing about this one.
@@ -173,7 +195,7 @@ def study_section(study: Stored, room: int = PICTURES) -> Section:
     return Section(
         name=study.name,
         anchor="study-" + re.sub(r"[^\w-]+", "-", study.name),
-        status=NOT_FINISHED if study.error else PASS if study.held else FAIL,
+        status=study_status(study),
         question=question or study.name,
         about=paragraphs_and_lists(rest),
         error=study.error,
@@ -181,29 +203,54 @@ def study_section(study: Stored, room: int = PICTURES) -> Section:
         pictures=embed_pictures(study.name, study.pictures, room),
         tables=tables(study),
         layers=tuple(layer_judgements(name, rows) for name in layer_names(rows)),
-        failed=tuple(row for row in rows if row.status != PASS),
+        failed=tuple(row for row in rows if row.status in MISSES),
         origin=study.origin,
         seconds=study.seconds,
     )
+
+
+def study_status(study: Stored) -> str:
+    """What is said of a study: of our own springs, or of a candidate in its words."""
+    if study.error:
+        return NOT_FINISHED
+    if "candidate" not in study.origin:
+        return PASS if study.held else FAIL
+    if study.held:
+        return AGREES
+    return DIFFERS if is_missed(study.verdict).any() or study.verdict.empty else NOT_RESOLVED
+
+
+def verdict_heading(sections: Sequence[Section]) -> str:
+    """Whose verdict the page begins with."""
+    names = ", ".join(dict.fromkeys(s.candidate for s in sections if s.candidate))
+    if not names:
+        return "The software's own verdict"
+    ours = "" if all(s.candidate for s in sections) else ", and the software's own"
+    return f"Verdict on {names}{ours}"
 
 
 def overall_verdict(sections: Sequence[Section]) -> tuple[str, str]:
     """Verdict on all studies, and the sentence that says why."""
     finished = [s for s in sections if not s.error]
     judged, missed = sum(s.judged for s in finished), sum(s.missed for s in finished)
+    unresolved = sum(s.open for s in finished)
     said = []
     if missed:
         said.append(f"{missed} of {plural(judged, 'tolerance')} missed")
+    elif unresolved:
+        said.append(f"{judged - unresolved} of {plural(judged, 'tolerance')} held, none missed")
     elif judged:
         all_of = f"all {judged} tolerances" if judged > 1 else "the one tolerance"
         said.append(f"{all_of} of {plural(len(finished), 'study')} held")
+    if unresolved:
+        said.append(f"{unresolved} not resolved by numbers of this accuracy")
     silent, stopped = [s for s in finished if not s.judged], [s for s in sections if s.error]
     for words, those in (("judged nothing", silent), ("did not finish", stopped)):
         if those:
             said.append(f"{words}: {', '.join(s.name for s in those)}")
     sentence = "; ".join(said) or "no study has been run"
     states = {s.status for s in sections} or {NOT_FINISHED}
-    status = next(word for word in (FAIL, NOT_FINISHED, PASS) if word in states)
+    status = next(word for word in STATES if word in states)
     return status, f"{sentence[0].upper()}{sentence[1:]}."
 
 
@@ -235,7 +282,8 @@ def judgements(study: Stored) -> list[Judgement]:
         said = {str(key): value for key, value in row.items()}
         words = {k: str(said.get(k, "")) for k in ("layer", "quantity", "unit", "because")}
         numbers = {k: format_number(float(said[k])) for k in NUMBERS}
-        status = PASS if said["verdict"] == "pass" else FAIL
+        word = str(said["verdict"])
+        status = PASS if word == "pass" else word if word in (AGREES, DIFFERS, *OPEN) else FAIL
         found.append(Judgement(study=study.name, status=status, **words, **numbers))
     return found
 
@@ -248,9 +296,16 @@ def layer_names(rows: Sequence[Judgement]) -> list[str]:
 def layer_judgements(name: str, rows: Sequence[Judgement]) -> Layer:
     """The rows of one layer."""
     inside = tuple(row for row in rows if row.layer == name)
-    missed = tuple(row for row in inside if row.status != PASS)
+    missed = tuple(row for row in inside if row.status in MISSES)
     listed = missed if name == SUMMARISED else inside
-    return Layer(name, LAYERS.get(name, ""), len(inside), len(missed), listed)
+    return Layer(
+        name,
+        LAYERS.get(name, ""),
+        len(inside),
+        len(missed),
+        listed,
+        sum(r.status in OPEN for r in inside),
+    )
 
 
 def tables(study: Stored) -> tuple[Table, ...]:

@@ -81,8 +81,13 @@ class Results:
         for place in self.folder.iterdir():
             with contextlib.suppress(ProblemError):
                 result = read_result(place)
-                # Results of old do not say their form.
-                if not result.error and result.origin.get("form", self.form) == self.form:
+                # Results of old do not say their form. What a candidate gave, or a part of the
+                # questions, is not what the study found.
+                partial = {"candidate", "questions"} & set(result.origin)
+                if (
+                    not (result.error or partial)
+                    and result.origin.get("form", self.form) == self.form
+                ):
                     found[place.name] = result.tables
         return found
 

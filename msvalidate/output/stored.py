@@ -83,7 +83,7 @@ class Row(msgspec.Struct, frozen=True):
     reference: float
     error: float
     limit: float
-    verdict: Literal["pass", "fail"]
+    verdict: Literal["pass", "fail", "agrees", "differs", "not resolved", "not at rest"]
     because: str
 
 
@@ -316,20 +316,23 @@ def verdict_json(studies: list[Stored]) -> bytes:
     """`verdict.json`: a list, one object a judged quantity; what is not finite is null.
 
     Each has the seconds that its study took; those of results that do not say are null. A study
-    that did not finish has one object, of no layer.
+    that did not finish has one object, of no layer. Rows of a candidate name it.
     """
     keys = ("layer", "quantity", "unit", *NUMBERS, "verdict", "because")
-    found = []
+    found: list[dict[str, object]] = []
     for study in studies:
+        whose = {key: study.origin[key] for key in ("candidate",) if key in study.origin}
         if study.error:
             broken: dict[str, object] = {"layer": None, "quantity": "study finished", "unit": "1"}
             broken |= {"observed": 0.0, "reference": 1.0, "error": 1.0, "limit": 0.0}
             broken |= {"verdict": "fail", "because": study.error, "seconds": None}
-            found.append({"study": study.name} | broken)
+            found.append({"study": study.name} | whose | broken)
             continue
         for row in study.verdict.to_dict("records"):
             judged = {str(key): _finite(row[key]) for key in keys}
-            found.append({"study": study.name} | judged | {"seconds": study.seconds or None})
+            found.append(
+                {"study": study.name} | whose | judged | {"seconds": study.seconds or None}
+            )
     return _json(found)
 
 

@@ -15,10 +15,17 @@ Candidate: the results of the other studies. Reference: the bounds. Source of th
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import pandas as pd
 
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.evidence import (
+    Evidence,
+    Observed,
+    Tolerance,
+    by_quantity,
+    gather_evidence,
+)
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output.results import Results, check_results
 
@@ -75,8 +82,9 @@ def run(
     setting: Setting = FULL,
     alter: Alteration | None = None,
     claims: Sequence[Claim] = CLAIMS,
+    questions: tuple[str, ...] | None = None,
 ) -> Evidence:
-    """The ledger.
+    """The ledger: the one question of this study.
 
     Parameters
     ----------
@@ -86,8 +94,15 @@ def run(
         A change to one table, for negative controls.
     claims
         The sentences.
+    questions
+        "ledger", or None.
     """
     results = altered(check_results(candidate, quick=setting.quick), alter)
+    return gather_evidence({"ledger": partial(judge_sentences, results, claims)}, questions)
+
+
+def judge_sentences(results: Results, claims: Sequence[Claim]) -> Evidence:
+    """Every sentence beside what the studies found."""
     plain = {c.number: c.check.number(results, c.number) for c in claims if c.check}
     under = {c.number: c.conditional.number(results, c.number) for c in claims if c.conditional}
     ledger = pd.DataFrame(

@@ -11,6 +11,7 @@ network. Reference: elasticity, as in each study.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache, partial
 
 from msvalidate.judging.candidate import (
     Answer,
@@ -18,7 +19,7 @@ from msvalidate.judging.candidate import (
     check_displacements,
     solve_springs,
 )
-from msvalidate.judging.evidence import Evidence, merge
+from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network, faults
 from msvalidate.output.results import Results, check_results
@@ -62,8 +63,11 @@ def run(
     candidate: Results | None = None,
     setting: Setting = FULL,
     springs: DisplacementSolver = solve_springs,
+    questions: tuple[str, ...] | None = None,
 ) -> Evidence:
-    """Both questions."""
+    """Both questions, or the one named."""
     results = check_results(candidate, quick=setting.quick)
-    own = part.run(check_displacements(springs), setting)
-    return merge(good_for.run(results, own.tables), own)
+    own = cache(partial(part.run, check_displacements(springs), setting))
+    return gather_evidence(
+        {"good_for": lambda: good_for.run(results, own().tables), "part": own}, questions
+    )

@@ -16,8 +16,15 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import AGREES, NOT_ASKED, NOT_RESOLVED, agreement
-from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.compare import NOT_ASKED, agreement
+from msvalidate.judging.evidence import (
+    AGREES,
+    NOT_RESOLVED,
+    Evidence,
+    Observed,
+    Tolerance,
+    by_quantity,
+)
 from msvalidate.output.results import Results
 from msvalidate.problem import SolverError
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 from functools import partial
 
 from msvalidate.judging.candidate import DisplacementSolver, check_displacements, solve_springs
-from msvalidate.judging.evidence import Evidence, merge
+from msvalidate.judging.evidence import Evidence, gather_evidence
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import faults
 
@@ -51,15 +51,22 @@ FAULTS = {
 """Negative controls: arguments of `run` under which a tolerance must fail."""
 
 
-def run(candidate: DisplacementSolver = solve_springs, setting: Setting = FULL) -> Evidence:
-    """All questions, for one candidate."""
+def run(
+    candidate: DisplacementSolver = solve_springs,
+    setting: Setting = FULL,
+    questions: tuple[str, ...] | None = None,
+) -> Evidence:
+    """All questions, or those named, for one candidate."""
     candidate = check_displacements(candidate)
-    return merge(
-        finite_size.run(candidate, setting),
-        direction.run(setting=setting),
-        rotated.run(candidate, setting),
-        cube.run(candidate, setting),
-        incompressible.run(candidate, setting),
-        algorithm1.run(candidate=candidate, setting=setting),
-        controls.run(),
+    return gather_evidence(
+        {
+            "finite_size": partial(finite_size.run, candidate, setting),
+            "direction": partial(direction.run, setting=setting),
+            "rotated": partial(rotated.run, candidate, setting),
+            "cube": partial(cube.run, candidate, setting),
+            "incompressible": partial(incompressible.run, candidate, setting),
+            "algorithm1": partial(algorithm1.run, candidate=candidate, setting=setting),
+            "controls": controls.run,
+        },
+        questions,
     )

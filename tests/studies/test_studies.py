@@ -109,3 +109,8 @@ def test_a_candidate_that_is_none_is_refused_in_one_line(study):
         with pytest.raises(ProblemError, match=r"^candidate: ") as refused:
             study.run(candidate=candidate, setting=QUICK)
         assert "\n" not in str(refused.value)
+
+
+def test_each_study_answers_some_of_its_questions(study):
+    with pytest.raises(ProblemError, match=r"questions: 'no such'; choose from \w+"):
+        study.run(setting=QUICK, questions=("no such",))

@@ -1,0 +1,281 @@
+"""A study's judgement of somebody else's candidate, by limits that know how accurate it is.
+
+A limit was set for numbers in double precision. A candidate in single precision misses an identity
+of 1e-12 without being wrong. So each limit is widened by what the same inaccuracy does to the
+number: the study is run with its own springs, and again with these perturbed (`Perturbed`). What a
+widened limit can no longer tell is found in the same way, with springs that are wrong by 1 %.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.judging.accuracy import DOUBLE, Perturbed, Recorded, check_accuracy
+from msvalidate.judging.candidate import Answer, solve_springs
+from msvalidate.judging.evidence import (
+    AGREES,
+    DIFFERS,
+    NOT_RESOLVED,
+    Evidence,
+    Observed,
+    judge_one,
+)
+from msvalidate.judging.sweep import FULL, Setting
+from msvalidate.network import Network, faults
+from msvalidate.problem import Array, Problem, ProblemError, SolverError
+
+Run = Callable[..., Evidence]
+SEEDS = (1, 2, 3)
+"""Of the perturbations; rounding to the grid is one more."""
+MARGIN = 4.0
+"""Times the largest move of them by which a limit is widened: the next draw may be larger. In 150
+draws of ten rows of `poisson` it was up to 2.9 times as large."""
+FAULT = 0.01
+"""Size of the faults that a row must still notice if it did by its own limit."""
+FAULTS: Mapping[str, tuple[Callable[[Network, float], Network], float]] = {
+    "every spring 1 % softer": (faults.stiffen_all, -FAULT),
+    "diagonals 1 % softer": (faults.stiffen_diagonals, -FAULT),
+}
+"""Controls: name -> what is done to the network, and how much of it."""
+TABLE = "candidate_limits"
+"""The table of what became of each limit."""
+COLUMNS = {
+    "judged_quantity": "what was judged",
+    "own_limit": "limit of the study, for numbers in double precision (in the quantity's unit)",
+    "widening": "what the candidate's accuracy may do to the number, measured; "
+    '"unbounded" where it leaves no number',
+    "widened_limit": 'the two together; "unbounded" as above',
+    "candidate_verdict": f"{AGREES}, {DIFFERS} or {NOT_RESOLVED}",
+    "no_longer_noticed": "faults of 1 % that the own limit notices and the widened one may not",
+}
+UNBOUNDED = "unbounded"
+CLOSE = 1.0
+"""Widening over its own limit up to which a limit stands for itself, whatever the controls do."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A study's evidence of a candidate, the verdict, and the accuracy that it went by (1)."""
+
+    evidence: Evidence
+    verdict: pd.DataFrame
+    accuracy: float | None
+
+
+def judge_candidate(
+    run: Run,
+    candidate: object,
+    setting: Setting = FULL,
+    questions: Iterable[str] | None = None,
+    accuracy: float | None = None,
+) -> Judged:
+    """Run a study on a candidate and judge it.
+
+    A candidate for displacements is judged by limits widened by its accuracy; others, of which no
+    position is asked, by the study's own.
+
+    Parameters
+    ----------
+    run
+        The study's `run`.
+    candidate
+        What it judges, of the study's kind. Its attribute `accuracy`, if it has one, is stated.
+    setting
+        Cases are run one after another: a candidate's answers are looked at as they come.
+    questions
+        Of the study; None asks all.
+    accuracy
+        Relative (see `accuracy`), before what the candidate states; None has it measured if that
+        states none.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such question, the accuracy is none, or is stated where no position is asked.
+        What the study raises comes through.
+    """
+    asked = {} if questions is None else {"questions": tuple(questions)}
+    setting = replace(setting, executor=None)
+    ask = partial(run, setting=setting, **asked)
+    stated = accuracy if accuracy is not None else getattr(candidate, "accuracy", None)
+    if not asks_displacements(run):
+        if stated is not None:
+            raise ProblemError(
+                f"accuracy: {stated!r}; this study asks for no displacements of a network; leave "
+                "it out"
+            )
+        evidence = ask(candidate=candidate)
+        return Judged(evidence, _judge(evidence, {}, {}), None)
+    if stated is not None:
+        stated = check_accuracy(stated)
+    if not callable(candidate):
+        return Judged(ask(candidate=candidate), pd.DataFrame(), None)  # which refuses it
+    recorded = Recorded(candidate)
+    evidence = ask(candidate=recorded)
+    known = recorded.accuracy if stated is None else stated
+    widenings: dict[str, float] = {}
+    hidden: dict[str, tuple[str, ...]] = {}
+    if known > DOUBLE:
+        widenings, hidden = measure_widenings(ask, evidence, known)
+    verdict = _judge(evidence, widenings, hidden, known)
+    told = _tell(verdict, known, recorded.accuracy, stated)
+    evidence = replace(evidence, findings=(told, *evidence.findings))
+    if widenings:
+        evidence = replace(
+            evidence,
+            tables={**evidence.tables, TABLE: tabulate(evidence, verdict, widenings, hidden)},
+            columns={**evidence.columns, **COLUMNS},
+        )
+    return Judged(evidence, verdict, known)
+
+
+def asks_displacements(run: Run) -> bool:
+    """Whether a study's candidate predicts displacements of a network: by default the springs."""
+    parameters = inspect.signature(run).parameters
+    return "candidate" in parameters and parameters["candidate"].default is solve_springs
+
+
+def measure_widenings(
+    ask: Run, evidence: Evidence, accuracy: float
+) -> tuple[dict[str, float], dict[str, tuple[str, ...]]]:
+    """What an accuracy does to each number of a study, and which faults it hides.
+
+    Parameters
+    ----------
+    ask
+        The study's `run`, but for the candidate.
+    evidence
+        Of any candidate: its quantities and limits.
+    accuracy
+        Relative.
+
+    Returns
+    -------
+    tuple
+        Quantity -> widening of its limit, in its unit, not finite where no number is left; and
+        quantity -> the faults of 1 % that it notices by its own limit, with "" before them if the
+        widened one may let each of them pass. "May": the inaccuracy may hide as much of an error
+        as it may add.
+    """
+    truth = ask(candidate=Perturbed(solve_springs, 0.0)).observed
+    moves: dict[str, list[float]] = {name: [] for name in evidence.observed}
+    for seed in (None, *SEEDS):
+        try:
+            moved = ask(candidate=Perturbed(solve_springs, accuracy, seed)).observed
+        except (ProblemError, SolverError) as error:
+            raise ProblemError(
+                f"accuracy: {accuracy:.3g}; the study's own springs, perturbed by as much, cannot "
+                f"be judged ({error}); nothing is resolved, so give more digits"
+            ) from error
+        for name, of_seed in moves.items():
+            of_seed.append(abs(_offset(moved[name]) - _offset(truth[name])))
+    widening = {name: MARGIN * float(np.max(found)) for name, found in moves.items()}
+    spoilt = {name: ask(candidate=partial(solve_faulty, name)).observed for name in FAULTS}
+    hidden: dict[str, tuple[str, ...]] = {}
+    for tolerance in evidence.tolerances:
+        name = tolerance.quantity
+        own = [f for f in FAULTS if not spoilt[f][name].error <= tolerance.limit]
+        # Not (a > b): what is no number is hidden.
+        lost = [f for f in own if not spoilt[f][name].error > tolerance.limit + 2 * widening[name]]
+        if lost:
+            hidden[name] = tuple(lost)
+        elif not own and not widening[name] <= CLOSE * tolerance.limit:
+            hidden[name] = ()
+    return widening, hidden
+
+
+def solve_faulty(
+    fault: str, problem: Problem, network: Network, answer: Answer = "linear"
+) -> Array:
+    """The springs' answer with one of the faults of `FAULTS`: displacements (n, d) in m."""
+    act, size = FAULTS[fault]
+    return solve_springs(problem, act(network, size), answer)
+
+
+def _offset(seen: Observed) -> float:
+    return seen.value - seen.reference
+
+
+def _judge(
+    evidence: Evidence,
+    widenings: Mapping[str, float],
+    hidden: Mapping[str, tuple[str, ...]],
+    accuracy: float = 0.0,
+) -> pd.DataFrame:
+    """Verdict in the words for a candidate; see `judge_one` for the columns."""
+    rows = []
+    for tolerance in evidence.tolerances:
+        name = tolerance.quantity
+        widening = widenings.get(name, 0.0)
+        row = judge_one(tolerance, evidence.observed[name])
+        error, limit = evidence.observed[name].error, tolerance.limit + widening
+        row["limit"] = limit
+        if widening > tolerance.limit * 1e-3 or not np.isfinite(widening):
+            row["because"] = (
+                f"{tolerance.because}; limit {tolerance.limit:.3g} widened to {limit:.3g} by "
+                f"accuracy {accuracy:.2g}"
+            )
+        if not np.isfinite(limit):
+            row["verdict"] = NOT_RESOLVED
+        elif not error <= limit:
+            row["verdict"] = DIFFERS
+        else:
+            row["verdict"] = NOT_RESOLVED if name in hidden else AGREES
+        if row["verdict"] == NOT_RESOLVED:
+            row["because"] = f"{row['because']}: {_reason(hidden.get(name, ()))}"
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _reason(lost: tuple[str, ...]) -> str:
+    """Why a row is not resolved."""
+    if lost:
+        return f"then {' and '.join(lost)} may pass, which the limit itself notices"
+    return "no fault of 1 % that was tried shows what it then still notices"
+
+
+def tabulate(
+    evidence: Evidence,
+    verdict: pd.DataFrame,
+    widenings: Mapping[str, float],
+    hidden: Mapping[str, tuple[str, ...]],
+) -> pd.DataFrame:
+    """What became of each limit; see `COLUMNS`."""
+    rows = []
+    for tolerance, found in zip(evidence.tolerances, verdict["verdict"], strict=True):
+        widening = widenings[tolerance.quantity]
+        bounded = np.isfinite(widening)
+        rows.append(
+            {
+                "judged_quantity": tolerance.quantity,
+                "own_limit": tolerance.limit,
+                "widening": widening if bounded else UNBOUNDED,
+                "widened_limit": tolerance.limit + widening if bounded else UNBOUNDED,
+                "candidate_verdict": found,
+                "no_longer_noticed": ", ".join(hidden.get(tolerance.quantity, ())) or "none",
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _tell(verdict: pd.DataFrame, accuracy: float, measured: float, stated: float | None) -> str:
+    """How many rows have each verdict, and by which accuracy, in words."""
+    counts = verdict["verdict"].value_counts()
+    words = ", ".join(f"{word}: {counts.get(word, 0)}" for word in (AGREES, DIFFERS, NOT_RESOLVED))
+    if accuracy <= DOUBLE:
+        source = "as it states" if stated is not None else "as its numbers show no coarser grid"
+        told = f"The candidate is judged by the study's own limits, {source}"
+    else:
+        source = "stated" if stated is not None else "read off its numbers"
+        told = f"The candidate's positions are accurate to {accuracy:.2g} of the largest coordinate"
+        told += f" ({source}), and every limit is widened by what that does to its number"
+    told += f": {len(verdict)} rows, {words}."
+    if stated is not None and measured > 2 * max(stated, DOUBLE):
+        told += f" Its numbers look rounded to {measured:.2g}, coarser than what is stated."
+    return told
