@@ -12,7 +12,8 @@ from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.case import Case, compared_points
 from msvalidate.case.springs import SpringAnswer, SpringLimit, limit_of, solve_finer
 from msvalidate.constants.homogenise import homogenise
-from msvalidate.judging.compare import AGREES, DIFFERS, NOT_ASKED, agreement
+from msvalidate.judging.compare import NOT_ASKED, agreement
+from msvalidate.judging.evidence import AGREES, DIFFERS
 from msvalidate.lattice import CutLattice, PatternLattice
 from msvalidate.problem import (
     Anisotropic,

@@ -14,7 +14,7 @@ from msvalidate.case.schema import json_schema
 from msvalidate.case.template import template
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, PROGRAM, USAGE
 from msvalidate.cli.terminal import print_lines, tell, tell_error
-from msvalidate.judging.compare import AGREES
+from msvalidate.judging.evidence import AGREES
 from msvalidate.output import exchange
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, format_value
