@@ -201,3 +201,13 @@ def test_a_foreign_field_of_a_softer_material():
     found, _ = judged_files(case, result, unit=1e-3, plots=False)
     assert {each.name for each in found.explanations} == {"load", "modulus"}
     assert found.explanations[0].value == pytest.approx(1.01, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "name", ["box", "bracket", "ring", "bimaterial", "l_shape", "rubber", "plate"]
+)
+def test_every_example_is_known_well_enough(name):
+    found = compare_case(read_case(EXAMPLES / f"{name}.toml"))
+    assert found.reference.resolved
+    assert found.rows[0].difference < 0.06
+    assert found.kind in {"coarse", "not told"}
