@@ -187,9 +187,9 @@ def gather_evidence(
     unknown = [name for name in asked if name not in study]
     if unknown or not asked:
         near = difflib.get_close_matches(str(unknown[0]), study, n=1) if unknown else []
-        hint = f"did you mean {near[0]!r}?" if near else f"choose from {', '.join(study)}"
+        hint = f"did you mean {near[0]!r}? " if near else ""
         given = format_value(unknown[0]) if unknown else "none"
-        raise ProblemError(f"questions: {given}; {hint}")
+        raise ProblemError(f"questions: {given}; {hint}choose from {', '.join(study)}")
     return merge(*(answer() for name, answer in study.items() if name in asked))
 
 
