@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from msvalidate.judging.compare import NOT_ASKED
+from msvalidate.judging.evidence import AGREES, DIFFERS
 from msvalidate.output.baseline import baseline_folder
 from msvalidate.output.stored import Stored, read_csv
 
@@ -49,9 +50,10 @@ class Line:
 
 @dataclass(frozen=True)
 class Front:
-    """The first screen: its rows, where they come from, and the count of the ledger's verdicts."""
+    """The first screen: advice, rows, where they come from, and the count of ledger's verdicts."""
 
     lines: tuple[Line, ...]
+    advice: str
     source: str
     sentences: str
     judged_from: str
@@ -65,7 +67,22 @@ def first_screen(studies: Sequence[Stored]) -> Front:
     lines = tuple(_line(*map(str, row)) for row in told.to_numpy())
     counts = Counter(str(verdict).partition(" if ")[0] for verdict in ledger.get("verdict", []))
     said = ", ".join(f"{counts[verdict]} {word}" for verdict, word in PLURAL.items() if counts)
-    return Front(lines, source, said, judged_from)
+    return Front(lines, _advice(lines), source, said, judged_from)
+
+
+def _advice(lines: Sequence[Line]) -> str:
+    """The first row and those that differ, in a few words."""
+    if not lines or lines[0].verdict != AGREES:
+        return ""
+    best = lines[0]
+    avoided = dict.fromkeys(line.springs for line in lines if line.verdict == DIFFERS)
+    cells = best.cost.replace(" times", " times the cells of linear elements (Q1)", 1)
+    cost = f" For 1 % they take {cells}." if cells != best.cost else ""
+    never = f" Do not use: {'; '.join(avoided)}." if avoided else ""
+    return (
+        f"For the {best.body}: {best.springs} ({best.condition}), {best.middle} off at 20 cells "
+        f"across.{cost}{never}"
+    )
 
 
 def _table(

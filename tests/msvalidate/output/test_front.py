@@ -30,6 +30,15 @@ def test_stored_rows_are_told_in_per_cent():
     assert found.source == "the run of 2026-01-01 00:00 UTC"
 
 
+def test_advice_is_the_first_row_and_those_that_differ():
+    bad = ("another", "mesh edges", *ROW[2:7], "differs", *ROW[8:])
+    said = front.first_screen([stored("overview", "good_for", rows(ROW, bad))]).advice
+    assert "a block: square (half), 1.1 % off at 20 cells across" in said
+    assert "For 1 % they take 0.92 times the cells of linear elements (Q1)." in said
+    assert said.endswith("Do not use: mesh edges.")
+    assert not front.first_screen([stored("overview", "good_for", rows(bad))]).advice
+
+
 @pytest.mark.parametrize(
     "study",
     [
