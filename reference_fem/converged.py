@@ -60,6 +60,8 @@ ROUNDING = 1e-10
 """Change, over the largest value, that is rounding."""
 MOST_NODES = {2: 150_000, 3: 60_000}
 """Nodes of the finest mesh, by default, by the number of axes: some 5 s and 30 s."""
+MOST_MIXED = 12_000
+"""The same of mixed elements in space, whose factor fills up: 30,000 nodes take minutes."""
 LEVELS = 3
 """Meshes that are always solved, if their nodes are few enough."""
 ACROSS = 3
@@ -230,7 +232,7 @@ def converge(
         Of the displacement, over the largest at the points. Where it takes more nodes than there
         may be, the answer is what there is, with the error that it has.
     most_nodes
-        Of the finest mesh, by default `MOST_NODES`.
+        Of the finest mesh, by default `MOST_NODES` or `MOST_MIXED`.
     first
         A mesh to start from in place of the one made here.
 
@@ -244,12 +246,12 @@ def converge(
     require_type("problem", problem, Problem)
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     positive_number("accuracy", accuracy)
-    most = MOST_NODES[problem.domain.dim]
+    mixed = _is_nearly_incompressible(problem)
+    most = MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
     if most_nodes is not None:
         most = whole_number("most nodes", most_nodes, 1)
     began = time.perf_counter()
     body = first_mesh(problem) if first is None else first
-    mixed = _is_nearly_incompressible(problem)
     found = [solve_problem(problem, body, mixed=mixed)]
     while True:
         reference = Reference(problem, x, tuple(found), accuracy, time.perf_counter() - began)

@@ -19,6 +19,7 @@ from msvalidate.judging.evidence import AGREES, DIFFERS, NOT_AT_REST, NOT_RESOLV
 from msvalidate.output.page import Table, split_at_backticks, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.problem import BodyForce, PointForce, Support, Traction, Weight
+from reference_fem.converged import Reference
 
 PICTURES = 1_500_000
 """Bytes of pictures inside the page; others are linked."""
@@ -119,16 +120,20 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     if worst != row.verdict:
         said.append(f"{', '.join(others)}: {worst}.")
     said.append(_kind_sentence(found))
-    error = found.reference.error
-    reached = (
-        "as asked" if found.reference.resolved else f"not the {percent(case.accuracy)} asked for"
-    )
-    said.append(
-        f"Elasticity is known to {percent(error)} ({reached}): quadratic elements on "
-        f"{len(found.reference.solutions)} meshes, the finest of "
-        f"{len(found.reference.finest.body.points)} nodes."
-    )
+    said.append(_reference_sentence(found.reference))
     return head, tuple(each for each in said if each)
+
+
+def _reference_sentence(reference: Reference) -> str:
+    nodes = len(reference.finest.body.points)
+    if not math.isfinite(reference.error):
+        return f"Elasticity's own error is not known: one mesh of {nodes} nodes, and no finer one."
+    asked_for = percent(reference.accuracy)
+    reached = "as asked" if reference.resolved else f"not the {asked_for} asked for"
+    return (
+        f"Elasticity is known to {percent(reference.error)} ({reached}): quadratic elements on "
+        f"{len(reference.solutions)} meshes, the finest of {nodes} nodes."
+    )
 
 
 def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
