@@ -31,6 +31,8 @@ ACROSS = {2: 20, 3: 8}
 """Cells across the narrowest side where nothing is said, by the number of axes."""
 MOST_CELLS = {2: 40_000, 3: 20_000}
 """Cells of a body up to which that is so: slender bodies have fewer across."""
+MOST_ASKED = {2: 1_000_000, 3: 300_000}
+"""Cells of a body that may be asked for: minutes, and some GB."""
 CUT = ("square", "square4", "cubic6", "cubic18", "cubic26")
 """Patterns of one point a cell, which can be cut to an outline."""
 BAND = 0.05
@@ -181,6 +183,13 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
     domain = case.problem.domain
     if case.lattice == MESH_EDGES:
         return mesh_lattice(domain, EDGE_RULES[0])  # type: ignore[arg-type]
+    cells = domain.volume / spacing**domain.dim
+    most = MOST_ASKED[domain.dim]
+    if cells > most:
+        raise ProblemError(
+            f"spacing {spacing:g} m: {cells:.3g} cells in the body, and the most is {most:g}; take "
+            "a larger one"
+        )
     pattern = all_patterns()[str(case.lattice)]()
     if isinstance(domain, Box) and _divides(spacing, domain):
         return fill(pattern, domain, _counts(spacing, domain))

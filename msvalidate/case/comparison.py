@@ -248,6 +248,8 @@ def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> li
     usable = np.ones(len(lattice.points), dtype=bool)
     if isinstance(lattice, CutLattice):
         usable = interior_points(lattice)
+    if not usable.any():
+        raise ProblemError("no cell of the lattice lies whole in the body; take a smaller spacing")
     (places,) = np.nonzero(usable)
     at = lattice.points[places[:: max(1, len(places) // STRESSED_POINTS)]]
     wanted, doubts = reference.stress(at)
