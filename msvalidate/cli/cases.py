@@ -13,7 +13,7 @@ from msvalidate.case.case import Case
 from msvalidate.case.schema import json_schema
 from msvalidate.case.template import template
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, PROGRAM, USAGE
-from msvalidate.cli.terminal import print_lines, tell, tell_error
+from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
 from msvalidate.judging.evidence import AGREES
 from msvalidate.output import exchange
 from msvalidate.problem import ProblemError, SolverError
@@ -22,6 +22,8 @@ from msvalidate.problem.checks import finite_number, format_value
 
 def act(args: argparse.Namespace) -> int:
     """Do what the command line asks for; return the exit code."""
+    if not getattr(args, "quiet", True):
+        announce_compilation()
     return {"new": _new, "run": _run, "judge": _judge, "schema": _schema}[args.command](args)
 
 

@@ -10,7 +10,6 @@ import argparse
 import contextlib
 import difflib
 import gc
-import logging
 import os
 import sys
 import time
@@ -32,7 +31,7 @@ from msvalidate.cli.arguments import (
 )
 from msvalidate.cli.case_arguments import parse_case
 from msvalidate.cli.terminal import (
-    CompilationNotice,
+    announce_compilation,
     ending,
     ending_of_all,
     failure_lines,
@@ -151,9 +150,7 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     if args.candidate:
         _check_candidate(args)
     if not args.quiet:
-        kernels = logging.getLogger("msvalidate.kernels")
-        kernels.setLevel(logging.INFO)
-        kernels.addHandler(CompilationNotice())
+        announce_compilation()
     gc.freeze()  # the libraries' objects stay: no use in looking through them again and again
     codes = _strangers(args)
     clock = time.perf_counter()

@@ -166,6 +166,13 @@ def ending_of_all(outcomes: Sequence[Outcome], seconds: float) -> str:
     return f"{', '.join([whole, *layers])}, {seconds:.1f} s"
 
 
+def announce_compilation() -> None:
+    """Let a first run say that it compiles."""
+    kernels = logging.getLogger("msvalidate.kernels")
+    kernels.setLevel(logging.INFO)
+    kernels.addHandler(CompilationNotice())
+
+
 class CompilationNotice(logging.Handler):
     """Says once that kernels are being compiled, which only a first run has to wait for."""
 
