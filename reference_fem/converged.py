@@ -27,7 +27,6 @@ from msvalidate.problem import (
     Problem,
     Region,
     Segment,
-    SolverError,
     prescribed_displacements,
 )
 from msvalidate.problem.checks import (
@@ -44,6 +43,7 @@ from reference_fem.mesh.discretisation import Discretisation, make_discretisatio
 from reference_fem.mesh.from_mesh import mesh_discretisation
 from reference_fem.mesh.outlines import outline_discretisation
 from reference_fem.mesh.subdivide import nodes_of_children, subdivide
+from reference_fem.mixed import mixed_forces
 
 SAFETY = 2.0
 """Factor on what the order seen leaves of a value's error. Where corners rule, orders fall on their
@@ -169,17 +169,18 @@ class Reference:
 
     @cached_property
     def _internal(self) -> list[tuple[Solution, Array]]:
-        """Solutions of displacement elements, and forces (n, d) in N from outside on their nodes.
+        """Solutions, and forces (n, d) in N from outside on their nodes.
 
         Loads where nodes are free: in slender bodies the sum over cells keeps few of their digits.
         """
         found = []
         for solution in self.solutions:
+            law, u = materials_of(self.problem, solution.body), solution.displacement
             if solution.pressure is not None:
-                raise SolverError("reactions: of mixed elements they are not known")
-            K = stiffness(solution.body, materials_of(self.problem, solution.body))
-            n, d = solution.displacement.shape
-            inner = (K @ solution.displacement.T.ravel()).reshape(d, n).T
+                inner = mixed_forces(solution.body, law, u, solution.pressure)
+            else:
+                K = stiffness(solution.body, law)
+                inner = (K @ u.T.ravel()).reshape(u.shape[::-1]).T
             held, _ = prescribed_displacements(self.problem, solution.body.points)
             found.append(
                 (solution, np.where(held, inner, nodal_forces(self.problem, solution.body)))
@@ -369,9 +370,12 @@ def _laid_grid(box: Box, lines: list[Array]) -> Discretisation:
 
 
 def _is_nearly_incompressible(problem: Problem) -> bool:
+    laws = problem.materials
+    if not all(isinstance(law, Isotropic) and law.nu > 0 for law in laws):
+        return False  # such have no pressure that grows with volume
     return any(
         isinstance(law, Isotropic)
         and law.state != "plane_stress"
         and law.nu >= NEARLY_INCOMPRESSIBLE
-        for law in problem.materials
+        for law in laws
     )

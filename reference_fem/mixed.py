@@ -150,6 +150,19 @@ def mixed_solution(
     return moved, better.value[len(u) :].copy(), solved
 
 
+def mixed_forces(
+    body: Discretisation, material: Materials, displacement: Array, pressure: Array
+) -> Array:
+    """Forces (n, d) in N that hold a mixed solution, of displacement (n, d) and pressure, in place.
+
+    A u + Bᵀ p: loads where nodes are free, with the supports' where they are held.
+    """
+    system = _mixed_system(body, material)
+    n, d = displacement.shape
+    force = system.A @ displacement.T.ravel() + system.B.T @ pressure
+    return np.asarray(force.reshape(d, n).T)
+
+
 @dataclass(frozen=True, eq=False)
 class _System:
     """A u + Bᵀ p = f and B u - M p = 0, component-major, thickness included."""

@@ -162,3 +162,26 @@ def test_sequences():
     astray = close_in([np.array([value]) for value in (1.0, 1.1, 1.0)])
     assert np.isnan(astray.order)
     assert astray.uncertainty > 0.2
+
+
+def test_forces_of_mixed_elements_balance():
+    box = Box((2.0, 1.0))
+    law = Isotropic(1e5, 0.499, "plane_strain", thickness=0.3)
+    problem = Problem(
+        box,
+        law,
+        (Support(box.side("left"), (0.0, 0.0)),),
+        (Traction(box.side("right"), (3.0, -2.0)),),
+    )
+    found = converge(problem, np.array([[2.0, 0.5]]), 1e-2)
+    assert found.finest.pressure is not None
+    np.testing.assert_allclose(found.reactions[0].value, [-0.9, 0.6], rtol=1e-8)
+    work = 0.5 * 0.3 * np.array([3.0, -2.0]) @ side_mean(found, box)
+    assert found.energy.value[0] == pytest.approx(work, rel=2e-3)
+
+
+def side_mean(found, box):
+    """Mean displacement (2,) in m of the right side, by Gauss's rule."""
+    s, weight = np.polynomial.legendre.leggauss(40)
+    places = np.column_stack([np.full(40, box.size[0]), (s + 1) / 2])
+    return weight @ found.finest.at(places) / 2
