@@ -219,6 +219,8 @@ def converge(
     *,
     most_nodes: int | None = None,
     first: Discretisation | None = None,
+    mixed: bool | None = None,
+    solver: str = "auto",
 ) -> Reference:
     """Solve a problem on finer and finer meshes until displacements at points are known.
 
@@ -236,6 +238,11 @@ def converge(
         Of the finest mesh, by default `MOST_NODES` or `MOST_MIXED`.
     first
         A mesh to start from in place of the one made here.
+    mixed
+        Whether displacement and pressure are sought together; by default where a ratio is
+        `NEARLY_INCOMPRESSIBLE` or more, but in plane stress.
+    solver
+        As for `solve_problem`.
 
     Raises
     ------
@@ -247,13 +254,13 @@ def converge(
     require_type("problem", problem, Problem)
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     positive_number("accuracy", accuracy)
-    mixed = _is_nearly_incompressible(problem)
+    mixed = _is_nearly_incompressible(problem) if mixed is None else mixed
     most = MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
     if most_nodes is not None:
         most = whole_number("most nodes", most_nodes, 1)
     began = time.perf_counter()
     body = first_mesh(problem) if first is None else first
-    found = [solve_problem(problem, body, mixed=mixed)]
+    found = [solve_problem(problem, body, mixed=mixed, solver=solver)]
     while True:
         reference = Reference(problem, x, tuple(found), accuracy, time.perf_counter() - began)
         known = len(found) >= LEVELS or reference.error <= ROUNDING
@@ -261,7 +268,7 @@ def converge(
         if enough or nodes_of_children(body) > most:
             return reference
         body = subdivide(body)
-        found.append(solve_problem(problem, body, mixed=mixed))
+        found.append(solve_problem(problem, body, mixed=mixed, solver=solver))
 
 
 def close_in(values: list[Array]) -> Converged:
