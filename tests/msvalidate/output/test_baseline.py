@@ -13,7 +13,8 @@ import pytest
 from msvalidate.cli import program
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.output import baseline, exchange, stored
+from msvalidate.output import baseline, stored
+from msvalidate_check import exchange
 
 TABLE = pd.DataFrame(
     {
