@@ -13,6 +13,8 @@ import pytest
 
 from msvalidate.judging import catalogue
 
+pytest_plugins = ["pytester"]  # runs of pytest in a test, for the plugin that others install
+
 SLOW = Path(__file__).with_name("slow.csv")
 """Tests that are too long for each change: in `kept`, parts of names of the cases that stay in
 `make test`, parted by |. `make slow` runs the rest."""

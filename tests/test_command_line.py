@@ -762,7 +762,8 @@ def test_a_changelog_that_is_no_utf8_is_told_before_the_work(checked):
 KILLED = """
 import os
 from pathlib import Path
-from msvalidate.output import exchange, report
+from msvalidate.output import report
+from msvalidate_check import exchange
 class Killed(BaseException): pass
 count = last = 0
 def counted(act):

@@ -68,6 +68,23 @@ def test_a_study_of_ones_own_is_run_and_judged(own):
     assert run(own, "bar", "--studies", "mine").returncode == 1
 
 
+def test_a_study_of_ones_own_is_held_to_a_baseline_of_ones_own(own):
+    text = STUDY.replace("tables={},", 'tables={"t": pd.DataFrame({"end": [end]})},')
+    text = text.replace(
+        "tolerances=[", 'columns={"end": "displacement (m)"},\n        tolerances=['
+    )
+    text = text.replace("from msvalidate import", "import pandas as pd\nfrom msvalidate import", 1)
+    (own / "mine" / "bar.py").write_text(text, encoding="utf-8")
+    check = ("check", "bar", "--studies", "mine", "--baseline", "base")
+    done = run(own, *check, "--update", "--reason", "first")
+    assert (done.returncode, "baseline of bar renewed; REASONS.md" in done.stderr) == (0, True)
+    (own / "mine" / "bar.py").write_text(text.replace("0.1, 0]", "0.100001, 0]"), encoding="utf-8")
+    table = own / "base" / "quick" / "bar" / "t.csv"
+    assert abs(float(table.read_text(encoding="utf-8").split()[1]) - 0.2) < 1e-12
+    done = run(own, *check)
+    assert (done.returncode, "bar: FAIL t.csv: end: observed 0.2" in done.stderr) == (1, True)
+
+
 def test_it_is_listed_and_helpers_are_not(own):
     listed = run(own, "list", "--studies", "mine").stdout.splitlines()
     assert [line.split()[0] for line in listed] == [*catalogue.names(), "bar"]

@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.judge import Judgement
-from msvalidate.output import exchange
 from msvalidate.output.stored import csv_bytes, draw_files
 from msvalidate.output.vtu import vtu_bytes
 from msvalidate.problem import SHAPES, Array, Problem, ProblemError, materials_of_cells
 from msvalidate.problem.checks import format_value
+from msvalidate_check import exchange
 from reference_fem.mesh.discretisation import Discretisation
 
 MARK = "case.json"

@@ -23,6 +23,7 @@ PLACES = {
     "--out": "DIR",
     "--junit": "FILE",
     "--studies": "DIR",
+    "--baseline": "DIR",
     "--candidate": "MODULE:FUNCTION",
 }
 """Options whose value is the reader's own affair: option -> what a report shows in its place."""
@@ -82,9 +83,10 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
         if name not in known:
             parser.error(f"unknown study {name!r}: {catalogue.suggestion(name)}")
     foreign = [name for name in args.studies if args.update and not catalogue.is_ours(name)]
-    if foreign:
+    if foreign and not args.baseline:
         parser.error(
-            f"--update: {foreign[0]} is a study of your own and has no baseline; leave it out"
+            f"--update: {foreign[0]} is a study of your own and has no baseline among ours; give "
+            "--baseline DIR, or leave it out"
         )
     _refuse_partial(parser, args)
     args.out = args.out or (CANDIDATES if args.candidate else LATEST)
@@ -133,6 +135,7 @@ def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace)
     for option, value in (
         ("--full", args.full),
         ("--update", args.update),
+        ("--baseline", args.baseline),
         ("--junit", args.junit),
     ):
         of_candidate = option == "--junit" and args.candidate
@@ -310,6 +313,12 @@ def _add_check(parser: argparse.ArgumentParser, *, shown: bool) -> None:
         help=told("make what is found the baseline of the studies that were run, if all holds"),
     )
     add("--reason", type=_line, metavar="TEXT", help=told("why it moved, for CHANGELOG.md"))
+    add(
+        "--baseline",
+        type=_path,
+        metavar="DIR",
+        help=told("a baseline of your own in the place of ours; its REASONS.md says why it moved"),
+    )
     add("--junit", type=_path, metavar="FILE", help=told("write a JUnit file for a CI"))
 
 

@@ -15,9 +15,9 @@ from msvalidate.case.template import template
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, PROGRAM, USAGE
 from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
 from msvalidate.judging.evidence import AGREES
-from msvalidate.output import exchange
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, format_value
+from msvalidate_check import exchange
 
 
 def act(args: argparse.Namespace) -> int:

@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Literal
 
 import pandas as pd
@@ -47,7 +48,7 @@ class Task:
     plots
         Whether its figures are drawn.
     against
-        Form of the baseline that its tables are held to, "quick" or "full"; "" for none.
+        Folder of the baseline that its tables are held to, of the form that is run; None for none.
     results
         What other studies found, for one that puts that together; None for others.
     candidate
@@ -62,7 +63,7 @@ class Task:
     setting: Setting
     command: tuple[str, ...] = ()
     plots: bool = True
-    against: str = ""
+    against: Path | None = None
     results: Results | None = None
     candidate: str = ""
     accuracy: float | None = None
@@ -143,7 +144,7 @@ def run_task(task: Task) -> Outcome:
         evidence, verdict = _judged(task)
         seconds, rows = clock.seconds, []
         if task.against:
-            rows = baseline.compare(evidence, baseline.baseline_folder(task.against) / task.name)
+            rows = baseline.compare(evidence, task.against / task.name)
             verdict = pd.concat([verdict, pd.DataFrame(rows)], ignore_index=True)
         result = Result(task.name, catalogue.docstring(task.name), evidence, verdict)
         origin = _origin(task, clock, seconds)

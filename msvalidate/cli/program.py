@@ -137,13 +137,15 @@ def _missed_code(study: Stored | Outcome) -> int:
 
 def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     """Run and judge studies, saying how each ended, and write what they found."""
-    from msvalidate.output import report
+    from msvalidate.output import baseline, report
 
     report.refuse_unwritable(args.out, args.studies)
     if args.junit:
         report.refuse_place("--junit", args.junit, args.out)
+    if args.baseline:
+        report.refuse_folder("--baseline", args.baseline, args.out, written=args.update)
     if args.update:
-        _changelog(args)  # refuses, if there is none, before the work
+        baseline.reason_entry(args.baseline, args.form, args.reason)  # refuses before the work
     _refuse_unknown_tables(args)
     for name in args.studies:
         catalogue.load(name)
@@ -188,7 +190,9 @@ def _strangers(args: argparse.Namespace) -> list[int]:
         tell_error(
             f"{args.form} baseline: {name} is no study; check --update leaves it out", NOTHING
         )
-        for name in baseline.unknown_folders(args.form, catalogue.names())
+        for name in baseline.unknown_folders(
+            baseline.baseline_folder(args.form, args.baseline), catalogue.names()
+        )
     ]
 
 
@@ -202,12 +206,16 @@ def _run_studies(
     from msvalidate.cli import jobs
     from msvalidate.cli.outcome import Task
     from msvalidate.judging.sweep import Setting
+    from msvalidate.output import baseline
 
     setting = Setting(quick=args.form == "quick", seed=args.seed, progress=not args.quiet)
-    against = args.form if args.verb == "check" and not args.update else ""
+    holds = args.verb == "check" and not args.update
+    against = baseline.baseline_folder(args.form, args.baseline) if holds else None
     command = tuple(as_shown(arguments))
-    # A study of a user's own has no baseline here: its tolerances alone judge it.
-    compared = {name: against if catalogue.is_ours(name) else "" for name in args.studies}
+    # A study of a user's own has no baseline among ours: its tolerances alone judge it.
+    compared = {
+        name: against if args.baseline or catalogue.is_ours(name) else None for name in args.studies
+    }
     asked = {
         "candidate": args.candidate or "",
         "accuracy": args.accuracy,
@@ -231,9 +239,11 @@ def _run_studies(
             for outcome in outcomes:
                 found[outcome.name] = outcome
                 codes += _told(outcome, args)
-                if compared[outcome.name] and outcome.result and not outcome.compared:
-                    message = f"study {outcome.name}: no {against} baseline, nothing compared; "
+                tables = outcome.result.evidence.tables if outcome.result else {}
+                if compared[outcome.name] and tables and not outcome.compared:
+                    message = f"study {outcome.name}: no {args.form} baseline, nothing compared; "
                     message += f"make one with check {outcome.name} --update"
+                    message += f" --baseline {args.baseline}" if args.baseline else ""
                     codes.append(tell_error(message, NOTHING))
     return [found[name] for name in args.studies], codes
 
@@ -262,8 +272,9 @@ def _told(outcome: Outcome, args: argparse.Namespace) -> list[int]:
 
 def _write(outcomes: list[Outcome], args: argparse.Namespace) -> None:
     """Write what was found."""
-    from msvalidate.output import exchange, report, stored
+    from msvalidate.output import report, stored
     from msvalidate.output.junit import junit_xml
+    from msvalidate_check import exchange
 
     files = {each.name: each.files for each in outcomes if each.result}
     late = {
@@ -284,27 +295,17 @@ def _write(outcomes: list[Outcome], args: argparse.Namespace) -> None:
 
 def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) -> int:
     """Make these results the baseline, that of other studies staying, and say why."""
-    from msvalidate.output import baseline, exchange
+    from msvalidate.output import baseline
 
     if failed:
         return tell_error(
             f"baseline left as it was: {', '.join(failed)} did not hold; mend that first", MISSED
         )
-    tables = {result.name: baseline.baseline_files(result.evidence) for result in results}
-    # The reason first: a number never moves without one. It follows at once.
-    reason = baseline.CHANGELOG, lambda: _changelog(args)
-    exchange.replace_folder(
-        baseline.baseline_folder(args.form), tables, keep=args.named, beside=reason
-    )
+    found = {result.name: result.evidence for result in results}
+    reason = baseline.renew(args.baseline, args.form, found, args.reason, named=args.named)
     whose = f" of {', '.join(args.studies)}" if args.named else ""
-    tell(f"{args.form} baseline{whose} renewed; CHANGELOG.md says why")
+    tell(f"{args.form} baseline{whose} renewed; {reason.name} says why")
     return HELD
-
-
-def _changelog(args: argparse.Namespace) -> bytes:
-    from msvalidate.output import baseline
-
-    return baseline.changelog_entry(args.form, args.reason, args.studies if args.named else ())
 
 
 def _lines(result: Result, args: argparse.Namespace) -> list[str]:

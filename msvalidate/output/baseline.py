@@ -14,12 +14,21 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from msvalidate.judging.evidence import UNGATED, Evidence, Observed, Tolerance, judge_one
 from msvalidate.output.stored import csv_bytes, read_csv
 from msvalidate.problem import ProblemError
+from msvalidate_check import exchange
+from msvalidate_check.baseline import (
+    OF_RANGE,
+    REASONS,
+    RELATIVE,
+    BaselineError,
+    farthest,
+    reason_line,
+    reasons_with,
+)
 
 HOME = Path(__file__).resolve().parents[1]
 CHECKOUT = HOME.parent / "reports" / "baseline"
@@ -27,23 +36,16 @@ CHECKOUT = HOME.parent / "reports" / "baseline"
 CHANGELOG = HOME.parent / "CHANGELOG.md"
 UNRELEASED = "## Unreleased"
 HEADING = "### Numbers"
-RELATIVE = 1e-6
-"""rtol: what other versions of the libraries and another order of sums change, with a factor of a
-hundred; no digit that a reader of a table sees."""
-OF_RANGE = 1e-9
-"""atol over the largest distance between a column's values: a value near zero is known no better
-than the large ones that it is a difference of."""
-MISSING = {"", "nan", "inf", "-inf"}
-"""No numbers: among them, failures even where the baseline has the same."""
 REASON = (
     f"the value as it was, within {RELATIVE:g} of it, {OF_RANGE:g} of the column's range, and what "
     "the column rounds"
 )
 
 
-def baseline_folder(form: str) -> Path:
-    """Folder of the baseline of a form, "quick" or "full"."""
-    return (CHECKOUT if (HOME.parent / "pyproject.toml").is_file() else HOME / "baseline") / form
+def baseline_folder(form: str, home: Path | None = None) -> Path:
+    """Folder of the baseline of a form, "quick" or "full", in a user's own `home` or ours."""
+    checkout = (HOME.parent / "pyproject.toml").is_file()
+    return (home or (CHECKOUT if checkout else HOME / "baseline")) / form
 
 
 def recorded_faults(study: str) -> pd.DataFrame | None:
@@ -55,11 +57,38 @@ def recorded_faults(study: str) -> pd.DataFrame | None:
         return None
 
 
-def unknown_folders(form: str, studies: list[str]) -> list[str]:
-    """Folders of a baseline that belong to no study, so that nothing is compared with them."""
-    folder = baseline_folder(form)
+def unknown_folders(folder: Path, studies: list[str]) -> list[str]:
+    """What is in a baseline's folder of a form and no study's: nothing is compared with it."""
     found = [path.name for path in folder.iterdir()] if folder.is_dir() else []
     return sorted(set(found) - set(studies))
+
+
+def reason_file(home: Path | None) -> Path:
+    """The file that says why a baseline was renewed, in a `home` of the user's own or ours."""
+    return home / REASONS if home else CHANGELOG
+
+
+def reason_entry(home: Path | None, form: str, reason: str, studies: Sequence[str] = ()) -> bytes:
+    """The file of reasons with one more line: see `changelog_entry` for ours.
+
+    Parameters
+    ----------
+    home
+        The folder of a baseline of the user's own, whose file need not be there; None for ours.
+    form, reason, studies
+        As for `changelog_entry`.
+
+    Raises
+    ------
+    ProblemError
+        If it cannot be read, or ours is missing or has no heading for it.
+    """
+    if home is None:
+        return changelog_entry(form, reason, studies)
+    try:
+        return reasons_with(reason_file(home), form, studies, reason)
+    except BaselineError as error:
+        raise ProblemError(str(error)) from error
 
 
 def changelog_entry(form: str, reason: str, studies: Sequence[str] = ()) -> bytes:
@@ -92,8 +121,7 @@ def changelog_entry(form: str, reason: str, studies: Sequence[str] = ()) -> byte
     if not heading:
         raise ProblemError(f"CHANGELOG.md: no heading {UNRELEASED!r}; add it")
     end = heading[1]  # of a line, as the file has it
-    what = f"{form}; {', '.join(studies)}" if studies else form
-    entry = f"- Baseline ({what}): {reason}{end}"
+    entry = f"{reason_line(form, studies, reason)}{end}"
     later = re.compile(r"^## ", re.MULTILINE).search(text, heading.end())
     numbers = re.compile(rf"^{HEADING}[ \t]*\r?\n(?:[ \t]*\r?\n)?", re.MULTILINE).search(
         text, heading.end(), later.start() if later else len(text)
@@ -101,6 +129,32 @@ def changelog_entry(form: str, reason: str, studies: Sequence[str] = ()) -> byte
     place = numbers.end() if numbers else heading.end()
     added = entry if numbers else f"{end}{HEADING}{end}{end}{entry}"
     return (text[:place] + added + text[place:]).encode()
+
+
+def renew(
+    home: Path | None, form: str, found: Mapping[str, Evidence], reason: str, *, named: bool
+) -> Path:
+    """Make what studies found the baseline of a form, and say why; the file that says so.
+
+    Parameters
+    ----------
+    home, form, reason
+        As for `reason_entry`.
+    found
+        Study -> what it found.
+    named
+        Whether the baselines of other studies stay, as these were named one by one.
+    """
+    tables = {name: baseline_files(evidence) for name, evidence in found.items()}
+    place, names = reason_file(home), list(found) if named else []
+    # The reason first: a number never moves without one. It follows at once.
+    exchange.replace_folder(
+        baseline_folder(form, home),
+        tables,
+        keep=named,
+        beside=(place, lambda: reason_entry(home, form, reason, names)),
+    )
+    return place
 
 
 def baseline_files(evidence: Evidence) -> dict[str, bytes]:
@@ -184,23 +238,15 @@ def _compare_column(
     quantity: str, seen: list[str], reference: list[str], rounding: float
 ) -> dict[str, object]:
     """The judgement of one column: its words, or its value that is farthest off for its limit."""
-    a, b = np.array([_number(v) for v in seen]), np.array([_number(v) for v in reference])
-    numbers = np.isfinite(a) & np.isfinite(b)
-    alike = np.array([v == w for v, w in zip(seen, reference, strict=True)])
-    missing = np.array([value.lower() in MISSING for value in reference])
-    wrong = np.flatnonzero(~numbers & (~alike | (missing & numbers.any())))
-    if len(wrong):
-        i = wrong[0]
-        because = f"row {i}: {seen[i]!r} where the baseline has {reference[i]!r}; words are exact"
-        return judge_one(_tolerance(quantity, 0.0, because), Observed(len(wrong), 0.0))
-    if not numbers.any():
+    found = farthest(seen, reference, absolute=rounding)
+    if found is None:
         return judge_one(_tolerance(quantity, 0.0, "words are exact"), Observed(0.0))
-    atol = rounding + OF_RANGE * float(np.ptp(b[numbers]))
-    limit = atol + RELATIVE * np.abs(b)
-    share = np.abs(a - b) / np.where(limit > 0, limit, np.finfo(float).tiny)
-    i = int(np.where(numbers, share, -1.0).argmax())
-    tolerance = _tolerance(quantity, float(limit[i]), f"row {i}: {REASON}")
-    return judge_one(tolerance, Observed(float(a[i]), float(b[i])))
+    if found.words:
+        because = f"row {found.row}: {found.seen!r} where the baseline has {found.reference!r}; "
+        because += "words are exact"
+        return judge_one(_tolerance(quantity, 0.0, because), Observed(found.off, 0.0))
+    tolerance = _tolerance(quantity, found.limit, f"row {found.row}: {REASON}")
+    return judge_one(tolerance, Observed(float(found.seen), float(found.reference)))
 
 
 def _compare_names(quantity: str, known: set[str], found: set[str]) -> dict[str, object]:
@@ -220,10 +266,3 @@ def _tolerance(quantity: str, limit: float, because: str) -> Tolerance:
 
 def _compared_columns(table: pd.DataFrame) -> pd.DataFrame:
     return table[[column for column in table if not str(column).endswith(UNGATED)]]
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan

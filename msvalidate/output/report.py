@@ -16,7 +16,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from msvalidate.judging import catalogue
-from msvalidate.output import exchange
 from msvalidate.output.page import render_page
 from msvalidate.output.stored import (
     ABOUT,
@@ -28,6 +27,7 @@ from msvalidate.output.stored import (
     verdict_json,
 )
 from msvalidate.problem import ProblemError
+from msvalidate_check import exchange
 
 PAGES = ("report.html", "verdict.json")
 """What lies in a folder of results beside its studies' folders."""
@@ -87,6 +87,18 @@ def refuse_place(option: str, path: Path, out: Path) -> None:
     if not path.parent.is_dir():
         raise ProblemError(f"{option} {path}: no folder {path.parent}; make it or name another")
     if not _writable(path.parent):
+        raise ProblemError(f"{option} {path}: no permission to write there; name another place")
+
+
+def refuse_folder(option: str, path: Path, out: Path, *, written: bool) -> None:
+    """Raise `ProblemError`, before any work, if `path` is no folder apart, or cannot be written."""
+    found, results = _resolve(option, path), out.resolve()
+    if results in (found, *found.parents) or found in results.parents:
+        raise ProblemError(f"{option} {path}: shares a folder with --out {out}; name another")
+    if found.exists() and not found.is_dir():
+        raise ProblemError(f"{option} {path}: a file; name a folder")
+    above = next(each for each in (found, *found.parents) if each.exists())
+    if written and not (above.is_dir() and _writable(above)):
         raise ProblemError(f"{option} {path}: no permission to write there; name another place")
 
 

@@ -9,7 +9,6 @@ results still read.
 
 from __future__ import annotations
 
-import csv as text_tables
 import io
 import json
 import math
@@ -27,6 +26,7 @@ from msvalidate.judging.evidence import Evidence, Layer, all_passed
 from msvalidate.output.figures import add_title, figure_style, plain_logarithms
 from msvalidate.output.pictures import shorten_paths
 from msvalidate.problem import ProblemError
+from msvalidate_check.baseline import read_columns
 
 FORMATS = ("png", "svg")
 ABOUT, VERDICT = "study.json", "verdict.csv"
@@ -296,20 +296,10 @@ def read_csv(path: Path | io.BytesIO) -> pd.DataFrame:
         `pandas.errors.EmptyDataError` if there is no heading.
     """
     content = path.getvalue() if isinstance(path, io.BytesIO) else _content(path)
-    lines = io.StringIO(content.decode("utf-8"), newline="")
-    try:
-        heading, *rows = [row for row in text_tables.reader(lines, strict=True) if row] or [[]]
-    except text_tables.Error as error:
-        raise ValueError(f"no table ({error})") from error
-    if not heading:
+    columns = read_columns(content)
+    if not columns:
         raise pd.errors.EmptyDataError("not even a heading")
-    if len(set(heading)) < len(heading):
-        raise ValueError("two columns have one name")
-    for number, row in enumerate(rows):
-        if len(row) != len(heading):
-            raise ValueError(f"row {number} has {len(row)} values for {len(heading)} columns")
-    columns = zip(*rows, strict=True) if rows else ((),) * len(heading)
-    return pd.DataFrame(dict(zip(heading, map(list, columns), strict=True)), dtype=str)
+    return pd.DataFrame(columns, dtype=str)
 
 
 def verdict_json(studies: list[Stored]) -> bytes:

@@ -13,7 +13,10 @@ import pytest
 from msvalidate.cli import program
 from msvalidate.judging import catalogue
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance
-from msvalidate.output import baseline, exchange, stored
+from msvalidate.output import baseline, report, stored
+from msvalidate_check import exchange
+from msvalidate_check.baseline import HEADING
+from tests.table import table
 
 TABLE = pd.DataFrame(
     {
@@ -297,3 +300,86 @@ def test_a_full_disk_leaves_the_baseline_of_all_as_it_was(checkout, monkeypatch,
     assert "No space left on device" in capsys.readouterr().err
     assert checkout.files() == before
     assert [p.name for p in checkout.quick.parent.iterdir()] == ["quick"]
+
+
+# --- a baseline of one's own ----------------------------------------------------------------------
+
+
+def test_a_baseline_of_ones_own_takes_the_place_of_ours(checkout, capsys):
+    ours, said = checkout.files(), checkout.changelog.read_bytes()
+    own, checkout.x = Path("mine") / "base", 2.0
+    at = ("--baseline", str(own))
+    assert checkout.check("poisson", *at) == (4, ["poisson"])
+    assert "check poisson --update --baseline mine/base" in capsys.readouterr().err
+    assert checkout.check("poisson", "--update", "--reason", "so", *at)[0] == 0
+    (own / "pytest").mkdir()
+    (own / "pytest" / "tip.csv").write_bytes(b"u\n1\n")
+    assert checkout.check("damping", "--update", "--reason", "more", *at)[0] == 0
+    assert {p.relative_to(own).as_posix(): p.read_bytes() for p in own.rglob("*.*")} == {
+        "REASONS.md": HEADING.encode()
+        + b"- Baseline (quick; poisson): so\n- Baseline (quick; damping): more\n",
+        "pytest/tip.csv": b"u\n1\n",
+        "quick/damping/t.csv": b"x\n2.0\n",
+        "quick/poisson/t.csv": b"x\n2.0\n",
+    }
+    assert checkout.check("poisson", "damping", *at)[0] == 0
+    checkout.x = 2.1
+    assert checkout.check("poisson", *at)[0] == 1
+    assert (checkout.files(), checkout.changelog.read_bytes()) == (ours, said)
+
+
+@table(
+    ("options", "said"),
+    [
+        (["--baseline", "CHANGELOG.md"], "--baseline CHANGELOG.md: a file; name a folder"),
+        (["--baseline", "reports"], "shares a folder with --out reports/latest; name another"),
+        (["--baseline", "reports/latest/b"], "shares a folder with --out reports/latest"),
+        (["--baseline", "CHANGELOG.md/b", "--update", "--reason", "so"], "no permission to write"),
+        (["--baseline", "odd", "--update", "--reason", "so"], "REASONS.md: not UTF-8 at byte 0"),
+    ],
+)
+def test_no_place_for_a_baseline_is_told_before_the_work(checkout, capsys, options, said):
+    Path("odd").mkdir(exist_ok=True)
+    Path("odd/REASONS.md").write_bytes(b"\xe9")
+    assert checkout.check("poisson", *options) == (2, [])
+    (line,) = capsys.readouterr().err.splitlines()
+    assert said in line
+    assert list(Path("odd").iterdir()) == [Path("odd/REASONS.md")]
+
+
+def test_a_reason_stands_before_its_numbers_move(checkout, monkeypatch):
+    """Ended, as by a kill, before each step in turn that changes a file or folder."""
+    at, count, end = ("poisson", "--update", "--baseline", "own", "--reason"), 0, 99
+    assert checkout.check(*at, "first")[0] == 0
+    table, log = Path("own/quick/poisson/t.csv"), Path("own/REASONS.md")
+    before, said = table.read_bytes(), log.read_bytes()
+
+    def counted(act):
+        def step(*given):
+            nonlocal count
+            count += 1
+            if count == end:
+                raise KeyboardInterrupt
+            return act(*given)
+
+        return step
+
+    for module, name in ((os, "fsync"), (exchange, "exchange_folders"), (exchange, "replace")):
+        monkeypatch.setattr(module, name, counted(getattr(module, name)))
+    monkeypatch.setattr(report, "publish", lambda *_: [])
+    found, checkout.x = [], 2.0
+    for step in range(1, 20):
+        count, end = 0, step
+        try:
+            done = checkout.check(*at, "moved")
+        except KeyboardInterrupt:
+            done = None
+        found.append((table.read_bytes() != before, log.read_bytes() != said))
+        if done:
+            break
+        table.write_bytes(before)
+        log.write_bytes(said)
+    assert (found[-1], len(found) > 4) == ((True, True), True)
+    assert (True, False) not in found, "a number never moves without a reason"
+    assert found.count((False, True)) <= 2, "the rename, and the exchange in it"
+    assert {path.name for path in Path("own").iterdir()} == {"REASONS.md", "quick"}

@@ -13,7 +13,8 @@ import pandas as pd
 import pytest
 
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, judge
-from msvalidate.output import exchange, report, stored
+from msvalidate.output import report, stored
+from msvalidate_check import exchange
 
 ROOT = Path(__file__).parents[3]
 
@@ -51,7 +52,8 @@ import time
 from pathlib import Path
 sys.path[:0] = {paths!r}
 import test_report_interrupted
-from msvalidate.output import exchange, report
+from msvalidate.output import report
+from msvalidate_check import exchange
 gap = float(sys.argv[1])
 if sys.argv[3:] == ["apart"]:
     exchange.exchange_folders = lambda *_: False

@@ -123,7 +123,7 @@ def replace_folder(
     folder
         It is made if it is missing.
     files
-        Name of a folder in it -> its files.
+        Name of a folder in it, "." for itself -> its files.
     keep
         Whether all else that lies in it goes into the new one as it is.
     beside
@@ -137,7 +137,12 @@ def replace_folder(
             _copy_others(folder, new, files)
         for name, content in files.items():
             write(new / name, content)
-        if beside:
+        path = beside[0].resolve() if beside else None
+        if beside and path and path.parent == folder.parent:  # which is alone and staged already
+            write(new, {path.name: beside[1]()})
+            replace(new / path.name, path)
+            replace(new, folder)
+        elif beside:
             replace_file(beside[0], beside[1], then=lambda: replace(new, folder))
         else:
             replace(new, folder)
