@@ -4,7 +4,7 @@ Every quantity is read off each mesh. What it changes by from mesh to mesh shows
 which it closes in, u_h = u + C h^p, and what it closes in on (Richardson's extrapolation, as in
 [Roache1994]). Corners, ends of supports and changes of material leave an order between about 1 and
 2 even of quadratic elements; smooth bodies have up to 4. One p, of the 2-norm of all components,
-serves all points: that of a single component may be anything where its changes pass through zero.
+serves all points, but those that close in more slowly, such as a corner that points inwards.
 """
 
 from __future__ import annotations
@@ -293,9 +293,20 @@ def close_in(values: list[Array]) -> Converged:
     before = float(np.abs(values[-2] - values[-3]).max(initial=0.0))
     if np.isnan(order):
         return Converged(fine, CAUTION * max(change, before), np.nan)
-    added = last / (2 ** min(order, TRUSTED_ORDER) - 1)
-    doubt = SAFETY * float(np.abs(added).max())
+    doubt = SAFETY * float(_left(last, values[-2] - values[-3], order).max())
     return Converged(fine, doubt, order)
+
+
+def _left(last: Array, before: Array, order: float) -> Array:
+    """What the last of two changes leaves of each component, by the order of all of them.
+
+    Or by the component's own, where that is lower: next to a corner that points inwards a value
+    closes in more slowly than those that rule the order.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = np.log2(np.abs(before) / np.abs(last))
+    own = np.clip(np.nan_to_num(own, nan=TRUSTED_ORDER), LOWEST_ORDER, min(order, TRUSTED_ORDER))
+    return np.abs(last) / (2**own - 1)
 
 
 def _order(values: list[Array]) -> float:

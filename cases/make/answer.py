@@ -63,7 +63,9 @@ def load_answer(path: Path) -> Answer:
         found = {name: kept[name] for name in kept.files}
 
     def named(start: str) -> dict[str, Array]:
-        return {key.removeprefix(start): each for key, each in found.items() if key.startswith(start)}
+        return {
+            key.removeprefix(start): each for key, each in found.items() if key.startswith(start)
+        }
 
     return Answer(
         found["displacement"],

@@ -48,7 +48,23 @@ def graded_lines(grid: Grid, *, finer: bool = False) -> list[Array]:
                 half = np.linspace(0.0, 1.0, max(n, 2) + 1)
             parts.append((a + (b - a) * half)[:-1])
         found.append(np.append(np.concatenate(parts), marks[-1]))
-    return found
+    return [_no_longer(column, _longest_cell(grid)) for column in found]
+
+
+def _longest_cell(grid: Grid) -> float:
+    """Longest cell (m) along any axis of a body in space: its narrowest side."""
+    if len(grid.marks) == 2:
+        return np.inf
+    return min(marks[-1] - marks[0] for marks in grid.marks)
+
+
+def _no_longer(column: Array, most: float) -> Array:
+    """Lines with others amid where they are farther apart than that."""
+    parts = []
+    for a, b in pairwise(column):
+        many = max(1, int(np.ceil((b - a) / most - 1e-9)))
+        parts.append(a + (b - a) * np.arange(many) / many)
+    return np.append(np.concatenate(parts), column[-1])
 
 
 def grid_cells(columns: list[Array], grid: Grid) -> tuple[Array, Array, Array]:

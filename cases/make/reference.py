@@ -14,8 +14,8 @@ from cases.make.meshes import (
     QUADRATIC,
     facets_of,
     graded_lines,
-    lines,
     linear_meshes,
+    lines,
     quadratic_mesh,
 )
 from cases.make.statements import STRESS, Statement

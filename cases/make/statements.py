@@ -303,7 +303,7 @@ def _rings() -> list[Statement]:
     """A quarter of a ring: under pressure from inside (Lamé), and pinched."""
     inner, outer = 0.5, 1.0
     sides = {
-        "inner": lambda x: np.hypot(*x.T) < inner + 0.05,
+        "inner": lambda x: np.abs(np.hypot(*x.T) - inner) < SHORT,
         "bottom": lambda x: np.abs(x[:, 1]) < SHORT,
         "left": lambda x: np.abs(x[:, 0]) < SHORT,
     }

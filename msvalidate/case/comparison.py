@@ -12,8 +12,7 @@ from msvalidate.bodies.cut_network import support_selector
 from msvalidate.case.case import Case, compared_points
 from msvalidate.case.springs import SpringAnswer, SpringLimit, limit_of, solve_finer
 from msvalidate.constants.homogenise import homogenise
-from msvalidate.judging.compare import NOT_ASKED, agreement
-from msvalidate.judging.evidence import AGREES, DIFFERS
+from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.lattice import CutLattice, PatternLattice
 from msvalidate.problem import (
     Anisotropic,
@@ -25,6 +24,7 @@ from msvalidate.problem import (
     Support,
 )
 from msvalidate.statics.stress import fitted_stress, interior_points
+from msvalidate_check.words import AGREES, DIFFERS, agreement
 from reference_fem.converged import Reference, converge
 from reference_fem.elasticity import elastic_tensor
 

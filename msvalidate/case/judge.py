@@ -13,11 +13,11 @@ import pandas as pd
 from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
 from msvalidate.case.comparison import Row, largest
-from msvalidate.case.diagnosis import NOTICED, Explanation, Field, explain, split
 from msvalidate.case.matching import Matched, match
 from msvalidate.case.results import Result
-from msvalidate.judging.compare import agreement
 from msvalidate.problem import Array, Isotropic, Problem, ProblemError, SolverError
+from msvalidate_check.diagnosis import NOTICED, Driven, Explanation, Field, explain, split
+from msvalidate_check.words import agreement
 from reference_fem.body import solve_problem
 from reference_fem.converged import Reference, converge, first_mesh
 
@@ -148,7 +148,27 @@ def _field(problem: Problem, matched: Matched, reference: Reference, doubt: floa
             return None
 
     ratio = by_ratio if isinstance(law, Isotropic) and not problem.zones else None
-    return Field(matched.places, matched.displacement, wanted, doubt, problem, ratio, elsewhere)
+    return Field(
+        matched.places,
+        matched.displacement,
+        wanted,
+        doubt,
+        driven_by(problem),
+        problem.domain.span,
+        float(getattr(law, "nu", math.nan)),
+        by_ratio=ratio,
+        elsewhere=elsewhere,
+    )
+
+
+def driven_by(problem: Problem) -> Driven:
+    """What moves a body: its loads, its supports, or both."""
+    moved = any(
+        callable(value) or value for support in problem.supports for value in support.displacement
+    )
+    if problem.loads and moved:
+        return "both"
+    return "supports" if moved else "loads"
 
 
 def budget(found: Judgement) -> pd.DataFrame:
@@ -159,7 +179,8 @@ def budget(found: Judgement) -> pd.DataFrame:
         found.matched.displacement,
         wanted,
         found.row.doubt,
-        found.case.problem,
+        driven_by(found.case.problem),
+        found.case.problem.domain.span,
     )
     total = found.matched.displacement - wanted
     at = int(np.linalg.norm(total, axis=1).argmax())

@@ -9,10 +9,11 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from msvalidate.case.case import Case, compared_points
-from msvalidate.case.results import Result, spacing_of_numbers
+from msvalidate.case.results import Result
 from msvalidate.problem import AXES, SHAPES, Array, Index, Mask, ProblemError
 from msvalidate.problem.normals import nearest_on_facets
 from msvalidate.problem.shapes import is_on_any
+from msvalidate_check.precision import spacing_of_numbers
 from reference_fem.mesh.discretisation import Discretisation
 
 SLACK = 2.0

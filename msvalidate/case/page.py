@@ -12,13 +12,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from msvalidate.case.budget import COLUMNS
 from msvalidate.case.case import Case, describe_spacing
 from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, Comparison, Row
-from msvalidate.case.diagnosis import NOTICED
 from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import NOT_ASKED
-from msvalidate.judging.evidence import AGREES, DIFFERS, NOT_AT_REST, NOT_RESOLVED
 from msvalidate.output.page import Table, split_at_backticks, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.problem import BodyForce, PointForce, Support, Traction, Weight
+from msvalidate_check.diagnosis import NOTICED
+from msvalidate_check.words import AGREES, DIFFERS, NOT_AT_REST, NOT_RESOLVED
 from reference_fem.converged import Reference
 
 PICTURES = 1_500_000

@@ -17,6 +17,7 @@ import pandas as pd
 from msvalidate.bodies.mesh_file import read_points
 from msvalidate.problem import AXES, Array, Index, ProblemError
 from msvalidate.problem.checks import finite_number, format_value, integers, numbers, shaped
+from msvalidate_check.precision import spacing_of_displacements
 
 LARGEST_FILE = 2_000_000_000
 """Bytes beyond which a file is not read."""
@@ -26,8 +27,6 @@ PLACES = ("points", "x", "position", "positions", "coordinates")
 MOVES = ("displacement", "displacements", "u", "disp")
 REST = "at_rest"
 """Of .npz files: how much the displacements would still change, over the largest."""
-DIGITS, BINARY_DIGITS = 17, 40
-"""Decimal digits that no number has more of; binary ones up to which numbers count as rounded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +47,7 @@ class Result:
         What the file says of how much they would still change, over the largest; NaN if nothing.
     grid
         Distance between neighbouring numbers of displacements, as far as they were rounded: see
-        `spacing_of_numbers`.
+        `msvalidate_check.precision`.
     """
 
     name: str
@@ -123,21 +122,7 @@ def _result(name: str, given: Mapping[str, Any], dim: int) -> Result:
         raise ProblemError("neither places nor id: give x, y (and z), or the points' numbers")
     rest = given.get("rest")
     unrest = math.nan if rest is None else finite_number(REST, rest, least=0.0)
-    return Result(name, move, points, number, unrest, _grid(move, points))
-
-
-def _grid(move: Array, points: Array | None) -> float:
-    """Distance between neighbouring displacements, which may be differences of positions."""
-    own = spacing_of_numbers(move)
-    if points is None:
-        return own
-    at = (points + move).ravel()
-    nearest = at.astype(np.float32).astype(float)
-    size = float(np.abs(at).max())
-    single = float(np.finfo(np.float32).eps) * size
-    is_single = np.array_equal(points.astype(np.float32).astype(float), points)
-    off = np.abs(at - nearest).max() <= 8 * np.finfo(float).eps * size
-    return max(own, single) if is_single and off and size > np.abs(move).max() else own
+    return Result(name, move, points, number, unrest, spacing_of_displacements(move, points))
 
 
 def _refuse_not_finite(name: str, array: Array) -> None:
@@ -273,30 +258,3 @@ def _read_vtu(file: Path, field: str | None) -> dict[str, Any]:
         raise ProblemError(f"vector fields {known}; name the displacements by --field")
     found: dict[str, Any] = {"displacement": vectors[move], "points": points}
     return found
-
-
-def spacing_of_numbers(values: Array) -> float:
-    """Distance between neighbouring numbers of the kind that values seem to be rounded to.
-
-    The largest that fits: float32; multiples of one power of two, as of differences of positions in
-    float32; decimals of so many digits after the point; double precision.
-    """
-    size = float(np.abs(values).max(initial=0.0))
-    if not size:
-        return 0.0
-    found = [float(np.finfo(float).eps) * size]
-    with np.errstate(over="ignore", under="ignore"):
-        if np.array_equal(values.astype(np.float32).astype(float), values):
-            found.append(float(np.finfo(np.float32).eps) * size)
-    sample = values.ravel()[:: max(1, values.size // 10_000)]
-    exponent = math.floor(math.log2(size))
-    binary = (math.ldexp(1.0, exponent - lower) for lower in range(BINARY_DIGITS))
-    found.append(next((s for s in binary if s and (np.rint(sample / s) == sample / s).all()), 0.0))
-    first = math.floor(math.log10(size)) + 1
-    decimal = (10.0 ** (first - digits) for digits in range(1, DIGITS - 2))
-    found.append(next((s for s in decimal if s and _is_rounded(sample, s)), 0.0))
-    return max(found)
-
-
-def _is_rounded(values: Array, step: float) -> bool:
-    return bool(np.abs(values - step * np.rint(values / step)).max() <= 1e-6 * step)

@@ -14,10 +14,10 @@ from msvalidate.case.schema import json_schema
 from msvalidate.case.template import template
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, PROGRAM, USAGE
 from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
-from msvalidate.judging.evidence import AGREES
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, format_value
 from msvalidate_check import exchange
+from msvalidate_check.words import AGREES
 
 
 def act(args: argparse.Namespace) -> int:

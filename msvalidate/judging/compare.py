@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
-from msvalidate.judging.evidence import AGREES, DIFFERS, NOT_AT_REST, NOT_RESOLVED, Observed
+from msvalidate.judging.evidence import Observed
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, numbers
 
@@ -24,34 +24,6 @@ class Power(NamedTuple):
     exponent: float
     low: float
     high: float
-
-
-def agreement(difference: float, doubt: float, band: float, unrest: float = 0.0) -> str:
-    """Whether a candidate agrees with its reference within a band, whatever they leave open.
-
-    Parameters
-    ----------
-    difference
-        From the reference, in the unit of the band.
-    doubt
-        How far the reference may be off.
-    band
-        Largest difference that agrees.
-    unrest
-        How far the candidate may still be from where it comes to rest.
-
-    Returns
-    -------
-    str
-        `AGREES` or `DIFFERS` where neither doubt nor unrest can change that; else `NOT_AT_REST` or
-        `NOT_RESOLVED`, after the larger of the two.
-    """
-    left = abs(doubt) + abs(unrest)
-    if abs(difference) + left <= band:
-        return AGREES
-    if abs(difference) - left > band:
-        return DIFFERS
-    return NOT_AT_REST if abs(unrest) > abs(doubt) else NOT_RESOLVED
 
 
 def farthest_value(values: ArrayLike, references: ArrayLike) -> Observed:

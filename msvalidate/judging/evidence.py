@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value, require_type
+from msvalidate_check.words import AGREES, NOT_AT_REST, NOT_RESOLVED
 
 T = TypeVar("T")
 Tables = Mapping[str, pd.DataFrame]
@@ -20,8 +21,6 @@ Layer = Literal["theory", "agreement", "regression", "baseline"]
 """What a judgement holds a value to: formulas, orders, identities and the reference's own accuracy;
 a band between springs and elasticity, whose width has a reason of its own; a limit that was set
 from a measurement, which notices a change and proves nothing; or the value as it was."""
-AGREES, DIFFERS, NOT_RESOLVED, NOT_AT_REST = "agrees", "differs", "not resolved", "not at rest"
-"""What is said of somebody else's candidate, in the place of pass and fail."""
 HELD, OPEN = ("pass", AGREES), (NOT_RESOLVED, NOT_AT_REST)
 """Verdicts of rows that held, and of those that say neither that they held nor that they did not.
 Any other is a miss."""

@@ -18,17 +18,11 @@ import pandas as pd
 
 from msvalidate.judging.accuracy import DOUBLE, Perturbed, Recorded, check_accuracy
 from msvalidate.judging.candidate import Answer, solve_springs
-from msvalidate.judging.evidence import (
-    AGREES,
-    DIFFERS,
-    NOT_RESOLVED,
-    Evidence,
-    Observed,
-    judge_one,
-)
+from msvalidate.judging.evidence import Evidence, Observed, judge_one
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem, ProblemError, SolverError
+from msvalidate_check.words import AGREES, DIFFERS, NOT_RESOLVED
 
 Run = Callable[..., Evidence]
 SEEDS = (1, 2, 3)

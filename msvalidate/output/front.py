@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import pandas as pd
 
 from msvalidate.judging.compare import NOT_ASKED
-from msvalidate.judging.evidence import AGREES, DIFFERS
 from msvalidate.output.baseline import baseline_folder
 from msvalidate.output.stored import Stored, read_csv
+from msvalidate_check.words import AGREES, DIFFERS
 
 OVERVIEW, ROWS = "overview", "good_for"
 FIGURE = "overview/part.svg"

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from msvalidate.judging.evidence import AGREES, DIFFERS, NOT_RESOLVED, OPEN, is_missed
+from msvalidate.judging.evidence import OPEN, is_missed
 from msvalidate.output.front import FIGURE, first_screen
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.output.stored import NUMBERS, Stored
+from msvalidate_check.words import AGREES, DIFFERS, NOT_RESOLVED
 
 ROWS_SHOWN = 12
 """Longer tables are shown by their first rows; the CSV has them all."""

@@ -18,20 +18,12 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.judging.compare import (
-    agreement,
     farthest_value,
     observed_order,
 )
-from msvalidate.judging.evidence import (
-    AGREES,
-    DIFFERS,
-    NOT_RESOLVED,
-    Evidence,
-    Observed,
-    Tolerance,
-    by_quantity,
-)
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.problem import Array
+from msvalidate_check.words import AGREES, DIFFERS, NOT_RESOLVED, agreement
 from reference_fem.elasticity import elastic_tensor
 
 from . import drawing, load_cases, orders

@@ -16,17 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from msvalidate.judging.compare import NOT_ASKED, agreement
-from msvalidate.judging.evidence import (
-    AGREES,
-    NOT_RESOLVED,
-    Evidence,
-    Observed,
-    Tolerance,
-    by_quantity,
-)
+from msvalidate.judging.compare import NOT_ASKED
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.output.results import Results
 from msvalidate.problem import SolverError
+from msvalidate_check.words import AGREES, NOT_RESOLVED, agreement
 
 from . import part
 

@@ -11,8 +11,9 @@ import pytest
 
 from msvalidate.case.case import Case
 from msvalidate.case.judge import budget, judge_result
-from msvalidate.case.results import read_result, spacing_of_numbers
+from msvalidate.case.results import read_result
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
+from msvalidate_check.precision import spacing_of_numbers
 from reference_fem import box_discretisation, solve_problem
 from tests.table import table
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from msvalidate.judging.compare import (
-    agreement,
     farthest_value,
     fitted_power,
     observed_order,
 )
 from msvalidate.judging.evidence import Observed
 from msvalidate.problem import ProblemError
+from msvalidate_check.words import agreement
 
 
 def test_far_apart_means_a_difference_and_not_a_sum():

@@ -10,14 +10,17 @@ supports move the body no modulus shows at all.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from itertools import permutations, product
+from typing import Literal
 
 import numpy as np
 
-from msvalidate.problem import AXES, Array, Problem, rigid_motions
-
+Array = np.ndarray
+Driven = Literal["loads", "supports", "both"]
+"""What moves a body."""
+AXES = "xyz"
 FITS = 0.25
 """Of the difference that was there, what an explanation may leave."""
 AS_WELL = 2.0
@@ -74,18 +77,24 @@ class Explanation:
 class Field:
     """Displacements (n, d) of a candidate and of elasticity at places (n, d), all in m.
 
-    `doubt` is how far elasticity and the numbers themselves may be off, over the largest;
-    `by_ratio` gives elasticity (n, d) of another Poisson's ratio, None where there is none;
-    `elsewhere` gives it at other places (n, d) in m, None where one lies outside the body.
+    `doubt` is how far elasticity and the numbers themselves may be off, over the largest; `driven`
+    what moves the body; `span` its ends (m) along each axis; `ratio` its Poisson's ratio, NaN if it
+    has none; `by_ratio` gives elasticity (n, d) of another of `ratios`, None if of no other;
+    `elsewhere` gives it at other places (n, d) in m, None where one lies outside the body; `known`
+    are fields (n, d) of solvers that are known not to be converged, by what they are of.
     """
 
     places: Array
     found: Array
     wanted: Array
     doubt: float
-    problem: Problem
+    driven: Driven
+    span: tuple[tuple[float, float], ...]
+    ratio: float = math.nan
+    ratios: tuple[float, float] = (0.0, MOST_RATIO)
     by_ratio: Callable[[float], Array] | None = None
     elsewhere: Callable[[Array], Array | None] | None = None
+    known: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def size(self) -> float:
@@ -104,7 +113,9 @@ def explain(field: Field) -> tuple[Explanation, ...]:
     if before <= NOTICED * field.doubt:
         return ()
     simple = [
-        each for ways in (_units, _axes, _mirrored, _positions, _points) for each in ways(field)
+        each
+        for ways in (_units, _axes, _mirrored, _positions, _points, _known)
+        for each in ways(field)
     ]
     simple += [*_scale(field), *_rigid(field), *_ratio(field)]
     fitting = _fitting(simple, before, field.doubt)
@@ -164,9 +175,7 @@ def _scale(field: Field) -> Iterator[Explanation]:
     if not (math.isfinite(scale) and scale > 0):
         return
     left = field.left(field.found / scale)
-    loaded = bool(field.problem.loads)
-    moved = _moves_supports(field.problem)
-    if loaded and not moved:
+    if field.driven == "loads":
         yield Explanation(
             "modulus", f"{scale:.4g} times elasticity: a modulus E {1 / scale:.4g} times as large?",
             left, scale,
@@ -174,7 +183,7 @@ def _scale(field: Field) -> Iterator[Explanation]:
         yield Explanation(
             "load", f"{scale:.4g} times elasticity: loads {scale:.4g} times as large?", left, scale
         )
-    elif moved and not loaded:
+    elif field.driven == "supports":
         yield Explanation(
             "scale",
             f"{scale:.4g} times elasticity: prescribed displacements {scale:.4g} times as large? "
@@ -184,12 +193,6 @@ def _scale(field: Field) -> Iterator[Explanation]:
         )
     else:
         yield Explanation("scale", f"{scale:.4g} times elasticity", left, scale)
-
-
-def _moves_supports(problem: Problem) -> bool:
-    return any(
-        callable(value) or value for support in problem.supports for value in support.displacement
-    )
 
 
 def _axes(field: Field) -> Iterator[Explanation]:
@@ -216,7 +219,7 @@ def _mirrored(field: Field) -> Iterator[Explanation]:
     """The field of the body in a mirror, where the body looks alike in it."""
     if field.elsewhere is None:
         return
-    span = field.problem.domain.span
+    span = field.span
     for axis, (low, high) in enumerate(span):
         places = field.places.copy()
         places[:, axis] = low + high - places[:, axis]
@@ -257,6 +260,13 @@ def _points(field: Field) -> Iterator[Explanation]:
             return
 
 
+def _known(field: Field) -> Iterator[Explanation]:
+    """A solver that is right and not converged, as far as its own answers are known."""
+    for name, wanted in field.known.items():
+        said = f"as {name} gives it: take a finer mesh"
+        yield Explanation("coarse mesh", said, field.left(field.found, wanted))
+
+
 def _rigid(field: Field) -> Iterator[Explanation]:
     """A rigid motion beside: supports elsewhere, another frame."""
     modes = _modes(field.places)
@@ -273,7 +283,12 @@ def _modes(places: Array) -> Array:
     """Rigid motions (k, n, d) about the middle."""
     middle = places - places.mean(axis=0)
     size = float(np.abs(middle).max()) or 1.0
-    return np.moveaxis(rigid_motions(middle / size), 2, 0)
+    x = middle / size
+    n, d = x.shape
+    shifts = [np.broadcast_to(along, (n, d)) for along in np.eye(d)]
+    if d == 2:
+        return np.stack([*shifts, np.column_stack([-x[:, 1], x[:, 0]])])
+    return np.stack([*shifts, *(np.cross(axis, x) for axis in np.eye(3))])
 
 
 def _ratio(field: Field) -> Iterator[Explanation]:
@@ -281,8 +296,8 @@ def _ratio(field: Field) -> Iterator[Explanation]:
     found = _fitted_ratio(field, scaled=False)
     if found is not None:
         nu, _, left = found
-        own = float(getattr(field.problem.material, "nu", math.nan))
-        yield Explanation("ratio", f"Poisson's ratio {nu:.4g} in place of {own:g}?", left, nu)
+        said = f"Poisson's ratio {nu:.4g} in place of {field.ratio:g}?"
+        yield Explanation("ratio", said, left, nu)
 
 
 def _both(field: Field) -> Iterator[Explanation]:
@@ -290,8 +305,7 @@ def _both(field: Field) -> Iterator[Explanation]:
     found = _fitted_ratio(field, scaled=True)
     if found is not None:
         nu, scale, left = found
-        own = float(getattr(field.problem.material, "nu", math.nan))
-        said = f"{scale:.4g} times elasticity of Poisson's ratio {nu:.4g} (given {own:g})?"
+        said = f"{scale:.4g} times elasticity of Poisson's ratio {nu:.4g} (given {field.ratio:g})?"
         yield Explanation("scale and ratio", said, left, nu)
 
 
@@ -302,8 +316,9 @@ def _fitted_ratio(field: Field, *, scaled: bool) -> tuple[float, float, float] |
     """
     if field.by_ratio is None:
         return None
-    own = float(getattr(field.problem.material, "nu", math.nan))
-    other = own + (RATIO_STEP if own + RATIO_STEP < MOST_RATIO else -RATIO_STEP)
+    own = field.ratio
+    low, high = field.ratios
+    other = own + (RATIO_STEP if own + RATIO_STEP < high else -RATIO_STEP)
     nu, move = own, field.wanted
     for _ in range(RATIO_STEPS):
         slope = (field.by_ratio(other) - move) / (other - nu)
@@ -320,14 +335,14 @@ def _fitted_ratio(field: Field, *, scaled: bool) -> tuple[float, float, float] |
         if scale <= 0:
             return None
         other = nu + float(fitted[-1]) / scale
-        if not 0 <= other < MOST_RATIO:
+        if not low <= other < high:
             return None
         if abs(other - nu) < RATIO_SETTLED:
             break
-    move = field.by_ratio(other)
+    end = field.by_ratio(other)
     if scaled:
-        scale = float((field.found * move).sum() / (move**2).sum())
-    return other, scale, field.left(field.found, scale * move)
+        scale = float((field.found * end).sum() / (end**2).sum())
+    return other, scale, field.left(field.found, scale * end)
 
 
 def split(field: Field) -> dict[str, Array]:
