@@ -306,7 +306,7 @@ def _left(last: Array, before: Array, order: float) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.log2(np.abs(before) / np.abs(last))
     own = np.clip(np.nan_to_num(own, nan=TRUSTED_ORDER), LOWEST_ORDER, min(order, TRUSTED_ORDER))
-    return np.abs(last) / (2**own - 1)
+    return np.asarray(np.abs(last) / (2**own - 1))
 
 
 def _order(values: list[Array]) -> float:

@@ -8,9 +8,17 @@ from __future__ import annotations
 import numpy as np
 
 from cases.make.answer import Answer
-from cases.make.reference import named_points
+from cases.make.meshes import coarsest_nodes
 from cases.make.statements import (
-    BLOCK, PRESS, PULL, SHEAR, STRAIN, STRESS, THICKNESS, E, Statement,
+    BLOCK,
+    PRESS,
+    PULL,
+    SHEAR,
+    STRAIN,
+    STRESS,
+    THICKNESS,
+    E,
+    Statement,
 )  # fmt: skip
 
 Array = np.ndarray
@@ -27,7 +35,7 @@ def closed_form(statement: Statement, nu: float) -> Answer | None:
     kind, _, load = statement.body.partition("_")
     if statement.body == "lame_ring":
         return _ring(statement, nu)
-    if kind in {"cell", "block"} and load in {"pull", "pressure", "shear"}:
+    if statement.is_uniform:
         sides = np.array((CELL,) * statement.dim if kind == "cell" else BLOCK[: statement.dim])
         return _uniform(statement, load, sides, nu)
     return None
@@ -46,7 +54,7 @@ def _answer(u: Array, by_ratio: Array, quantities: dict[str, Array], floors: lis
 
 def _uniform(statement: Statement, load: str, sides: Array, nu: float) -> Answer:
     """Uniform stress: strain by Hooke's law, and the motion that the supports leave."""
-    d, x = statement.dim, named_points(statement)
+    d, x = statement.dim, coarsest_nodes(statement.grid)
     stress, slope = np.zeros((d, d)), np.zeros((d, d))
     if load == "pull":
         stress[0, 0] = PULL
@@ -92,14 +100,13 @@ def _hooke(stress: Array, nu: float, state: str) -> tuple[Array, Array]:
 def _ring(statement: Statement, nu: float) -> Answer:
     """Lamé's ring under pressure from inside, a quarter of it between rollers."""
     a, b, p = INNER, OUTER, PRESS
-    x = named_points(statement)
+    x = coarsest_nodes(statement.grid)
     r = np.hypot(*x.T)[:, None]
     c = p * a**2 / (b**2 - a**2)
     inner, outer = _ring_parts(nu, statement.state)
     by_inner, by_outer = (
-        (np.array(_ring_parts(nu + 1e-6, statement.state)) - _ring_parts(nu - 1e-6, statement.state))
-        / 2e-6
-    )
+        np.array(_ring_parts(nu + 1e-6, statement.state)) - _ring_parts(nu - 1e-6, statement.state)
+    ) / 2e-6
     # u_r = c/E' ((1 - nu') r + (1 + nu') b²/r), written as c (inner r + outer b²/r).
     u = c * (inner * x + outer * b**2 * x / r**2)
     by_ratio = c * (by_inner * x + by_outer * b**2 * x / r**2)

@@ -107,6 +107,12 @@ def linear_meshes(grid: Grid, count: int) -> dict[str, tuple[Array, Array]]:
     return found
 
 
+def coarsest_nodes(grid: Grid) -> Array:
+    """Nodes (p, d) in m of the coarsest mesh, at which the set knows the answer."""
+    points, _ = next(iter(linear_meshes(grid, 1).values()))
+    return points
+
+
 def _coarse_first(s: Array, before: Array) -> Array:
     """Order of nodes in which those of a coarser mesh stand first, as they stand there."""
     if not len(before):

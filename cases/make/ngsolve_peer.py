@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import ngsolve as ng
@@ -19,6 +20,7 @@ import numpy as np
 from netgen import occ
 
 from cases.make.answer import Answer
+from cases.make.meshes import coarsest_nodes
 from cases.make.statements import Statement
 
 Array = np.ndarray
@@ -106,8 +108,7 @@ def _make(statement: Statement, given: dict[str, Any], layers: int, degree: int)
         piece.name = f"piece{i}"
         middle = piece.center
         pieces[piece.name] = np.array([middle.x, middle.y, middle.z][:d])
-    low, high = shape.bounding_box
-    low, high = (np.array([p.x, p.y, p.z][:d]) for p in (low, high))
+    low, high = _span(given)
     size = COARSE[d] * float((high - low).min())
     if not singular:
         size /= 4
@@ -118,14 +119,14 @@ def _make(statement: Statement, given: dict[str, Any], layers: int, degree: int)
     else:
         mesh.Curve(degree + 1)
     polygon = given["body"].get("polygon")
-    low, high = _exact_span(given, low, high)
     return Made(mesh, pieces, low, high, polygon)
 
 
-def _exact_span(given: dict[str, Any], low: Array, high: Array) -> tuple[Array, Array]:
-    """Ends of the body: OpenCascade's own box is a little wider than the shape."""
+def _span(given: dict[str, Any]) -> tuple[Array, Array]:
+    """Ends (m) of the body; of curved ones the unit square."""
     if "box" in given["body"]:
-        return np.zeros(len(low)), np.array(given["body"]["box"], dtype=float)
+        sides = np.array(given["body"]["box"], dtype=float)
+        return np.zeros(len(sides)), sides
     if "polygon" in given["body"]:
         corners = np.array(given["body"]["polygon"], dtype=float)
         return corners.min(axis=0), corners.max(axis=0)
@@ -142,7 +143,7 @@ def _shape(statement: Statement, given: dict[str, Any]) -> Any:
         return plane.Close().Face()
     if "box" in body:
         cuts = [0.0, *_cuts(given), body["box"][0]]
-        parts = [_brick(a, b, body["box"][1:]) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+        parts = [_brick(a, b, body["box"][1:]) for a, b in pairwise(cuts)]
         for a, part in zip(cuts[:-1], parts, strict=True):
             material = "far" if given.get("region") and a > 0 else "near"
             (part.faces if len(body["box"]) == 2 else part.solids).name = material
@@ -244,7 +245,7 @@ def _solve(
         whole.Assemble()
         f.Assemble()
         move = ng.GridFunction(V)
-        _prescribe(move, made, given, d)
+        _prescribe(move, made, given)
         inverse = a.mat.Inverse(V.FreeDofs(coupling=True), inverse="sparsecholesky")
         _add_solution(a, inverse, move, f.vec - whole.mat * move.vec)
         change = ng.GridFunction(V)
@@ -255,7 +256,7 @@ def _solve(
         right.Assemble()
         _add_solution(a, inverse, change, right.vec)
     loaded = bool(given.get("load"))
-    points = _named_points(statement)
+    points = coarsest_nodes(statement.grid)
     found = _values(made, points, move)
     residual = whole.mat * move.vec - f.vec
     quantities = _quantities(made, given, V, move, residual, stress, thickness)
@@ -296,18 +297,11 @@ def _load(f: Any, v: Any, made: Made, given: dict[str, Any], thickness: float) -
         f += thickness * ng.InnerProduct(acting, v.Trace()) * ng.ds(definedon=on)
 
 
-def _prescribe(move: Any, made: Made, given: dict[str, Any], d: int) -> None:
+def _prescribe(move: Any, made: Made, given: dict[str, Any]) -> None:
     for support in given["support"]:
         value = support.get("value")
         if value is not None:
             move.Set(ng.CF(tuple(value)), definedon=made.mesh.Boundaries(_pieces(made, support)))
-
-
-def _named_points(statement: Statement) -> Array:
-    from cases.make.meshes import linear_meshes
-
-    points, _ = next(iter(linear_meshes(statement.grid, 1).values()))
-    return points
 
 
 def _values(made: Made, points: Array, field: Any) -> Array:

@@ -12,9 +12,9 @@ import numpy as np
 from cases.make.answer import Answer
 from cases.make.meshes import (
     QUADRATIC,
+    coarsest_nodes,
     facets_of,
     graded_lines,
-    linear_meshes,
     lines,
     quadratic_mesh,
 )
@@ -82,12 +82,6 @@ def write_msh(path: Path, statement: Statement, points: Array, cells: Array, sha
     meshio.write(path, mesh, file_format="gmsh22", binary=False, float_fmt=".15g")
 
 
-def named_points(statement: Statement) -> Array:
-    """Places (p, d) in m of the nodes of the coarsest mesh, at which the set knows the answer."""
-    points, _ = next(iter(linear_meshes(statement.grid, 1).values()))
-    return points
-
-
 def first_mesh(statement: Statement, problem: Problem, *, mixed: bool) -> Discretisation:
     """The mesh that the reference starts from: lines crowd where stress is singular."""
     if statement.sides is not None:
@@ -100,7 +94,7 @@ def solve(statement: Statement, nu: float, most: int | None = None) -> tuple[Ref
     """Elements on finer and finer meshes, and the named points."""
     curved = body_mesh(statement, CURVED_HALVINGS) if statement.sides is not None else None
     problem = problem_of(statement, nu, curved)
-    points = named_points(statement)
+    points = coarsest_nodes(statement.grid)
     mixed = nu >= MIXED_FROM and statement.state != STRESS
     if most is None:
         most = MOST_MIXED if mixed and statement.dim == 3 else MOST_NODES[statement.dim]

@@ -21,6 +21,8 @@ E, DENSITY, THICKNESS = 1e7, 1000.0, 0.125
 STRESS = "plane_stress"
 STRAIN = "plane_strain"
 SPACE = "space"
+UNIFORM = ("pull", "pressure", "shear")
+"""States of uniform stress."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +88,11 @@ class Statement:
     def dim(self) -> int:
         """Number of axes."""
         return len(self.grid.marks)
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether stress is uniform: its closed form is all the confirmation that it needs."""
+        return self.body in {f"{b}_{s}" for b in ("cell", "block") for s in UNIFORM}
 
     @property
     def own_ratio(self) -> float:

@@ -12,47 +12,14 @@ from numpy.typing import ArrayLike
 from msvalidate_check.case_set import ElasticCase
 from msvalidate_check.diagnosis import NOTICED, Explanation, Field, explain, split
 from msvalidate_check.errors import CheckError
-from msvalidate_check.precision import spacing_of_displacements, spacing_of_numbers
+from msvalidate_check.material import Material, nearest_material
+from msvalidate_check.points import PLACED, matched, positive, vectors
+from msvalidate_check.precision import spacing_of_displacements
 from msvalidate_check.words import AGREES, agreement
 
 Array = np.ndarray
 BAND = 0.02
 """Largest difference that agrees by default, over the largest displacement."""
-SLACK = 2.0
-"""Distances between neighbouring numbers of places within which one is a node."""
-PLACED, MOST_SLACK = 1e-6, 0.02
-"""Of the body's size: how near a place is to the node that it is, and at most."""
-UNITS = {"mm": 1e3, "cm": 1e2, "in": 1 / 0.0254, "um": 1e6, "km": 1e-3}
-"""Units that places may be in, and how many of them a metre has."""
-ALIKE = 0.1
-"""Part by which the size of the places and the body's may differ."""
-FEWEST = 3
-"""Named points that have to be among those given, or all that there are."""
-STEPS, SETTLED = 12, 1e-9
-"""Of the fit of modulus and ratio."""
-SHOWS = 0.1
-"""Uncertainty of a ratio from which it does not show in the field."""
-
-
-@dataclass(frozen=True)
-class Material:
-    """The material that a field is elasticity of, as nearly as there is one.
-
-    Parameters
-    ----------
-    E, nu
-        In Pa, and 1; NaN where it does not show.
-    E_doubt, nu_doubt
-        How far they may be off for what the field and the set leave open.
-    left
-        Largest difference that is left, over the largest displacement.
-    """
-
-    E: float
-    nu: float
-    E_doubt: float
-    nu_doubt: float
-    left: float
 
 
 @dataclass(frozen=True)
@@ -173,8 +140,8 @@ def check(
         finite.
     """
     d = case.points.shape[1]
-    move = _vectors("displacement", displacement, d)
-    number, places, notes = _matched(case, points, move)
+    move = vectors("displacement", displacement, d)
+    number, places, notes = matched(case, points, move)
     found = move[number >= 0]
     order = number[number >= 0]
     wanted = case.wanted[order]
@@ -183,8 +150,8 @@ def check(
         raise CheckError(f"{case}: elasticity does not move at these points; give others too")
     at = case.points[order]
     precision = _precision(found, None if places is None else at, size, accuracy)
-    rest = math.nan if at_rest is None else _positive("at_rest", at_rest)
-    _positive("band", band)
+    rest = math.nan if at_rest is None else positive("at_rest", at_rest)
+    positive("band", band)
     doubt = case.uncertainty + precision
     field_ = _field(case, order, at, found, wanted, doubt)
     error = field_.left(found)
@@ -200,7 +167,7 @@ def check(
     rows = tuple(_row(case, name, values, band) for name, values in (quantities or {}).items())
     return Verdict(
         case.name, case.nu, word, error, doubt, band, parts, causes,
-        _material(case, order, found, doubt), rest, precision, rows, notes,
+        nearest_material(case, order, found, doubt), rest, precision, rows, notes,
     )  # fmt: skip
 
 
@@ -222,146 +189,13 @@ def assert_elastic(
     return verdict
 
 
-# Points -------------------------------------------------------------------------------------------
-
-
-def _matched(
-    case: ElasticCase, points: ArrayLike | None, move: Array
-) -> tuple[Array, Array | None, tuple[str, ...]]:
-    """Number (n,) of the named point that each point is, -1 for none; places; sentences."""
-    if points is None:
-        if len(move) not in (len(case.points), len(case.named)):
-            raise CheckError(
-                f"displacement: {len(move)} points; {case} on {case.mesh} has {len(case.points)} "
-                f"nodes, of which the set knows the first {len(case.named)}: give one or the other"
-            )
-        return _numbered(case, np.arange(len(move))), None, ()
-    given = np.asarray(points)
-    if given.ndim == 1:
-        if not np.issubdtype(given.dtype, np.integer):
-            raise CheckError("points: (n,) numbers that are not whole; give nodes, or places (n, d)")
-        _refuse_other_count(given, move)
-        if len(given) and not 0 <= given.min() <= given.max() < len(case.points):
-            raise CheckError(
-                f"points: nodes {given.min()} to {given.max()}; {case} on {case.mesh} has 0 to "
-                f"{len(case.points) - 1}"
-            )
-        number = _numbered(case, given)
-        return (number, None, _notes(case, number))
-    places = _vectors("points", given, case.points.shape[1])
-    _refuse_other_count(places, move)
-    number = _placed(case, places)
-    return number, places, _notes(case, number)
-
-
-def _numbered(case: ElasticCase, given: Array) -> Array:
-    """The named point of each node; of several that are the same the first counts."""
-    number = np.where(given < len(case.named), given, -1)
-    _, first = np.unique(number, return_index=True)
-    once = np.full(len(number), -1)
-    once[first] = number[first]
-    if (once >= 0).sum() < min(FEWEST, len(case.named)):
-        raise CheckError(
-            f"points: {(once >= 0).sum()} of the {len(case.named)} nodes that the set knows, the "
-            "first of the mesh; give more"
-        )
-    return once
-
-
-def _placed(case: ElasticCase, places: Array) -> Array:
-    """The named point at each place."""
-    named = case.points[case.named]
-    size = float(np.ptp(named, axis=0).max())
-    room = min(MOST_SLACK * size, max(PLACED * size, SLACK * spacing_of_numbers(places)))
-    number = np.full(len(places), -1)
-    for i, x in enumerate(named):
-        away = np.abs(places - x).max(axis=1)
-        nearest = int(away.argmin())
-        if away[nearest] <= room:
-            number[nearest] = i
-    if (number >= 0).sum() < min(FEWEST, len(named)):
-        raise CheckError(_nowhere(case, places, int((number >= 0).sum())))
-    return number
-
-
-def _notes(case: ElasticCase, number: Array) -> tuple[str, ...]:
-    missing = len(case.named) - int((number >= 0).sum())
-    if not missing:
-        return ()
-    return (f"{missing} of {len(case.named)} points that the set knows are not among those given",)
-
-
-def _nowhere(case: ElasticCase, places: Array, found: int) -> str:
-    """What to say where places are not the case's: another unit, other axes, another case."""
-    low, high = case.points.min(axis=0), case.points.max(axis=0)
-    spans = [
-        " x ".join(f"{a:.4g} to {b:.4g}" for a, b in zip(*ends, strict=True))
-        for ends in ((places.min(axis=0), places.max(axis=0)), (low, high))
-    ]
-    given, own = np.sort(np.ptp(places, axis=0)), np.sort(high - low)
-    hint = "give places of this body at rest, or another case"
-    for unit, many in UNITS.items():
-        if (np.abs(given / (many * own) - 1) < ALIKE).all():
-            hint = f"are they in {unit}? give m"
-            break
-    else:
-        if (np.abs(given / own - 1) < ALIKE).all():
-            shifted = np.abs(places.min(axis=0) - low).max() > ALIKE * own.max()
-            turned = (np.abs(np.ptp(places, axis=0) / (high - low) - 1) >= ALIKE).any()
-            if turned:
-                hint = "are the axes in another order?"
-            elif shifted:
-                hint = "is the origin another one?"
-    return (
-        f"points: {found} of {len(case.named)} that the set knows are among the {len(places)} "
-        f"given, which span {spans[0]} m; {case.name} spans {spans[1]} m: {hint}"
-    )
-
-
-def _vectors(name: str, given: ArrayLike, d: int) -> Array:
-    """An array (n, d) of finite numbers; a third component of 0 is left out in the plane."""
-    try:
-        array = np.asarray(given, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise CheckError(f"{name}: not numbers; give an array (n, {d})") from error
-    if array.ndim == 2 and array.shape[1] == 3 and d == 2 and not array[:, 2].any():
-        array = array[:, :2]
-    if array.ndim != 2 or array.shape[1] != d or not len(array):
-        raise CheckError(f"{name}: shape {array.shape}; give an array (n, {d})")
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):
-        row, column = (int(i) for i in bad[0])
-        raise CheckError(
-            f"{name}: {array[row, column]} along {'xyz'[column]} at point {row}, {len(bad)} in all;"
-            " give finite numbers"
-        )
-    return array
-
-
-def _refuse_other_count(points: Array, move: Array) -> None:
-    if len(points) != len(move):
-        raise CheckError(
-            f"displacement: {len(move)} of them for {len(points)} points; give one a point"
-        )
-
-
-def _positive(name: str, value: float) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError) as error:
-        raise CheckError(f"{name}: {value!r}; give a number") from error
-    if not (math.isfinite(number) and number >= 0):
-        raise CheckError(f"{name}: {number:g}; give a number from 0")
-    return number
-
-
 # Numbers ------------------------------------------------------------------------------------------
 
 
 def _precision(found: Array, places: Array | None, size: float, accuracy: float | None) -> float:
     """Rounding of displacements over the largest."""
     if accuracy is not None:
-        return _positive("accuracy", accuracy)
+        return positive("accuracy", accuracy)
     return spacing_of_displacements(found, places) / size
 
 
@@ -395,60 +229,6 @@ def _field(
     )
 
 
-def _material(case: ElasticCase, order: Array, found: Array, doubt: float) -> Material:
-    """Modulus and ratio of the elasticity that is nearest to a field, by Gauss and Newton's steps.
-
-    u = s·u(nu): columns are u(nu) and ∂u/∂nu, the modulus is E/s. What each may be off by is the
-    sum of what every component may be, weighed as the fit weighs them.
-    """
-    size = float(np.linalg.norm(case.wanted, axis=1).max())
-    low, high = case.ratios
-    step, scale, nu = 1e-4 * (high - low), 1.0, case.nu
-    loads = case.driven == "loads"
-    for _ in range(STEPS):
-        own = case.at_ratio(nu)[order]
-        slope = (case.at_ratio(nu + step)[order] - case.at_ratio(nu - step)[order]) / (2 * step)
-        columns = np.column_stack([own.ravel(), scale * slope.ravel()]) if loads else None
-        if columns is None:
-            columns = slope.reshape(-1, 1)
-        target = (found - (0 if loads else own)).ravel()
-        if not slope.any() or np.linalg.matrix_rank(columns, tol=1e-9 * size) < columns.shape[1]:
-            break
-        inverse = np.linalg.pinv(columns)
-        change = inverse @ target
-        scale = float(change[0]) if loads else 1.0
-        new = float(np.clip(nu + change[-1], low, high))
-        settled, nu = abs(new - nu) < SETTLED, new
-        if settled or scale <= 0:
-            break
-    else:
-        inverse = np.linalg.pinv(columns)
-    return _described(case, order, found, doubt, scale, nu)
-
-
-def _described(
-    case: ElasticCase, order: Array, found: Array, doubt: float, scale: float, nu: float
-) -> Material:
-    size = float(np.linalg.norm(case.wanted, axis=1).max())
-    low, high = case.ratios
-    step = 1e-4 * (high - low)
-    own = case.at_ratio(nu)[order]
-    slope = (case.at_ratio(nu + step)[order] - case.at_ratio(nu - step)[order]) / (2 * step)
-    loads = case.driven == "loads"
-    columns = [own.ravel(), scale * slope.ravel()] if loads else [slope.ravel()]
-    weights = np.abs(np.linalg.pinv(np.column_stack(columns))).sum(axis=1) * doubt * size
-    left = float(np.linalg.norm(found - scale * own, axis=1).max()) / size
-    shows = float(weights[-1]) < SHOWS and bool(slope.any())
-    E = case.E / scale if loads and scale > 0 else math.nan
-    return Material(
-        E,
-        nu if shows else math.nan,
-        abs(E) * float(weights[0]) / abs(scale) if loads else math.nan,
-        float(weights[-1]) if shows else math.nan,
-        left,
-    )
-
-
 def _row(case: ElasticCase, name: str, values: ArrayLike, band: float) -> Row:
     if name not in case.quantities:
         known = ", ".join(case.quantities)
@@ -472,12 +252,14 @@ def _lines(verdict: Verdict) -> list[str]:
     """The verdict as text."""
     v = verdict
     beyond = "within" if v.error <= v.band else "beyond"
+    parts = ", ".join(f"{name} {_percent(part)}" for name, part in v.parts.items())
+    known = f"known to {_percent(v.doubt)}, rounding of the numbers {_percent(v.precision)}"
+    off = f"{_percent(v.error)} of the largest displacement"
     found = [
-        f"{v.case}, nu = {v.nu:g}: {v.word}: {_percent(v.error)} of the largest displacement off "
-        f"elasticity, {beyond} the band of {_percent(v.band)}",
-        f"  known to {_percent(v.doubt)}, of which the numbers' own rounding is "
-        f"{_percent(v.precision)}; {_rest(v.rest)}",
-        "  parts: " + ", ".join(f"{name} {_percent(part)}" for name, part in v.parts.items()),
+        f"{v.case}, nu = {v.nu:g}: {v.word}",
+        f"  {off}, {beyond} the band of {_percent(v.band)}",
+        f"  {known}; {_rest(v.rest)}",
+        f"  parts: {parts}",
     ]
     if v.error > NOTICED * v.doubt:
         found += [f"  cause: {each.said}" for each in v.causes] or ["  cause: none of those known"]

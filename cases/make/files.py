@@ -1,0 +1,184 @@
+"""The set's folders: case files, meshes, nodal numbers and answers as text."""
+
+from __future__ import annotations
+
+import csv
+import io
+import tempfile
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cases.make.answer import Answer
+from cases.make.confirmed import SAID, Confirmation
+from cases.make.meshes import MESHIO, linear_meshes
+from cases.make.reference import body_mesh, problem_of, write_msh
+from cases.make.statements import Statement
+from msvalidate.output.vtu import vtu_bytes
+from msvalidate.problem import Mesh, Problem, Weight, prescribed_displacements
+from reference_fem.body import nodal_forces, solve_problem
+from reference_fem.mesh.from_mesh import mesh_discretisation
+
+Array = np.ndarray
+AXES = "xyz"
+UNITS = {"displacement": "m", "reaction": "N", "strain": "J", "mean": "Pa"}
+VOIGT = {2: ("xx", "yy", "xy"), 3: ("xx", "yy", "zz", "yz", "xz", "xy")}
+
+
+class NodalMesh:
+    """A linear mesh of a case, with what acts on its nodes."""
+
+    def __init__(
+        self, statement: Statement, kind: str, points: Array, cells: Array, nu: float | None = None
+    ) -> None:
+        self.kind, self.points, self.cells = kind, points, cells
+        self.shape = MESHIO[kind.partition("_")[0]]
+        nu = statement.own_ratio if nu is None else nu
+        curved = (points, cells, self.shape) if statement.sides is not None else None
+        self.problem = problem_of(statement, nu, curved)
+        self.body = mesh_discretisation(Mesh(points, cells, self.shape))
+        if not np.array_equal(self.body.points, points):
+            raise ValueError(f"{statement.name} {kind}: nodes in another order")
+        self.held, self.value = prescribed_displacements(self.problem, points)
+        self.force = nodal_forces(self.problem, self.body)
+        one = (1.0, *[0.0] * (points.shape[1] - 1))
+        self.mass = nodal_forces(self._loaded(Weight(one)), self.body)[:, 0]
+
+    def _loaded(self, load: Weight) -> Problem:
+        return replace(self.problem, loads=(load,))
+
+    def solution(self) -> Array:
+        """Displacement (n, d) in m of linear elements on this mesh, locked or not."""
+        return solve_problem(self.problem, self.body, allow_locked=True).displacement
+
+
+def nodal_meshes(statement: Statement, nu: float | None = None) -> list[NodalMesh]:
+    """All frozen meshes of a case, coarse to fine."""
+    made = linear_meshes(statement.grid, statement.meshes)
+    return [NodalMesh(statement, kind, *mesh, nu) for kind, mesh in made.items()]
+
+
+def case_files(statement: Statement, answers: dict[float, Answer]) -> dict[str, bytes]:
+    """Name -> content of the files of a case's folder."""
+    found = {"case.toml": _case_toml(statement).encode()}
+    with tempfile.TemporaryDirectory() as folder:
+        if statement.sides is not None:
+            path = Path(folder) / "body.msh"
+            write_msh(path, statement, *body_mesh(statement))
+            found["body.msh"] = path.read_bytes()
+        for mesh in nodal_meshes(statement):
+            path = Path(folder) / f"{mesh.kind}.msh"
+            write_msh(path, statement, mesh.points, mesh.cells, mesh.shape)
+            found[path.name] = path.read_bytes()
+            found |= _mesh_files(mesh)
+    found["displacement.csv"] = _displacement(statement, answers)
+    found["quantities.csv"] = _quantities(statement, answers)
+    return found
+
+
+def _case_toml(statement: Statement) -> str:
+    known = ", ".join(f"{nu:g}" for nu in statement.ratios)
+    head = f"# The set knows the answer for nu = {known}.\n"
+    points = linear_meshes(statement.grid, 1)
+    first, _ = next(iter(points.values()))
+    rows = ",\n  ".join(f"[{', '.join(_short(x) for x in row)}]" for row in first)
+    return f"{head}{statement.case_file(statement.own_ratio)}[compare]\npoints = [\n  {rows},\n]\n"
+
+
+def _short(x: float) -> str:
+    return f"{x + 0.0:.15g}"
+
+
+def _mesh_files(mesh: NodalMesh) -> dict[str, bytes]:
+    d = mesh.points.shape[1]
+    axes = AXES[:d]
+    head = ["id", *axes, "mass", *[f"f{a}" for a in axes], *[f"held_{a}" for a in axes]]
+    head += [f"value_{a}" for a in axes]
+    rows = []
+    for i, x in enumerate(mesh.points):
+        row: list[Any] = [i, *map(_short, x), f"{mesh.mass[i]:.12g}"]
+        row += [f"{f + 0.0:.12g}" for f in _clean(mesh.force)[i]]
+        row += [int(h) for h in mesh.held[i]]
+        row += [_short(v) if h else "0" for h, v in zip(mesh.held[i], mesh.value[i], strict=True)]
+        rows.append(row)
+    cells = [[i, *cell] for i, cell in enumerate(mesh.cells)]
+    corners = [f"n{k}" for k in range(mesh.cells.shape[1])]
+    fields = {"mass": mesh.mass, "force": _clean(mesh.force), "held": mesh.held.astype(float)}
+    return {
+        f"{mesh.kind}_nodes.csv": _csv(head, rows),
+        f"{mesh.kind}_cells.csv": _csv(["id", *corners], cells),
+        f"{mesh.kind}.vtu": vtu_bytes(mesh.points, {mesh.shape: mesh.cells}, fields),
+    }
+
+
+def _clean(force: Array) -> Array:
+    """Forces without the rounding of sums that are 0."""
+    size = float(np.abs(force).max(initial=0.0))
+    return np.where(np.abs(force) < 1e-14 * size, 0.0, force)
+
+
+def _csv(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> bytes:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(rows)
+    return text.getvalue().encode()
+
+
+def _displacement(statement: Statement, answers: dict[float, Answer]) -> bytes:
+    axes = AXES[: statement.dim]
+    head = ["nu", "id", *[f"u{a}" for a in axes]]
+    head += [f"E_du{a}_dE" for a in axes] + [f"du{a}_dnu" for a in axes]
+    rows = []
+    for nu, answer in answers.items():
+        for i in range(len(answer.displacement)):
+            row: list[Any] = [f"{nu:g}", i]
+            row += [f"{u + 0.0:.12g}" for u in answer.displacement[i]]
+            row += [f"{u + 0.0:.7g}" for u in (*answer.by_modulus[i], *answer.by_ratio[i])]
+            rows.append(row)
+    return _csv(head, rows)
+
+
+def _quantities(statement: Statement, answers: dict[float, Answer]) -> bytes:
+    rows: list[list[Any]] = []
+    for nu, answer in answers.items():
+        rows.append(
+            [f"{nu:g}", "displacement", "any", "", "m", f"{answer.uncertainty['displacement']:.3g}"]
+        )
+        for name, values in answer.quantities.items():
+            labels = _labels(name, statement.dim, len(values))
+            unit = UNITS[name.split()[0]]
+            doubt = f"{answer.uncertainty[name]:.3g}"
+            rows += [
+                [f"{nu:g}", name, label, f"{value + 0.0:.12g}", unit, doubt]
+                for label, value in zip(labels, values, strict=True)
+            ]
+    return _csv(["nu", "quantity", "component", "value", "unit", "uncertainty"], rows)
+
+
+def _labels(name: str, d: int, count: int) -> Sequence[str]:
+    if name == "mean stress":
+        return VOIGT[d]
+    return AXES[:d] if name.startswith("reaction") else [""] * count
+
+
+def confirmed_csv(rows: list[Confirmation]) -> bytes:
+    """Table of all quantities, in two ways each."""
+    head = [
+        "case", "nu", "quantity", "size", "uncertainty", "by", "other by", "difference",
+        "other uncertainty", "inside both",
+    ]  # fmt: skip
+    return _csv(
+        head,
+        [
+            [
+                row.case, f"{row.nu:g}", row.quantity, f"{row.size:.6g}", f"{row.uncertainty:.3g}",
+                SAID[row.by], SAID[row.other_by], f"{row.difference:.3g}",
+                f"{row.other_uncertainty:.3g}", "yes" if row.is_inside else "NO",
+            ]
+            for row in rows
+        ],
+    )  # fmt: skip

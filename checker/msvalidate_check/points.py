@@ -1,0 +1,157 @@
+"""Which points that were given are which of the set's: by number, or by place."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from msvalidate_check.case_set import ElasticCase
+from msvalidate_check.errors import CheckError
+from msvalidate_check.precision import spacing_of_numbers
+
+Array = np.ndarray
+SLACK = 2.0
+"""Distances between neighbouring numbers of places within which one is a node."""
+PLACED, MOST_SLACK = 1e-6, 0.02
+"""Of the body's size: how near a place is to the node that it is, and at most."""
+UNITS = {"mm": 1e3, "cm": 1e2, "in": 1 / 0.0254, "um": 1e6, "km": 1e-3}
+"""Units that places may be in, and how many of them a metre has."""
+ALIKE = 0.1
+"""Part by which the size of the places and the body's may differ."""
+FEWEST = 3
+"""Named points that have to be among those given, or all that there are."""
+
+
+def matched(
+    case: ElasticCase, points: ArrayLike | None, move: Array
+) -> tuple[Array, Array | None, tuple[str, ...]]:
+    """Number (n,) of the named point that each point is, -1 for none; places; sentences."""
+    if points is None:
+        if len(move) not in (len(case.points), len(case.named)):
+            raise CheckError(
+                f"displacement: {len(move)} points; {case} on {case.mesh} has {len(case.points)} "
+                f"nodes, of which the set knows the first {len(case.named)}: give one or the other"
+            )
+        return _numbered(case, np.arange(len(move))), None, ()
+    given = np.asarray(points)
+    if given.ndim == 1:
+        if not np.issubdtype(given.dtype, np.integer):
+            raise CheckError(
+                "points: (n,) numbers that are not whole; give nodes, or places (n, d)"
+            )
+        _refuse_other_count(given, move)
+        if len(given) and not 0 <= given.min() <= given.max() < len(case.points):
+            raise CheckError(
+                f"points: nodes {given.min()} to {given.max()}; {case} on {case.mesh} has 0 to "
+                f"{len(case.points) - 1}"
+            )
+        number = _numbered(case, given)
+        return (number, None, _notes(case, number))
+    places = vectors("points", given, case.points.shape[1])
+    _refuse_other_count(places, move)
+    number = _placed(case, places)
+    return number, places, _notes(case, number)
+
+
+def _numbered(case: ElasticCase, given: Array) -> Array:
+    """The named point of each node; of several that are the same the first counts."""
+    number = np.where(given < len(case.named), given, -1)
+    _, first = np.unique(number, return_index=True)
+    once = np.full(len(number), -1)
+    once[first] = number[first]
+    if (once >= 0).sum() < min(FEWEST, len(case.named)):
+        raise CheckError(
+            f"points: {(once >= 0).sum()} of the {len(case.named)} nodes that the set knows, the "
+            "first of the mesh; give more"
+        )
+    return once
+
+
+def _placed(case: ElasticCase, places: Array) -> Array:
+    """The named point at each place."""
+    named = case.points[case.named]
+    size = float(np.ptp(named, axis=0).max())
+    room = min(MOST_SLACK * size, max(PLACED * size, SLACK * spacing_of_numbers(places)))
+    number = np.full(len(places), -1)
+    for i, x in enumerate(named):
+        away = np.abs(places - x).max(axis=1)
+        nearest = int(away.argmin())
+        if away[nearest] <= room:
+            number[nearest] = i
+    if (number >= 0).sum() < min(FEWEST, len(named)):
+        raise CheckError(_nowhere(case, places, int((number >= 0).sum())))
+    return number
+
+
+def _notes(case: ElasticCase, number: Array) -> tuple[str, ...]:
+    missing = len(case.named) - int((number >= 0).sum())
+    if not missing:
+        return ()
+    return (f"{missing} of {len(case.named)} points that the set knows are not among those given",)
+
+
+def _nowhere(case: ElasticCase, places: Array, found: int) -> str:
+    """What to say where places are not the case's: another unit, other axes, another case."""
+    low, high = case.points.min(axis=0), case.points.max(axis=0)
+    spans = [
+        " x ".join(f"{a:.4g} to {b:.4g}" for a, b in zip(*ends, strict=True))
+        for ends in ((places.min(axis=0), places.max(axis=0)), (low, high))
+    ]
+    given, own = np.sort(np.ptp(places, axis=0)), np.sort(high - low)
+    hint = "give places of this body at rest, or another case"
+    for unit, many in UNITS.items():
+        if (np.abs(given / (many * own) - 1) < ALIKE).all():
+            hint = f"are they in {unit}? give m"
+            break
+    else:
+        if (np.abs(given / own - 1) < ALIKE).all():
+            shifted = np.abs(places.min(axis=0) - low).max() > ALIKE * own.max()
+            turned = (np.abs(np.ptp(places, axis=0) / (high - low) - 1) >= ALIKE).any()
+            if turned:
+                hint = "are the axes in another order?"
+            elif shifted:
+                hint = "is the origin another one?"
+    return (
+        f"points: {found} of {len(case.named)} that the set knows are among the {len(places)} "
+        f"given, which span {spans[0]} m; {case.name} spans {spans[1]} m: {hint}"
+    )
+
+
+def vectors(name: str, given: ArrayLike, d: int) -> Array:
+    """An array (n, d) of finite numbers; a third component of 0 is left out in the plane."""
+    try:
+        array = np.asarray(given, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise CheckError(f"{name}: not numbers; give an array (n, {d})") from error
+    if array.ndim == 2 and array.shape[1] == 3 and d == 2 and not array[:, 2].any():
+        array = array[:, :2]
+    if array.ndim != 2 or array.shape[1] != d or not len(array):
+        raise CheckError(f"{name}: shape {array.shape}; give an array (n, {d})")
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        row, column = (int(i) for i in bad[0])
+        raise CheckError(
+            f"{name}: {array[row, column]} along {'xyz'[column]} at point {row}, {len(bad)} in all;"
+            " give finite numbers"
+        )
+    return array
+
+
+def _refuse_other_count(points: Array, move: Array) -> None:
+    if len(points) != len(move):
+        raise CheckError(
+            f"displacement: {len(move)} of them for {len(points)} points; give one a point"
+        )
+
+
+def positive(name: str, value: float) -> float:
+    """A number from 0; raise `CheckError` if it is none."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError) as error:
+        raise CheckError(f"{name}: {value!r}; give a number") from error
+    if not (math.isfinite(number) and number >= 0):
+        raise CheckError(f"{name}: {number:g}; give a number from 0")
+    return number
