@@ -94,10 +94,11 @@ def farthest(
         return Farthest(i, seen[i], reference[i], 0.0, len(wrong), words=True)
     if not numbers.any():
         return None
-    atol = absolute + OF_RANGE * float(np.ptp(b[numbers]))
-    limit = atol + relative * np.abs(b)
-    error = np.abs(a - b)
-    share = error / np.where(limit > 0, limit, np.finfo(float).tiny)
+    with np.errstate(over="ignore"):  # beyond all numbers is farther than any limit
+        atol = absolute + OF_RANGE * float(np.ptp(b[numbers]))
+        limit = atol + relative * np.abs(b)
+        error = np.abs(a - b)
+        share = error / np.where(limit > 0, limit, np.finfo(float).tiny)
     i = int(np.where(numbers, share, -1.0).argmax())
     off = int(np.count_nonzero(numbers & (error > limit)))
     return Farthest(i, seen[i], reference[i], float(limit[i]), off, words=False)
@@ -182,12 +183,14 @@ def _texts(thing: str, values: object) -> list[str]:
             f"baseline {thing}: {_short(values)} is of type {array.dtype}; record real numbers or "
             "words"
         )
+    if array.dtype.kind == "f":
+        array = array.astype(float)  # of any width, as it is written
     if not np.isfinite(array).all():
         row = int(np.flatnonzero(~np.isfinite(array))[0])
         raise BaselineError(
             f"baseline {thing}: row {row} is {array[row]}; record finite numbers only"
         )
-    return [repr(value.item()) for value in array]
+    return [repr(value) for value in array.tolist()]
 
 
 def table_bytes(columns: Columns) -> bytes:

@@ -75,13 +75,15 @@ def test_first_numbers_are_written_with_their_reason(project):
         ('{"x": [0, 1, 2], "u": u}', '{"u": u[:2]}', "rows: were 3, are 2"),
         ('"tip"', '"top"', "no such file; nothing was ever recorded under this name"),
         ("1e-4", "np.nan", "'tip', u: row 0 is nan; record finite numbers only"),
+        ("1e-4", "np.longdouble('inf')", "row 0 is inf; record finite numbers only"),
         ("1e-4", "1j", "record real numbers or words"),
         ("1e-4", "[[1.0]]", "an array of shape (1, 1); give each of its columns a name"),
         ("1e-4", "None", "None is of type object; record real numbers or words"),
         ('{"u": 1e-4, "kind": "tet4"}', "{}", "{} holds no numbers; give {'column': value}"),
         ('"tip"', '"../tip"', "'../tip': no name for a file; use letters, digits"),
         ('"rows"', '"tip"', "test_mine.py::test_tip recorded it already; give each table a name"),
-        ("relative=1e-3", "relative=1", "relative is 1; give 0 to below 1"),
+        ('"rows"', '"Tip"', "'Tip': test_mine.py::test_tip recorded it already"),
+        ("relative=1e-3", "relative='1'", "relative is '1'; give 0 to below 1"),
         ("relative=1e-3", "absolute=-1", "absolute is -1; give 0 or more"),
     ],
 )
@@ -126,7 +128,7 @@ def test_only_what_moved_is_renewed_and_only_if_all_passes(project):
         (UPDATE[2:], "no folder to write to; give --msvalidate-baseline DIR"),
         (["--msvalidate-baseline", "test_mine.py"], "test_mine.py: a file; name a folder"),
         (["--msvalidate-baseline", ""], "'' is no folder; name one"),
-        ([*UPDATE, "-n", "2"], "one process writes a baseline; leave -n out"),
+        ([*UPDATE, "-n", "2"], "one process writes a baseline; leave -n and --dist out"),
     ],
 )
 def test_wrong_usage_is_one_line(project, options, said):
