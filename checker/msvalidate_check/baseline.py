@@ -252,7 +252,8 @@ def differences(
 
 def _moved(found: Farthest) -> str:
     """What a value was and is, by how much it moved, and what was allowed."""
-    more = f"; and {found.off - 1} more rows moved" if found.off > 1 else ""
+    others = "1 more row" if found.off == 2 else f"{found.off - 1} more rows"
+    more = f"; and {others} moved" if found.off > 1 else ""
     said = f"row {found.row}: was {found.reference}, is {found.seen}"
     if found.words:
         return f"{said}; words are exact{more}"

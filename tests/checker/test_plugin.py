@@ -66,7 +66,7 @@ def test_first_numbers_are_written_with_their_reason(project):
         (
             "0.25, -2.0",
             "0.251, -2.1",
-            "u, row 2: was -2.0, is -2.1, moved by 0.1 (5 %), allowed 0.002; and 1 more rows moved",
+            "u, row 2: was -2.0, is -2.1, moved by 0.1 (5 %), allowed 0.002; and 1 more row moved",
         ),
         ('"u": u', '"v": u', "column u: missing"),
         ('"u": u', '"u": u, "v": u', "column v: new"),
