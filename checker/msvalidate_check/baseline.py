@@ -166,6 +166,8 @@ def _texts(thing: str, values: object) -> list[str]:
             f"baseline {thing}: an array of shape {array.shape}; give each of its columns a name"
         )
     array = array.reshape(-1)
+    if array.dtype.kind == "O" and all(isinstance(value, str) for value in array):
+        array = array.astype(str)  # as columns of pandas hold words
     if not len(array):
         raise BaselineError(f"baseline {thing}: no row; record a column that has some")
     if array.dtype.kind == "U":
@@ -311,5 +313,5 @@ def _number(text: str) -> float:
 
 
 def _short(value: object) -> str:
-    text = repr(value)
+    text = " ".join(repr(value).split())
     return text if len(text) < 40 else f"{text[:36]} …"

@@ -219,7 +219,10 @@ def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
         try:
             _write(found.folder, found.moved, found.reason)
         except (OSError, BaselineError) as error:
-            why = f"{error.strerror}: {error.filename}" if isinstance(error, OSError) else error
+            if isinstance(error, OSError):
+                why = f"{error.strerror}: {error.filename}; mend that and run it again"
+            else:
+                why = str(error)
             found.said.append(f"baseline not written: {why}")
             session.exitstatus = pytest.ExitCode.USAGE_ERROR
         else:

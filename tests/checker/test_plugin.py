@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import os
+
+import numpy as np
+import pandas as pd
 import pytest
 
-from msvalidate_check.baseline import HEADING
+from msvalidate_check import exchange
+from msvalidate_check.baseline import HEADING, make_columns
 from tests.table import table
 
 PLUGIN = ("-p", "msvalidate_check.pytest_plugin", "-p", "xdist", "-p", "no:cacheprovider")
@@ -52,6 +58,18 @@ def test_first_numbers_are_written_with_their_reason(project):
         "quick/bar/t.csv": "x\n1\n",
     }
     project(*FOLDER).assert_outcomes(passed=2)
+
+
+def test_columns_of_any_kind_are_kept_with_all_their_digits():
+    frame = pd.DataFrame({"word": ["a", "b"], "n": [1, 2], "third": np.ones(2, "f4") / 3})
+    columns = make_columns("t", dict(frame) | {"is": [True, False], "wide": [1, np.longdouble(2)]})
+    assert columns == {
+        "word": ["a", "b"],
+        "n": ["1", "2"],
+        "third": ["0.3333333432674408"] * 2,
+        "is": ["True", "False"],
+        "wide": ["1.0", "2.0"],
+    }
 
 
 @table(
@@ -157,6 +175,20 @@ def test_reasons_that_cannot_be_added_to_leave_all_as_it_was(project):
     assert (project.folder / "pytest/tip.csv").read_text(
         encoding="utf-8"
     ) == "u,kind\n0.0001,tet4\n"
+
+
+def test_a_full_disk_leaves_all_as_it_was(project, monkeypatch):
+    def full(folder, files, write=exchange.write):
+        if files.keys() & {"REASONS.md"}:  # when the tables are staged
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "REASONS.md")
+        write(folder, files)
+
+    before = project.files()
+    monkeypatch.setattr(exchange, "write", full)
+    done = project(*UPDATE, tests=TESTS.replace("1e-4", "2e-4"))
+    assert done.ret == pytest.ExitCode.USAGE_ERROR
+    done.stdout.fnmatch_lines(["baseline not written: No space left on device: REASONS.md; mend*"])
+    assert project.files() == before
 
 
 def test_the_folder_may_be_a_setting_and_must_be_somewhere(project, pytester):
