@@ -204,6 +204,24 @@ def test_import_guard_lets_pass():
     assert unnoticed(dependent, allowed) == list(allowed)
 
 
+# --- what others take along -----------------------------------------------------------------------
+
+
+def heavy(parsed):
+    """Imports of what the checker's wheel does not ask for."""
+    known = {"numpy", "msvalidate_check", *sys.stdlib_module_names}
+    return [name for name in imported(parsed) if name.partition(".")[0] not in known]
+
+
+def test_the_checker_needs_numpy_only():
+    plugin = "msvalidate_check.pytest_plugin"
+    found = wrong_in(heavy, [m for m in SOURCES if within(m, "msvalidate_check")])
+    assert found.pop(plugin) == ["pytest"]
+    assert found == {}
+    planted = ("import scipy", "def f():\n    from msvalidate.problem import Box", "import pytest")
+    assert unnoticed(heavy, planted) == []
+
+
 # --- independence of the reference, by what it loads ----------------------------------------------
 
 LOAD_ALL = """

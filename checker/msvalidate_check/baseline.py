@@ -94,10 +94,11 @@ def farthest(
         return Farthest(i, seen[i], reference[i], 0.0, len(wrong), words=True)
     if not numbers.any():
         return None
-    atol = absolute + OF_RANGE * float(np.ptp(b[numbers]))
-    limit = atol + relative * np.abs(b)
-    error = np.abs(a - b)
-    share = error / np.where(limit > 0, limit, np.finfo(float).tiny)
+    with np.errstate(over="ignore"):  # beyond all numbers is farther than any limit
+        atol = absolute + OF_RANGE * float(np.ptp(b[numbers]))
+        limit = atol + relative * np.abs(b)
+        error = np.abs(a - b)
+        share = error / np.where(limit > 0, limit, np.finfo(float).tiny)
     i = int(np.where(numbers, share, -1.0).argmax())
     off = int(np.count_nonzero(numbers & (error > limit)))
     return Farthest(i, seen[i], reference[i], float(limit[i]), off, words=False)
@@ -165,6 +166,8 @@ def _texts(thing: str, values: object) -> list[str]:
             f"baseline {thing}: an array of shape {array.shape}; give each of its columns a name"
         )
     array = array.reshape(-1)
+    if array.dtype.kind == "O" and all(isinstance(value, str) for value in array):
+        array = array.astype(str)  # as columns of pandas hold words
     if not len(array):
         raise BaselineError(f"baseline {thing}: no row; record a column that has some")
     if array.dtype.kind == "U":
@@ -182,12 +185,14 @@ def _texts(thing: str, values: object) -> list[str]:
             f"baseline {thing}: {_short(values)} is of type {array.dtype}; record real numbers or "
             "words"
         )
+    if array.dtype.kind == "f":
+        array = array.astype(float)  # of any width, as it is written
     if not np.isfinite(array).all():
         row = int(np.flatnonzero(~np.isfinite(array))[0])
         raise BaselineError(
             f"baseline {thing}: row {row} is {array[row]}; record finite numbers only"
         )
-    return [repr(value.item()) for value in array]
+    return [repr(value) for value in array.tolist()]
 
 
 def table_bytes(columns: Columns) -> bytes:
@@ -249,7 +254,8 @@ def differences(
 
 def _moved(found: Farthest) -> str:
     """What a value was and is, by how much it moved, and what was allowed."""
-    more = f"; and {found.off - 1} more rows moved" if found.off > 1 else ""
+    others = "1 more row" if found.off == 2 else f"{found.off - 1} more rows"
+    more = f"; and {others} moved" if found.off > 1 else ""
     said = f"row {found.row}: was {found.reference}, is {found.seen}"
     if found.words:
         return f"{said}; words are exact{more}"
@@ -307,5 +313,5 @@ def _number(text: str) -> float:
 
 
 def _short(value: object) -> str:
-    text = repr(value)
+    text = " ".join(repr(value).split())
     return text if len(text) < 40 else f"{text[:36]} …"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from pathlib import Path
 
 import pytest
@@ -33,7 +34,7 @@ INI = "msvalidate_baseline"
 
 
 @dataclass
-class Session:
+class Recording:
     """What one run of pytest records.
 
     Parameters
@@ -47,7 +48,7 @@ class Session:
     reason
         Why tables are written; "" if they are only compared.
     owner
-        Table -> the test that recorded it.
+        Table, in small letters -> the test that recorded it.
     moved
         Table -> its new content, of those that are to be written.
     said
@@ -66,8 +67,8 @@ class Session:
 class Baseline:
     """What a test holds its numbers to; fixture `msvalidate_baseline` gives one."""
 
-    def __init__(self, session: Session, test: str) -> None:
-        self._session, self._test = session, test
+    def __init__(self, recording: Recording, test: str) -> None:
+        self._recording, self._test = recording, test
         self._names: set[str] = set()
 
     def check(
@@ -101,42 +102,44 @@ class Baseline:
         __tracebackhide__ = True
         _check_limits(name, relative, absolute)
         columns = make_columns(self._take(name), values)
-        folder = self._session.folder
+        folder = self._recording.folder
         if folder is None:
             raise BaselineError(
                 f"baseline {name!r}: no folder to look in; run pytest with {FOLDER} DIR, or set "
                 f"{INI} = DIR in pytest's settings"
             )
         lines = _compared(table_file(folder, name), columns, relative, absolute)
-        if lines and self._session.reason:
-            self._session.moved[name] = table_bytes(columns)
+        self._recording.moved.pop(name, None)  # of a run of the same test before
+        if lines and self._recording.reason:
+            self._recording.moved[name] = table_bytes(columns)
         elif lines:
             said = "\n".join(f"  {line}" for line in lines)
-            where = table_file(Path(self._session.shown), name)
+            where = table_file(Path(self._recording.shown), name)
             raise AssertionError(
-                f"baseline {name!r}, {where}:\n{said}\nif that is meant: {self._session.how}"
+                f"baseline {name!r}, {where}:\n{said}\nif that is meant: {self._recording.how}"
             )
 
     def _take(self, name: object) -> str:
         """The name of a table, if no other test and no earlier call has it."""
         __tracebackhide__ = True
         taken = check_name(name)
-        owner = self._session.owner.setdefault(taken, self._test)
-        if owner != self._test or taken in self._names:
+        one = taken.casefold()  # as some systems take names of files
+        owner = self._recording.owner.setdefault(one, self._test)
+        if owner != self._test or one in self._names:
             raise BaselineError(
                 f"baseline {taken!r}: {owner} recorded it already; give each table a name of its "
                 "own"
             )
-        self._names.add(taken)
+        self._names.add(one)
         return taken
 
 
 def _check_limits(name: object, relative: float, absolute: float) -> None:
     __tracebackhide__ = True
-    if not 0 <= relative < 1:
-        raise BaselineError(f"baseline {name!r}: relative is {relative}; give 0 to below 1")
-    if not 0 <= absolute < float("inf"):
-        raise BaselineError(f"baseline {name!r}: absolute is {absolute}; give 0 or more")
+    if not (isinstance(relative, Real) and 0 <= relative < 1):
+        raise BaselineError(f"baseline {name!r}: relative is {relative!r}; give 0 to below 1")
+    if not (isinstance(absolute, Real) and 0 <= absolute < float("inf")):
+        raise BaselineError(f"baseline {name!r}: absolute is {absolute!r}; give 0 or more")
 
 
 def _compared(
@@ -152,7 +155,7 @@ def _compared(
     return differences(columns, kept, relative=relative, absolute=absolute)
 
 
-SESSION = pytest.StashKey[Session]()
+RECORDING = pytest.StashKey[Recording]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -190,22 +193,22 @@ def pytest_configure(config: pytest.Config) -> None:
     if update and folder is None:
         raise pytest.UsageError(f"{UPDATE}: no folder to write to; give {FOLDER} DIR")
     if update and _spread(config):
-        raise pytest.UsageError(f"{UPDATE}: one process writes a baseline; leave -n out (or -n 0)")
+        raise pytest.UsageError(f"{UPDATE}: one process writes a baseline; leave -n and --dist out")
     named = f"{FOLDER} {shlex.quote(given)} " if given else ""
     how = f'pytest {named}{UPDATE} {REASON} "why"'
-    config.stash[SESSION] = Session(folder, given or setting, how, (reason or "").strip())
+    config.stash[RECORDING] = Recording(folder, given or setting, how, (reason or "").strip())
 
 
 @pytest.fixture
 def msvalidate_baseline(request: pytest.FixtureRequest) -> Baseline:
     """Compare numbers with committed ones: ``msvalidate_baseline.check("tip", {"u": 1.2e-4})``."""
-    return Baseline(request.config.stash[SESSION], request.node.nodeid)
+    return Baseline(request.config.stash[RECORDING], request.node.nodeid)
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
     """Write what moved, if all else passed."""
-    found = session.config.stash[SESSION]
+    found = session.config.stash[RECORDING]
     if not found.reason or found.folder is None:
         return
     if exitstatus != pytest.ExitCode.OK:
@@ -216,7 +219,10 @@ def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
         try:
             _write(found.folder, found.moved, found.reason)
         except (OSError, BaselineError) as error:
-            why = f"{error.strerror}: {error.filename}" if isinstance(error, OSError) else error
+            if isinstance(error, OSError):
+                why = f"{error.strerror}: {error.filename}; mend that and run it again"
+            else:
+                why = str(error)
             found.said.append(f"baseline not written: {why}")
             session.exitstatus = pytest.ExitCode.USAGE_ERROR
         else:
@@ -242,17 +248,17 @@ def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
     """Say what became of the baseline."""
-    found = config.stash[SESSION]
+    found = config.stash[RECORDING]
     for line in [*found.said, *_unasked(found, config)]:
         terminalreporter.write_line(line)
 
 
-def _unasked(found: Session, config: pytest.Config) -> list[str]:
+def _unasked(found: Recording, config: pytest.Config) -> list[str]:
     """A line on tables that no test of the run recorded; workers of xdist do not tell theirs."""
     if found.folder is None or _spread(config):
         return []
     kept = {path.stem for path in (found.folder / PYTEST).glob("*.csv")}
-    left = sorted(kept - set(found.owner))
+    left = sorted(name for name in kept if name.casefold() not in found.owner)
     return [f"baseline: no test of this run recorded {', '.join(left)}"] if left else []
 
 

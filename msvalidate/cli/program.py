@@ -144,6 +144,7 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
         report.refuse_place("--junit", args.junit, args.out)
     if args.baseline:
         report.refuse_folder("--baseline", args.baseline, args.out, written=args.update)
+        baseline.check_home(args.baseline)
     if args.update:
         baseline.reason_entry(args.baseline, args.form, args.reason)  # refuses before the work
     _refuse_unknown_tables(args)

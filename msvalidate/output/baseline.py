@@ -48,6 +48,19 @@ def baseline_folder(form: str, home: Path | None = None) -> Path:
     return (home or (CHECKOUT if checkout else HOME / "baseline")) / form
 
 
+def check_home(home: Path) -> None:
+    """Refuse our own baseline as one of the user's own: CHANGELOG.md says why that moves.
+
+    Raises
+    ------
+    ProblemError
+        If `home` is it, or lies in it.
+    """
+    ours = baseline_folder("").resolve()
+    if ours in (home.resolve(), *home.resolve().parents):
+        raise ProblemError(f"--baseline {home}: our own; leave --baseline out")
+
+
 def recorded_faults(study: str) -> pd.DataFrame | None:
     """What a study's faults move in its small form, see `judging.suspects`; None if unknown."""
     path = baseline_folder("faults") / f"{study}.csv"

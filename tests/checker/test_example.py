@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import os
+import runpy
 import shlex
 import shutil
 import subprocess
@@ -10,9 +13,40 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 CHECKER = Path(__file__).resolve().parents[2] / "checker"
+
+
+def kuhn(d):
+    """The unit square in 2 triangles, or cube in 6 tetrahedra: points (n, d) in m, cells."""
+    points = np.array(list(itertools.product((0.0, 1.0), repeat=d)))
+    steps = 2 ** np.arange(d)
+    walks = [np.cumsum([0, *order]) for order in itertools.permutations(steps)]
+    return points, np.array(walks)
+
+
+@pytest.mark.parametrize(
+    ("state", "E_seen", "nu_seen"),
+    [
+        ("plane_stress", 2.0, 0.3),
+        ("plane_strain", 2.0 / (1 - 0.3**2), 0.3 / (1 - 0.3)),
+        ("space", 2.0, 0.3),
+    ],
+)
+def test_its_solver_stretches_a_block_as_the_closed_form_says(state, E_seen, nu_seen):
+    solve = runpy.run_path(str(CHECKER / "example" / "my_solver.py"))["solve"]
+    points, cells = kuhn(3 if state == "space" else 2)
+    d, thickness = points.shape[1], 1.0 if state == "space" else 0.5
+    force = np.zeros_like(points)
+    for cell in cells:  # a traction of 1 Pa on x = 1 m
+        face = [point for point in cell if points[point, 0] == 1.0]
+        if len(face) == d:
+            force[face, 0] += thickness / math.factorial(d - 1) / d
+    u = solve(points, cells, 2.0, 0.3, state, thickness, force, points == 0, 0.0)
+    strain = np.array([1.0, *[-nu_seen] * (d - 1)]) / E_seen
+    np.testing.assert_allclose(u, points * strain, atol=1e-14)
 
 
 def finish(command, folder, **more):

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import os
+
+import numpy as np
+import pandas as pd
 import pytest
 
-from msvalidate_check.baseline import HEADING
+from msvalidate_check import exchange
+from msvalidate_check.baseline import HEADING, make_columns
 from tests.table import table
 
 PLUGIN = ("-p", "msvalidate_check.pytest_plugin", "-p", "xdist", "-p", "no:cacheprovider")
@@ -54,6 +60,18 @@ def test_first_numbers_are_written_with_their_reason(project):
     project(*FOLDER).assert_outcomes(passed=2)
 
 
+def test_columns_of_any_kind_are_kept_with_all_their_digits():
+    frame = pd.DataFrame({"word": ["a", "b"], "n": [1, 2], "third": np.ones(2, "f4") / 3})
+    columns = make_columns("t", dict(frame) | {"is": [True, False], "wide": [1, np.longdouble(2)]})
+    assert columns == {
+        "word": ["a", "b"],
+        "n": ["1", "2"],
+        "third": ["0.3333333432674408"] * 2,
+        "is": ["True", "False"],
+        "wide": ["1.0", "2.0"],
+    }
+
+
 @table(
     ("old", "new", "said"),
     [
@@ -66,7 +84,7 @@ def test_first_numbers_are_written_with_their_reason(project):
         (
             "0.25, -2.0",
             "0.251, -2.1",
-            "u, row 2: was -2.0, is -2.1, moved by 0.1 (5 %), allowed 0.002; and 1 more rows moved",
+            "u, row 2: was -2.0, is -2.1, moved by 0.1 (5 %), allowed 0.002; and 1 more row moved",
         ),
         ('"u": u', '"v": u', "column u: missing"),
         ('"u": u', '"u": u, "v": u', "column v: new"),
@@ -75,13 +93,15 @@ def test_first_numbers_are_written_with_their_reason(project):
         ('{"x": [0, 1, 2], "u": u}', '{"u": u[:2]}', "rows: were 3, are 2"),
         ('"tip"', '"top"', "no such file; nothing was ever recorded under this name"),
         ("1e-4", "np.nan", "'tip', u: row 0 is nan; record finite numbers only"),
+        ("1e-4", "np.longdouble('inf')", "row 0 is inf; record finite numbers only"),
         ("1e-4", "1j", "record real numbers or words"),
         ("1e-4", "[[1.0]]", "an array of shape (1, 1); give each of its columns a name"),
         ("1e-4", "None", "None is of type object; record real numbers or words"),
         ('{"u": 1e-4, "kind": "tet4"}', "{}", "{} holds no numbers; give {'column': value}"),
         ('"tip"', '"../tip"', "'../tip': no name for a file; use letters, digits"),
         ('"rows"', '"tip"', "test_mine.py::test_tip recorded it already; give each table a name"),
-        ("relative=1e-3", "relative=1", "relative is 1; give 0 to below 1"),
+        ('"rows"', '"Tip"', "'Tip': test_mine.py::test_tip recorded it already"),
+        ("relative=1e-3", "relative='1'", "relative is '1'; give 0 to below 1"),
         ("relative=1e-3", "absolute=-1", "absolute is -1; give 0 or more"),
     ],
 )
@@ -126,7 +146,7 @@ def test_only_what_moved_is_renewed_and_only_if_all_passes(project):
         (UPDATE[2:], "no folder to write to; give --msvalidate-baseline DIR"),
         (["--msvalidate-baseline", "test_mine.py"], "test_mine.py: a file; name a folder"),
         (["--msvalidate-baseline", ""], "'' is no folder; name one"),
-        ([*UPDATE, "-n", "2"], "one process writes a baseline; leave -n out"),
+        ([*UPDATE, "-n", "2"], "one process writes a baseline; leave -n and --dist out"),
     ],
 )
 def test_wrong_usage_is_one_line(project, options, said):
@@ -155,6 +175,20 @@ def test_reasons_that_cannot_be_added_to_leave_all_as_it_was(project):
     assert (project.folder / "pytest/tip.csv").read_text(
         encoding="utf-8"
     ) == "u,kind\n0.0001,tet4\n"
+
+
+def test_a_full_disk_leaves_all_as_it_was(project, monkeypatch):
+    def full(folder, files, write=exchange.write):
+        if files.keys() & {"REASONS.md"}:  # when the tables are staged
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "REASONS.md")
+        write(folder, files)
+
+    before = project.files()
+    monkeypatch.setattr(exchange, "write", full)
+    done = project(*UPDATE, tests=TESTS.replace("1e-4", "2e-4"))
+    assert done.ret == pytest.ExitCode.USAGE_ERROR
+    done.stdout.fnmatch_lines(["baseline not written: No space left on device: REASONS.md; mend*"])
+    assert project.files() == before
 
 
 def test_the_folder_may_be_a_setting_and_must_be_somewhere(project, pytester):

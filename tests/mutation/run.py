@@ -61,7 +61,11 @@ MODULES: dict[str, tuple[list[str], list[str], int]] = {
         25,
     ),
     "compare": (["msvalidate/judging/compare.py"], _files("evidence", "compare"), 25),
-    "baseline": (["msvalidate/output/baseline.py"], _files("baseline", "baseline_limits"), 25),
+    "baseline": (
+        ["msvalidate/output/baseline.py", "checker/msvalidate_check/baseline.py"],
+        [*_files("baseline", "baseline_limits"), "tests/checker/test_plugin.py"],
+        25,
+    ),
     "stiffness": (["msvalidate/constants/stiffness.py"], _files("stiffness", "calibrate"), 25),
     "network": (
         ["msvalidate/network/network.py"],

@@ -334,6 +334,7 @@ def test_a_baseline_of_ones_own_takes_the_place_of_ours(checkout, capsys):
         (["--baseline", "CHANGELOG.md"], "--baseline CHANGELOG.md: a file; name a folder"),
         (["--baseline", "reports"], "shares a folder with --out reports/latest; name another"),
         (["--baseline", "reports/latest/b"], "shares a folder with --out reports/latest"),
+        (["--baseline", "./base"], "--baseline base: our own; leave --baseline out"),
         (["--baseline", "CHANGELOG.md/b", "--update", "--reason", "so"], "no permission to write"),
         (["--baseline", "odd", "--update", "--reason", "so"], "REASONS.md: not UTF-8 at byte 0"),
     ],
