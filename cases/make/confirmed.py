@@ -12,11 +12,8 @@ from cases.make.statements import Statement
 
 Array = np.ndarray
 ELEMENTS, NGSOLVE, CLOSED = "elements", "ngsolve", "closed form"
-SAID = {
-    ELEMENTS: "reference_fem, quadratic elements on meshes each twice as fine",
-    NGSOLVE: "NGSolve, elements of high degree on hp-refined meshes",
-    CLOSED: "closed form",
-}
+"""Names of the ways: `reference_fem` on meshes each twice as fine; NGSolve by elements of high
+degree on hp-refined meshes; a formula."""
 
 
 @dataclass(frozen=True)

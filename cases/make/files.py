@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from cases.make.answer import Answer
-from cases.make.confirmed import SAID, Confirmation
+from cases.make.confirmed import Confirmation
 from cases.make.meshes import MESHIO, linear_meshes
 from cases.make.reference import body_mesh, problem_of, write_msh
 from cases.make.statements import Statement
@@ -24,6 +24,8 @@ from reference_fem.mesh.from_mesh import mesh_discretisation
 
 Array = np.ndarray
 AXES = "xyz"
+ROUNDING = 1e-12
+"""Of the largest value, below which another is 0."""
 UNITS = {"displacement": "m", "reaction": "N", "strain": "J", "mean": "Pa"}
 VOIGT = {2: ("xx", "yy", "xy"), 3: ("xx", "yy", "zz", "yz", "xz", "xy")}
 
@@ -100,13 +102,14 @@ def _mesh_files(mesh: NodalMesh) -> dict[str, bytes]:
     rows = []
     for i, x in enumerate(mesh.points):
         row: list[Any] = [i, *map(_short, x), f"{mesh.mass[i]:.12g}"]
-        row += [f"{f + 0.0:.12g}" for f in _clean(mesh.force)[i]]
+        row += [f"{f + 0.0:.12g}" for f in without_rounding(mesh.force)[i]]
         row += [int(h) for h in mesh.held[i]]
         row += [_short(v) if h else "0" for h, v in zip(mesh.held[i], mesh.value[i], strict=True)]
         rows.append(row)
     cells = [[i, *cell] for i, cell in enumerate(mesh.cells)]
     corners = [f"n{k}" for k in range(mesh.cells.shape[1])]
-    fields = {"mass": mesh.mass, "force": _clean(mesh.force), "held": mesh.held.astype(float)}
+    force, held = without_rounding(mesh.force), mesh.held.astype(float)
+    fields = {"mass": mesh.mass, "force": force, "held": held}
     return {
         f"{mesh.kind}_nodes.csv": _csv(head, rows),
         f"{mesh.kind}_cells.csv": _csv(["id", *corners], cells),
@@ -114,10 +117,10 @@ def _mesh_files(mesh: NodalMesh) -> dict[str, bytes]:
     }
 
 
-def _clean(force: Array) -> Array:
-    """Forces without the rounding of sums that are 0."""
-    size = float(np.abs(force).max(initial=0.0))
-    return np.where(np.abs(force) < 1e-14 * size, 0.0, force)
+def without_rounding(values: Array) -> Array:
+    """Values of which those that are rounding beside the largest are 0."""
+    size = float(np.abs(values).max(initial=0.0))
+    return np.where(np.abs(values) < ROUNDING * size, 0.0, values)
 
 
 def _csv(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> bytes:
@@ -134,10 +137,12 @@ def _displacement(statement: Statement, answers: dict[float, Answer]) -> bytes:
     head += [f"E_du{a}_dE" for a in axes] + [f"du{a}_dnu" for a in axes]
     rows = []
     for nu, answer in answers.items():
-        for i in range(len(answer.displacement)):
+        moves = without_rounding(answer.displacement)
+        slopes = np.hstack([without_rounding(answer.by_modulus), without_rounding(answer.by_ratio)])
+        for i in range(len(moves)):
             row: list[Any] = [f"{nu:g}", i]
-            row += [f"{u + 0.0:.12g}" for u in answer.displacement[i]]
-            row += [f"{u + 0.0:.7g}" for u in (*answer.by_modulus[i], *answer.by_ratio[i])]
+            row += [f"{u + 0.0:.12g}" for u in moves[i]]
+            row += [f"{u + 0.0:.7g}" for u in slopes[i]]
             rows.append(row)
     return _csv(head, rows)
 
@@ -154,7 +159,7 @@ def _quantities(statement: Statement, answers: dict[float, Answer]) -> bytes:
             doubt = f"{answer.uncertainty[name]:.3g}"
             rows += [
                 [f"{nu:g}", name, label, f"{value + 0.0:.12g}", unit, doubt]
-                for label, value in zip(labels, values, strict=True)
+                for label, value in zip(labels, without_rounding(values), strict=True)
             ]
     return _csv(["nu", "quantity", "component", "value", "unit", "uncertainty"], rows)
 
@@ -176,7 +181,7 @@ def confirmed_csv(rows: list[Confirmation]) -> bytes:
         [
             [
                 row.case, f"{row.nu:g}", row.quantity, f"{row.size:.6g}", f"{row.uncertainty:.3g}",
-                SAID[row.by], SAID[row.other_by], f"{row.difference:.3g}",
+                row.by, row.other_by, f"{row.difference:.3g}",
                 f"{row.other_uncertainty:.3g}", "yes" if row.is_inside else "NO",
             ]
             for row in rows

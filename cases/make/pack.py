@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from cases.make.answer import Answer
-from cases.make.files import nodal_meshes
+from cases.make.files import nodal_meshes, without_rounding
 from cases.make.reference import problem_of
 from cases.make.statements import SPACE, Statement
+from msvalidate.case.judge import driven_by
 
 Array = np.ndarray
 DIGITS = 12
@@ -26,7 +27,7 @@ def packed_case(
 ) -> tuple[dict[str, Array], dict[str, Any]]:
     """Arrays of one case by name, and its facts."""
     name = statement.name
-    u = _rounded(np.array([answer.displacement for answer in answers.values()]))
+    u = np.array([_rounded(answer.displacement) for answer in answers.values()])
     size = np.linalg.norm(u, axis=2).max(axis=1)
     doubt = np.array([answer.uncertainty["displacement"] for answer in answers.values()])
     arrays = {
@@ -49,15 +50,15 @@ def packed_case(
             away = (mesh.solution()[: u.shape[1]] - u[row]) / size[row]
             away[np.abs(away) < 1e-9] = 0.0
             arrays[f"{name}/{mesh.kind}/away"][row] = away
-    law = problem_of(statement, statement.own_ratio).material
+    problem = problem_of(statement, statement.own_ratio)
+    law = problem.material
     quantities = {
         key: [
-            [[float(f"{x + 0.0:.{DIGITS}g}") for x in a.quantities[key]] for a in answers.values()],
+            [(_rounded(a.quantities[key]) + 0.0).tolist() for a in answers.values()],
             [float(f"{a.uncertainty[key]:.3g}") for a in answers.values()],
         ]
         for key in next(iter(answers.values())).quantities
     }
-    driven = np.abs(next(iter(answers.values())).by_modulus).max() > 0
     facts = {
         "body": statement.body,
         "state": statement.state,
@@ -66,7 +67,7 @@ def packed_case(
         "thickness": 1.0 if statement.state == SPACE else law.thickness,
         "ratios": list(answers),
         "meshes": [mesh.kind for mesh in meshes],
-        "driven": "loads" if driven else "supports",
+        "driven": driven_by(problem),
         "quantities": quantities,
     }
     return arrays, facts
@@ -74,9 +75,8 @@ def packed_case(
 
 def _rounded(values: Array) -> Array:
     """Values to as many significant digits as the text files have."""
-    size = float(np.abs(values).max(initial=0.0))
-    values = np.where(np.abs(values) < 1e-14 * size, 0.0, values)
-    return np.array([float(f"{x:.{DIGITS}g}") for x in values.ravel()]).reshape(values.shape)
+    kept = without_rounding(values)
+    return np.array([float(f"{x:.{DIGITS}g}") for x in kept.ravel()]).reshape(kept.shape)
 
 
 def archive(arrays: dict[str, Array], facts: dict[str, Any]) -> bytes:

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate_check.diagnosis import Driven
 from msvalidate_check.errors import CheckError
 from msvalidate_check.frozen import DIGESTS
 
@@ -60,7 +61,7 @@ class ElasticCase:
         Name -> elasticity's value and its uncertainty: "reaction 1" (d,) in N of the first support,
         "strain energy" (1,) in J, "mean stress" in Pa: xx, yy, xy or xx, yy, zz, yz, xz, xy.
     driven
-        What moves the body: "loads" or "supports".
+        What moves the body: "loads", its "weight" or its "supports".
     """
 
     name: str
@@ -80,7 +81,7 @@ class ElasticCase:
     wanted: Array
     uncertainty: float
     quantities: dict[str, tuple[Array, float]]
-    driven: str
+    driven: Driven
 
     def __post_init__(self) -> None:
         for array in vars(self).values():

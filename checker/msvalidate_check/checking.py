@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate_check.case_set import ElasticCase
-from msvalidate_check.diagnosis import NOTICED, Explanation, Field, explain, split
+from msvalidate_check.diagnosis import FITS, NOTICED, Explanation, Field, explain, split
 from msvalidate_check.errors import CheckError
 from msvalidate_check.material import Material, nearest_material
 from msvalidate_check.points import PLACED, matched, positive, vectors
@@ -18,6 +18,8 @@ from msvalidate_check.precision import spacing_of_displacements
 from msvalidate_check.words import AGREES, agreement
 
 Array = np.ndarray
+LEAST_SHOWN = 5e-9
+"""Part below which text says 0."""
 BAND = 0.02
 """Largest difference that agrees by default, over the largest displacement."""
 
@@ -219,7 +221,7 @@ def _field(
         found,
         wanted,
         doubt,
-        "loads" if case.driven == "loads" else "supports",
+        case.driven,
         tuple((float(a), float(b)) for a, b in zip(named.min(0), named.max(0), strict=True)),
         case.nu,
         case.ratios,
@@ -263,7 +265,7 @@ def _lines(verdict: Verdict) -> list[str]:
     ]
     if v.error > NOTICED * v.doubt:
         found += [f"  cause: {each.said}" for each in v.causes] or ["  cause: none of those known"]
-        found += _effective(v.material)
+        found += _effective(v.material, v.error)
     found += [
         f"  {row.name}: {row.word}, {_percent(row.error)} off, known to {_percent(row.doubt)}"
         for row in v.quantities
@@ -271,8 +273,10 @@ def _lines(verdict: Verdict) -> list[str]:
     return found + [f"  {note}" for note in v.notes]
 
 
-def _effective(material: Material) -> list[str]:
+def _effective(material: Material, error: float) -> list[str]:
     words = []
+    if material.left > FITS * error:
+        return []
     if math.isfinite(material.E):
         words.append(f"E = {material.E:.4g} Pa")
     if math.isfinite(material.nu):
@@ -289,4 +293,6 @@ def _rest(rest: float) -> str:
 
 
 def _percent(part: float) -> str:
-    return f"{100 * part:.2g} %"
+    if part < LEAST_SHOWN:
+        return "0 %"
+    return f"{100 * part:.2g} %" if part < 1 else f"{part:.3g} times"

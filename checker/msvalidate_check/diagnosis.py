@@ -18,8 +18,8 @@ from typing import Literal
 import numpy as np
 
 Array = np.ndarray
-Driven = Literal["loads", "supports", "both"]
-"""What moves a body."""
+Driven = Literal["loads", "weight", "supports", "both"]
+"""What moves a body: loads, its own weight alone, its supports, or supports and something else."""
 AXES = "xyz"
 FITS = 0.25
 """Of the difference that was there, what an explanation may leave."""
@@ -175,14 +175,14 @@ def _scale(field: Field) -> Iterator[Explanation]:
     if not (math.isfinite(scale) and scale > 0):
         return
     left = field.left(field.found / scale)
-    if field.driven == "loads":
+    if field.driven in {"loads", "weight"}:
         yield Explanation(
             "modulus", f"{scale:.4g} times elasticity: a modulus E {1 / scale:.4g} times as large?",
             left, scale,
         )  # fmt: skip
-        yield Explanation(
-            "load", f"{scale:.4g} times elasticity: loads {scale:.4g} times as large?", left, scale
-        )
+        what = "loads" if field.driven == "loads" else "gravity or masses"
+        said = f"{scale:.4g} times elasticity: {what} {scale:.4g} times as large?"
+        yield Explanation("load", said, left, scale)
     elif field.driven == "supports":
         yield Explanation(
             "scale",

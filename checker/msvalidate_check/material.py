@@ -60,9 +60,9 @@ def nearest_material(case: ElasticCase, order: Array, found: Array, doubt: float
         own, columns = _columns(case, order, scale, nu)
         if not columns[:, -1].any():
             break
-        target = found if case.driven == "loads" else found - own
+        target = found if case.driven != "supports" else found - own
         change = np.linalg.pinv(columns) @ target.ravel()
-        if case.driven == "loads":
+        if case.driven != "supports":
             scale = float(change[0])
         new = float(np.clip(nu + change[-1], low, high))
         settled, nu = abs(new - nu) < SETTLED, new
@@ -77,7 +77,7 @@ def _columns(case: ElasticCase, order: Array, scale: float, nu: float) -> tuple[
     step = RATIO_STEP * (high - low)
     own = case.at_ratio(nu)[order]
     slope = (case.at_ratio(nu + step)[order] - case.at_ratio(nu - step)[order]) / (2 * step)
-    every = [own, scale * slope] if case.driven == "loads" else [slope]
+    every = [own, scale * slope] if case.driven != "supports" else [slope]
     return own, np.column_stack([each.ravel() for each in every])
 
 
@@ -91,7 +91,7 @@ def _described(
     away = np.abs(np.linalg.pinv(columns)).sum(axis=1) * doubt * size
     left = float(np.linalg.norm(found - scale * own, axis=1).max()) / size
     shows = bool(columns[:, -1].any()) and float(away[-1]) < SHOWS
-    loads = case.driven == "loads" and scale > 0
+    loads = case.driven != "supports" and scale > 0
     E = case.E / scale if loads else math.nan
     return Material(
         E,
