@@ -48,7 +48,7 @@ def graded_lines(grid: Grid, *, finer: bool = False) -> list[Array]:
                 half = np.linspace(0.0, 1.0, max(n, 2) + 1)
             parts.append((a + (b - a) * half)[:-1])
         found.append(np.append(np.concatenate(parts), marks[-1]))
-    return [_no_longer(column, _longest_cell(grid)) for column in found]
+    return [no_longer(column, _longest_cell(grid)) for column in found]
 
 
 def _longest_cell(grid: Grid) -> float:
@@ -58,7 +58,7 @@ def _longest_cell(grid: Grid) -> float:
     return min(marks[-1] - marks[0] for marks in grid.marks)
 
 
-def _no_longer(column: Array, most: float) -> Array:
+def no_longer(column: Array, most: float) -> Array:
     """Lines with others amid where they are farther apart than that."""
     parts = []
     for a, b in pairwise(column):

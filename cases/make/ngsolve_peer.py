@@ -24,7 +24,7 @@ from cases.make.meshes import coarsest_nodes
 from cases.make.statements import Statement
 
 Array = np.ndarray
-LOW, HIGH = {2: (7, 8), 3: (4, 2)}, {2: (9, 10), 3: (5, 3)}
+LOW, HIGH = {2: (7, 8), 3: (3, 2)}, {2: (9, 10), 3: (4, 2)}
 """Degree, and layers of cells that shrink towards corners and edges."""
 SHRINK = 0.15
 """Factor between the sizes of neighbouring layers."""

@@ -21,10 +21,12 @@ Array = np.ndarray
 Driven = Literal["loads", "weight", "supports", "both"]
 """What moves a body: loads, its own weight alone, its supports, or supports and something else."""
 AXES = "xyz"
-FITS = 0.25
+FITS = 0.1
 """Of the difference that was there, what an explanation may leave."""
 AS_WELL = 2.0
 """Times what the best explanation leaves, up to which another fits as well."""
+AS_GOOD = 1e-3
+"""Of the difference that was there: explanations that leave less than this fit as well."""
 NOTICED = 3.0
 """Times the doubt of elasticity and of the numbers, from which a difference is one to explain."""
 UNITS = {
@@ -43,7 +45,7 @@ NEAR_UNIT = 0.05
 """Part by which a scale may differ from a unit's: a modulus or a load a little off besides."""
 FEW_POINTS = 0.02
 """Part of the points, or one, that may be wrong while all others are right."""
-RATIO_STEP, RATIO_STEPS, RATIO_SETTLED = 0.01, 6, 1e-5
+RATIO_STEP, RATIO_STEPS, RATIO_SETTLED = 0.01, 12, 1e-5
 """First change of Poisson's ratio that is tried, how many are, and the last that need be."""
 HALF = 0.5
 """Of the difference, what a ratio's first-order effect may leave for it to be worth more solves."""
@@ -132,11 +134,9 @@ def _fitting(found: list[Explanation], before: float, doubt: float) -> list[Expl
     if not good:
         return []
     least = min(each.left for each in good)
-    room = max(AS_WELL * least, NOTICED * doubt)
+    room = max(AS_WELL * least, NOTICED * doubt, AS_GOOD * before)
     kept = sorted((each for each in good if each.left <= room), key=lambda each: each.left)
     named = {each.name for each in kept}
-    if "unit" in named:  # a unit is a scale that has a reason
-        kept = [each for each in kept if each.name not in {"scale", "modulus", "load"}]
     if "one point" in named and any(each.name == "scale" for each in kept):
         kept = [each for each in kept if each.name == "one point"]
     return kept
@@ -164,7 +164,10 @@ def _units(field: Field) -> Iterator[Explanation]:
             continue
         exact, fitted = field.left(field.found / many), field.left(field.found / scale)
         besides = ""
+        near = abs(math.log10(many)) < 1
         if exact > max(AS_WELL * fitted, NOTICED * field.doubt):
+            if near:  # any number is near some unit
+                continue
             besides = f", and {scale / many:.4g} times as large besides"
         said = f"{many:g} times elasticity{besides}: {unit}?"
         yield Explanation("unit", said, fitted if besides else exact, many)
@@ -172,7 +175,12 @@ def _units(field: Field) -> Iterator[Explanation]:
 
 def _scale(field: Field) -> Iterator[Explanation]:
     scale = _best_scale(field, field.found)
-    if not (math.isfinite(scale) and scale > 0):
+    if not math.isfinite(scale):
+        return
+    if not field.found.any():
+        yield Explanation("zero", "nothing moves: the displacements are all 0", 0.0, 0.0)
+    if scale <= 0:
+        yield from _turned_round(field, scale)
         return
     left = field.left(field.found / scale)
     if field.driven in {"loads", "weight"}:
@@ -193,6 +201,13 @@ def _scale(field: Field) -> Iterator[Explanation]:
         )
     else:
         yield Explanation("scale", f"{scale:.4g} times elasticity", left, scale)
+
+
+def _turned_round(field: Field, scale: float) -> Iterator[Explanation]:
+    """The other sign, and a scale besides."""
+    if scale and abs(scale + 1) > NOTICED * field.doubt:
+        said = f"{scale:.4g} times elasticity: the other sign, and {-scale:.4g} times as large?"
+        yield Explanation("sign", said, field.left(field.found / scale), scale)
 
 
 def _axes(field: Field) -> Iterator[Explanation]:
@@ -255,7 +270,8 @@ def _points(field: Field) -> Iterator[Explanation]:
         if left <= FITS * float(away[order[count - 1]]):
             where = ", ".join(f"{x:.4g}" for x in field.places[order[0]])
             few = f"{count} points" if count > 1 else "one point"
-            said = f"{few} wrong, the first at ({where}) m; all others are right"
+            rest = f"to {left:.1g} of the largest" if left > field.doubt else "to what is known"
+            said = f"{few} wrong, the first at ({where}) m; all others are right {rest}"
             yield Explanation("one point", said, left, float(count))
             return
 
@@ -310,7 +326,7 @@ def _both(field: Field) -> Iterator[Explanation]:
 
 
 def _fitted_ratio(field: Field, *, scaled: bool) -> tuple[float, float, float] | None:
-    """Ratio, scale and what they leave; None where no ratio between 0 and 1/2 fits.
+    """Ratio, scale and what they leave; None where none that is known fits.
 
     Secant steps: elasticity bends with the ratio, near 1/2 above all.
     """
@@ -318,7 +334,7 @@ def _fitted_ratio(field: Field, *, scaled: bool) -> tuple[float, float, float] |
         return None
     own = field.ratio
     low, high = field.ratios
-    other = own + (RATIO_STEP if own + RATIO_STEP < high else -RATIO_STEP)
+    other = own + (RATIO_STEP if own + RATIO_STEP <= high else -RATIO_STEP)
     nu, move = own, field.wanted
     for _ in range(RATIO_STEPS):
         slope = (field.by_ratio(other) - move) / (other - nu)
@@ -334,9 +350,7 @@ def _fitted_ratio(field: Field, *, scaled: bool) -> tuple[float, float, float] |
         scale = float(fitted[0]) if scaled else 1.0
         if scale <= 0:
             return None
-        other = nu + float(fitted[-1]) / scale
-        if not low <= other < high:
-            return None
+        other = min(max(nu + float(fitted[-1]) / scale, low), high)
         if abs(other - nu) < RATIO_SETTLED:
             break
     end = field.by_ratio(other)

@@ -7,6 +7,9 @@ import math
 import numpy as np
 
 Array = np.ndarray
+LEAST, LEVELS = 8, 64
+"""Numbers that differ, and steps between the ends of them, that it takes to show a rounding: an
+exact answer, such as uniform strain of a few cells, lies on a few even steps of its own."""
 DIGITS, BINARY_DIGITS = 17, 40
 """Decimal digits that no number has more of; binary ones up to which numbers count as rounded."""
 
@@ -39,13 +42,17 @@ def spacing_of_numbers(values: Array) -> float:
         if np.array_equal(values.astype(np.float32).astype(float), values):
             found.append(float(np.finfo(np.float32).eps) * size)
     sample = values.ravel()[:: max(1, values.size // 10_000)]
+    if len(np.unique(np.abs(sample[sample != 0]))) < LEAST:
+        return max(found)
+    span = float(np.ptp(sample))
     exponent = math.floor(math.log2(size))
     binary = (math.ldexp(1.0, exponent - lower) for lower in range(BINARY_DIGITS))
-    found.append(next((s for s in binary if s and (np.rint(sample / s) == sample / s).all()), 0.0))
+    steps = (s for s in binary if s and (np.rint(sample / s) == sample / s).all())
+    found.append(next(steps, 0.0))
     first = math.floor(math.log10(size)) + 1
     decimal = (10.0 ** (first - digits) for digits in range(1, DIGITS - 2))
     found.append(next((s for s in decimal if s and _is_rounded(sample, s)), 0.0))
-    return max(found)
+    return max(step for step in found if LEVELS * step <= span or step == found[0])
 
 
 def _is_rounded(values: Array, step: float) -> bool:

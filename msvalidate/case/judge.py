@@ -15,7 +15,7 @@ from msvalidate.case.case import Case
 from msvalidate.case.comparison import Row, largest
 from msvalidate.case.matching import Matched, match
 from msvalidate.case.results import Result
-from msvalidate.problem import Array, Isotropic, Problem, ProblemError, SolverError
+from msvalidate.problem import Array, Isotropic, Problem, ProblemError, SolverError, Weight
 from msvalidate_check.diagnosis import NOTICED, Driven, Explanation, Field, explain, split
 from msvalidate_check.words import agreement
 from reference_fem.body import solve_problem
@@ -162,13 +162,16 @@ def _field(problem: Problem, matched: Matched, reference: Reference, doubt: floa
 
 
 def driven_by(problem: Problem) -> Driven:
-    """What moves a body: its loads, its supports, or both."""
+    """What moves a body: its loads, its weight alone, its supports, or these and others."""
     moved = any(
         callable(value) or value for support in problem.supports for value in support.displacement
     )
     if problem.loads and moved:
         return "both"
-    return "supports" if moved else "loads"
+    if moved:
+        return "supports"
+    heavy = problem.loads and all(isinstance(load, Weight) for load in problem.loads)
+    return "weight" if heavy else "loads"
 
 
 def budget(found: Judgement) -> pd.DataFrame:
