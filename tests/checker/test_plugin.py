@@ -78,7 +78,7 @@ def test_columns_of_any_kind_are_kept_with_all_their_digits():
         (
             "1e-4",
             "1.1e-4",
-            "u, row 0: was 0.0001, is 0.00011, moved by 1e-05 (10 %), allowed 1e-10",
+            "u, row 0: was 0.0001, is 0.00011, moved by 1e-05 (10 %), allowed 1e-10\n",
         ),
         ("tet4", "tet10", "kind, row 0: was tet4, is tet10; words are exact"),
         (
