@@ -78,7 +78,7 @@ def test_columns_of_any_kind_are_kept_with_all_their_digits():
         (
             "1e-4",
             "1.1e-4",
-            "u, row 0: was 0.0001, is 0.00011, moved by 1e-05 (10 %), allowed 1e-10",
+            "u, row 0: was 0.0001, is 0.00011, moved by 1e-05 (10 %), allowed 1e-10\n",
         ),
         ("tet4", "tet10", "kind, row 0: was tet4, is tet10; words are exact"),
         (
@@ -98,6 +98,10 @@ def test_columns_of_any_kind_are_kept_with_all_their_digits():
         ("1e-4", "[[1.0]]", "an array of shape (1, 1); give each of its columns a name"),
         ("1e-4", "None", "None is of type object; record real numbers or words"),
         ('{"u": 1e-4, "kind": "tet4"}', "{}", "{} holds no numbers; give {'column': value}"),
+        ('{"u": 1e-4, "kind": "tet4"}', "1e-4", "0.0001 holds no numbers; give {'column': value}"),
+        ('"u": 1e-4', '" ": 1e-4', "'tip': ' ' is no name of a column; give a word"),
+        ('"u": 1e-4', '"u\\n": 1e-4', "'u\\n' is no name of a column; give a word"),
+        ('"u": 1e-4', "1: 1e-4", "1 is no name of a column; give a word"),
         ('"tip"', '"../tip"', "'../tip': no name for a file; use letters, digits"),
         ('"rows"', '"tip"', "test_mine.py::test_tip recorded it already; give each table a name"),
         ('"rows"', '"Tip"', "'Tip': test_mine.py::test_tip recorded it already"),
@@ -159,10 +163,15 @@ def test_wrong_usage_is_one_line(project, options, said):
 
 
 def test_a_damaged_file_fails_and_can_be_renewed(project):
-    (project.folder / "pytest/tip.csv").write_bytes(b"u,kind\n1\n")
-    project(*FOLDER).stdout.fnmatch_lines(
-        ["*the file cannot be read: row 0 has 1 values for 2 columns"]
-    )
+    for damage, said in (
+        (b"u,kind\n1\n", "the file cannot be read: row 0 has 1 values for 2 columns"),
+        (b"u,kind\n", "rows: were 0, are 1"),
+        (b"", "rows: were 0, are 1"),
+        (b"\xff", "the file cannot be read: 'utf-8' codec can't decode byte*"),
+        (b"u,kind\nnan,tet4\n", "u, row 0: was nan, is 0.0001; words are exact"),
+    ):
+        (project.folder / "pytest/tip.csv").write_bytes(damage)
+        project(*FOLDER).stdout.fnmatch_lines([f"E* {said}"])
     assert project(*UPDATE).ret == 0
     project(*FOLDER).assert_outcomes(passed=2)
 

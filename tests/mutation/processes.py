@@ -93,9 +93,11 @@ def _enter(tree: Path, out: Path, cache: Path, limit: int) -> None:
     os.setpgid(0, 0)
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
     os.chdir(tree)
-    os.environ |= {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache)}
+    ours = [str(tree), str(tree / "checker")]
+    os.environ |= {"PYTHONPATH": os.pathsep.join(ours), "NUMBA_CACHE_DIR": str(cache)}
     numba.config.CACHE_DIR = str(cache)
-    sys.path[:] = [str(tree)] + [p for p in sys.path if Path(p or ".").resolve() != ROOT]
+    others = {ROOT, ROOT / "checker"}
+    sys.path[:] = [*ours, *(p for p in sys.path if Path(p or ".").resolve() not in others)]
     text = os.open(out / "output.txt", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     for stream in (1, 2):
         os.dup2(text, stream)
@@ -137,8 +139,8 @@ class Trace:
     def _called(self, frame, _event, _arg):
         name = frame.f_code.co_filename
         if name not in self.files:
-            ours = (f"{self.tree}msvalidate/", f"{self.tree}reference_fem/")
-            self.files[name] = name.startswith(ours)
+            ours = ("msvalidate/", "reference_fem/", "checker/msvalidate_check/")
+            self.files[name] = name.startswith(tuple(f"{self.tree}{folder}" for folder in ours))
         if not self.files[name]:
             return None
         self.lines.setdefault(name, set()).add(frame.f_lineno)
