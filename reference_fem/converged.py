@@ -300,12 +300,13 @@ def close_in(values: list[Array]) -> Converged:
 def _left(last: Array, before: Array, order: float) -> Array:
     """What the last of two changes leaves of each component, by the order of all of them.
 
-    Or by the component's own, where that is lower: next to a corner that points inwards a value
-    closes in more slowly than those that rule the order.
+    Or by the component's own, where it closes in from one side and that is lower: next to a corner
+    that points inwards a value closes in more slowly than those that rule the order.
     """
+    order = min(order, TRUSTED_ORDER)
     with np.errstate(divide="ignore", invalid="ignore"):
-        own = np.log2(np.abs(before) / np.abs(last))
-    own = np.clip(np.nan_to_num(own, nan=TRUSTED_ORDER), LOWEST_ORDER, min(order, TRUSTED_ORDER))
+        own = np.log2(before / last)  # not a number where the changes have different signs
+    own = np.where(own >= LOWEST_ORDER, np.minimum(own, order), order)
     return np.asarray(np.abs(last) / (2**own - 1))
 
 

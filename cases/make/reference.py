@@ -29,8 +29,8 @@ from reference_fem.mesh.from_mesh import mesh_discretisation
 from reference_fem.systems.factor import has_cholmod
 
 Array = np.ndarray
-MOST_NODES = {2: 120_000, 3: 80_000}
-MOST_MIXED = 16_000
+MOST_NODES = {2: 120_000, 3: 100_000}
+MOST_MIXED = 18_000
 """The same of elements with a pressure of their own in space, whose factors fill up."""
 MIXED_FROM = 0.46
 """Ratio from which displacement and pressure are sought together: below, quadratic cells do."""

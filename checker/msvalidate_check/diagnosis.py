@@ -257,23 +257,23 @@ def _positions(field: Field) -> Iterator[Explanation]:
 
 
 def _points(field: Field) -> Iterator[Explanation]:
-    """A few points wrong, all others right."""
+    """A few points wrong, all others right: the fewest beyond which the difference drops."""
     away = np.linalg.norm(field.found - field.wanted, axis=1) / field.size
     order = np.argsort(-away, kind="stable")
     most = max(1, int(FEW_POINTS * len(away)))
     if len(away) < 4:
         return
-    for count in sorted({1, 2, most}):
-        if count > most:
-            continue
-        left = float(away[order[count]])
-        if left <= FITS * float(away[order[count - 1]]):
-            where = ", ".join(f"{x:.4g}" for x in field.places[order[0]])
-            few = f"{count} points" if count > 1 else "one point"
-            rest = f"to {left:.1g} of the largest" if left > field.doubt else "to what is known"
-            said = f"{few} wrong, the first at ({where}) m; all others are right {rest}"
-            yield Explanation("one point", said, left, float(count))
-            return
+    falling = away[order]
+    drops = (falling[1 : most + 1] <= FITS * falling[:most]) & (falling[:most] > 0)
+    if not drops.any():
+        return
+    count = int(drops.argmax()) + 1
+    left = float(falling[count])
+    where = ", ".join(f"{x:.4g}" for x in field.places[order[0]])
+    few = f"{count} points" if count > 1 else "one point"
+    rest = f"to {left:.1g} of the largest" if left > field.doubt else "to what is known"
+    said = f"{few} wrong, the first at ({where}) m; all others are right {rest}"
+    yield Explanation("one point", said, left, float(count))
 
 
 def _known(field: Field) -> Iterator[Explanation]:
