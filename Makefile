@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RUN := $(BIN)/python -m msvalidate.study
 
-.PHONY: help poisson bench check any-cpu report test slow mutants lint types format clean
+.PHONY: help poisson bench cases check any-cpu report test slow mutants lint types format clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -55,6 +55,13 @@ test: $(VENV)/develops
 # make slow      the tests that take minutes: nightly, not at each change
 slow: $(VENV)/develops
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m slow $(ARGS)
+
+# make cases     the frozen set of cases, from nothing: an hour; a version that is there is never
+#                written again
+cases: $(VENV)/peers
+	OMP_NUM_THREADS=1 $(BIN)/python -m cases.make solve
+	OMP_NUM_THREADS=1 $(BIN)/python -m cases.make peer
+	OMP_NUM_THREADS=1 $(BIN)/python -m cases.make freeze
 
 # make mutants   small faults put in one at a time: which do the tests miss? nightly
 mutants: $(VENV)/develops

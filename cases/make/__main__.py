@@ -103,7 +103,8 @@ def _freeze(chosen: list[Statement], out: Path | None) -> int:
         return 2
     rows: list[Confirmation] = []
     files: dict[str, bytes] = {"LICENSE": LICENCE.encode()}
-    arrays, facts = {}, {}
+    arrays: dict[str, np.ndarray] = {}
+    facts: dict[str, object] = {}
     for statement in chosen:
         answers = {}
         for nu in statement.ratios:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise, permutations
 
 import numpy as np
@@ -15,6 +16,8 @@ FINER = {2: GRADING[2], 3: (0.0, 1 / 12, 1 / 3, 1.0)}
 """The same for meshes that are halved once only."""
 """Where the reference's lines are between an end at which stress is singular and the next."""
 KINDS = {2: ("tri3", "quad4"), 3: ("tet4", "hex8")}
+Sides = dict[str, Callable[[Array], Array]]
+"""Name -> which places (n, d) in m lie on a side."""
 MESHIO = {"tri3": "triangle", "quad4": "quad", "tet4": "tetra", "hex8": "hexahedron"}
 """Names of the cells in mesh files."""
 QUADRATIC = {2: "quad9", 3: "hexahedron27"}
@@ -134,8 +137,10 @@ def _triangles(cells: Array, place: Array) -> Array:
 
 def _tetrahedra(cells: Array, _: Array) -> Array:
     """Six tetrahedra a hexahedron around its diagonal, one for each order of the axes."""
-    number = {(0, 0, 0): 0, (1, 0, 0): 1, (1, 1, 0): 2, (0, 1, 0): 3}
-    number |= {(*key[:2], 1): value + 4 for key, value in list(number.items())}
+    base = ((0, 0), (1, 0), (1, 1), (0, 1))
+    number: dict[tuple[int, ...], int] = {
+        (*corner, k): 4 * k + i for i, corner in enumerate(base) for k in (0, 1)
+    }
     found = []
     for order in permutations(range(3)):
         at = [0, 0, 0]
@@ -171,7 +176,7 @@ def _with_middles(column: Array) -> Array:
     return found
 
 
-def facets_of(points: Array, cells: Array, shape: str, sides: dict | None) -> dict[str, Array]:
+def facets_of(points: Array, cells: Array, shape: str, sides: Sides | None) -> dict[str, Array]:
     """Facets on each named side: those all of whose nodes lie there."""
     if not sides:
         return {}

@@ -188,9 +188,11 @@ def _is_on(made: Made, part: dict[str, Any], middle: Array) -> bool:
         return True
     name = part["on"]
     if name.startswith("edge "):
-        k = int(name.split()[1])
+        number = int(name.split()[1])
         corners = np.array(made.polygon, dtype=float)
-        return bool(np.abs((corners[k - 1] + corners[k % len(corners)]) / 2 - middle).max() < NEAR)
+        return bool(
+            np.abs(corners[[number - 1, number % len(corners)]].mean(axis=0) - middle).max() < NEAR
+        )
     if name == "inner":
         return bool(np.hypot(*middle) < 0.75 and min(middle) > 0.1)
     axis, end = ENDS[name]
@@ -221,7 +223,7 @@ def _solve(
     lam, mu, by_lam, by_mu = (
         made.mesh.MaterialCF({"far": b}, default=a) for a, b in zip(near, far, strict=True)
     )
-    held = {axis: [] for axis in AXES[:d]}
+    held: dict[str, list[str]] = {axis: [] for axis in AXES[:d]}
     for support in given["support"]:
         for axis in support.get("components", list(held)):
             held[axis].append(_pieces(made, support))

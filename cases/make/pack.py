@@ -67,6 +67,7 @@ def packed_case(
         "thickness": 1.0 if statement.state == SPACE else law.thickness,
         "ratios": list(answers),
         "meshes": [mesh.kind for mesh in meshes],
+        "case": statement.case_file(statement.own_ratio),
         "driven": driven_by(problem),
         "quantities": quantities,
     }

@@ -100,6 +100,7 @@ def write_msh(path: Path, statement: Statement, points: Array, cells: Array, sha
 def first_mesh(statement: Statement, problem: Problem, *, mixed: bool) -> Discretisation:
     """The mesh that the reference starts from: lines crowd where stress is singular."""
     if statement.sides is not None:
+        assert isinstance(problem.domain, Mesh)  # noqa: S101
         return mesh_discretisation(problem.domain)
     points, cells = quadratic_mesh(statement.grid, graded_lines(statement.grid, finer=mixed))
     return mesh_discretisation(Mesh(points, cells, QUADRATIC[statement.dim]))

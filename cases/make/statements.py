@@ -280,7 +280,7 @@ def _l_shape() -> list[Statement]:
         ((0.0, 0.5, 1.0),) * 2,
         ((2, 2),) * 2,
         ((0, 1, 2), (0, 1, 2)),
-        kept=lambda middle: (middle < 0.5).any(axis=1),
+        kept=lambda middle: np.asarray((middle < 0.5).any(axis=1)),
     )
     return [Statement("l_shape", state, text, grid) for state in (STRESS, STRAIN)]
 

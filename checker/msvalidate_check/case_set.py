@@ -60,6 +60,8 @@ class ElasticCase:
     quantities
         Name -> elasticity's value and its uncertainty: "reaction 1" (d,) in N of the first support,
         "strain energy" (1,) in J, "mean stress" in Pa: xx, yy, xy or xx, yy, zz, yz, xz, xy.
+    case_file
+        Text of the case file that `msvalidate case` reads; of curved bodies it names their mesh.
     driven
         What moves the body: "loads", its "weight" or its "supports".
     """
@@ -81,6 +83,7 @@ class ElasticCase:
     wanted: Array
     uncertainty: float
     quantities: dict[str, tuple[Array, float]]
+    case_file: str
     driven: Driven
 
     def __post_init__(self) -> None:
@@ -166,7 +169,8 @@ def elastic_case(
         known["thickness"], points, given[f"{name}/{mesh}/cells"].astype(np.int64),
         given[f"{name}/{mesh}/mass"], given[f"{name}/{mesh}/force"], held, value,
         np.arange(size), given[f"{name}/displacement"][row].copy(),
-        float(given[f"{name}/uncertainty"][row]), _quantities(known, row), known["driven"],
+        float(given[f"{name}/uncertainty"][row]), _quantities(known, row), known["case"],
+        known["driven"],
     )  # fmt: skip
 
 

@@ -16,6 +16,7 @@ file:
 - `ring`: Lamé's pressed ring, up to nu = 0.499;
 - `thick_plate`: the plate of NAFEMS LE10 by elements, and whether it has a limit;
 - `plate_springs`: the same plate by springs;
+- `frozen_cases`: boxes of the set that others may copy, judged as anybody's fields are;
 - `published`: spring meshes whose stiffnesses were printed, found again row by row.
 
 Table `benchmarks` holds the finest mesh of all of them (`overview`). Candidate: displacements
@@ -40,6 +41,7 @@ from . import (
     cook,
     ellipse,
     from_file,
+    frozen_cases,
     hole,
     overview,
     patch,
@@ -67,6 +69,7 @@ QUESTIONS: dict[str, Callable[[DisplacementSolver, Setting], Evidence]] = {
     "ring": ring.run,
     "thick_plate": thick_plate.run,
     "plate_springs": plate_springs.run,
+    "frozen_cases": frozen_cases.run,
     "published": published.run,
 }
 

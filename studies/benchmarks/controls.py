@@ -64,6 +64,7 @@ ASKED: dict[str, tuple[Fault, float, str]] = {
     "strips of springs 2 % stiffer": (faults.stiffen_all, 0.02, "strips"),
     "thick plate of springs 3 % stiffer": (faults.stiffen_all, 0.03, "plate_springs"),
     "thick plate without its volume energy": (soften_volumes, 1.0, "plate_springs"),
+    "frozen cases of springs 1 % stiffer": (faults.stiffen_all, 0.01, "frozen_cases"),
     "published meshes of springs 1 % stiffer": (faults.stiffen_all, 0.01, "published"),
 }
 """Name -> fault, its size, and the question that must notice."""
