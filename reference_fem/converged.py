@@ -84,14 +84,28 @@ class Converged:
         Of every component, in the unit of the value; infinite where there is one mesh.
     order
         Observed; NaN where none is seen.
+    added
+        What the order says that is missing from each component, 0 where none is seen.
     """
 
     value: Array
     uncertainty: float
     order: float
+    added: Array
 
     def __post_init__(self) -> None:
         self.value.setflags(write=False)
+        self.added.setflags(write=False)
+
+    @property
+    def extrapolated(self) -> Array:
+        """What the values close in on by the order seen; the last one where none is."""
+        return self.value + self.added
+
+    @property
+    def doubt(self) -> float:
+        """Of every component of the extrapolated value: all that was added, or as of the last."""
+        return float(np.abs(self.added).max(initial=0.0)) or self.uncertainty
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,23 +296,24 @@ def close_in(values: list[Array]) -> Converged:
     fine = np.array(values[-1], dtype=float)
     size = float(np.abs(fine).max(initial=0.0))
     if len(values) == 1:
-        return Converged(fine, np.inf, np.nan)
+        return Converged(fine, np.inf, np.nan, np.zeros_like(fine))
+    none = np.zeros_like(fine)
     last = fine - values[-2]
     change = float(np.abs(last).max(initial=0.0))
     if change <= ROUNDING * size:
-        return Converged(fine, max(change, ROUNDING * size), np.nan)
+        return Converged(fine, max(change, ROUNDING * size), np.nan, none)
     if len(values) == 2:
-        return Converged(fine, TWO_MESHES * change, np.nan)
+        return Converged(fine, TWO_MESHES * change, np.nan, none)
     order = _order(values[-3:])
     before = float(np.abs(values[-2] - values[-3]).max(initial=0.0))
     if np.isnan(order):
-        return Converged(fine, CAUTION * max(change, before), np.nan)
-    doubt = SAFETY * float(_left(last, values[-2] - values[-3], order).max())
-    return Converged(fine, doubt, order)
+        return Converged(fine, CAUTION * max(change, before), np.nan, none)
+    added = _added(last, values[-2] - values[-3], order)
+    return Converged(fine, SAFETY * float(np.abs(added).max()), order, added)
 
 
-def _left(last: Array, before: Array, order: float) -> Array:
-    """What the last of two changes leaves of each component, by the order of all of them.
+def _added(last: Array, before: Array, order: float) -> Array:
+    """What the last of two changes leaves to add to each component, by the order of all of them.
 
     Or by the component's own, where it closes in from one side and that is lower: next to a corner
     that points inwards a value closes in more slowly than those that rule the order.
@@ -307,7 +322,7 @@ def _left(last: Array, before: Array, order: float) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.log2(before / last)  # not a number where the changes have different signs
     own = np.where(own >= LOWEST_ORDER, np.minimum(own, order), order)
-    return np.asarray(np.abs(last) / (2**own - 1))
+    return np.asarray(last / (2**own - 1))
 
 
 def _order(values: list[Array]) -> float:

@@ -91,7 +91,7 @@ def _case_toml(statement: Statement) -> str:
 
 
 def _short(x: float) -> str:
-    return f"{x + 0.0:.15g}"
+    return f"{x:g}" if float(f"{x:g}") == x else repr(float(x))
 
 
 def _mesh_files(mesh: NodalMesh) -> dict[str, bytes]:

@@ -96,7 +96,7 @@ def _away(a: Array, b: Array) -> float:
 def _make(statement: Statement, given: dict[str, Any], layers: int, degree: int) -> Made:
     d = statement.dim
     shape = _shape(statement, given)
-    singular = statement.sides is None
+    singular = any(statement.grid.sharp)
     if singular:
         for vertex in shape.vertices:
             vertex.hpref = 1
@@ -110,13 +110,13 @@ def _make(statement: Statement, given: dict[str, Any], layers: int, degree: int)
         pieces[piece.name] = np.array([middle.x, middle.y, middle.z][:d])
     low, high = _span(given)
     size = COARSE[d] * float((high - low).min())
-    if not singular:
+    if statement.sides is not None:
         size /= 4
     raw = occ.OCCGeometry(shape, dim=d).GenerateMesh(maxh=size)
     mesh = ng.Mesh(raw)
     if singular:
         mesh.RefineHP(layers, SHRINK)
-    else:
+    if statement.sides is not None:
         mesh.Curve(degree + 1)
     polygon = given["body"].get("polygon")
     return Made(mesh, pieces, low, high, polygon)
@@ -195,8 +195,8 @@ def _is_on(made: Made, part: dict[str, Any], middle: Array) -> bool:
         )
     if name == "inner":
         return bool(np.hypot(*middle) < 0.75 and min(middle) > 0.1)
-    axis, end = ENDS[name]
-    return bool(abs((made.low, made.high)[end][axis] - middle[axis]) < NEAR)
+    along, end = ENDS[name]
+    return bool(abs((made.low, made.high)[end][along] - middle[along]) < NEAR)
 
 
 # The law and the equations -----------------------------------------------------------------------

@@ -163,21 +163,21 @@ def answer_of(statement: Statement, nu: float) -> Answer:
     values["strain energy"] = reference.energy
     values["mean stress"] = reference.mean_stress
     u = reference.displacement
+    found = np.array(u.extrapolated)
     floors = _floors(reference)
     doubt = {
-        name: max(each.uncertainty, floors.get(name.split()[0], 0.0))
-        for name, each in values.items()
+        name: max(each.doubt, floors.get(name.split()[0], 0.0)) for name, each in values.items()
     }
-    doubt["displacement"] = u.uncertainty
+    doubt["displacement"] = u.doubt
     if statement.sides is not None:
         values["displacement"] = u
         doubt = {k: v + ON_CURVES * float(np.abs(values[k].value).max()) for k, v in doubt.items()}
         del values["displacement"]
     return Answer(
-        np.array(u.value),
-        -np.array(u.value) if is_driven_by_loads(reference.problem) else np.zeros_like(u.value),
+        found,
+        -found if is_driven_by_loads(reference.problem) else np.zeros_like(found),
         slope_by_ratio(reference, nu),
-        {name: np.array(each.value) for name, each in values.items()},
+        {name: np.array(each.extrapolated) for name, each in values.items()},
         doubt,
         u.order,
         len(reference.finest.body.points),

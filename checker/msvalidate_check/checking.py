@@ -151,7 +151,8 @@ def check(
     if not size:
         raise CheckError(f"{case}: elasticity does not move at these points; give others too")
     at = case.points[order]
-    precision = _precision(found, None if places is None else at, size, accuracy)
+    given = None if places is None else places[number >= 0]
+    precision = _precision(found, given, size, accuracy)
     rest = math.nan if at_rest is None else positive("at_rest", at_rest)
     positive("band", band)
     doubt = case.uncertainty + precision

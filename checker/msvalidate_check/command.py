@@ -114,7 +114,7 @@ def _write_mesh(given: Any) -> int:
 
 
 def _texts(values: Sequence[float] | np.ndarray) -> list[str]:
-    return [f"{float(value):.15g}" for value in values]
+    return [repr(float(value)) for value in values]
 
 
 def _judge(given: Any) -> int:

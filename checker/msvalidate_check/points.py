@@ -20,6 +20,8 @@ UNITS = {"mm": 1e3, "cm": 1e2, "in": 1 / 0.0254, "um": 1e6, "km": 1e-3}
 """Units that places may be in, and how many of them a metre has."""
 ALIKE = 0.1
 """Part by which the size of the places and the body's may differ."""
+MOST_OUTSIDE = 0.1
+"""Part of the places that may lie off the body: those of another body are refused."""
 FEWEST = 3
 """Named points that have to be among those given, or all that there are."""
 
@@ -80,8 +82,12 @@ def _placed(case: ElasticCase, places: Array) -> Array:
         nearest = int(away.argmin())
         if away[nearest] <= room:
             number[nearest] = i
-    if (number >= 0).sum() < min(FEWEST, len(named)):
-        raise CheckError(_nowhere(case, places, int((number >= 0).sum())))
+    outside = ((places < named.min(axis=0) - room) | (places > named.max(axis=0) + room)).any(
+        axis=1
+    )
+    found = int((number >= 0).sum())
+    if found < min(FEWEST, len(named)) or outside.mean() > MOST_OUTSIDE:
+        raise CheckError(_nowhere(case, places, found))
     return number
 
 

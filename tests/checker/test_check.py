@@ -206,7 +206,6 @@ OTHER = elastic_case("cantilever_load", 0.3)
         (lambda: elastic_case("cook", 0.33), "nu = 0.33: cook_plane_stress has 0,"),
         (lambda: elastic_case("cook", 0.3, "tri6"), "mesh 'tri6': cook_plane_stress"),
         (
-            "no such state",
             lambda: elastic_case("cook", 0.3, state="space"),
             "cook is in plane_stress",
         ),
@@ -225,7 +224,6 @@ OTHER = elastic_case("cantilever_load", 0.3)
         (lambda: check(CASE, X, U, band=-1), "band: -1; give a number from 0"),
         (lambda: check(CASE, X, U, at_rest=np.nan), "at_rest: nan"),
         (
-            "quantity",
             lambda: check(CASE, X, U, quantities={"energy": 1}),
             "'energy': block_gravity",
         ),

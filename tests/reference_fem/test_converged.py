@@ -159,6 +159,9 @@ def test_sequences():
     known = close_in([np.array([1 + 4.0**-n]) for n in range(3)])
     assert known.order == pytest.approx(2)
     assert known.uncertainty >= 4.0**-2
+    # One component closes in more slowly than the large ones that rule the order.
+    slow = [np.array([5 + 20 * 4.0**-n, 3 - 8 * 4.0**-n, 1 + 2.0 ** (-0.7 * n)]) for n in range(4)]
+    assert close_in(slow).uncertainty >= 2.0 ** (-0.7 * 3)
     astray = close_in([np.array([value]) for value in (1.0, 1.1, 1.0)])
     assert np.isnan(astray.order)
     assert astray.uncertainty > 0.2
