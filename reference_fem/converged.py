@@ -1,10 +1,7 @@
 """A problem's solution with its own error: on meshes each twice as fine as the last.
 
-Every quantity is read off each mesh. What it changes by from mesh to mesh shows the order p at
-which it closes in, u_h = u + C h^p, and what it closes in on (Richardson's extrapolation, as in
-[Roache1994]). Corners, ends of supports and changes of material leave an order between about 1 and
-2 even of quadratic elements; smooth bodies have up to 4. One p, of the 2-norm of all components,
-serves all points, but those that close in more slowly, such as a corner that points inwards.
+Every quantity is read off each mesh, and `closing_in` tells how far the last is from the limit.
+Some questions have none, and corners where materials cross hide how slow they are: `limits`.
 """
 
 from __future__ import annotations
@@ -36,7 +33,9 @@ from msvalidate.problem.checks import (
     whole_number,
 )
 from reference_fem.body import Solution, nodal_forces, solve_problem
+from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Converged, close_in
 from reference_fem.elasticity import stiffness
+from reference_fem.limits import acts_on_points, crossing_order, has_no_limit
 from reference_fem.materials import materials_of
 from reference_fem.mesh.boxes import box_discretisation
 from reference_fem.mesh.discretisation import Discretisation, make_discretisation
@@ -45,19 +44,6 @@ from reference_fem.mesh.outlines import outline_discretisation
 from reference_fem.mesh.subdivide import nodes_of_children, subdivide
 from reference_fem.mixed import mixed_forces
 
-SAFETY = 2.0
-"""Factor on what the order seen leaves of a value's error. Where corners rule, orders fall on their
-way to the corner's own, by up to a third on meshes as coarse as these. (1.5, chosen before any
-error was measured, held 95 of 100; other bodies than those tried the factor since.)"""
-CAUTION = 3.0
-"""Factor on the last change where no order is seen."""
-TWO_MESHES = 2.0
-"""Factor on the change between the only two meshes: what an order of 0.6 leaves, lower than that of
-any corner of one material."""
-LOWEST_ORDER, TRUSTED_ORDER = 0.5, 2.0
-"""Orders that are believed; higher ones, which come and go at corners, count as the latter."""
-ROUNDING = 1e-10
-"""Change, over the largest value, that is rounding."""
 MOST_NODES = {2: 150_000, 3: 60_000}
 """Nodes of the finest mesh, by default, by the number of axes: some 5 s and 30 s."""
 MOST_MIXED = 12_000
@@ -70,42 +56,6 @@ MOST_ALONG = 200
 """Cells of the first mesh along any side: those of slender bodies are longer than wide."""
 NEARLY_INCOMPRESSIBLE = 0.45
 """Ratio from which displacement and pressure are sought together, but in plane stress."""
-
-
-@dataclass(frozen=True, eq=False)
-class Converged:
-    """A quantity on a sequence of meshes, and how far the last is from the limit.
-
-    Parameters
-    ----------
-    value
-        Any shape: on the finest mesh.
-    uncertainty
-        Of every component, in the unit of the value; infinite where there is one mesh.
-    order
-        Observed; NaN where none is seen.
-    added
-        What the order says that is missing from each component, 0 where none is seen.
-    """
-
-    value: Array
-    uncertainty: float
-    order: float
-    added: Array
-
-    def __post_init__(self) -> None:
-        self.value.setflags(write=False)
-        self.added.setflags(write=False)
-
-    @property
-    def extrapolated(self) -> Array:
-        """What the values close in on by the order seen; the last one where none is."""
-        return self.value + self.added
-
-    @property
-    def doubt(self) -> float:
-        """Of every component of the extrapolated value: all that was added, or as of the last."""
-        return float(np.abs(self.added).max(initial=0.0)) or self.uncertainty
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +83,8 @@ class Reference:
     @cached_property
     def displacement(self) -> Converged:
         """Displacement (p, d) in m at the points."""
-        return close_in([solution.at(self.points) for solution in self.solutions])
+        found = self._close_in([solution.at(self.points) for solution in self.solutions])
+        return self._unlimited(found) if self.no_limit else found
 
     @cached_property
     def error(self) -> float:
@@ -155,7 +106,7 @@ class Reference:
     def reactions(self) -> tuple[Converged, ...]:
         """Force (d,) in N of each support of the problem on the body."""
         forces = [self._support_forces(solution, force) for solution, force in self._internal]
-        return tuple(close_in(list(each)) for each in zip(*forces, strict=True))
+        return tuple(self._close_in(list(each)) for each in zip(*forces, strict=True))
 
     @cached_property
     def energy(self) -> Converged:
@@ -164,12 +115,15 @@ class Reference:
             np.array([(solution.displacement * force).sum() / 2])
             for solution, force in self._internal
         ]
-        return close_in(works)
+        found = self._close_in(works)
+        return self._unlimited(found) if self.no_limit else found
 
     @cached_property
     def mean_stress(self) -> Converged:
         """Mean stress (3,) or (6,) in Pa: the outer forces' virial over the volume."""
-        return close_in([self._mean_stress(solution, force) for solution, force in self._internal])
+        return self._close_in(
+            [self._mean_stress(solution, force) for solution, force in self._internal]
+        )
 
     def stress(self, points: Array) -> tuple[Array, Array]:
         """Stress (q, 3) or (q, 6) in Pa at points (q, d), and how far each of them may be off (q,).
@@ -182,24 +136,45 @@ class Reference:
         return found[-1], np.asarray(np.abs(found[-1] - found[-2]).max(axis=1))
 
     @cached_property
+    def no_limit(self) -> tuple[str, ...]:
+        """Why displacement and energy have no limit, a sentence each; empty where they have one."""
+        if not acts_on_points(self.problem):
+            return ()
+        coarse = self.solutions[0]
+        reactions = self._support_forces(coarse, self._forces(coarse))
+        loads = float(np.abs(nodal_forces(self.problem, coarse.body)).sum())
+        return has_no_limit(self.problem, reactions, loads)
+
+    def _close_in(self, values: list[Array]) -> Converged:
+        return close_in(values, self._most)
+
+    @cached_property
+    def _most(self) -> float:
+        """Largest order that is believed."""
+        return min(TRUSTED_ORDER, crossing_order(self.problem, self.solutions[0].body))
+
+    @staticmethod
+    def _unlimited(found: Converged) -> Converged:
+        return Converged(found.value.copy(), np.inf, np.nan, np.zeros_like(found.value))
+
+    @cached_property
     def _internal(self) -> list[tuple[Solution, Array]]:
-        """Solutions, and forces (n, d) in N from outside on their nodes.
+        """Solutions, and forces (n, d) in N from outside on their nodes."""
+        return [(solution, self._forces(solution)) for solution in self.solutions]
+
+    def _forces(self, solution: Solution) -> Array:
+        """Forces (n, d) in N from outside on the nodes of a solution.
 
         Loads where nodes are free: in slender bodies the sum over cells keeps few of their digits.
         """
-        found = []
-        for solution in self.solutions:
-            law, u = materials_of(self.problem, solution.body), solution.displacement
-            if solution.pressure is not None:
-                inner = mixed_forces(solution.body, law, u, solution.pressure)
-            else:
-                K = stiffness(solution.body, law)
-                inner = (K @ u.T.ravel()).reshape(u.shape[::-1]).T
-            held, _ = prescribed_displacements(self.problem, solution.body.points)
-            found.append(
-                (solution, np.where(held, inner, nodal_forces(self.problem, solution.body)))
-            )
-        return found
+        law, u = materials_of(self.problem, solution.body), solution.displacement
+        if solution.pressure is not None:
+            inner = mixed_forces(solution.body, law, u, solution.pressure)
+        else:
+            K = stiffness(solution.body, law)
+            inner = (K @ u.T.ravel()).reshape(u.shape[::-1]).T
+        held, _ = prescribed_displacements(self.problem, solution.body.points)
+        return np.where(held, inner, nodal_forces(self.problem, solution.body))
 
     def _support_forces(self, solution: Solution, force: Array) -> list[Array]:
         """Force (d,) in N of each support; what several hold is the first's."""
@@ -283,61 +258,6 @@ def converge(
             return reference
         body = subdivide(body)
         found.append(solve_problem(problem, body, mixed=mixed, solver=solver))
-
-
-def close_in(values: list[Array]) -> Converged:
-    """The last of some values on meshes each twice as fine as the one before, and its error.
-
-    With an order p seen on the last three, twice (u - u')/(2^p - 1), what is left by it. With
-    no order, three times the larger of the last two changes; twice the only one of two meshes.
-
-    Source: Richardson's extrapolation as in [Roache1994].
-    """
-    fine = np.array(values[-1], dtype=float)
-    size = float(np.abs(fine).max(initial=0.0))
-    if len(values) == 1:
-        return Converged(fine, np.inf, np.nan, np.zeros_like(fine))
-    none = np.zeros_like(fine)
-    last = fine - values[-2]
-    change = float(np.abs(last).max(initial=0.0))
-    if change <= ROUNDING * size:
-        return Converged(fine, max(change, ROUNDING * size), np.nan, none)
-    if len(values) == 2:
-        return Converged(fine, TWO_MESHES * change, np.nan, none)
-    order = _order(values[-3:])
-    before = float(np.abs(values[-2] - values[-3]).max(initial=0.0))
-    if np.isnan(order):
-        return Converged(fine, CAUTION * max(change, before), np.nan, none)
-    added = _added(last, values[-2] - values[-3], order)
-    return Converged(fine, SAFETY * float(np.abs(added).max()), order, added)
-
-
-def _added(last: Array, before: Array, order: float) -> Array:
-    """What the last of two changes leaves to add to each component, by the order of all of them.
-
-    Or by the component's own, where it closes in from one side and that is lower: next to a corner
-    that points inwards a value closes in more slowly than those that rule the order.
-    """
-    order = min(order, TRUSTED_ORDER)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        own = np.log2(before / last)  # not a number where the changes have different signs
-    own = np.where(own >= LOWEST_ORDER, np.minimum(own, order), order)
-    return np.asarray(last / (2**own - 1))
-
-
-def _order(values: list[Array]) -> float:
-    """Order that three values show, each on a mesh twice as fine; NaN if it is none to believe.
-
-    The lower of what all components together show and of what the largest changes do.
-    """
-    coarse, medium, fine = values
-    first, last = medium - coarse, fine - medium
-    ratios = [
-        np.linalg.norm(first) / np.linalg.norm(last),
-        np.abs(first).max() / np.abs(last).max(),
-    ]
-    order = float(np.log2(min(ratios)))
-    return order if order >= LOWEST_ORDER else float("nan")
 
 
 def first_mesh(problem: Problem) -> Discretisation:

@@ -16,6 +16,7 @@ import numpy as np
 from msvalidate_check.case_set import ElasticCase, case_facts, case_names, elastic_case
 from msvalidate_check.checking import BAND, check
 from msvalidate_check.errors import CheckError
+from msvalidate_check.exchange import write
 from msvalidate_check.fields import read_field
 
 AGREED, MISSED, BAD_INPUT = 0, 1, 2
@@ -101,11 +102,12 @@ def _write_mesh(given: Any) -> int:
     ]
     cells = [[str(i), *map(str, cell)] for i, cell in enumerate(case.cells)]
     corners = ["id", *(f"n{k}" for k in range(case.cells.shape[1]))]
+    files = {
+        name: "".join(f"{','.join(row)}\n" for row in rows).encode()
+        for name, rows in (("nodes.csv", [head, *nodes]), ("cells.csv", [corners, *cells]))
+    }
     try:
-        given.folder.mkdir(parents=True, exist_ok=True)
-        for name, rows in (("nodes.csv", [head, *nodes]), ("cells.csv", [corners, *cells])):
-            text = "".join(f"{','.join(row)}\n" for row in rows)
-            (given.folder / name).write_text(text, encoding="utf-8")
+        write(given.folder, files)
     except OSError as error:
         raise CheckError(f"{given.folder}: {error.strerror}; name a folder to write to") from error
     law = f"E = {case.E:g} Pa, nu = {case.nu:g}, density {case.density:g} kg/m3"

@@ -126,6 +126,8 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
 
 def _reference_sentence(reference: Reference) -> str:
     nodes = len(reference.finest.body.points)
+    if reference.no_limit:
+        return f"Elasticity has no finite answer: {'; '.join(reference.no_limit)}."
     if not math.isfinite(reference.error):
         return f"Elasticity's own error is not known: one mesh of {nodes} nodes, and no finer one."
     asked_for = percent(reference.accuracy)
@@ -151,6 +153,8 @@ def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
         said.append("Rest unknown: nobody says how much the displacements would still change.")
     else:
         said.append(f"Rest: they may still change by {percent(found.unrest)}, as stated.")
+    if found.reference.no_limit:
+        return head, (*said, _reference_sentence(found.reference))
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
     said.append(
         f"Elasticity is known to {percent(found.reference.error)}{reached}, the file's numbers to "

@@ -97,8 +97,18 @@ def read_source(path: str | FilePath) -> Source:
         type; the message names file, line, key and remedy.
     """
     file = FilePath(path)
-    text = _read_text(file)
     name = format_value(file.name).strip("'")
+    return parse_source(name, _read_text(file), file.resolve().parent)
+
+
+def parse_source(name: str, text: str, folder: FilePath) -> Source:
+    """The same of a case file's text: its name in messages, and where its mesh is looked for.
+
+    Raises
+    ------
+    ProblemError
+        As `read_source`.
+    """
     try:
         given = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -109,7 +119,7 @@ def read_source(path: str | FilePath) -> Source:
         data = msgspec.convert(given, CaseFile)
     except (msgspec.ValidationError, RecursionError) as error:
         raise _explained(name, given, lines, str(error)) from error
-    return Source(name, file.resolve().parent, data, lines)
+    return Source(name, folder, data, lines)
 
 
 def _read_text(file: FilePath) -> str:

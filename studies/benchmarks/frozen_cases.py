@@ -14,7 +14,6 @@ Expected   Uniform stress is exact for elements of every kind and for lattices t
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -25,7 +24,8 @@ import pandas as pd
 import reference_fem
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.bodies.zones import calibrate_zones
-from msvalidate.case.building import read_case
+from msvalidate.case.building import build_case
+from msvalidate.case.reading import parse_source
 from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
@@ -110,10 +110,7 @@ def _ratios(name: str, setting: Setting) -> list[float]:
 def problem_of(case_file: str, nu: float) -> Problem:
     """The problem that a case file asks, at a ratio of its own."""
     lines = [f"nu = {nu:g}" if line[:5] == "nu = " else line for line in case_file.splitlines()]
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "case.toml"
-        path.write_text("\n".join(lines), encoding="utf-8")
-        return read_case(path).problem
+    return build_case(parse_source("frozen case", "\n".join(lines), Path())).problem
 
 
 def _rows(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -17,9 +19,11 @@ from msvalidate.problem import (
     Region,
     Support,
     Traction,
+    Zone,
 )
 from reference_fem import box_discretisation, mesh_discretisation
-from reference_fem.converged import close_in, converge, first_mesh
+from reference_fem.closing_in import close_in
+from reference_fem.converged import converge, first_mesh
 from reference_fem.mesh.outlines import outline_discretisation
 from reference_fem.mesh.subdivide import subdivide
 from tests.reference_fem.bodies_at_random import bent_mesh, problems
@@ -188,3 +192,42 @@ def side_mean(found, box):
     s, weight = np.polynomial.legendre.leggauss(40)
     places = np.column_stack([np.full(40, box.size[0]), (s + 1) / 2])
     return weight @ found.finest.at(places) / 2
+
+
+def test_what_has_no_limit_is_said():
+    box, law = Box((2.0, 1.0)), Isotropic(1e5, 0.3, "plane_stress")
+    clamp, corner = Support(box.side("left"), (0.0, 0.0)), np.array([[2.0, 1.0], [1.0, 0.5]])
+    forced = converge(
+        Problem(box, law, (clamp,), (PointForce((2.0, 1.0), (0.0, -1.0)),)), corner, most_nodes=2000
+    )
+    assert np.isinf([forced.error, forced.energy.uncertainty]).all()
+    assert "a force at the point" in forced.no_limit[0]
+    pins = (
+        Support(Region((0.0, 0.0)), (0.0, 0.0)),
+        Support(Region((2.0, 0.0)), (None, 0.0)),
+    )
+    pressed = (Traction(box.side("top"), (0.0, -1.0)),)
+    carried = converge(Problem(box, law, pins, pressed), corner, most_nodes=2000)
+    assert np.isinf(carried.error)
+    assert len(carried.no_limit) == 2
+    pulled = (Traction(box.side("right"), (1.0, 0.0)), Traction(box.side("left"), (-1.0, 0.0)))
+    free = converge(Problem(box, law, pins, pulled), corner)  # pins that carry nothing
+    assert not free.no_limit
+    assert free.error < 1e-9
+
+
+def test_materials_that_cross_are_known_to_hide_their_error():
+    box, soft = Box((2.0, 2.0)), Isotropic(1e5, 0.3, "plane_strain")
+    stiff = Isotropic(1e9, 0.3, "plane_strain")
+    quarters = [Region(((0.0, 1.0), (0.0, 1.0))), Region(((1.0, 2.0), (1.0, 2.0)))]
+    problem = Problem(
+        box, soft, (Support(box.side("bottom"), (0.0, 0.0)),),
+        (Traction(box.side("top"), (100.0, 0.0)),),
+        zones=tuple(Zone(region, stiff) for region in quarters),
+    )  # fmt: skip
+    found = converge(problem, np.array([[2.0, 2.0]]), most_nodes=5000)
+    # Meshes that crowd at the crossing, under loads alone, are a bound from below: 0.278134 J.
+    assert found.energy.value[0] + found.energy.uncertainty > 0.278134
+    assert found.error > 0.05
+    beside = replace(problem, zones=problem.zones[:1])
+    assert converge(beside, np.array([[2.0, 2.0]]), most_nodes=5000).error < 0.05
