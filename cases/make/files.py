@@ -78,6 +78,11 @@ def case_files(statement: Statement, answers: dict[float, Answer]) -> dict[str, 
             found |= _mesh_files(mesh)
     found["displacement.csv"] = _displacement(statement, answers)
     found["quantities.csv"] = _quantities(statement, answers)
+    made = [
+        (f"{nu:g}", a.nodes, "" if np.isnan(a.order) else f"{a.order:.2f}")
+        for nu, a in answers.items()
+    ]
+    found["made.csv"] = _csv(["nu", "nodes of the finest mesh of elements", "order seen"], made)
     return found
 
 
@@ -173,14 +178,15 @@ def _labels(name: str, d: int, count: int) -> Sequence[str]:
 def confirmed_csv(rows: list[Confirmation]) -> bytes:
     """Table of all quantities, in two ways each."""
     head = [
-        "case", "nu", "quantity", "size", "uncertainty", "by", "other by", "difference",
+        "case", "nu", "quantity", "size", "estimate", "uncertainty", "by", "other by", "difference",
         "other uncertainty", "inside both",
     ]  # fmt: skip
     return _csv(
         head,
         [
             [
-                row.case, f"{row.nu:g}", row.quantity, f"{row.size:.6g}", f"{row.uncertainty:.3g}",
+                row.case, f"{row.nu:g}", row.quantity, f"{row.size:.6g}", f"{row.estimate:.3g}",
+                f"{row.uncertainty:.3g}",
                 row.by, row.other_by, f"{row.difference:.3g}",
                 f"{row.other_uncertainty:.3g}", "yes" if row.is_inside else "NO",
             ]

@@ -2,5 +2,5 @@
 
 from __future__ import annotations
 
-DIGESTS = {1: "a3980c1d80d381374dd908c918e8b7b8ccb50fa72d9629e84141a7181c66aad0"}
+DIGESTS = {1: "460a82360ca6dcbd82f6abc745b22fccf2ce3e8589b3979be265fe8df4f495c5"}
 """Version -> SHA-256 of its file."""

@@ -23,7 +23,7 @@ from tests.table import table
 
 ROOT = Path(__file__).resolve().parents[2]
 SET = ROOT / "cases" / "v1"
-SUMS = "SUMS"
+SUMS = "e2cf8d32cca2a6bf994c1c917e456e11800680de6f8461952e00a4d0d99e70b3"
 """SHA-256 of the list of checksums of version 1, which never changes."""
 SPLIT_APART = 2e-3
 """Of the largest displacement: the accuracy that `case judge` asks of its own elasticity, of each
@@ -78,15 +78,16 @@ def test_every_value_is_confirmed_by_a_second_way():
 
 
 def test_errors_that_are_stated_are_true_ones_and_not_far_above():
-    # Where the other way knows the value three times as well as is stated, it is the truth.
+    # Where the other way knows the value three times as well as is stated, it is the truth. What
+    # follows from balance alone is known to rounding, and no look at errors.
     pairs = []
     for row in confirmed():
         by_elements = "elements" in (row["by"], row["other by"])
-        mine, other = float(row["uncertainty"]), float(row["other uncertainty"])
+        mine, other = float(row["estimate"]), float(row["other uncertainty"])
         if row["by"] != "elements":
             mine, other = other, mine
         size = float(row["size"])
-        if by_elements and 3 * other < mine and mine > 1e-9 * size:
+        if by_elements and 3 * other < mine and 1e-8 * size < mine < size:
             pairs.append((mine, max(float(row["difference"]), 1e-12 * size)))
     stated, true = np.array(pairs).T
     assert len(pairs) >= 100
