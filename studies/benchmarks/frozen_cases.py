@@ -34,7 +34,7 @@ from msvalidate.problem import Box, Isotropic, Mesh, Problem, ProblemError
 from msvalidate_check import ElasticCase, Verdict, case_names, check, elastic_case
 from msvalidate_check.case_set import case_facts
 
-from . import frozen_drawing
+from . import cases, frozen_drawing
 
 UNIFORM = ("cell_pull", "cell_pressure", "block_pull", "block_pressure")
 """Bodies of uniform normal stress; under uniform shear the corners of a cube's lattice bend."""
@@ -70,7 +70,7 @@ TOLERANCES = (
 )  # fmt: skip
 COLUMNS = {
     "case": "case of the frozen set: body and state",
-    "nu": "Poisson's ratio (1)",
+    "nu": cases.COLUMNS["nu"],
     "model": "springs on a lattice or on a mesh's edges, or elements",
     "size": "side of a lattice's cell (m), or the mesh's name",
     "error": "largest difference over the largest displacement (1)",

