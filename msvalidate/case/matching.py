@@ -65,7 +65,7 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
     ----------
     case, result
         Results without places have numbers of the case's points: of the mesh's nodes, of its list,
-        or of the lattice's points inside, from 0.
+        or of the lattice's points in the body, from 0.
     unit
         What the file's lengths are multiples of, in m.
     body

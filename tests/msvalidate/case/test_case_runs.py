@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import meshio
@@ -83,6 +84,20 @@ def test_an_outline_is_cut_and_its_points_outside_are_no_obstacle(tmp_path):
     springs = read_vtu(tmp_path, content["springs.vtu"])
     outside = np.isnan(springs.point_data["displacement_elements"][:, 0])
     assert 0 < outside.sum() < len(outside) / 3
+
+
+def test_a_body_is_the_same_as_a_box_and_as_an_outline(tmp_path):
+    # The largest displacement and difference are at corners of the body.
+    plain, outlined = beam(cells=6), Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)))
+    drawn = Case(replace(plain.problem, domain=outlined), cells=6)
+    box, polygon = compare_case(plain), compare_case(drawn)
+    np.testing.assert_allclose(polygon.points, box.points, atol=1e-12)
+    np.testing.assert_allclose(polygon.displacement, box.displacement, atol=1e-9 * box.size)
+    assert polygon.size == pytest.approx(box.size, rel=2 * box.reference.error)
+    left = abs(polygon.rows[0].difference - box.rows[0].difference)
+    assert left <= 2 * (polygon.reference.error + box.reference.error)
+    fields = read_vtu(tmp_path, files.field_files(polygon)["springs.vtu"])
+    assert np.isfinite(fields.point_data["displacement_elements"]).all()
 
 
 def read_vtu(folder, content):
