@@ -23,11 +23,11 @@ from scipy.spatial import KDTree
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.bodies.zones import OneOrEach, calibrate_zones
-from msvalidate.case.case import CUT, MESH_EDGES, Case, make_lattice, spacing_of
+from msvalidate.case.case import MESH_EDGES, Case, make_lattice, spacing_of
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.lattice_constants import calibrate_by_route
-from msvalidate.lattice import CutLattice, Lattice
-from msvalidate.lattice.cut import cell_weights
+from msvalidate.lattice import CutLattice, Lattice, PatternLattice
+from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, ProblemError, SolverError
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
@@ -90,12 +90,12 @@ class SpringAnswer:
 
     def _between(self, places: Array) -> Array:
         lattice = self.lattice
-        if lattice.name.removesuffix(", cut") not in CUT:
+        if not isinstance(lattice, PatternLattice) or not joins_corners(lattice.pattern):
             raise ProblemError(
                 f"springs on {lattice.name}: no displacement between points; compare at points "
                 "'lattice', or take a square or cubic lattice"
             )
-        points, weights = cell_weights(lattice.points, lattice.cells, self.spacing, places)
+        points, weights = cell_weights(lattice.points, lattice.cells, lattice.spacing, places)
         return np.asarray(np.einsum("pc,pcd->pd", weights, self.rest.displacement[points]))
 
     @property

@@ -248,10 +248,20 @@ def _inside(
     return np.asarray(inside)
 
 
+def joins_corners(pattern: Pattern) -> bool:
+    """Whether a pattern's points are a square or cubic grid and its springs join corners of a cell.
+
+    Such can be cut to a body, and interpolated in each cell.
+    """
+    return bool(
+        len(pattern.points) == 1 and np.abs(pattern.image).max() <= 1 and not np.ptp(pattern.size)
+    )
+
+
 def _steps(pattern: Pattern) -> Index:
     """Steps (m, d) of the pattern's springs, in cells; refuses what does not stay in one cell."""
     require_type("pattern", pattern, Pattern)
-    if len(pattern.points) != 1 or np.abs(pattern.image).max() > 1 or np.ptp(pattern.size):
+    if not joins_corners(pattern):
         raise ProblemError(
             f"{pattern.name} lattice: not of one point in cubes or squares, with springs between "
             "corners of one; cut square, cubic18 or such"

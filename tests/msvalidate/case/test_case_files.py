@@ -14,7 +14,16 @@ from msvalidate.case.lines import key_lines, line_of
 from msvalidate.case.reading import CaseError
 from msvalidate.case.schema import json_schema
 from msvalidate.case.template import template
-from msvalidate.problem import Box, Isotropic, PointForce, Polygon, Problem, ProblemError, Support
+from msvalidate.problem import (
+    Box,
+    Isotropic,
+    PointForce,
+    Polygon,
+    Problem,
+    ProblemError,
+    Segment,
+    Support,
+)
 from tests.msvalidate.case import mutated
 from tests.table import table
 
@@ -253,6 +262,40 @@ def test_slender_bodies_have_few_cells_across():
     case = Case(Problem(box, Isotropic(1e5, 1 / 3), (held,)))
     assert spacing_of(case) == 0.5
     assert len(make_lattice(case, 0.5).points) == 3 * 20_001
+
+
+def test_cells_that_are_no_squares_fill_boxes_of_their_proportions():
+    sides = (1.0, 1.73205080757)  # as a file has it
+    box = Box(sides)
+    problem = Problem(box, Isotropic(1e5, 1 / 3), (Support(box.side("left"), (0.0, 0.0)),))
+    case = Case(problem, lattice="triangular", cells=10)
+    assert spacing_of(case) == pytest.approx(0.1)
+    assert len(make_lattice(case, 0.1).points) == 11 * 11 + 10 * 10
+
+
+MISFITS = [
+    ("triangular", Box((4.0, 1.0)), 0.05, "give a box of 4 x 1.03923048454 m, or a lattice that"),
+    ("triangular", Box((1.0, 1.73205080757)), 0.06, "do not fill the box 1 x 1.73205 m; give spac"),
+    ("triangular", Box((1.0, 1.73205080757)), 0.06, "spacing 0.0588235294118 m"),
+    ("honeycomb", Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), 0.1, "only square, square4 can"),
+    (
+        "bcc",
+        Box((1.0, 1.0, 1.03)),
+        0.125,
+        "give a box of 1 x 1 x 1 m, or a lattice that",
+    ),
+]
+
+
+@table(("lattice", "body", "spacing", "said"), MISFITS)
+def test_what_would_fit_is_told(lattice, body, spacing, said):
+    plane = body.dim == 2
+    below = Segment((0.0, 0.0), (1.0, 0.0)) if plane else body.side("bottom")
+    law = Isotropic(1e5, 0.3, "plane_stress" if plane else "solid")
+    case = Case(Problem(body, law, (Support(below, (0.0,) * body.dim),)), lattice=lattice)
+    with pytest.raises(ProblemError, match=f"^lattice {lattice}: ") as told:
+        make_lattice(case, spacing)
+    assert said in str(told.value)
 
 
 def test_lines_of_keys():

@@ -16,9 +16,10 @@ from msvalidate.case import files
 from msvalidate.case.budget import budget
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case
-from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, compare_case
+from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, compare_case, largest
 from msvalidate.case.results import read_result
 from msvalidate.case.run import case_files, judged_files
+from msvalidate.case.springs import solve_springs
 from msvalidate.problem import (
     Box,
     Isotropic,
@@ -28,7 +29,9 @@ from msvalidate.problem import (
     Segment,
     Support,
     Traction,
+    Weight,
 )
+from reference_fem.converged import converge
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 BEAM = Box((2.0, 1.0))
@@ -98,6 +101,28 @@ def test_a_body_is_the_same_as_a_box_and_as_an_outline(tmp_path):
     assert left <= 2 * (polygon.reference.error + box.reference.error)
     fields = read_vtu(tmp_path, files.field_files(polygon)["springs.vtu"])
     assert np.isfinite(fields.point_data["displacement_elements"]).all()
+
+
+def test_between_points_of_a_cube_displacements_are_interpolated():
+    box, law = Box((1.0, 1.0, 1.0)), Isotropic(1e5, 1 / 4, "solid")
+    rollers = [
+        ("left", (0.0, None, None)),
+        ("bottom", (None, 0.0, None)),
+        ("back", (None, None, 0.0)),
+    ]
+    held = tuple(Support(box.side(name), value) for name, value in rollers)
+    places = np.random.default_rng(2).random((20, 3))
+    pulled = Problem(box, law, held, (Traction(box.side("right"), (10.0, 0.0, 0.0)),))
+    for lattice in ("cubic18", "cubic26"):
+        answer = solve_springs(Case(pulled, lattice=lattice), 1 / 3)
+        wanted = 1e-4 * places * [1, -0.25, -0.25]
+        np.testing.assert_allclose(answer.at(places), wanted, atol=1e-14)
+    sagging = Problem(
+        box, law, (Support(box.side("left"), (0.0,) * 3),), (Weight((0.0, -9.81, 0.0)),)
+    )
+    elasticity = converge(sagging, places, 0.02, most_nodes=3000).displacement.value
+    found = solve_springs(Case(sagging, points=places), 1 / 8).at(places)
+    assert largest(found - elasticity) < 0.05 * largest(elasticity)
 
 
 def read_vtu(folder, content):
