@@ -32,6 +32,7 @@ from msvalidate.problem import (
     Weight,
 )
 from reference_fem.converged import converge
+from tests.table import table
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 BEAM = Box((2.0, 1.0))
@@ -123,6 +124,36 @@ def test_between_points_of_a_cube_displacements_are_interpolated():
     elasticity = converge(sagging, places, 0.02, most_nodes=3000).displacement.value
     found = solve_springs(Case(sagging, points=places), 1 / 8).at(places)
     assert largest(found - elasticity) < 0.05 * largest(elasticity)
+
+
+@table(
+    ("lattice", "nu", "verdict"),
+    [
+        ("square", 0.3, "agrees"),
+        ("square", 0.4999, "agrees"),
+        ("triangular", 0.3, "agrees"),
+        ("triangular", 0.4999, "not asked"),
+    ],
+)
+def test_stress_is_the_springs_own(lattice, nu, verdict):
+    # A strain fitted to displacements, times a tensor of 1e4 E, was 47 times elasticity's stress.
+    box = Box((1.0, 1.73205080757) if lattice == "triangular" else (2.0, 1.0))
+    held = (
+        Support(box.side("bottom"), (0.0, 0.0)),
+        Support(box.side("top"), (0.0, -0.01)),
+    )
+    case = Case(
+        Problem(box, Isotropic(1e5, nu, "plane_strain"), held),
+        lattice=lattice,
+        cells=10,
+        quantities=("point stress",),
+        accuracy=0.01,
+        band=0.1,
+    )
+    (row,) = compare_case(case).rows
+    assert row.verdict == verdict
+    if verdict == "agrees":
+        assert row.springs == pytest.approx(row.elasticity, rel=0.05)
 
 
 def read_vtu(folder, content):
