@@ -107,11 +107,22 @@ class Case:
         if self.route is not None:
             require_one_of("route", self.route, ROUTES)
         if self.constants is not None:
-            finite("constants", self.constants, "k")
+            self._check_constants(finite("constants", self.constants, "k"))
             if self.route is not None:
                 raise ProblemError("constants and route: a route makes its own; give one of them")
         elif finite_number("volume", self.volume):
             raise ProblemError("volume: it goes with constants of springs; give these, or a route")
+
+    def _check_constants(self, constants: Array) -> None:
+        pattern = _pattern(self)
+        if pattern is not None and len(constants) != pattern.kinds:
+            raise ProblemError(
+                f"constants: {len(constants)}; {self.lattice} has springs of {pattern.kinds} "
+                "kinds, give one each"
+            )
+        low = float(constants.min())
+        if low < 0:
+            raise ProblemError(f"constants: {low:g} N/m; each must be 0 or more")
 
     def _check_spacing(self) -> None:
         told = self.spacing is not None or self.cells is not None

@@ -154,7 +154,9 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     if not largest(reference.displacement.value):
         raise ProblemError("case: nothing moves the body at these points; give a load")
     homogenised, notes = _homogenised(case, answers[0], points)
-    rows = [_displacement(case, answers[0], reference)]
+    rows = []
+    if "displacement" in case.quantities:
+        rows.append(_displacement(case, answers[0], reference))
     makers = {
         "reactions": _reactions,
         "strain energy": _energy,
@@ -170,8 +172,6 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
             except (ProblemError, SolverError) as error:
                 notes.append(f"{name}: not compared: {error}")
                 rows.append(Row(name, "", math.nan, math.nan, math.nan, math.nan, NOT_ASKED))
-    if "displacement" not in case.quantities:
-        rows = rows[1:]
     kind = _kind_of_error(case, limit, reference)
     return Comparison(
         case, points, answers, limit, reference, homogenised, tuple(rows), kind, tuple(notes)
