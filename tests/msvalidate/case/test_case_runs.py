@@ -17,6 +17,7 @@ from msvalidate.case.budget import budget
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case
 from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, compare_case, largest
+from msvalidate.case.page import sentences
 from msvalidate.case.results import read_result
 from msvalidate.case.run import case_files, judged_files
 from msvalidate.case.springs import solve_springs
@@ -260,6 +261,11 @@ def test_regions_of_another_material_are_known_to_both_sides(tmp_path):
     by = {row.quantity: row.verdict for row in found.rows}
     assert by["displacement"] == by["reaction"] == by["mean stress"] == "agrees"
     assert by["point stress"] == "not asked"
+    head, _ = sentences(replace(found, rows=found.rows[-1:]))
+    assert head.endswith(
+        "in nothing that was asked: point stress, the body is of several materials, whose stresses "
+        "jump between them."
+    )
     elements = read_vtu(tmp_path, content["elements.vtu"])
     (material,) = elements.cell_data["material"]
     assert material.mean() == pytest.approx(0.5)
