@@ -19,8 +19,8 @@ from reference_fem.large_strain.equilibrium import deform
 from reference_fem.large_strain.hyperelastic import st_venant_kirchhoff
 from reference_fem.large_strain.solid import Solid
 
-FEW_NODES = 5_000
-"""Of the mesh on which large displacements are sought."""
+LARGE_NODES = 5_000
+"""Nodes of the mesh on which large displacements are sought."""
 
 PARTS = {
     "spacing": "what finer lattices take away",
@@ -102,7 +102,7 @@ def elements_in_full(found: Comparison) -> Array | None:
     law here, of nearly incompressible bodies, and where no equilibrium is found.
     """
     problem = found.case.problem
-    meshes = [each for each in found.reference.solutions if len(each.body.points) <= FEW_NODES]
+    meshes = [each for each in found.reference.solutions if len(each.body.points) <= LARGE_NODES]
     states = {getattr(law, "state", "") for law in problem.materials}
     if not meshes or meshes[-1].pressure is not None or states - {"plane_strain", "solid"}:
         return None

@@ -93,10 +93,14 @@ def build_case(source: Source) -> Case:
 
 def unit_in_metres(name: str, given: str | float) -> float:
     """A unit of length in m, by its name or as a number; raise `ProblemError` for any other."""
-    if isinstance(given, str):
-        require_one_of(name, given, UNITS)
+    if isinstance(given, str) and given in UNITS:
         return UNITS[given]
-    return positive_number(name, given, "m")
+    try:
+        return positive_number(name, given, "m")  # type: ignore[arg-type]  # it refuses a text
+    except ProblemError as error:
+        raise ProblemError(
+            f"{name}: {format_value(given)}; choose {', '.join(UNITS)}, or a number in m above zero"
+        ) from error
 
 
 def _problem(
@@ -121,9 +125,10 @@ def _problem(
         with source.at("support", i):
             for support in given:
                 Problem(domain, material, (support, whole), (), name)
+    held = tuple(chain.from_iterable(supports))
     with source.at("support"):
-        held = tuple(chain.from_iterable(supports))
-        return Problem(domain, material, held, loads, name, zones)
+        Problem(domain, material, held, (), "all together")
+    return Problem(domain, material, held, loads, name, zones)
 
 
 def _domain(source: Source, unit: float) -> Domain:

@@ -11,8 +11,10 @@ import numpy as np
 from msvalidate.case.schema import QUANTITIES
 from msvalidate.constants.routes import ROUTES
 from msvalidate.lattice import EDGE_RULES, CutLattice, Lattice, cut_lattice, fill, mesh_lattice
+from msvalidate.lattice.cut import joins_corners
+from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.patterns import all_patterns
-from msvalidate.problem import Array, Box, Mesh, Problem, ProblemError
+from msvalidate.problem import Array, Box, Domain, Mesh, Problem, ProblemError
 from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
@@ -33,8 +35,8 @@ MOST_CELLS = {2: 40_000, 3: 20_000}
 """Cells of a body up to which that is so: slender bodies have fewer across."""
 MOST_ASKED = {2: 1_000_000, 3: 300_000}
 """Cells of a body that may be asked for: minutes, and some GB."""
-CUT = ("square", "square4", "cubic6", "cubic18", "cubic26")
-"""Patterns of one point a cell, which can be cut to an outline."""
+FITS = 4e-10
+"""Of a box's side, what whole cells may miss it by: below half of what `fill` leaves them."""
 BAND = 0.05
 ACCURACY = 1e-3
 LEAST_ACCURACY, MOST_ACCURACY = 1e-8, 0.1
@@ -52,8 +54,9 @@ class Case:
         A name in `lattice.patterns`, or "mesh edges"; by default square in the plane and cubic18 in
         space.
     spacing, cells
-        Side (m) of the lattice's cells, or their number across the narrowest side; by default 20 in
-        the plane, 8 in space, fewer in slender bodies.
+        Side (m) of the lattice's cells (a spring's length where they are no squares or cubes), or
+        their number across the narrowest side; by default 20 in the plane, 8 in space, fewer in
+        slender bodies.
     route
         From the material to constants, one of `ROUTES`; None takes springs alone where they will
         do, or else a volume energy.
@@ -104,11 +107,22 @@ class Case:
         if self.route is not None:
             require_one_of("route", self.route, ROUTES)
         if self.constants is not None:
-            finite("constants", self.constants, "k")
+            self._check_constants(finite("constants", self.constants, "k"))
             if self.route is not None:
                 raise ProblemError("constants and route: a route makes its own; give one of them")
         elif finite_number("volume", self.volume):
             raise ProblemError("volume: it goes with constants of springs; give these, or a route")
+
+    def _check_constants(self, constants: Array) -> None:
+        pattern = _pattern(self)
+        if pattern is not None and len(constants) != pattern.kinds:
+            raise ProblemError(
+                f"constants: {len(constants)}; {self.lattice} has springs of {pattern.kinds} "
+                "kinds, give one each"
+            )
+        low = float(constants.min())
+        if low < 0:
+            raise ProblemError(f"constants: {low:g} N/m; each must be 0 or more")
 
     def _check_spacing(self) -> None:
         told = self.spacing is not None or self.cells is not None
@@ -153,26 +167,28 @@ class Case:
 
 
 def spacing_of(case: Case) -> float:
-    """Side (m) of the cells that a case asks for."""
+    """Spacing (m) of the lattice that a case asks for."""
     if case.spacing is not None:
         return float(case.spacing)
-    domain = case.problem.domain
+    domain, pattern = case.problem.domain, _pattern(case)
+    cell = np.ones(domain.dim) if pattern is None else np.array(pattern.size)
     sides = np.array([high - low for low, high in domain.span])
+    narrowest = float((sides / cell).min())
     if case.cells is not None:
-        return float(sides.min() / case.cells)
-    least = (domain.volume / MOST_CELLS[domain.dim]) ** (1 / domain.dim)
-    across = max(1, min(ACROSS[domain.dim], math.floor(sides.min() / least)))
+        return narrowest / case.cells
+    least: float = (domain.volume / cell.prod() / MOST_CELLS[domain.dim]) ** (1 / domain.dim)
+    across = max(1, min(ACROSS[domain.dim], math.floor(narrowest / least)))
     if isinstance(domain, Box):  # a number that fits all sides, if there is one nearby
         for many in range(across, min(2 * across, across + 20)):
-            if _divides(sides.min() / many, domain):
-                return float(sides.min() / many)
-    return float(sides.min() / across)
+            if _divides(narrowest / many * cell, domain):
+                return narrowest / many
+    return narrowest / across
 
 
 def make_lattice(case: Case, spacing: float) -> Lattice:
     """The lattice of a case at a spacing (m).
 
-    A box whose sides are whole numbers of spacings is filled; else the lattice is cut to the body's
+    A box whose sides are whole numbers of cells is filled; else the lattice is cut to the body's
     outline, its lines through the supports as far as one origin allows that.
 
     Raises
@@ -180,8 +196,8 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
     ProblemError
         If the lattice cannot be laid into the body.
     """
-    domain = case.problem.domain
-    if case.lattice == MESH_EDGES:
+    domain, pattern = case.problem.domain, _pattern(case)
+    if pattern is None:
         return mesh_lattice(domain, EDGE_RULES[0])  # type: ignore[arg-type]
     cells = domain.volume / spacing**domain.dim
     most = MOST_ASKED[domain.dim]
@@ -190,15 +206,40 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
             f"spacing {spacing:g} m: {cells:.3g} cells in the body, and the most is {most:g}; take "
             "a larger one"
         )
-    pattern = all_patterns()[str(case.lattice)]()
-    if isinstance(domain, Box) and _divides(spacing, domain):
-        return fill(pattern, domain, _counts(spacing, domain))
-    if case.lattice not in CUT:
-        raise ProblemError(
-            f"lattice {case.lattice}: only {', '.join(CUT)} can be cut to a {domain}; take one of "
-            "these, or for a box a spacing that divides its sides"
-        )
+    cell = spacing * np.array(pattern.size)
+    if isinstance(domain, Box) and _divides(cell, domain):
+        return fill(pattern, domain, _counts(cell, domain))
+    if not joins_corners(pattern):
+        raise ProblemError(f"lattice {case.lattice}: {_misfit(pattern, spacing, domain)}")
     return cut_lattice(pattern, domain, spacing, origin=_origin(case.problem))
+
+
+def _pattern(case: Case) -> Pattern | None:
+    """What the lattice repeats; None of a mesh's edges."""
+    return None if case.lattice == MESH_EDGES else all_patterns()[str(case.lattice)]()
+
+
+def _misfit(pattern: Pattern, spacing: float, domain: Domain) -> str:
+    """Why a lattice that cannot be cut does not go into a body, and what would."""
+    makers = all_patterns().items()
+    others = [name for name, make in makers if joins_corners(make()) and make().dim == domain.dim]
+    listed = ", ".join(others)
+    if not isinstance(domain, Box):
+        return f"only {listed} can be cut to a {domain}; take one of these"
+    cell = spacing * np.array(pattern.size)
+    counts = _counts(cell, domain)
+    first = domain.size[0] / pattern.size[0]
+    spacings = [first / many for many in range(1, 2 * counts[0] + 1)]
+    fitting = [each for each in spacings if _divides(each * np.array(pattern.size), domain)]
+    if fitting:
+        remedy = f"spacing {min(fitting, key=lambda each: abs(each - spacing)):.12g} m"
+    else:
+        sides = np.maximum(counts, 1) * cell
+        remedy = f"a box of {' x '.join(f'{side:.12g}' for side in sides)} m"
+    return (
+        f"cells of {' x '.join(f'{side:g}' for side in cell)} m do not fill the {domain}; give "
+        f"{remedy}, or a lattice that can be cut: {listed}"
+    )
 
 
 def compared_points(case: Case, lattice: Lattice | None = None) -> Array:
@@ -216,16 +257,15 @@ def compared_points(case: Case, lattice: Lattice | None = None) -> Array:
     return np.asarray(laid.points)
 
 
-def _counts(spacing: float, box: Box) -> tuple[int, ...]:
-    return tuple(round(side / spacing) for side in box.size)
+def _counts(cell: Array, box: Box) -> tuple[int, ...]:
+    return tuple(round(side / edge) for side, edge in zip(box.size, cell.tolist(), strict=True))
 
 
-def _divides(spacing: float, box: Box) -> bool:
-    """Whether the sides of a box are whole numbers of spacings."""
-    counts = _counts(spacing, box)
+def _divides(cell: Array, box: Box) -> bool:
+    """Whether a box is whole numbers of cells of given sides (d,) in m."""
     return all(
-        count >= 1 and abs(count * spacing - side) <= box.tolerance
-        for count, side in zip(counts, box.size, strict=True)
+        count >= 1 and abs(count * edge - side) <= FITS * side
+        for count, edge, side in zip(_counts(cell, box), cell.tolist(), box.size, strict=True)
     )
 
 

@@ -103,7 +103,7 @@ def draw_matching(found: Judgement) -> Figure:
 def body_axes(points: Array, room: float = 0.0) -> tuple[Figure, Any]:
     """Figure and axes for a body with points (n, d) in m, in true proportions where they can be."""
     if points.shape[1] == 3:
-        figure, axes = solid_axes(1, (5.6, 4.6))
+        figure, axes = solid_axes(1, (6.6, 5.4))  # wide: a phone lets it scroll
         low, high = points.min(axis=0) - room, points.max(axis=0) + room
         axis = axes[0]
         axis.set(xlim=(low[0], high[0]), ylim=(low[2], high[2]), zlim=(low[1], high[1]))

@@ -21,8 +21,8 @@ from msvalidate_check.words import agreement
 from reference_fem.body import solve_problem
 from reference_fem.converged import Reference, converge, first_mesh
 
-FEW_NODES = 10_000
-"""Of the mesh on which other ratios are tried."""
+RATIO_NODES = 10_000
+"""Nodes of the mesh on which other ratios are tried."""
 MEANINGS = {
     "scale": "elasticity times a number: modulus, load, unit",
     "rigid motion": "the body moved as one: supports, frame",
@@ -128,7 +128,7 @@ def _field(problem: Problem, matched: Matched, reference: Reference, doubt: floa
     wanted = reference.displacement.value
     law = problem.material
     # Changes with the ratio need no finer mesh than this: they are small themselves.
-    meshes = [each for each in reference.solutions if len(each.body.points) <= FEW_NODES]
+    meshes = [each for each in reference.solutions if len(each.body.points) <= RATIO_NODES]
     plain = meshes[-1] if meshes else reference.solutions[0]
     own = plain.at(matched.places)
     mixed = plain.pressure is not None

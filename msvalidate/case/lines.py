@@ -46,10 +46,14 @@ def key_lines(text: str) -> dict[Path, int]:
 
 
 def line_of(lines: dict[Path, int], path: Path) -> int | None:
-    """Line of a key, else of the nearest table around it; None of the file as a whole."""
+    """Line of a key, else of the nearest table around it; None of the file as a whole.
+
+    Of tables of one name, [[support]], that of the first.
+    """
     while path:
-        if path in lines:
-            return lines[path]
+        for there in (path, (*path, 0)):
+            if there in lines:
+                return lines[there]
         path = path[:-1]
     return None
 

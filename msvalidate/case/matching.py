@@ -65,7 +65,7 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
     ----------
     case, result
         Results without places have numbers of the case's points: of the mesh's nodes, of its list,
-        or of the lattice's points inside, from 0.
+        or of the lattice's points in the body, from 0.
     unit
         What the file's lengths are multiples of, in m.
     body
@@ -117,12 +117,21 @@ def _by_number(case: Case, result: Result, move: Array) -> Matched:
 
 
 def _first_of_each(places: Array, tolerance: float) -> Index:
-    """The first point (k,) at each place, in their order."""
-    tree = KDTree(places)
-    pairs = tree.query_pairs(tolerance, output_type="ndarray")
-    later = np.zeros(len(places), dtype=bool)
+    """The first point (k,) at each place, in their order.
+
+    First of each cell of a grid so fine that all in a cell are at one place; then of cells next to
+    each other, of which a point has few beside it, however often a place is repeated.
+    """
+    with np.errstate(over="ignore"):  # places beyond all numbers of cells share the last
+        cell = np.floor(places * (np.sqrt(places.shape[1]) / tolerance))
+    order = np.lexsort(cell.T)  # which leaves those of one cell in their order
+    fresh = np.ones(len(places), dtype=bool)
+    fresh[1:] = (cell[order][1:] != cell[order][:-1]).any(axis=1)
+    first = np.sort(order[fresh])
+    pairs = KDTree(places[first]).query_pairs(tolerance, output_type="ndarray")
+    later = np.zeros(len(first), dtype=bool)
     later[pairs.max(axis=1) if len(pairs) else []] = True
-    return np.flatnonzero(~later)
+    return np.asarray(first[~later])
 
 
 def _room(case: Case, places: Array) -> float:

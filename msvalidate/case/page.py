@@ -108,12 +108,15 @@ def shown_tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
 
 def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     """What the springs of a case are good for: one sentence, and those that say why."""
-    row = found.rows[0]
-    band, case = percent(found.case.band), found.case
+    row = next((each for each in found.rows if each.verdict != NOT_ASKED), found.rows[0])
+    springs = f"Springs ({describe_spacing(found.case)})"
     head = (
-        f"Springs ({describe_spacing(case)}) are {percent(row.difference)} off elasticity in "
-        f"{row.quantity}, ± {percent(row.doubt)}; the band is {band}."
+        f"{springs} are {percent(row.difference)} off elasticity in {row.quantity}, "
+        f"± {percent(row.doubt)}; the band is {percent(found.case.band)}."
     )
+    if row.verdict == NOT_ASKED:
+        why = "; ".join(found.notes).replace(": not compared:", ",")
+        head = f"{springs} are compared in nothing that was asked: {why}."
     said = []
     worst = overall(found.rows)
     others = [each.quantity for each in found.rows if each.verdict == worst]

@@ -23,15 +23,15 @@ from scipy.spatial import KDTree
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.bodies.zones import OneOrEach, calibrate_zones
-from msvalidate.case.case import CUT, MESH_EDGES, Case, make_lattice, spacing_of
+from msvalidate.case.case import MESH_EDGES, Case, make_lattice, spacing_of
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.lattice_constants import calibrate_by_route
-from msvalidate.lattice import CutLattice, Lattice
-from msvalidate.lattice.cut import cell_weights
+from msvalidate.lattice import CutLattice, Lattice, PatternLattice
+from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, ProblemError, SolverError
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
-from msvalidate.statics.stress import cell_stress, cell_volume
+from msvalidate.statics.stress import cell_stress, cell_volume, point_stress
 
 MOST_FINE = {2: 150_000, 3: 80_000}
 """Points of the finest lattice, by the number of axes, beyond which there is none so fine."""
@@ -46,7 +46,7 @@ UNEVEN = 1.5
 ASSUMED_ORDER = 1.0
 """Where there are two lattices alone."""
 ROUNDING = 1e-10
-"""Change of displacements, over the largest, that is rounding."""
+"""Of displacements' change, over the largest, or of a whole cell, what is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,12 +90,12 @@ class SpringAnswer:
 
     def _between(self, places: Array) -> Array:
         lattice = self.lattice
-        if lattice.name.removesuffix(", cut") not in CUT:
+        if not isinstance(lattice, PatternLattice) or not joins_corners(lattice.pattern):
             raise ProblemError(
                 f"springs on {lattice.name}: no displacement between points; compare at points "
                 "'lattice', or take a square or cubic lattice"
             )
-        points, weights = cell_weights(lattice.points, lattice.cells, self.spacing, places)
+        points, weights = cell_weights(lattice.points, lattice.cells, lattice.spacing, places)
         return np.asarray(np.einsum("pc,pcd->pd", weights, self.rest.displacement[points]))
 
     @property
@@ -111,6 +111,24 @@ class SpringAnswer:
         """Mean stress (3,) or (6,) in Pa over the body's volume."""
         stress = cell_stress(self.network, self.lattice, self.rest, thickness=thickness)
         return np.asarray(np.average(stress, axis=0, weights=cell_volume(self.lattice)))
+
+    def point_stress(self, thickness: float) -> Array:
+        """Stress (n, 3) or (n, 6) in Pa at the lattice's points: of the cells around each.
+
+        What springs and volumes of cells carry themselves; second order in the spacing at points
+        that are `surrounded`. Raises `ProblemError` as `statics.stress.cell_stress` does.
+        """
+        stress = cell_stress(self.network, self.lattice, self.rest, thickness=thickness)
+        return point_stress(self.lattice, stress)
+
+    @property
+    def surrounded(self) -> Mask:
+        """Points (n,) with cells of the pattern all around them, none of them cut."""
+        lattice, corners = self.lattice, self.lattice.cells.shape[1]
+        whole = lattice.cells
+        if isinstance(lattice, CutLattice):
+            whole = whole[lattice.fraction >= 1 - ROUNDING]
+        return np.asarray(np.bincount(whole.ravel(), minlength=len(lattice.points)) == corners)
 
 
 @dataclass(frozen=True, eq=False)

@@ -109,7 +109,8 @@ def judge_candidate(
     if stated is not None:
         stated = check_accuracy(stated)
     if not callable(candidate):
-        return Judged(ask(candidate=candidate), pd.DataFrame(), None)  # which refuses it
+        evidence = ask(candidate=candidate)  # which refuses it
+        return Judged(evidence, _judge(evidence, {}, {}), None)
     recorded = Recorded(candidate)
     evidence = ask(candidate=recorded)
     known = recorded.accuracy if stated is None else stated

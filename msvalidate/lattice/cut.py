@@ -30,13 +30,13 @@ from scipy.spatial import cKDTree
 
 from msvalidate.lattice.corners import corners_of_cell
 from msvalidate.lattice.cut_cells import ROUNDING, CutCells, cut_cells
-from msvalidate.lattice.drawn import is_on_surface
+from msvalidate.lattice.drawn import is_outside_solid
 from msvalidate.lattice.filled import PatternLattice
-from msvalidate.lattice.outline import is_inside, outline
+from msvalidate.lattice.outline import is_near_outline, is_outside, outline
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.ties import level_numbers
 from msvalidate.lattice.winding import is_enclosed
-from msvalidate.problem import Array, Domain, Index, Mask, ProblemError
+from msvalidate.problem import Array, Box, Domain, Index, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import (
     finite_coordinates,
     finite_number,
@@ -51,6 +51,9 @@ RULES = ("moment", "fraction", "whole")
 SLIVER = 1e-2
 """Cells with less than this part of them inside are left out: the tangent is then as well
 conditioned as an uncut lattice's, and errors are as without. From 0.1 on what is lost shows."""
+BESIDE = 0.1
+"""Part of a cell from bent sides within which the body itself is asked whether it holds a point:
+far more than lies between a bent side and what it is drawn by."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,7 +67,7 @@ class CutLattice(PatternLattice):
     corner_volume
         (c, corners) area (m²) or volume (m³) of each cell that belongs to each of its corners.
     inside
-        (n,) whether each point lies inside the body as drawn, by more than rounding.
+        (n,) whether each point lies in the body, its surface included to the body's tolerance.
     lost_fraction
         Part of the body's area or volume in cells that were left out, as slivers or by the rule.
     drawing_error
@@ -189,7 +192,7 @@ def cut_lattice(
         regular=False,
         fraction=part.sum(axis=1),
         corner_volume=corner_volume,
-        inside=_inside(kept, domain, points, number_of, cells),
+        inside=_inside(kept, domain, points, number_of, cells, h),
         lost_fraction=lost,
         drawing_error=kept.drawing_error,
         by_surface=kept.surface is not None,
@@ -220,23 +223,45 @@ def _keep_cells(found: CutCells, h: float, rule: str) -> tuple[CutCells, Array, 
     return kept, counted[some], max(float(lost), 0.0)
 
 
-def _inside(kept: CutCells, domain: Domain, points: Array, number_of: Index, cells: Index) -> Mask:
-    """Points (n,) inside the body as drawn and not on its surface; of a prism, inside its walls."""
-    if kept.surface is None:
-        return is_inside(outline(domain), points[:, :2], domain.tolerance)
+def _inside(
+    kept: CutCells, domain: Domain, points: Array, number_of: Index, cells: Index, h: float
+) -> Mask:
+    """Points (n,) in the body or on its surface; next to bent sides as they are, not as drawn."""
     whole = cells[kept.part.sum(axis=1) > 1 - ROUNDING]
     inside = np.bincount(whole.ravel(), minlength=len(points)) == cells.shape[1]
     (near,) = np.nonzero(~inside)
-    low = number_of.min(axis=0)
-    near = near[is_enclosed(kept.surface - low, number_of[near] - low)]
-    inside[near] = ~is_on_surface(domain, points[near])
+    x = points[near]
+    if isinstance(domain, Box):
+        inside[near] = ~is_outside_solid(domain, x)
+        return np.asarray(inside)
+    if kept.surface is None:
+        area = outline(domain)
+        inside[near] = ~is_outside(area, x[:, :2], domain.tolerance)
+        beside = is_near_outline(area, x[:, :2], BESIDE * h)
+    else:
+        low, surface = number_of.min(axis=0), domain.whole_surface  # type: ignore[union-attr]
+        on = surface.select(x, domain.tolerance)
+        inside[near] = is_enclosed(kept.surface - low, number_of[near] - low) | on
+        beside = surface.select(x, BESIDE * h) & ~on
+    if kept.drawing_error and isinstance(domain, Mesh):
+        inside[near[beside]] = domain.contains(x[beside])
     return np.asarray(inside)
+
+
+def joins_corners(pattern: Pattern) -> bool:
+    """Whether a pattern's points are a square or cubic grid and its springs join corners of a cell.
+
+    Such can be cut to a body, and interpolated in each cell.
+    """
+    return bool(
+        len(pattern.points) == 1 and np.abs(pattern.image).max() <= 1 and not np.ptp(pattern.size)
+    )
 
 
 def _steps(pattern: Pattern) -> Index:
     """Steps (m, d) of the pattern's springs, in cells; refuses what does not stay in one cell."""
     require_type("pattern", pattern, Pattern)
-    if len(pattern.points) != 1 or np.abs(pattern.image).max() > 1 or np.ptp(pattern.size):
+    if not joins_corners(pattern):
         raise ProblemError(
             f"{pattern.name} lattice: not of one point in cubes or squares, with springs between "
             "corners of one; cut square, cubic18 or such"

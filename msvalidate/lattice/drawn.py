@@ -192,17 +192,8 @@ def prism_layers(domain: Domain, spacing: float) -> int:
     return layers
 
 
-def is_on_surface(domain: Domain, points: Array) -> Mask:
-    """Mask (n,) of the points (n, 3) in a box or mesh that are on its surface."""
-    if isinstance(domain, Mesh):
-        return domain.whole_surface.select(points, domain.tolerance)
-    low, high = np.array(domain.span).T
-    near = np.minimum(np.abs(points - low), np.abs(points - high))
-    return np.asarray((near <= domain.tolerance).any(axis=1))
-
-
 def is_outside_solid(domain: Domain, points: Array) -> Mask:
-    """Mask (n,) of the points (n, 3) outside a box or mesh by more than its tolerance."""
+    """Mask (n,) of the points (n, d) outside a box or mesh by more than its tolerance."""
     if isinstance(domain, Mesh):
         return ~domain.contains(points)
     low, high = np.array(domain.span).T

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from msvalidate.problem.arrays import AXES, PLACEMENT, Array, Index, Mask, Span
 from msvalidate.problem.cells import (
@@ -124,6 +126,13 @@ class Mesh:
         """Nodes (f, k) of the facets of one cell alone, counter-clockwise from outside."""
         facets: Index = self.__dict__["_surface"]
         return facets
+
+    @cached_property
+    def pieces(self) -> Index:
+        """Number (n,) from 0 of the piece of each node, where the mesh is in pieces apart."""
+        n, first = len(self.points), np.repeat(self.cells[:, 0], self.cells.shape[1])
+        joined = csr_array((np.ones(first.size), (first, self.cells.ravel())), shape=(n, n))
+        return np.asarray(connected_components(joined, directed=False)[1])
 
     @cached_property
     def volume(self) -> float:

@@ -25,6 +25,7 @@ from msvalidate.problem.loads import (
     check_vector,
 )
 from msvalidate.problem.material import Material
+from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point, refuse_free_motions
 from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import facet_middles
@@ -131,6 +132,7 @@ class Problem:
                 _refuse_off_side("traction", load.region, self.domain, corners)
         corners, held = self._held_corners()
         refuse_free_motions(self.name, corners, held)
+        self._refuse_free_pieces()
 
     @property
     def materials(self) -> tuple[Material, ...]:
@@ -152,6 +154,22 @@ class Problem:
                 held.append([value is not None for value in support.displacement])
         d = self.domain.dim
         return np.array(corners).reshape(-1, d), np.array(held, dtype=bool).reshape(-1, d)
+
+    def _refuse_free_pieces(self) -> None:
+        """Refuse a mesh of several pieces of which one is not held by itself."""
+        mesh = self.domain
+        if not isinstance(mesh, Mesh) or not mesh.pieces.any():
+            return
+        held = np.zeros(mesh.points.shape, dtype=bool)
+        for support in self.supports:
+            on = support.region.select(mesh.points, mesh.tolerance)
+            held |= on[:, None] & [value is not None for value in support.displacement]
+        many = int(mesh.pieces.max()) + 1
+        for piece in range(many):
+            own = mesh.pieces == piece
+            at = format_point(mesh.points[own].mean(axis=0))
+            said = f"{self.name}: the mesh is in {many} pieces, and of that around {at} m"
+            refuse_free_motions(said, mesh.points[own], held[own])
 
 
 def prescribed_displacements(problem: Problem, points: Array) -> tuple[Mask, Array]:

@@ -14,7 +14,16 @@ from msvalidate.case.lines import key_lines, line_of
 from msvalidate.case.reading import CaseError
 from msvalidate.case.schema import json_schema
 from msvalidate.case.template import template
-from msvalidate.problem import Box, Isotropic, PointForce, Polygon, Problem, ProblemError, Support
+from msvalidate.problem import (
+    Box,
+    Isotropic,
+    PointForce,
+    Polygon,
+    Problem,
+    ProblemError,
+    Segment,
+    Support,
+)
 from tests.msvalidate.case import mutated
 from tests.table import table
 
@@ -86,7 +95,7 @@ BAD = [
     (((BOX, "box = [4.0, nan]"),), "every value must be finite"),
     (((BOX, "box = [4.0, 1e-12]"),), "thinner than"),
     (((BOX, BOX + '\nunit = "mmm"'),), "line 5: body.unit: unit: 'mmm'; choose m, km, cm, mm"),
-    (((BOX, BOX + "\nunit = -1"),), "line 5: body.unit"),
+    (((BOX, BOX + "\nunit = -1"),), "in, ft, or a number in m above zero"),
     (((BOX, BOX + '\nunit = "mm"'),), "material.thickness: missing; give it in the unit"),
     (((BOX, "polygon = [[0, 0], [0, 1], [1, 0]]"),), "line 4: body.polygon"),
     (((BOX, "polygon = [[0, 0], [1, 0], [0, 1], [1, 1]]"),), "cross or touch"),
@@ -126,7 +135,10 @@ BAD = [
     (((HELD, HELD + "\nvalue = [1, 2, 3]"),), "3 values for 2 components, x, y; give one each"),
     (((HELD, HELD + "\nvalue = nan"),), "line 11: support 1.value"),
     (((HELD, "nodes = [1]"),), "nodes are a mesh's"),
-    (((HELD, HELD + '\ncomponents = ["x"]'),), "leave the body free: translation along y"),
+    (
+        ((HELD, HELD + '\ncomponents = ["x"]'),),
+        "support: all together: the supports leave the body free: tr",
+    ),
     (((LOAD, "traction = [0, 1]"),), "load 1: no place; give one of on and at"),
     (((LOAD, 'on = "right"'),), "load 1: no load; give one of traction, pressure, force, gravity"),
     (((LOAD, LOAD + "\npressure = 1"),), "traction and pressure; give one"),
@@ -145,6 +157,11 @@ BAD = [
     (((LOAD, LOAD + "\n[springs]\ncells = 1.5"),), "springs.cells: 1.5; give a whole number"),
     (((LOAD, LOAD + '\n[springs]\nroute = "magic"'),), "route: 'magic'; choose springs, volume"),
     (((LOAD, LOAD + "\n[springs]\nvolume = 1"),), "it goes with constants"),
+    (
+        ((LOAD, LOAD + "\n[springs]\nconstants = [-1, 2]"),),
+        "line 15: springs: constants: -1 N/m; each must be 0 or more",
+    ),
+    (((LOAD, LOAD + "\n[springs]\nconstants = [1]"),), "square has springs of 2 kinds, give one"),
     (((LOAD, LOAD + '\n[compare]\npoints = "all"'),), "points: 'all'; choose lattice or mesh"),
     (((LOAD, LOAD + '\n[compare]\npoints = "mesh"'),), "give points, or 'lattice'"),
     (((LOAD, LOAD + "\n[compare]\npoints = [[1, 2, 3]]"),), "give 2 numbers each"),
@@ -253,6 +270,40 @@ def test_slender_bodies_have_few_cells_across():
     case = Case(Problem(box, Isotropic(1e5, 1 / 3), (held,)))
     assert spacing_of(case) == 0.5
     assert len(make_lattice(case, 0.5).points) == 3 * 20_001
+
+
+def test_cells_that_are_no_squares_fill_boxes_of_their_proportions():
+    sides = (1.0, 1.73205080757)  # as a file has it
+    box = Box(sides)
+    problem = Problem(box, Isotropic(1e5, 1 / 3), (Support(box.side("left"), (0.0, 0.0)),))
+    case = Case(problem, lattice="triangular", cells=10)
+    assert spacing_of(case) == pytest.approx(0.1)
+    assert len(make_lattice(case, 0.1).points) == 11 * 11 + 10 * 10
+
+
+MISFITS = [
+    ("triangular", Box((4.0, 1.0)), 0.05, "give a box of 4 x 1.03923048454 m, or a lattice that"),
+    ("triangular", Box((1.0, 1.73205080757)), 0.06, "do not fill the box 1 x 1.73205 m; give spac"),
+    ("triangular", Box((1.0, 1.73205080757)), 0.06, "spacing 0.0588235294118 m"),
+    ("honeycomb", Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), 0.1, "only square, square4 can"),
+    (
+        "bcc",
+        Box((1.0, 1.0, 1.03)),
+        0.125,
+        "give a box of 1 x 1 x 1 m, or a lattice that",
+    ),
+]
+
+
+@table(("lattice", "body", "spacing", "said"), MISFITS)
+def test_what_would_fit_is_told(lattice, body, spacing, said):
+    plane = body.dim == 2
+    below = Segment((0.0, 0.0), (1.0, 0.0)) if plane else body.side("bottom")
+    law = Isotropic(1e5, 0.3, "plane_stress" if plane else "solid")
+    case = Case(Problem(body, law, (Support(below, (0.0,) * body.dim),)), lattice=lattice)
+    with pytest.raises(ProblemError, match=f"^lattice {lattice}: ") as told:
+        make_lattice(case, spacing)
+    assert said in str(told.value)
 
 
 def test_lines_of_keys():

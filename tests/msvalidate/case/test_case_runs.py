@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import meshio
@@ -15,9 +16,11 @@ from msvalidate.case import files
 from msvalidate.case.budget import budget
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case
-from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, compare_case
+from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, compare_case, largest
+from msvalidate.case.page import sentences
 from msvalidate.case.results import read_result
 from msvalidate.case.run import case_files, judged_files
+from msvalidate.case.springs import solve_springs
 from msvalidate.problem import (
     Box,
     Isotropic,
@@ -27,7 +30,10 @@ from msvalidate.problem import (
     Segment,
     Support,
     Traction,
+    Weight,
 )
+from reference_fem.converged import converge
+from tests.table import table
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 BEAM = Box((2.0, 1.0))
@@ -83,6 +89,72 @@ def test_an_outline_is_cut_and_its_points_outside_are_no_obstacle(tmp_path):
     springs = read_vtu(tmp_path, content["springs.vtu"])
     outside = np.isnan(springs.point_data["displacement_elements"][:, 0])
     assert 0 < outside.sum() < len(outside) / 3
+
+
+def test_a_body_is_the_same_as_a_box_and_as_an_outline(tmp_path):
+    # The largest displacement and difference are at corners of the body.
+    plain, outlined = beam(cells=6), Polygon(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)))
+    drawn = Case(replace(plain.problem, domain=outlined), cells=6)
+    box, polygon = compare_case(plain), compare_case(drawn)
+    np.testing.assert_allclose(polygon.points, box.points, atol=1e-12)
+    np.testing.assert_allclose(polygon.displacement, box.displacement, atol=1e-9 * box.size)
+    assert polygon.size == pytest.approx(box.size, rel=2 * box.reference.error)
+    left = abs(polygon.rows[0].difference - box.rows[0].difference)
+    assert left <= 2 * (polygon.reference.error + box.reference.error)
+    fields = read_vtu(tmp_path, files.field_files(polygon)["springs.vtu"])
+    assert np.isfinite(fields.point_data["displacement_elements"]).all()
+
+
+def test_between_points_of_a_cube_displacements_are_interpolated():
+    box, law = Box((1.0, 1.0, 1.0)), Isotropic(1e5, 1 / 4, "solid")
+    rollers = [
+        ("left", (0.0, None, None)),
+        ("bottom", (None, 0.0, None)),
+        ("back", (None, None, 0.0)),
+    ]
+    held = tuple(Support(box.side(name), value) for name, value in rollers)
+    places = np.random.default_rng(2).random((20, 3))
+    pulled = Problem(box, law, held, (Traction(box.side("right"), (10.0, 0.0, 0.0)),))
+    for lattice in ("cubic18", "cubic26"):
+        answer = solve_springs(Case(pulled, lattice=lattice), 1 / 3)
+        wanted = 1e-4 * places * [1, -0.25, -0.25]
+        np.testing.assert_allclose(answer.at(places), wanted, atol=1e-14)
+    sagging = Problem(
+        box, law, (Support(box.side("left"), (0.0,) * 3),), (Weight((0.0, -9.81, 0.0)),)
+    )
+    elasticity = converge(sagging, places, 0.02, most_nodes=3000).displacement.value
+    found = solve_springs(Case(sagging, points=places), 1 / 8).at(places)
+    assert largest(found - elasticity) < 0.05 * largest(elasticity)
+
+
+@table(
+    ("lattice", "nu", "verdict"),
+    [
+        ("square", 0.3, "agrees"),
+        ("square", 0.4999, "agrees"),
+        ("triangular", 0.3, "agrees"),
+        ("triangular", 0.4999, "not asked"),
+    ],
+)
+def test_stress_is_the_springs_own(lattice, nu, verdict):
+    # A strain fitted to displacements, times a tensor of 1e4 E, was 47 times elasticity's stress.
+    box = Box((1.0, 1.73205080757) if lattice == "triangular" else (2.0, 1.0))
+    held = (
+        Support(box.side("bottom"), (0.0, 0.0)),
+        Support(box.side("top"), (0.0, -0.01)),
+    )
+    case = Case(
+        Problem(box, Isotropic(1e5, nu, "plane_strain"), held),
+        lattice=lattice,
+        cells=10,
+        quantities=("point stress",),
+        accuracy=0.01,
+        band=0.1,
+    )
+    (row,) = compare_case(case).rows
+    assert row.verdict == verdict
+    if verdict == "agrees":
+        assert row.springs == pytest.approx(row.elasticity, rel=0.05)
 
 
 def read_vtu(folder, content):
@@ -189,6 +261,11 @@ def test_regions_of_another_material_are_known_to_both_sides(tmp_path):
     by = {row.quantity: row.verdict for row in found.rows}
     assert by["displacement"] == by["reaction"] == by["mean stress"] == "agrees"
     assert by["point stress"] == "not asked"
+    head, _ = sentences(replace(found, rows=found.rows[-1:]))
+    assert head.endswith(
+        "in nothing that was asked: point stress, the body is of several materials, whose stresses "
+        "jump between them."
+    )
     elements = read_vtu(tmp_path, content["elements.vtu"])
     (material,) = elements.cell_data["material"]
     assert material.mean() == pytest.approx(0.5)

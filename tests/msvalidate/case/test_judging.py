@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import tracemalloc
 
 import meshio
 import numpy as np
@@ -132,6 +133,19 @@ def test_points_in_any_order_outside_doubled_and_in_a_unit(tmp_path):
         judged(tmp_path, 1e3 * X, 1e3 * elastic())
     with pytest.raises(ProblemError, match="axes in another order"):
         judged(tmp_path, X[:, ::-1] + [0, 3.0], elastic())
+
+
+def test_a_place_repeated_often_takes_no_more_memory_than_its_points(tmp_path):
+    rng = np.random.default_rng(7)
+    often = np.repeat(X[:1], 20_000, axis=0) + 1e-13 * rng.normal(size=(20_000, 2))
+    move = np.concatenate([elastic()[:1].repeat(20_000, axis=0), elastic()])
+    tracemalloc.start()
+    found = judged(tmp_path, np.concatenate([often, X]), move)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(found.matched.places) == len(X)
+    assert len(found.matched.doubled) == 20_000
+    assert most < 1e8  # all pairs would be 3e9 bytes
 
 
 def test_numbers_of_the_cases_points(tmp_path):

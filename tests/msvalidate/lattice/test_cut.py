@@ -29,6 +29,7 @@ from msvalidate.problem import (
     Traction,
 )
 from msvalidate.statics.equilibrium import equilibrium
+from tests.msvalidate.solids import bar
 
 THIRD = Isotropic(E=3.0, nu=1 / 3, density=500.0, thickness=0.3)
 UNIT = Isotropic(E=1.0, nu=1 / 3)
@@ -298,6 +299,38 @@ def test_an_origin_counts_by_its_place_in_a_cell_alone():
     near = cut_lattice(patterns.square(), box, 0.25, origin=(0.125, 0.0))
     np.testing.assert_allclose(far.points, near.points, rtol=0, atol=1e-15)
     assert far.point_volume.sum() == pytest.approx(1.0, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        Polygon(((0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 2.0))),
+        bar((3.0, 2.0, 1.0), (3, 2, 1)),
+        Box((3.0, 2.0)),
+        Box((3.0, 2.0, 1.0)),
+    ],
+    ids=str,
+)
+def test_points_on_the_surface_are_in_the_body(body):
+    pattern = patterns.square() if body.dim == 2 else patterns.cubic18()
+    assert cut_lattice(pattern, body, 0.25).inside.all()
+    beyond = cut_lattice(pattern, body, 0.29)
+    top = np.array(body.span).T[1]
+    np.testing.assert_array_equal(beyond.inside, (beyond.points <= top).all(axis=1))
+    assert 0.5 < beyond.inside.mean() < 1
+
+
+def test_next_to_bent_sides_points_are_where_the_body_is(quarter_ring):
+    ring = quarter_ring((1.0, 1.0), (2.0, 2.0))
+    s = 1 / 64  # amid one of the straight pieces that a side is drawn by, and furthest from it
+    values = np.array([(2 * s - 1) * (s - 1), s * (2 * s - 1), 4 * s * (1 - s)])
+    asked = {("outer", 1.0): True, ("outer", 1 + 1e-7): False, ("inner", 1.0): True}
+    asked["inner", 1 - 1e-7] = False  # in the hole, but not in the hole as drawn
+    for (side, times), inside in asked.items():
+        place = times * np.einsum("k,kd->d", values, ring.side(side).places[0])
+        lattice = cut_lattice(patterns.square(), ring, 1 / 16, origin=tuple(place))
+        (point,) = np.flatnonzero(np.linalg.norm(lattice.points - place, axis=1) < 1e-9)
+        assert lattice.inside[point] == inside
 
 
 def test_places_to_interpolate_at_must_fit():

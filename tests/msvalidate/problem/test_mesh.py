@@ -282,6 +282,23 @@ def test_problem_on_a_mesh(box_mesh):
         Problem(mesh, problem.material, (Support(mesh.side("left"), (0.0, None)),))
 
 
+def test_each_piece_of_a_mesh_is_held_by_itself(box_mesh):
+    one = box_mesh("quad", (1, 1))
+    apart, n = np.array([3.0, 0.0]), len(one.points)
+    both = Mesh(
+        np.concatenate([one.points, one.points + apart]),
+        np.concatenate([one.cells, one.cells + n]),
+        "quad",
+    )
+    np.testing.assert_array_equal(both.pieces, np.repeat([0, 1], n))
+    ends = [Support(Region((x, None)), (0.0, 0.0)) for x in (0.0, 3.0)]
+    law = Isotropic(1e6, 0.3)
+    Problem(both, law, tuple(ends))
+    for held, where in ((ends[0], "(4, 0.5)"), (ends[1], "(1, 0.5)")):
+        with refused(f"the mesh is in 2 pieces, and of that around {where} m: the supports leave"):
+            Problem(both, law, (held,))
+
+
 def test_boundary_of_another_body_is_refused(box_mesh):
     mesh, other = (
         box_mesh("quad", left=left),
