@@ -109,7 +109,7 @@ def judge_result(
     precision = unit * result.grid / size
     rest = result.rest if unrest is None else unrest
     difference = largest(matched.displacement - wanted) / size
-    doubt = reference.error + precision
+    doubt = reference.error + precision + matched.contradiction / size
     word = agreement(difference, doubt, case.band, 0.0 if math.isnan(rest) else rest)
     row = Row("displacement", "m", largest(matched.displacement), size, difference, doubt, word)
     progress("causes")

@@ -21,7 +21,7 @@ SLACK = 2.0
 MOST_SLACK = 0.02
 """Of the body's size, beyond which a point is outside however coarse the file's numbers are."""
 MOSTLY = 0.5
-"""Part of the points that must be in the body where all of them together suggest another unit."""
+"""Part of the points that must be in the body."""
 SMALLER = {"mm": 1e3, "cm": 1e2, "in": 1 / 0.0254, "um": 1e6, "km": 1e-3}
 """Units in which a file's lengths may be, and how many of them a metre has."""
 ALIKE = 0.1
@@ -56,6 +56,8 @@ class Matched:
     doubled: Array
     missing: Array
     notes: tuple[str, ...]
+    contradiction: float = 0.0
+    """Largest difference (m) of displacements that stand in the file for one place."""
 
 
 def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matched:
@@ -81,12 +83,14 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
         return _by_number(case, result, move)
     places = unit * result.points
     first = _first_of_each(places, case.problem.domain.tolerance)
-    doubled = places[np.setdiff1d(np.arange(len(places)), first)]
+    again = np.setdiff1d(np.arange(len(places)), first)
+    doubled = places[again]
+    apart = _contradiction(places, move, first, again)
     places, move = places[first], move[first]
     room = _room(case, unit * result.points)
     inside, at = _into_body(body, places, room, case.problem.domain.tolerance)
     hint = _unit_meant(case, places)
-    if not inside.any() or (hint and inside.mean() < MOSTLY):
+    if inside.mean() < MOSTLY:
         raise ProblemError(_nowhere(case, places, int(inside.sum()), hint))
     missing = _missing(case, at[inside], room)
     notes = [
@@ -94,7 +98,22 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
         *_noted("places stand in the file more than once; the first counts", doubled),
         *_noted("points of the case are not in the file", missing),
     ]
-    return Matched(at[inside], move[inside], places[~inside], doubled, missing, tuple(notes))
+    notes += _contradicted(apart)
+    return Matched(at[inside], move[inside], places[~inside], doubled, missing, tuple(notes), apart)
+
+
+def _contradiction(places: Array, move: Array, first: Index, again: Index) -> float:
+    """Largest difference (m) of the displacements of places that are there again."""
+    if not len(again):
+        return 0.0
+    _, same = KDTree(places[first]).query(places[again])
+    return float(np.linalg.norm(move[again] - move[first][same], axis=1).max())
+
+
+def _contradicted(apart: float) -> Sequence[str]:
+    if not apart:
+        return ()
+    return (f"displacements of one place differ by up to {apart:.3g} m, which leaves that open",)
 
 
 def _by_number(case: Case, result: Result, move: Array) -> Matched:
@@ -106,14 +125,17 @@ def _by_number(case: Case, result: Result, move: Array) -> Matched:
             f"{len(points) - 1}: give these, or places"
         )
     _, first = np.unique(number, return_index=True)
-    doubled = points[number[np.setdiff1d(np.arange(len(number)), first)]]
+    again = np.setdiff1d(np.arange(len(number)), first)
+    doubled = points[number[again]]
+    apart = _contradiction(number[:, None].astype(float), move, first, again)
     missing = points[np.setdiff1d(np.arange(len(points)), number)]
     notes = [
         *_noted("numbers stand in the file more than once; the first counts", doubled),
         *_noted("points of the case are not in the file", missing),
     ]
     none = np.empty((0, points.shape[1]))
-    return Matched(points[number[first]], move[first], none, doubled, missing, tuple(notes))
+    notes += _contradicted(apart)
+    return Matched(points[number[first]], move[first], none, doubled, missing, tuple(notes), apart)
 
 
 def _first_of_each(places: Array, tolerance: float) -> Index:
