@@ -1,8 +1,8 @@
 """The frozen set: elastic bodies, meshes of them, and elasticity's displacements at their points.
 
 The set is data in one file beside this one, whose checksum is in `msvalidate_check.frozen`: a file
-that was changed is refused. The same in plain text, with how it was made and what confirms it, is the folder
-``cases/v1`` of the project.
+that was changed is refused. The same in plain text, with how it was made and what confirms it, is
+the folder ``cases/v1`` of the project.
 """
 
 from __future__ import annotations
