@@ -33,16 +33,23 @@ def folder_name(stem: str) -> str:
     return found or "case"
 
 
-def refuse_foreign(folder: Path) -> None:
-    """Raise `ProblemError` where a folder holds what no case left there."""
+def refuse_foreign(folder: Path, whose: str) -> None:
+    """Raise `ProblemError` where a folder holds what no case left there, or another one did.
+
+    Parameters
+    ----------
+    folder, whose
+        For results, and the name of the file or files that they are of.
+    """
     if folder.exists() and not folder.is_dir():
         raise ProblemError(f"--out: {folder} is a file; name another folder")
     if not folder.is_dir():
         return
     try:
-        own = set(json.loads((folder / MARK).read_text(encoding="utf-8"))["files"])
-    except (OSError, ValueError, KeyError, TypeError):
-        own = set()
+        mark = json.loads((folder / MARK).read_text(encoding="utf-8"))
+        own, of = set(mark["files"]), mark.get("of", whose)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        own, of = set(), whose
     others = sorted(path.name for path in folder.iterdir() if path.name not in own)
     if others:
         raise ProblemError(
@@ -50,12 +57,18 @@ def refuse_foreign(folder: Path) -> None:
             "another folder, or move it away"
         )
 
+    if of != whose:
+        raise ProblemError(
+            f"--out: {folder} holds results of {format_value(of)}; name another folder, or move it "
+            "away"
+        )
 
-def publish(folder: Path, files: exchange.Files) -> None:
+
+def publish(folder: Path, files: exchange.Files, whose: str) -> None:
     """Put the files in the folder's place in one step; what was there stays until then."""
-    refuse_foreign(folder)
+    refuse_foreign(folder, whose)
     names = sorted([*files, MARK])
-    exchange.replace_one(folder, {**files, MARK: json_bytes({"files": names})})
+    exchange.replace_one(folder, {**files, MARK: json_bytes({"files": names, "of": whose})})
 
 
 def picture_files(

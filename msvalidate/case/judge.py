@@ -15,7 +15,7 @@ from msvalidate.case.case import Case
 from msvalidate.case.comparison import Row, largest
 from msvalidate.case.matching import Matched, match
 from msvalidate.case.results import Result
-from msvalidate.problem import Array, Isotropic, Problem, ProblemError, SolverError, Weight
+from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight
 from msvalidate_check.diagnosis import NOTICED, Driven, Explanation, Field, explain, split
 from msvalidate_check.words import agreement
 from reference_fem.body import solve_problem
@@ -166,12 +166,21 @@ def driven_by(problem: Problem) -> Driven:
     moved = any(
         callable(value) or value for support in problem.supports for value in support.displacement
     )
-    if problem.loads and moved:
+    loads = [load for load in problem.loads if _acts(load)]
+    if loads and moved:
         return "both"
     if moved:
         return "supports"
-    heavy = problem.loads and all(isinstance(load, Weight) for load in problem.loads)
+    heavy = loads and all(isinstance(load, Weight) for load in loads)
     return "weight" if heavy else "loads"
+
+
+def _acts(load: Load) -> bool:
+    """Whether a load is other than zero."""
+    (value,) = (
+        getattr(load, name) for name in ("traction", "force", "acceleration") if hasattr(load, name)
+    )
+    return callable(value) or bool(np.any(value))
 
 
 def budget(found: Judgement) -> pd.DataFrame:

@@ -118,10 +118,11 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
         why = "; ".join(found.notes).replace(": not compared:", ",")
         head = f"{springs} are compared in nothing that was asked: {why}."
     said = []
-    worst = overall(found.rows)
-    others = [each.quantity for each in found.rows if each.verdict == worst]
-    if worst != row.verdict:
-        said.append(f"{', '.join(others)}: {worst}.")
+    for word in (DIFFERS, NOT_AT_REST, NOT_RESOLVED):
+        others = [each for each in found.rows if each.verdict == word and each is not row]
+        if others:
+            names = ", ".join(f"{each.quantity} ({percent(each.difference)})" for each in others)
+            said.append(f"{names}: {word}.")
     said.append(_kind_sentence(found))
     said.append(_reference_sentence(found.reference))
     return head, tuple(each for each in said if each)

@@ -19,6 +19,8 @@ from msvalidate.problem import AXES, Array, Index, ProblemError
 from msvalidate.problem.checks import finite_number, format_value, integers, numbers, shaped
 from msvalidate_check.precision import spacing_of_displacements
 
+LARGEST = 1e100
+"""Size of numbers beyond which sums of their squares overflow."""
 LARGEST_FILE = 2_000_000_000
 """Bytes beyond which a file is not read."""
 MOST_POINTS = 3_000_000
@@ -126,12 +128,12 @@ def _result(name: str, given: Mapping[str, Any], dim: int) -> Result:
 
 
 def _refuse_not_finite(name: str, array: Array) -> None:
-    bad = np.argwhere(~np.isfinite(array))
+    bad = np.argwhere(~(np.abs(array) < LARGEST))
     if len(bad):
         row, column = (int(i) for i in bad[0])
         raise ProblemError(
             f"{name}: {array[row, column]} along {AXES[column]} at point {row}, {len(bad)} in all; "
-            "give finite numbers"
+            f"give finite numbers below {LARGEST:g}"
         )
 
 
@@ -141,12 +143,14 @@ def _plane(array: Array, dim: int, what: str) -> Array:
         return array
     if dim == 3:
         raise ProblemError(f"{what}: 2 components, the case has 3; give x, y and z")
-    if what == "displacement" and array[:, 2].any():
-        raise ProblemError("displacement: out of the plane too, and the case is plane; leave z out")
+    if np.ptp(array[:, 2]) if what == "points" else array[:, 2].any():
+        raise ProblemError(f"{what}: out of the plane too, and the case is plane; leave z out")
     return np.ascontiguousarray(array[:, :2])
 
 
-def _read_csv(file: Path, _field: str | None) -> dict[str, Any]:
+def _read_csv(file: Path, field: str | None) -> dict[str, Any]:
+    if field is not None:
+        raise ProblemError("--field: a table has columns, no fields; leave it out")
     try:
         text = file.read_text(encoding="utf-8-sig")
         table = pd.read_csv(io.StringIO(text), skipinitialspace=True, comment="#")
@@ -157,6 +161,10 @@ def _read_csv(file: Path, _field: str | None) -> dict[str, Any]:
             f"not a table: {' '.join(str(error).split())}; write it again"
         ) from error
     names = {re.sub(r"\s+", "", str(column)).lower(): column for column in table.columns}
+    for name, column in names.items():
+        first, _, number = name.rpartition(".")
+        if number.isdigit() and first in names:  # as the library renames the second of a name
+            raise ProblemError(f"column {names[first]!r} is there twice ({column}); keep one")
     found: dict[str, Any] = {}
     move = _columns(names, [f"u{a}" for a in AXES], [f"u_{a}" for a in AXES], ["u", "v", "w"])
     if len(move) < 2:
@@ -185,6 +193,7 @@ def _columns(names: Mapping[str, Any], *choices: Sequence[str]) -> list[Any]:
 
 def _table_numbers(table: pd.DataFrame, columns: Sequence[Any]) -> Array:
     part = table[list(columns)].apply(pd.to_numeric, errors="coerce")
+    part = part.mask(table[list(columns)].map(lambda value: isinstance(value, bool)))
     bad = np.argwhere(part.isna().to_numpy())
     if len(bad):
         row, column = bad[0]

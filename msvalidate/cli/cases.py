@@ -8,6 +8,8 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
+
 from msvalidate.case import building, files, page, results, run
 from msvalidate.case.case import Case
 from msvalidate.case.schema import json_schema
@@ -24,14 +26,18 @@ def act(args: argparse.Namespace) -> int:
     """Do what the command line asks for; return the exit code."""
     if not getattr(args, "quiet", True):
         announce_compilation()
-    return {"new": _new, "run": _run, "judge": _judge, "schema": _schema}[args.command](args)
+    acts = {"new": _new, "run": _run, "judge": _judge, "schema": _schema}
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused in words
+        return acts[args.command](args)
 
 
 def _new(args: argparse.Namespace) -> int:
 
-    path = Path(args.name).with_suffix(".toml")
-    name = path.stem
-    if not name.strip() or not name.isprintable() or '"' in name or "\\" in name:
+    given = Path(args.name)
+    name = given.name.removesuffix(".toml")
+    bad = not name.strip(" .") or not name.isprintable() or '"' in name or "\\" in name
+    path = given.parent / f"{name}.toml"
+    if bad:
         raise ProblemError(
             f"case new: {format_value(args.name)} is no name; give letters and digits"
         )
@@ -61,8 +67,8 @@ def _run(args: argparse.Namespace) -> int:
             continue
         folders[name] = file
         try:
-            files.refuse_foreign(args.out / name)
-            codes.append(_solve(building.read_case(file), args.out / name, args))
+            files.refuse_foreign(args.out / name, file.name)
+            codes.append(_solve(building.read_case(file), args.out / name, file.name, args))
         except ProblemError as error:
             codes.append(tell_error(_said(file, error), USAGE))
         except SolverError as error:
@@ -77,7 +83,8 @@ def _judge(args: argparse.Namespace) -> int:
         if args.at_rest is not None:
             finite_number("--at-rest", args.at_rest, least=0.0)
         folder = args.out / files.folder_name(f"{args.file.stem}-{args.result.stem}")
-        files.refuse_foreign(folder)
+        whose = f"{args.file.name} and {args.result.name}"
+        files.refuse_foreign(folder, whose)
         case = building.read_case(args.file)
         result = results.read_result(args.result, case.problem.domain.dim, args.field)
         show = _Progress(case.name, shown=not args.quiet)
@@ -96,7 +103,7 @@ def _judge(args: argparse.Namespace) -> int:
     except ProblemError as error:
         text = str(error)
         return tell_error(text if text.startswith("result ") else _said(args.file, error), USAGE)
-    files.publish(folder, content)
+    files.publish(folder, content, whose)
     show.clear()
     word = found.row.verdict
     if not args.quiet:
@@ -123,13 +130,13 @@ def _said(file: Path, error: Exception) -> str:
     return text if text.startswith("case ") else f"case {file.name}: {text}"
 
 
-def _solve(case: Case, folder: Path, args: argparse.Namespace) -> int:
+def _solve(case: Case, folder: Path, whose: str, args: argparse.Namespace) -> int:
 
     began = time.perf_counter()
     command = ("msvalidate", "case", "run", "FILE")
     show = _Progress(case.name, shown=not args.quiet)
     found, content = run.case_files(case, plots=args.plots, command=command, progress=show)
-    files.publish(folder, content)
+    files.publish(folder, content, whose)
     show.clear()
     word = page.overall(found.rows)
     if not args.quiet:

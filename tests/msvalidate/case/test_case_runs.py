@@ -250,9 +250,13 @@ def test_the_commands(tmp_path):
 def test_folders_of_others_are_left(tmp_path):
     (tmp_path / "a").write_text("", encoding="utf-8")
     with pytest.raises(ProblemError, match="which no case left there"):
-        files.refuse_foreign(tmp_path)
+        files.refuse_foreign(tmp_path, "a.toml")
     with pytest.raises(ProblemError, match="is a file"):
-        files.refuse_foreign(tmp_path / "a")
+        files.refuse_foreign(tmp_path / "a", "a.toml")
+    files.publish(tmp_path / "b", {"page": b""}, "b.toml")
+    files.publish(tmp_path / "b", {"page": b"again"}, "b.toml")
+    with pytest.raises(ProblemError, match=r"results of 'b\.toml'; name another folder"):
+        files.publish(tmp_path / "b", {"page": b""}, "<b>.toml")
 
 
 def test_regions_of_another_material_are_known_to_both_sides(tmp_path):

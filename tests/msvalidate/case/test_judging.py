@@ -106,6 +106,15 @@ def test_no_modulus_shows_where_supports_alone_move_the_body(tmp_path):
     assert "No modulus shows" in found.explanations[0].said
 
 
+def test_one_place_with_two_displacements_leaves_the_verdict_open(tmp_path):
+    move = elastic()
+    found = judged(tmp_path, np.r_[X, X[-1:]], np.r_[move, 3 * move[-1:]])
+    assert found.row.verdict == "not resolved"
+    assert any("differ by up to" in note for note in found.matched.notes)
+    with pytest.raises(ProblemError, match="points in the body"):
+        judged(tmp_path, np.r_[X, 50 + X, 90 + X], np.tile(move, (3, 1)))
+
+
 def test_what_is_not_at_rest(tmp_path):
     slow = 0.94 * elastic()
     known = judged(tmp_path, X, slow, arrays={"at_rest": 0.07})
@@ -195,6 +204,10 @@ def test_formats_hold_the_same(tmp_path):
         ("a.csv", b"id,ux,uy\n1.5,2,3\n", "give whole numbers"),
         ("a.csv", b"id,ux,uy,uz\n1,2,3,4\n", "out of the plane too"),
         ("a.csv", b"id,ux,uy\n", "n above 0"),
+        ("a.csv", b"id,ux,uy\n0,1e200,0\n", "1e+200 along x at point 0"),
+        ("a.csv", b"id,ux,uy\n0,True,0\n", "give a number"),
+        ("a.csv", b"id,ux,uy,ux\n0,1,2,3\n", "column 'ux' is there twice"),
+        ("a.csv", b"x,y,z,ux,uy\n0,0,0,1,2\n0,0,1,3,4\n", "points: out of the plane too"),
         ("a.npz", b"PK", "no .npz of plain arrays"),
         ("a.npz", b"", "no .npz of plain arrays"),
         ("a.vtu", b"<VTKFile", "not a whole vtu file"),
