@@ -16,7 +16,8 @@ from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.output.page import Table, split_at_backticks, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
-from msvalidate.problem import BodyForce, PointForce, Support, Traction, Weight
+from msvalidate.problem import BodyForce, Mesh, PointForce, Support, Traction, Weight
+from msvalidate.problem.normals import is_faceted
 from msvalidate_check.diagnosis import NOTICED
 from msvalidate_check.words import AGREES, DIFFERS, NOT_AT_REST, NOT_RESOLVED
 from reference_fem.converged import Reference
@@ -136,9 +137,20 @@ def _reference_sentence(reference: Reference) -> str:
         return f"Elasticity's own error is not known: one mesh of {nodes} nodes, and no finer one."
     asked_for = percent(reference.accuracy)
     reached = "as asked" if reference.resolved else f"not the {asked_for} asked for"
-    return (
+    known = (
         f"Elasticity is known to {percent(reference.error)} ({reached}): quadratic elements on "
         f"{len(reference.solutions)} meshes, the finest of {nodes} nodes."
+    )
+    return known + _facet_sentence(reference)
+
+
+def _facet_sentence(reference: Reference) -> str:
+    domain = reference.problem.domain
+    if not (isinstance(domain, Mesh) and is_faceted(domain)):
+        return ""
+    return (
+        " The body is that of the file's straight facets, which seem to stand for a curve; "
+        "quadratic cells follow it."
     )
 
 
@@ -162,7 +174,7 @@ def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
     said.append(
         f"Elasticity is known to {percent(found.reference.error)}{reached}, the file's numbers to "
-        f"{percent(found.precision)}."
+        f"{percent(found.precision)}.{_facet_sentence(found.reference)}"
     )
     return head, tuple(said)
 

@@ -14,6 +14,8 @@ from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.region import Boundary, Part, Region, Segment
 from msvalidate.problem.shapes import FACETS, project_on_facets
 
+BENT, MANY, PART_BENT = (0.5, 40.0), 6, 0.1
+"""Angles (degrees) between facets that stand for a curve; how many, and what part of all."""
 FLAT = 1e-9
 """Difference of normals below which a side is flat."""
 CANDIDATES = 6
@@ -35,6 +37,35 @@ def pressure(region: Part, domain: Domain, value: float) -> Traction:
     if np.abs(normals - normals[0]).max() <= FLAT:
         return Traction(region, tuple((-p * normals[0]).tolist()))
     return Traction(region, _normal_field(places, -p))
+
+
+def is_faceted(mesh: Mesh) -> bool:
+    """Whether straight facets seem to stand for a curved side: many meet at small angles."""
+    if mesh.kind.degree > 1:
+        return False
+    _, normals = _samples(mesh.points[mesh.surface])
+    normal = normals.mean(axis=1)
+    ridges = _ridges(mesh.surface, mesh.dim)
+    cosine = np.clip(np.einsum("rd,rd->r", normal[ridges[:, 0]], normal[ridges[:, 1]]), -1, 1)
+    angle = np.degrees(np.arccos(cosine))
+    bent = (angle > BENT[0]) & (angle < BENT[1])
+    return int(bent.sum()) >= MANY and float(bent.mean()) >= PART_BENT
+
+
+def _ridges(facets: Index, dim: int) -> Index:
+    """Pairs (r, 2) of facets that share a corner, in space an edge."""
+    count = facets.shape[1]
+    if dim == 2:
+        corners = facets.reshape(-1, 1)
+    else:
+        corners = np.stack([facets, np.roll(facets, -1, axis=1)], axis=2).reshape(-1, 2)
+    each = np.repeat(np.arange(len(facets)), count)
+    _, which, many = np.unique(
+        np.sort(corners, axis=1), axis=0, return_inverse=True, return_counts=True
+    )
+    order = np.argsort(which.ravel(), kind="stable")
+    starts = np.concatenate([[0], np.cumsum(many)[:-1]])[many == 2]
+    return np.column_stack([each[order[starts]], each[order[starts + 1]]])
 
 
 def nearest_on_facets(places: Array, points: Array) -> tuple[Array, Array]:

@@ -29,7 +29,10 @@ from msvalidate.problem import (
     measure_of,
     prescribed_displacements,
 )
+from msvalidate.problem.normals import is_faceted
 from msvalidate.problem.shapes import area_vectors
+from msvalidate_check import elastic_case
+from tests.table import table
 
 CELLS = [name for name, shape in SHAPES.items() if shape.dim > 1]
 BENT = [name for name in CELLS if SHAPES[name].degree == 2]
@@ -335,3 +338,18 @@ def test_shape_functions(shape):
     for axis, e in enumerate(np.eye(kind.dim)):
         slope = (kind.values(x + h * e) - kind.values(x - h * e)) / (2 * h)
         assert kind.slopes(x)[:, :, axis] == pytest.approx(slope, abs=1e-8)
+
+
+@table(
+    "name, mesh, faceted",
+    [
+        ("lame_ring", "tri3_2", True),
+        ("plate_hole", "quad4_2", True),
+        ("block_pull", "tet4_2", False),
+        ("cook", "tri3_3", False),
+    ],
+)
+def test_facets_that_stand_for_a_curve_are_seen(name, mesh, faceted):
+    case = elastic_case(name, 0.3, mesh)
+    shape = {3: "triangle", 4: "tetra" if case.points.shape[1] == 3 else "quad"}
+    assert is_faceted(Mesh(case.points, case.cells, shape[case.cells.shape[1]])) == faceted
