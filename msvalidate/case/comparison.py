@@ -14,7 +14,8 @@ from msvalidate.case.case import Case, compared_points
 from msvalidate.case.springs import SpringAnswer, SpringLimit, limit_of, solve_finer
 from msvalidate.constants.homogenise import homogenise
 from msvalidate.judging.compare import NOT_ASKED
-from msvalidate.lattice import CutLattice, PatternLattice
+from msvalidate.lattice import CutLattice, Lattice, PatternLattice
+from msvalidate.lattice.gaps import bridged_gaps
 from msvalidate.problem import (
     Anisotropic,
     Array,
@@ -172,7 +173,8 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
             except (ProblemError, SolverError) as error:
                 notes.append(f"{name}: not compared: {error}")
                 rows.append(Row(name, "", math.nan, math.nan, math.nan, math.nan, NOT_ASKED))
-    kind = _kind_of_error(case, limit, reference)
+    bridged = say_bridged(answers[0].lattice)
+    kind = NOT_TOLD if bridged else _kind_of_error(case, limit, reference)
     return Comparison(
         case, points, answers, limit, reference, homogenised, tuple(rows), kind, tuple(notes)
     )
@@ -321,6 +323,18 @@ def _homogenised(
         return converge(problem, points, case.accuracy), []
     except (ProblemError, SolverError) as error:
         return None, [f"material of the springs: not found: {error}"]
+
+
+def say_bridged(lattice: Lattice) -> str:
+    """A sentence where springs join what the body does not, "" elsewhere."""
+    found = bridged_gaps(lattice) if isinstance(lattice, CutLattice) else np.empty((0, 2))
+    if not len(found):
+        return ""
+    x, y = found[0]
+    return (
+        "Springs bridge a gap of the body that is narrower than their cells, "
+        f"the first of {len(found)} at ({x:.4g}, {y:.4g}) m: take a smaller spacing."
+    )
 
 
 def _kind_of_error(case: Case, limit: SpringLimit, reference: Reference) -> str:

@@ -11,7 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from msvalidate.case.budget import COLUMNS
 from msvalidate.case.case import Case, describe_spacing
-from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, Comparison, Row
+from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, Comparison, Row, say_bridged
 from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.output.page import Table, split_at_backticks, table_excerpt
@@ -181,6 +181,9 @@ def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
 
 def _kind_sentence(found: Comparison) -> str:
     limit, size = found.limit, found.size or 1.0
+    bridged = say_bridged(found.springs[0].lattice)
+    if bridged:
+        return bridged
     if not math.isfinite(limit.uncertainty):
         return "One lattice alone: whether a finer one were better is not told."
     order = f", order {limit.order:.1f}" if limit.status == "seen" else ""

@@ -12,6 +12,7 @@ import shapely
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.lattice import cut_lattice, fill, patterns
+from msvalidate.lattice.gaps import bridged_gaps
 from msvalidate.lattice.outline import area_moments, outline
 from msvalidate.network import tangent
 from msvalidate.problem import (
@@ -377,3 +378,18 @@ def test_a_cut_lattice_needs_a_network_of_its_own(pressed_ring):
     lattice = cut_lattice(patterns.square(), pressed_ring.domain, 0.1)
     with refused("its points miss the outline; give cut_network"):
         lattice_network(pressed_ring, lattice)
+
+
+def test_gaps_that_are_narrower_than_cells_are_seen():
+    def gaps(corners, side=0.1):
+        return bridged_gaps(cut_lattice(patterns.square(), Polygon(corners), side))
+
+    around = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0))
+    slit = (*around, (1.001, 1.0), (1.001, 0.32), (0.999, 0.32), (0.999, 1.0), (0.0, 1.0))
+    assert len(gaps(slit)) >= 6
+    wide = (*around, (1.26, 1.0), (1.26, 0.32), (0.94, 0.32), (0.94, 1.0), (0.0, 1.0))
+    assert not len(gaps(wide))
+    assert not len(gaps((*around, (0.0, 1.0))))
+    turn = 2 * np.pi * np.arange(60) / 60
+    ring = tuple(zip(0.53 + 0.5 * np.cos(turn), 0.51 + 0.5 * np.sin(turn), strict=True))
+    assert not len(gaps(ring))
