@@ -13,6 +13,7 @@ import io
 import json
 from dataclasses import dataclass
 from functools import cache
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -185,8 +186,12 @@ def case_facts(name: str) -> dict[str, Any]:
 
 
 def _full_name(body: str, mesh: str | None, state: str | None, facts: dict[str, Any]) -> str:
-    if body in facts:
+    if body in facts and state in (None, facts[body]["state"]):
         return body
+    if body in facts:
+        raise CheckError(
+            f"state {state!r}: {body} is in {facts[body]['state']}; leave one of them out"
+        )
     if state is not None and state not in STATES:
         raise CheckError(f"state {state!r}: give one of {', '.join(STATES)}")
     kind = str(mesh).partition("_")[0]
@@ -208,6 +213,8 @@ def _full_name(body: str, mesh: str | None, state: str | None, facts: dict[str, 
 
 
 def _number_of(ratios: list[float], nu: float, name: str = "the case") -> int:
+    if not isinstance(nu, Real):
+        raise CheckError(f"nu: {nu!r}; give a number")
     for i, each in enumerate(ratios):
         if abs(each - nu) < SAME_RATIO:
             return i

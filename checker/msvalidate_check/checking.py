@@ -18,6 +18,7 @@ from msvalidate_check.precision import spacing_of_displacements
 from msvalidate_check.words import AGREES, agreement
 
 Array = np.ndarray
+ALMOST = 0.99
 LEAST_SHOWN = 5e-9
 """Part below which text says 0."""
 BAND = 0.02
@@ -141,6 +142,8 @@ def check(
         If the points are not of this case, or an array has another shape or values that are not
         finite.
     """
+    if not isinstance(case, ElasticCase):
+        raise CheckError(f"case: {str(case)[:40]!r}; give what elastic_case returns")
     d = case.points.shape[1]
     move = vectors("displacement", displacement, d)
     number, places, notes = matched(case, points, move)
@@ -155,7 +158,8 @@ def check(
     precision = _precision(found, given, size, accuracy)
     rest = math.nan if at_rest is None else positive("at_rest", at_rest)
     positive("band", band)
-    doubt = case.uncertainty + precision
+    known = case.uncertainty * float(np.linalg.norm(case.wanted, axis=1).max())
+    doubt = known / size + precision
     field_ = _field(case, order, at, found, wanted, doubt)
     error = field_.left(found)
     word = agreement(error, doubt, band, 0.0 if math.isnan(rest) else rest)
@@ -170,7 +174,7 @@ def check(
     rows = tuple(_row(case, name, values, band) for name, values in (quantities or {}).items())
     return Verdict(
         case.name, case.nu, word, error, doubt, band, parts, causes,
-        nearest_material(case, order, found, doubt), rest, precision, rows, notes,
+        nearest_material(case, order, found, doubt * size), rest, precision, rows, notes,
     )  # fmt: skip
 
 
@@ -296,4 +300,6 @@ def _rest(rest: float) -> str:
 def _percent(part: float) -> str:
     if part < LEAST_SHOWN:
         return "0 %"
-    return f"{100 * part:.2g} %" if part < 1 else f"{part:.3g} times"
+    if part > 1:
+        return f"{part:.3g} times"
+    return f"{100 * part:.2g} %" if part < ALMOST else f"{100 * part:.3g} %"

@@ -52,7 +52,7 @@ def nearest_material(case: ElasticCase, order: Array, found: Array, doubt: float
     found
         (m, d) displacements there, in m.
     doubt
-        How far each component may be off, over the largest.
+        How far each component may be off, in m.
     """
     low, high = case.ratios
     scale, nu = 1.0, case.nu
@@ -88,7 +88,7 @@ def _described(
     scale, nu = fitted
     size = float(np.linalg.norm(case.wanted, axis=1).max())
     own, columns = _columns(case, order, scale, nu)
-    away = np.abs(np.linalg.pinv(columns)).sum(axis=1) * doubt * size
+    away = np.abs(np.linalg.pinv(columns)).sum(axis=1) * doubt
     left = float(np.linalg.norm(found - scale * own, axis=1).max()) / size
     shows = bool(columns[:, -1].any()) and float(away[-1]) < SHOWS
     loads = case.driven != "supports" and scale > 0

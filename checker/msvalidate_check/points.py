@@ -12,6 +12,10 @@ from msvalidate_check.errors import CheckError
 from msvalidate_check.precision import spacing_of_numbers
 
 Array = np.ndarray
+LARGEST = 1e100
+"""Size of numbers beyond which their squares overflow."""
+SAME = 1e-6
+"""Of the largest displacement, by which those of one place may differ."""
 SLACK = 2.0
 """Distances between neighbouring numbers of places within which one is a node."""
 PLACED, MOST_SLACK = 1e-6, 0.02
@@ -53,7 +57,7 @@ def matched(
         return (number, None, _notes(case, number))
     places = vectors("points", given, case.points.shape[1])
     _refuse_other_count(places, move)
-    number = _placed(case, places)
+    number = _placed(case, places, move)
     return number, places, _notes(case, number)
 
 
@@ -71,7 +75,7 @@ def _numbered(case: ElasticCase, given: Array) -> Array:
     return once
 
 
-def _placed(case: ElasticCase, places: Array) -> Array:
+def _placed(case: ElasticCase, places: Array, move: Array) -> Array:
     """The named point at each place."""
     named = case.points[case.named]
     size = float(np.ptp(named, axis=0).max())
@@ -82,6 +86,7 @@ def _placed(case: ElasticCase, places: Array) -> Array:
         nearest = int(away.argmin())
         if away[nearest] <= room:
             number[nearest] = i
+    _refuse_contradiction(case, places, move, number, room)
     outside = ((places < named.min(axis=0) - room) | (places > named.max(axis=0) + room)).any(
         axis=1
     )
@@ -89,6 +94,22 @@ def _placed(case: ElasticCase, places: Array) -> Array:
     if found < min(FEWEST, len(named)) or outside.mean() > MOST_OUTSIDE:
         raise CheckError(_nowhere(case, places, found))
     return number
+
+
+def _refuse_contradiction(
+    case: ElasticCase, places: Array, move: Array, number: Array, room: float
+) -> None:
+    """Raise `CheckError` where one place of the set's has two displacements."""
+    for at in np.flatnonzero(number >= 0):
+        x = case.points[number[at]]
+        same = np.abs(places - x).max(axis=1) <= room
+        apart = float(np.abs(move[same] - move[at]).max())
+        if apart > SAME * float(np.abs(move).max()):
+            where = ", ".join(f"{a:.4g}" for a in x)
+            raise CheckError(
+                f"points: ({where}) m stands {int(same.sum())} times, with displacements that differ "
+                f"by {apart:.3g} m; give one"
+            )
 
 
 def _notes(case: ElasticCase, number: Array) -> tuple[str, ...]:
@@ -127,6 +148,8 @@ def _nowhere(case: ElasticCase, places: Array, found: int) -> str:
 
 def vectors(name: str, given: ArrayLike, d: int) -> Array:
     """An array (n, d) of finite numbers; a third component of 0 is left out in the plane."""
+    if np.iscomplexobj(given):
+        raise CheckError(f"{name}: complex numbers; give real ones")
     try:
         array = np.asarray(given, dtype=float)
     except (TypeError, ValueError) as error:
@@ -135,12 +158,12 @@ def vectors(name: str, given: ArrayLike, d: int) -> Array:
         array = array[:, :2]
     if array.ndim != 2 or array.shape[1] != d or not len(array):
         raise CheckError(f"{name}: shape {array.shape}; give an array (n, {d})")
-    bad = np.argwhere(~np.isfinite(array))
+    bad = np.argwhere(~(np.abs(array) < LARGEST))
     if len(bad):
         row, column = (int(i) for i in bad[0])
         raise CheckError(
             f"{name}: {array[row, column]} along {'xyz'[column]} at point {row}, {len(bad)} in all;"
-            " give finite numbers"
+            f" give finite numbers below {LARGEST:g}"
         )
     return array
 

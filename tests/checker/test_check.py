@@ -223,6 +223,12 @@ OTHER = elastic_case("cantilever_load", 0.3)
         (lambda: check(CASE, np.arange(20) + 90, U), "nodes 90 to 109"),
         (lambda: check(CASE, np.arange(20) / 2, U), "numbers that are not whole"),
         (lambda: check(CASE, X, [["a", "b"]] * 20), "displacement: not numbers"),
+        (lambda: check("cook", X, U), "case: 'cook'; give what elastic_case returns"),
+        (lambda: check(CASE, X, 1e200 * U), "at point"),
+        (lambda: check(CASE, X, 1j * U), "complex numbers"),
+        (lambda: check(CASE, np.r_[X, X[-1:]], np.r_[U, 3 * U[-1:]]), "stands 2 times"),
+        (lambda: elastic_case("cook", "x"), "nu: 'x'; give a number"),
+        (lambda: elastic_case("cook_plane_strain", state="plane_stress"), "leave one of them out"),
         (lambda: check(CASE, X, U, band=-1), "band: -1; give a number from 0"),
         (lambda: check(CASE, X, U, at_rest=np.nan), "at_rest: nan"),
         (
