@@ -107,8 +107,8 @@ def _refuse_contradiction(
         if apart > SAME * float(np.abs(move).max()):
             where = ", ".join(f"{a:.4g}" for a in x)
             raise CheckError(
-                f"points: ({where}) m stands {int(same.sum())} times, with displacements that differ "
-                f"by {apart:.3g} m; give one"
+                f"points: ({where}) m stands {int(same.sum())} times, with displacements that "
+                f"differ by {apart:.3g} m; give one"
             )
 
 
