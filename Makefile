@@ -59,6 +59,7 @@ slow: $(VENV)/develops
 # make cases     the frozen set of cases, from nothing: an hour; a version that is there is never
 #                written again
 cases: $(VENV)/peers
+	@$(BIN)/python -m cases.make ready
 	OMP_NUM_THREADS=1 $(BIN)/python -m cases.make solve
 	OMP_NUM_THREADS=1 $(BIN)/python -m cases.make peer
 	OMP_NUM_THREADS=1 $(BIN)/python -m cases.make freeze

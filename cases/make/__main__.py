@@ -1,4 +1,4 @@
-"""Make a version of the set: `python -m cases.make solve`, then `peer`, then `freeze`.
+"""Make a version of the set: `python -m cases.make ready`, `solve`, `peer`, then `freeze`.
 
 Answers are kept in `build/cases` and found again, so that a run that was cut off goes on where it
 was. A version that is frozen is never written again: errata make a new one.
@@ -42,7 +42,7 @@ DIGESTS = {digests!r}
 def main(arguments: list[str] | None = None) -> int:
     """Run one step; the exit code."""
     parser = argparse.ArgumentParser(prog="python -m cases.make", description=__doc__)
-    parser.add_argument("step", choices=("solve", "peer", "freeze"))
+    parser.add_argument("step", choices=("ready", "solve", "peer", "freeze"))
     parser.add_argument("--only", default="", help="cases whose names begin so")
     parser.add_argument("--dim", type=int, choices=(2, 3), help="of the plane, or of space, only")
     parser.add_argument("--out", type=Path, help="folder to write the set to, to compare it")
@@ -54,6 +54,8 @@ def main(arguments: list[str] | None = None) -> int:
     ]
     if not chosen:
         parser.error(f"--only {given.only!r}: no case begins so")
+    if given.step == "ready":
+        return _refuse_frozen(HOME / "cases" / f"v{VERSION}")
     if given.step == "freeze":
         return _freeze(chosen, given.out)
     return _solve_all(chosen) if given.step == "solve" else _ask_peer(chosen)
@@ -98,8 +100,7 @@ def _freeze(chosen: list[Statement], out: Path | None) -> int:
     from cases.make.pack import archive, packed_case  # noqa: PLC0415
 
     home = HOME / "cases" / f"v{VERSION}" if out is None else out
-    if home.exists():
-        _say(f"{home.name}: frozen; it is never written again. Errata make a new version")
+    if _refuse_frozen(home):
         return 2
     rows: list[Confirmation] = []
     files: dict[str, bytes] = {"LICENSE": LICENCE.encode()}
@@ -135,6 +136,14 @@ def _freeze(chosen: list[Statement], out: Path | None) -> int:
     size = sum(map(len, files.values()))
     _say(f"{len(chosen)} cases, {len(files)} files of {size:,} bytes, packed {len(packed):,}")
     return 0
+
+
+def _refuse_frozen(home: Path) -> int:
+    """2 with a word why, if a version is there; else 0."""
+    if not home.exists():
+        return 0
+    _say(f"{home.name}: frozen; it is never written again. Errata make a new version")
+    return 2
 
 
 def _write(home: Path, files: dict[str, bytes]) -> None:
