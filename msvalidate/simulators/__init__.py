@@ -1,0 +1,1 @@
+"""Simulators that others wrote: asked through files, gated, probed, and explained."""

@@ -1,0 +1,169 @@
+"""What a simulator is asked, and what it answers: two records, in memory or as files.
+
+A simulator is any function from a `Request` to an `Answer`. One that is a program of its own is
+asked through files (`folders`, `program`); nothing of it is imported here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from msvalidate.problem import Array, Index, Isotropic, Mask, Mesh, ProblemError, SolverError
+from msvalidate.problem.checks import positive_number, require_one_of, whole_number
+
+FORMAT = 1
+"""Of the files. A change that older adapters cannot read makes it 2."""
+CANNOT = 77
+"""Exit code of an adapter whose program cannot represent what is asked."""
+Task = Literal["rest", "motion"]
+"""Bring the body to rest under its loads, or take steps from given positions."""
+ForcesAt = Literal["start", "end"]
+"""At which positions of a step the forces act that changed its velocities."""
+
+
+class CannotRepresent(ProblemError):
+    """The simulator has no way to do what is asked; the message is its reason."""
+
+
+class SimulatorError(SolverError):
+    """A simulator crashed, took too long, or left an answer that is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Springs:
+    """Springs between a request's nodes, for codes that know nothing else.
+
+    Parameters
+    ----------
+    ends
+        (m, 2) nodes.
+    stiffness, length
+        (m,) N/m, and m at rest.
+    """
+
+    ends: Index
+    stiffness: Array
+    length: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """One thing that a simulator is to do.
+
+    Parameters
+    ----------
+    task
+        "rest": displacement at rest under gravity, forces and supports. "motion": position and
+        velocity after `steps` steps of `dt` from `start` at zero velocity, under gravity alone:
+        no supports, forces, damping or contact. A static program may answer a motion of one step
+        by the forces that the body puts on its nodes at `start`.
+    mesh
+        Nodes and linear cells: triangle or quad in the plane, tetra or hexahedron in space.
+    material
+        Asked E, nu, density, plane state and thickness.
+    mass
+        (n,) lumped, kg.
+    gravity
+        (d,) m/s².
+    force
+        (n, d) on the nodes, N, gravity not among them.
+    held, value
+        (n, d) which components supports hold, and where (m, displacement).
+    start
+        (n, d) positions (m) of a motion.
+    dt, steps
+        Of a motion: s, and how many.
+    settings
+        Of the simulator alone, by its own names: law, iterations and so on.
+    springs
+        In place of the material, for codes of springs.
+    name
+        Of the case.
+    """
+
+    task: Task
+    mesh: Mesh
+    material: Isotropic
+    mass: Array
+    gravity: Array
+    force: Array
+    held: Mask
+    value: Array
+    start: Array | None = None
+    dt: float | None = None
+    steps: int = 1
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    springs: Springs | None = None
+    name: str = "case"
+
+    def __post_init__(self) -> None:
+        require_one_of("task", self.task, get_args(Task))
+        if self.task == "motion":
+            if self.start is None or self.dt is None:
+                raise ProblemError("motion: no start or dt; give positions and a step")
+            positive_number("dt", self.dt, "s")
+            whole_number("steps", self.steps, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a simulator says.
+
+    Parameters
+    ----------
+    displacement
+        (n, d) m, of task "rest".
+    position, velocity
+        (n, d) m and m/s after the last step, of task "motion".
+    force
+        (n, d) N that the body puts on its nodes at `start`, from programs without motion.
+    about
+        What `result.json` holds: simulator, version, law, settings, steps, dt, precision
+        ("float64" or "float32"), mass ("lumped" or "consistent"), forces_at ("start" of a step
+        where it is explicit, "end" where it is implicit), at_rest, seconds, notes.
+    """
+
+    displacement: Array | None = None
+    position: Array | None = None
+    velocity: Array | None = None
+    force: Array | None = None
+    about: Mapping[str, Any] = field(default_factory=dict)
+
+
+Simulator = Callable[[Request], Answer]
+
+
+def ask(simulator: Simulator, request: Request) -> Answer:
+    """A simulator's answer, with the arrays that the task needs, of the right shape and finite.
+
+    Raises
+    ------
+    CannotRepresent
+        If the simulator says so.
+    SimulatorError
+        If it leaves no such answer.
+    """
+    answer = simulator(request)
+    needed = ("displacement",) if request.task == "rest" else ("position", "velocity")
+    if request.task == "motion" and answer.force is not None:
+        needed = ("force",)
+    for name in needed:
+        _refuse_misfit(name, getattr(answer, name), request.mesh.points.shape)
+    return answer
+
+
+def _refuse_misfit(name: str, array: Array | None, shape: tuple[int, ...]) -> None:
+    if array is None:
+        raise SimulatorError(f"answer: no {name}; give {name} {shape}")
+    if array.shape != shape:
+        raise SimulatorError(f"answer: {name} {array.shape}; give {shape}, a row a node")
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        raise SimulatorError(
+            f"answer: {name} {array[tuple(bad[0])]} at node {bad[0][0]}, {len(bad)} in all; "
+            "the simulation diverged"
+        )
