@@ -106,7 +106,10 @@ def _read_about(path: Path) -> dict[str, Any]:
 
 
 def _refuse_large(path: Path, most: int) -> None:
-    size = path.stat().st_size
+    _refuse_more(path, path.stat().st_size, most)
+
+
+def _refuse_more(path: Path, size: int, most: int) -> None:
     if size > most:
         raise SimulatorError(f"answer: {path.name}: {size:g} bytes; the most is {most:g}")
 
@@ -146,11 +149,7 @@ def _take(said: str, there: dict[str, Any], request: Request) -> dict[str, Array
 def _read_npz(path: Path, request: Request, most: int) -> dict[str, Array]:
     try:
         with zipfile.ZipFile(path) as packed:
-            size = sum(each.file_size for each in packed.infolist())
-        if size > most:
-            raise SimulatorError(
-                f"answer: {path.name}: {size:g} bytes unpacked; the most is {most:g}"
-            )
+            _refuse_more(path, sum(each.file_size for each in packed.infolist()), most)
         with np.load(path, allow_pickle=False) as content:
             there = {name: content[name] for name in content.files if name in COLUMNS}
     except SimulatorError:

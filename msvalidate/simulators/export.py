@@ -36,7 +36,7 @@ from msvalidate.simulators.protocol import Request, Springs
 from reference_fem.body import nodal_forces
 from reference_fem.converged import grid_lines, kept_places
 from reference_fem.mesh.boxes import lines_discretisation
-from reference_fem.mesh.discretisation import Discretisation, make_discretisation
+from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.elements import of_shape
 from reference_fem.mesh.from_mesh import mesh_discretisation
 from reference_fem.mesh.outlines import outline_discretisation

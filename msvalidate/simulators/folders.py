@@ -92,9 +92,7 @@ def request_files(request: Request) -> dict[str, bytes]:
     if request.springs is not None:
         each = request.springs
         columns = np.column_stack([each.ends, each.stiffness, each.length])
-        files["springs.csv"] = _table(
-            ["a", "b", "stiffness", "length"], columns, whole=["a", "b"]
-        )
+        files["springs.csv"] = _table(["a", "b", "stiffness", "length"], columns, whole=["a", "b"])
     return files
 
 

@@ -45,7 +45,7 @@ CASE, OUT, LOG = "case", "out", "log.txt"
 
 @dataclass(frozen=True)
 class Program:
-    """An adapter: called with a `Request`, it runs ``COMMAND CASE_DIR OUT_DIR``, then reads its answer.
+    """An adapter: called with a `Request`, runs ``COMMAND CASE_DIR OUT_DIR``, returns its answer.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def words_of(command: str) -> list[str]:
 
 
 def label_of(command: str) -> str:
-    """What results of an adapter are called: the last file that its command names, or its program."""
+    """What results of an adapter are called: after the last file that its command names."""
     words = words_of(command)
     files = [word for word in words if Path(word).is_file()]
     return Path((files or words)[-1]).stem
