@@ -30,13 +30,9 @@ def read_table(path: Path, columns: Sequence[str] | None) -> Array:
     """
     said = f"table {format_value(path.name)}"
     try:
+        # As texts, whose numbers Python reads exactly: the library's own way differs by version.
         text = pd.read_csv(
-            path,
-            skipinitialspace=True,
-            float_precision="round_trip",
-            encoding="utf-8-sig",
-            keep_default_na=False,
-            na_values=["nan", "NaN", "-nan"],
+            path, skipinitialspace=True, encoding="utf-8-sig", keep_default_na=False, dtype=str
         )
     except OSError as error:
         raise ProblemError(f"{said}: {error.strerror}; write it") from error
@@ -49,15 +45,23 @@ def read_table(path: Path, columns: Sequence[str] | None) -> Array:
     if missing:
         there = ", ".join(map(str, text.columns))
         raise ProblemError(f"{said}: no column {missing[0]}; it has {format_value(there)}")
-    for name in ["id", *wanted] if "id" in text.columns else wanted:
-        if text[name].dtype.kind not in "iuf":
-            bad = pd.to_numeric(text[name], errors="coerce").isna().to_numpy().argmax()
-            shown = format_value(text[name].iloc[bad])
-            raise ProblemError(f"{said}: {name} in row {bad + 1}: {shown}; give a number")
-    found = text[wanted].to_numpy(dtype=float)
+    found = np.empty((len(text), len(wanted)))
+    for place, name in enumerate(wanted):
+        found[:, place] = _numbers(said, name, text[name].to_list())
     if "id" in text.columns:
-        found = _by_id(said, text["id"].to_numpy(dtype=float), found)
-    return np.ascontiguousarray(found)
+        return _by_id(said, _numbers(said, "id", text["id"].to_list()), found)
+    return found
+
+
+def _numbers(said: str, name: str, texts: list[str]) -> Array:
+    found = np.empty(len(texts))
+    for row, each in enumerate(texts):
+        try:
+            found[row] = float(each)
+        except (TypeError, ValueError) as error:
+            shown = format_value(each)
+            raise ProblemError(f"{said}: {name} in row {row + 1}: {shown}; give a number") from error
+    return found
 
 
 def _by_id(said: str, number: Array, rows: Array) -> Array:
@@ -68,4 +72,4 @@ def _by_id(said: str, number: Array, rows: Array) -> Array:
         raise ProblemError(
             f"{said}: id {number[order][at]:g} where {at} is due; number each row once, from 0"
         )
-    return np.asarray(rows[order])
+    return np.ascontiguousarray(rows[order])
