@@ -151,7 +151,7 @@ def _unit(given: str) -> float:
 def said(file: Path, error: Exception) -> str:
     """An error that names the case file."""
     text = " ".join(str(error).split())
-    named = text.startswith(("case ", "adapter ", "folder "))
+    named = text.startswith(("case ", "adapter", "answer: ", "folder "))
     return text if named else f"case {file.name}: {text}"
 
 

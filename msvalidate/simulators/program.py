@@ -132,15 +132,14 @@ def words_of(command: str) -> list[str]:
     if not words or "\0" in command:
         raise ProblemError(f"adapter {format_value(command)}: no program; give a command")
     words = [_absolute(word) for word in words]
-    if words[0].endswith(".py"):
-        words.insert(0, sys.executable)
-    found = shutil.which(words[0])
+    script = words[0].endswith(".py")
+    found = sys.executable if script and Path(words[0]).is_file() else shutil.which(words[0])
     if found is None:
         raise ProblemError(
             f"adapter {format_value(words[0])}: no such program, or none that can be run; give "
             "its path"
         )
-    return [found, *words[1:]]
+    return [found, *words] if found == sys.executable and script else [found, *words[1:]]
 
 
 def label_of(command: str) -> str:

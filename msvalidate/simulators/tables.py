@@ -60,7 +60,9 @@ def _numbers(said: str, name: str, texts: list[str]) -> Array:
             found[row] = float(each)
         except (TypeError, ValueError) as error:
             shown = format_value(each)
-            raise ProblemError(f"{said}: {name} in row {row + 1}: {shown}; give a number") from error
+            raise ProblemError(
+                f"{said}: {name} in row {row + 1}: {shown}; give a number"
+            ) from error
     return found
 
 

@@ -44,7 +44,9 @@ def same(one, other):
 def test_a_request_is_read_back_as_it_was(tmp_path, asked):
     write_request(asked, tmp_path / "a b")
     again = read_request(tmp_path / "a b")
-    differ = [f.name for f in fields(asked) if not same(getattr(asked, f.name), getattr(again, f.name))]
+    differ = [
+        f.name for f in fields(asked) if not same(getattr(asked, f.name), getattr(again, f.name))
+    ]
     assert differ == []
 
 

@@ -181,7 +181,10 @@ def test_an_interrupt_ends_the_adapter(tmp_path):
         Program(adapter(tmp_path, "sys.exit(1)", "bad.py"), keep=tmp_path / "first")(REQUEST)
     case = str(tmp_path / "first" / "case")
     script = INTERRUPTED.format(
-        path=[path for path in sys.path if path], command=command, keep=str(tmp_path / "k"), case=case
+        path=[path for path in sys.path if path],
+        command=command,
+        keep=str(tmp_path / "k"),
+        case=case,
     )
     with subprocess.Popen([sys.executable, "-c", script], stderr=subprocess.PIPE) as ours:
         try:
