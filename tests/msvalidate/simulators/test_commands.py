@@ -35,8 +35,8 @@ def test_the_template_is_judged_at_once(place):
     assert verdict["verdict"] == "agrees"
     assert 0 < verdict["rest"] < 1e-6
     page = (folder / "box-toy" / "case.html").read_text(encoding="utf-8")
-    for words in ("linear elasticity, toy solver of the template", "1105 of 2048 triangle"):
-        assert words in page
+    for text in ("linear elasticity, toy solver of the template", "1105 of 2048 triangle"):
+        assert text in page
     assert str(place) not in page
     kept = {path.name for path in (folder / "box-toy-run" / "out").iterdir()}
     assert kept == {"log.txt", "result.json", "result.npz"}

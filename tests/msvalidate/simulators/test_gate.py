@@ -122,7 +122,7 @@ class Forgetful(Linear):
 
 
 class Broken(Linear):
-    def kept(self, request, u):
+    def kept(self, *_):
         raise SimulatorError("it crashed")
 
 
