@@ -266,11 +266,11 @@ def first_mesh(problem: Problem) -> Discretisation:
     if isinstance(domain, Polygon):
         sides = [high - low for low, high in domain.span]
         h = max(min(sides) / ACROSS, max(sides) / MOST_ALONG)
-        linear = outline_discretisation(domain, h, _corners(problem))
+        linear = outline_discretisation(domain, h, kept_places(problem))
         return _raised(linear)
     if isinstance(domain, Box):
         h = max(min(domain.size) / ACROSS, max(domain.size) / MOST_ALONG)
-        return _laid_grid(domain, _lines(problem, h))
+        return _laid_grid(domain, grid_lines(problem, h))
     own = mesh_discretisation(domain)
     if own.element.degree > 1:
         return own
@@ -283,7 +283,7 @@ def _raised(linear: Discretisation) -> Discretisation:
     return mesh_discretisation(mesh, linear.element.raised[0])
 
 
-def _corners(problem: Problem) -> Array:
+def kept_places(problem: Problem) -> Array:
     """Places (k, d) in m that must be nodes: ends of parts and zones, point forces."""
     span = problem.domain.span
     parts = [*problem.supports, *(load for load in problem.loads if hasattr(load, "region"))]
@@ -296,17 +296,20 @@ def _corners(problem: Problem) -> Array:
     return np.concatenate(found) if found else np.empty((0, len(span)))
 
 
-def _lines(problem: Problem, h: float) -> list[Array]:
-    """Coordinates (m) of lines along each axis, about h apart, through where parts of sides end."""
+def grid_lines(problem: Problem, h: float, least: int = 2) -> list[Array]:
+    """Coordinates (m) of lines along each axis, about h apart, through where parts of sides end.
+
+    Where none ends, an axis has the `least` number of cells or more.
+    """
     domain = problem.domain
     found = []
-    for x, (low, high) in zip(_corners(problem).T, domain.span, strict=True):
+    for x, (low, high) in zip(kept_places(problem).T, domain.span, strict=True):
         stops = np.unique(np.concatenate([x[(x > low) & (x < high)], [low, high]]))
         apart = np.concatenate([[True], np.diff(stops) > domain.tolerance])
         stops = np.append(stops[apart][:-1], high) if apart.sum() > 1 else np.array([low, high])
         parts = []
         for a, b in pairwise(stops):
-            many = max(2 if len(stops) == 2 else 1, round((b - a) / h))
+            many = max(least if len(stops) == 2 else 1, round((b - a) / h))
             parts.append(a + (b - a) * np.arange(many) / many)
         found.append(np.append(np.concatenate(parts), high))
     return found

@@ -230,7 +230,7 @@ def load(name):
     package = importlib.import_module(name)
     for module in pkgutil.iter_modules(getattr(package, "__path__", ())):
         # Cases compare both sides, as studies do.
-        if module.name not in ("studies", "__main__", "case", "cases"):
+        if module.name not in ("studies", "__main__", "case", "cases", "simulators"):
             load(f"{name}.{module.name}")
     return package
 package = load(sys.argv[1])
@@ -323,7 +323,7 @@ MAIN = ("msvalidate.__main__", "msvalidate.study")
 """Programs: what they define would exist twice, so they are imported by nobody."""
 
 
-BOTH_SIDES = {"reference_fem", "studies", "case"}
+BOTH_SIDES = {"reference_fem", "studies", "case", "simulators"}
 """Folders that may know the reference."""
 
 
@@ -506,6 +506,7 @@ WRITING = {
     "msvalidate_check.exchange": ("",),
     "msvalidate.output.report": ("",),
     "msvalidate.output.vtu": ("tempfile.TemporaryDirectory(",),
+    "msvalidate.simulators.program": ("tempfile.TemporaryDirectory(",),
     "msvalidate.output.stored": ("figure.savefig(page,", "table.to_csv(index="),
     "msvalidate.cli.program": ("os.open(os.devnull,",),
     "msvalidate.cli.terminal": ("open(os.devnull,",),

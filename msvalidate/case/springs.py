@@ -164,15 +164,27 @@ def solve_springs(case: Case, spacing: float) -> SpringAnswer:
         If there is no trustworthy answer.
     """
     began = time.perf_counter()
+    lattice, network, calibration = make_network(case, spacing)
+    rest = equilibrium(network)
+    if case.lattice == MESH_EDGES:
+        spacing = float(np.linalg.norm(lattice.vectors, axis=1).mean())
+    return SpringAnswer(spacing, lattice, network, rest, calibration, time.perf_counter() - began)
+
+
+def make_network(case: Case, spacing: float) -> tuple[Lattice, Network, Calibration | None]:
+    """Lattice of a spacing (m), the network that stands for a case on it, and its calibration.
+
+    Raises
+    ------
+    ProblemError
+        If the lattice is none for the body, material, supports or loads.
+    """
     lattice = make_lattice(case, spacing)
     constants, calibration = _constants(case, lattice)
     volume = case.volume if case.constants is not None else 0.0
     build = cut_network if isinstance(lattice, CutLattice) else lattice_network
     network = build(case.problem, lattice, constants, volume=volume)  # type: ignore[arg-type]
-    rest = equilibrium(network)
-    if case.lattice == MESH_EDGES:
-        spacing = float(np.linalg.norm(lattice.vectors, axis=1).mean())
-    return SpringAnswer(spacing, lattice, network, rest, calibration, time.perf_counter() - began)
+    return lattice, network, calibration
 
 
 def _constants(case: Case, lattice: Lattice) -> tuple[OneOrEach | None, Calibration | None]:

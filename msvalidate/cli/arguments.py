@@ -31,8 +31,14 @@ VALUED = {*PLACES, "--seed", "--jobs", "--table", "--reason", "--accuracy", "--q
 """Options that take the next word."""
 LATEST, CANDIDATES = Path("reports/latest"), Path("reports/candidate")
 """Where results go: those of a candidate do not take the place of our own."""
-CASE = "your own body: case new, case run, case schema"
-COMMANDS = "\n".join(f"  {verb:<8}{said}" for verb, said in {**VERBS, "case": CASE}.items())
+CASE = "your own body: case new, case run, case judge, case export, case schema"
+OTHERS = {
+    "case": CASE,
+    "simulate": "your own simulator on a case, judged",
+    "adapter": "adapter new: a program between this one and a simulator",
+}
+"""Commands with a line of their own."""
+COMMANDS = "\n".join(f"  {verb:<10}{said}" for verb, said in {**VERBS, **OTHERS}.items())
 FIRST = f"""\
 What are springs good for, and how wrong are they? First try:
 

@@ -7,12 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from msvalidate.cli.arguments import PROGRAM, USAGE
+from msvalidate.cli.simulator_arguments import add_export
 
 FOLDER = Path("reports/cases")
 COMMANDS = {
     "new": "write a commented case file",
     "run": "solve cases with springs and with elements, and compare",
     "judge": "compare displacements from a file with a case's elasticity",
+    "export": "write a case as a mesh with masses, forces and supports, for a simulator",
     "schema": "the JSON schema of case files, for editors",
 }
 EXIT_CODES = """\
@@ -71,8 +73,13 @@ def _parser() -> argparse.ArgumentParser:
         metavar="PART",
         help="how much they may still change, over the largest",
     )
+    each["export"].add_argument("file", type=Path, metavar="CASE", help="case file")
+    each["export"].add_argument(
+        "folder", type=Path, metavar="DIR", help="folder that is made, or whose export is replaced"
+    )
+    add_export(each["export"])
     for name in ("run", "judge"):
-        _add_output(each[name])
+        add_output(each[name])
     for one in (parser, *each.values()):
         one.error = lambda message: parser.exit(  # type: ignore[method-assign]
             USAGE, f"{PROGRAM} case: error: {message}; see --help\n"
@@ -80,7 +87,8 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_output(parser: argparse.ArgumentParser) -> None:
+def add_output(parser: argparse.ArgumentParser) -> None:
+    """Add the options of commands that leave pages."""
     add = parser.add_argument
     add(
         "--out",

@@ -1,4 +1,4 @@
-"""What ``msvalidate case`` does: new, run, schema."""
+"""What ``msvalidate case`` does: new, run, judge, export, schema."""
 
 from __future__ import annotations
 
@@ -12,12 +12,15 @@ import numpy as np
 
 from msvalidate.case import building, files, page, places, results, run
 from msvalidate.case.case import Case
+from msvalidate.case.judge import Judgement
 from msvalidate.case.schema import json_schema
 from msvalidate.case.template import template
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, PROGRAM, USAGE
 from msvalidate.cli.terminal import announce_compilation, print_lines, tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, format_value
+from msvalidate.simulators.export import export_case
+from msvalidate.simulators.folders import write_request
 from msvalidate_check import exchange
 from msvalidate_check.words import AGREES
 
@@ -26,7 +29,7 @@ def act(args: argparse.Namespace) -> int:
     """Do what the command line asks for; return the exit code."""
     if not getattr(args, "quiet", True):
         announce_compilation()
-    acts = {"new": _new, "run": _run, "judge": _judge, "schema": _schema}
+    acts = {"new": _new, "run": _run, "judge": _judge, "export": _export, "schema": _schema}
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused in words
         return acts[args.command](args)
 
@@ -55,6 +58,20 @@ def _schema(_args: argparse.Namespace) -> int:
     return print_lines([json.dumps(json_schema(), indent=2)])
 
 
+def _export(args: argparse.Namespace) -> int:
+    """Write what a simulator is asked."""
+    try:
+        case = building.read_case(args.file)
+        request = export_case(
+            case, cells=args.cells, shape=args.shape, springs=args.springs, settings=dict(args.set)
+        )
+        write_request(request, args.folder, {"case.toml": args.file.read_bytes()})
+    except ProblemError as error:
+        return tell_error(said(args.file, error), USAGE)
+    tell(f"{args.folder}: {request.mesh}, {len(request.mesh.points)} nodes")
+    return HELD
+
+
 def _run(args: argparse.Namespace) -> int:
     """Each case in turn: one that is refused does not keep the others from being solved."""
     codes = []
@@ -70,9 +87,9 @@ def _run(args: argparse.Namespace) -> int:
             files.refuse_foreign(args.out / name, file.name)
             codes.append(_solve(building.read_case(file), args.out / name, file.name, args))
         except ProblemError as error:
-            codes.append(tell_error(_said(file, error), USAGE))
+            codes.append(tell_error(said(file, error), USAGE))
         except SolverError as error:
-            codes.append(tell_error(_said(file, error), FAILED))
+            codes.append(tell_error(said(file, error), FAILED))
     return max(codes)
 
 
@@ -87,7 +104,7 @@ def _judge(args: argparse.Namespace) -> int:
         files.refuse_foreign(folder, whose)
         case = building.read_case(args.file)
         result = results.read_result(args.result, case.problem.domain.dim, args.field)
-        show = _Progress(case.name, shown=not args.quiet)
+        show = Progress(case.name, shown=not args.quiet)
         command = ("msvalidate", "case", "judge", "FILE", "RESULT")
         found, content = run.judged_files(
             case,
@@ -99,16 +116,22 @@ def _judge(args: argparse.Namespace) -> int:
             progress=show,
         )
     except SolverError as error:
-        return tell_error(_said(args.file, error), FAILED)
+        return tell_error(said(args.file, error), FAILED)
     except ProblemError as error:
         text = str(error)
-        return tell_error(text if text.startswith("result ") else _said(args.file, error), USAGE)
+        return tell_error(text if text.startswith("result ") else said(args.file, error), USAGE)
     files.publish(folder, content, whose)
     show.clear()
-    word = found.row.verdict
-    if not args.quiet:
-        head, said = page.judged_sentences(found)
-        print_lines([f"{result.name}: {word}", f"  {head}", *(f"  {each}" for each in said)])
+    return tell_judged(found, folder, quiet=args.quiet)
+
+
+def tell_judged(found: Judgement, folder: Path, *, quiet: bool) -> int:
+    """Say what displacements are beside elasticity; return the exit code."""
+    result, word = found.result, found.row.verdict
+    if not quiet:
+        head, reasons = page.judged_sentences(found)
+        lines = [f"{result.name}: {word}", f"  {head}", *(f"  {each}" for each in reasons)]
+        print_lines(lines)
         for note in found.matched.notes:
             tell(f"{result.name}: {note}")
         tell(f"{result.name}: {folder / 'case.html'}")
@@ -125,30 +148,32 @@ def _unit(given: str) -> float:
         return places.unit_in_metres("--unit", given)
 
 
-def _said(file: Path, error: Exception) -> str:
+def said(file: Path, error: Exception) -> str:
+    """An error that names the case file."""
     text = " ".join(str(error).split())
-    return text if text.startswith("case ") else f"case {file.name}: {text}"
+    named = text.startswith(("case ", "adapter", "answer: ", "folder "))
+    return text if named else f"case {file.name}: {text}"
 
 
 def _solve(case: Case, folder: Path, whose: str, args: argparse.Namespace) -> int:
 
     began = time.perf_counter()
     command = ("msvalidate", "case", "run", "FILE")
-    show = _Progress(case.name, shown=not args.quiet)
+    show = Progress(case.name, shown=not args.quiet)
     found, content = run.case_files(case, plots=args.plots, command=command, progress=show)
     files.publish(folder, content, whose)
     show.clear()
     word = page.overall(found.rows)
     if not args.quiet:
-        head, said = page.sentences(found)
-        print_lines([f"{case.name}: {word}", f"  {head}", *(f"  {each}" for each in said)])
+        head, reasons = page.sentences(found)
+        print_lines([f"{case.name}: {word}", f"  {head}", *(f"  {each}" for each in reasons)])
         tell(f"{case.name}: {time.perf_counter() - began:.1f} s, {folder / 'case.html'}")
     elif word != AGREES:
         tell(f"{case.name}: {word}")
     return HELD if word == AGREES else MISSED
 
 
-class _Progress:
+class Progress:
     """What is being done, in one line that is written over; nothing where nobody looks."""
 
     def __init__(self, name: str, *, shown: bool) -> None:
@@ -156,6 +181,7 @@ class _Progress:
         self._shown = shown and sys.stderr.isatty()
 
     def __call__(self, step: str) -> None:
+        """Say what is being done now."""
         if self._shown:
             sys.stderr.write(f"\r\033[K{self._name}: {step} ...")
             sys.stderr.flush()

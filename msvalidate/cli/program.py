@@ -30,6 +30,7 @@ from msvalidate.cli.arguments import (
     parse,
 )
 from msvalidate.cli.case_arguments import parse_case
+from msvalidate.cli.simulator_arguments import parse_simulators
 from msvalidate.cli.terminal import (
     announce_compilation,
     ending,
@@ -55,6 +56,8 @@ def main(arguments: Sequence[str]) -> int:
     """Run what the command line asks for; return the exit code."""
     if arguments[:1] == ["case"]:
         return _case(parse_case(arguments[1:]))
+    if arguments[:1] in (["simulate"], ["adapter"]):
+        return _simulators(parse_simulators(arguments))
     args = parse(arguments)
     if args.verb == "list":
         return _guard(_list, args)
@@ -68,6 +71,15 @@ def _case(args: argparse.Namespace) -> int:
         from msvalidate.cli import cases
 
         return cases.act(args)
+
+    return _guard(act, args)
+
+
+def _simulators(args: argparse.Namespace) -> int:
+    def act() -> int:
+        from msvalidate.cli import simulators
+
+        return simulators.act(args)
 
     return _guard(act, args)
 

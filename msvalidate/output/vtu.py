@@ -1,4 +1,4 @@
-"""Fields on points and cells as .vtu files, which ParaView opens. Returns bytes, writes no results.
+"""Fields as .vtu files, which ParaView opens, and meshes for solvers. Returns bytes, not results.
 
 The library writes files only, so each is made in a folder that is gone at the end.
 """
@@ -44,6 +44,37 @@ def vtu_bytes(
         path = Path(folder) / "fields.vtu"
         mesh.write(path, file_format="vtu")
         return path.read_bytes()
+
+
+FORMATS = {".msh": "gmsh22", ".inp": "abaqus"}
+"""Ends of names -> meshio's name of the format: text, in all digits."""
+
+
+def mesh_bytes(points: Array, shape: str, cells: Index, suffix: str, element: str = "") -> bytes:
+    """A mesh file's content: Gmsh's format 2.2, or an Abaqus deck of nodes and elements.
+
+    Parameters
+    ----------
+    points
+        (n, 2) or (n, 3) in m; plane ones lie at z = 0.
+    shape, cells
+        meshio's name of the shape, and nodes (c, k).
+    suffix
+        ".msh" or ".inp".
+    element
+        The element that an .inp file's cells are said to be, such as "C3D4". They are the set BODY.
+    """
+    form = FORMATS[suffix]
+    tags = np.ones(len(cells), dtype=np.int32)
+    data = {name: [tags] for name in ("gmsh:physical", "gmsh:geometrical")}
+    mesh = meshio.Mesh(_in_space(points), [(shape, np.asarray(cells))], cell_data=data)
+    # Of the library's own names of elements some are of other formulations: reduced, or rigid.
+    options = {"binary": False} if suffix == ".msh" else {"translate_cell_names": False}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"mesh{suffix}"
+        mesh.write(path, file_format=form, **options)
+        content = path.read_bytes()
+    return content.replace(f"TYPE={shape}".encode(), f"TYPE={element}, ELSET=BODY".encode(), 1)
 
 
 def _in_space(values: np.ndarray) -> np.ndarray:

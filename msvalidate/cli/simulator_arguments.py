@@ -1,0 +1,123 @@
+"""What ``msvalidate simulate`` and ``msvalidate adapter`` take: files and options."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from msvalidate.cli.arguments import PROGRAM, USAGE
+
+FOLDER = Path("reports/simulators")
+SHAPES = ("tetra", "hexahedron", "triangle", "quad")
+SAID = {
+    "simulate": "Ask a simulator for a case through its adapter, and judge what it answers.",
+    "adapter": "Adapters: programs that run a simulator, as ADAPTER CASE_DIR OUT_DIR.",
+}
+EXIT_CODES = """\
+exit codes:
+  0  agrees with elasticity           2  wrong usage or bad input
+  1  differs, or is not resolved      3  the simulator failed, or left no answer
+                                      4  it cannot represent the case
+"""
+
+
+def parse_simulators(words: Sequence[str]) -> argparse.Namespace:
+    """The options of ``simulate`` or ``adapter``, the first of the words; `command` is which.
+
+    Wrong usage ends the program with one line and exit code 2.
+    """
+    name = words[0]
+    parser = argparse.ArgumentParser(
+        prog=f"{PROGRAM} {name}",
+        description=SAID[name],
+        epilog=EXIT_CODES if name == "simulate" else None,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.error = lambda message: parser.exit(  # type: ignore[method-assign]
+        USAGE, f"{PROGRAM} {name}: error: {message}; see --help\n"
+    )
+    if name == "simulate":
+        _add_simulate(parser)
+    else:
+        parser.add_argument("act", choices=("new",), metavar="new", help="write a template")
+        parser.add_argument("name", metavar="NAME", help="of the simulator; NAME.py is written")
+    args = parser.parse_args(list(words[1:]))
+    args.command, args.jobs = name, 1
+    args.verbose = getattr(args, "verbose", False)
+    return args
+
+
+def _add_simulate(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("file", type=Path, metavar="CASE", help="case file")
+    add(
+        "--with",
+        dest="adapter",
+        required=True,
+        metavar="ADAPTER",
+        help="command of the adapter, as of a shell: a program, or a .py file, and its words",
+    )
+    add_export(parser)
+    add(
+        "--limit",
+        type=float,
+        default=300.0,
+        metavar="SECONDS",
+        help="time after which it is ended (default: %(default)g)",
+    )
+    add(
+        "--out",
+        type=Path,
+        default=FOLDER,
+        metavar="DIR",
+        help="folder in which each case and adapter get a folder of their own "
+        "(default: %(default)s)",
+    )
+    add("--no-plots", dest="plots", action="store_false", help="no pictures")
+    add("-q", "--quiet", action="store_true", help="say failures only")
+    add("-v", "--verbose", action="store_true", help="tracebacks of crashes")
+
+
+def add_export(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say what a simulator is given."""
+    add = parser.add_argument
+    add(
+        "--cells",
+        type=int,
+        metavar="N",
+        help="cells across the narrowest side; a mesh file's are halved until so small",
+    )
+    add("--shape", choices=SHAPES, metavar="SHAPE", help=f"of the cells: {', '.join(SHAPES)}")
+    add(
+        "--springs",
+        action="store_true",
+        help="the case's own springs too, if they stand for the material alone",
+    )
+    add(
+        "--set",
+        type=_setting,
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a setting of the simulator, handed on; again for another",
+    )
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    """A name and a value: a number, true, false or list as in JSON, else a text."""
+    name, equals, value = text.partition("=")
+    name = name.strip()
+    if not equals or not name or not text.isprintable():
+        raise argparse.ArgumentTypeError(f"{text!r}; give NAME=VALUE")
+    try:
+        return name, json.loads(value, parse_constant=_refuse_constant)
+    except (ValueError, RecursionError):
+        return name, value
+
+
+def _refuse_constant(name: str) -> float:
+    raise argparse.ArgumentTypeError(f"{name} is no number that can be handed on; give another")

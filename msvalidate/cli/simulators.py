@@ -1,0 +1,128 @@
+"""What ``msvalidate simulate`` and ``msvalidate adapter`` do."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from msvalidate.case import building, files, run
+from msvalidate.case.case import Case
+from msvalidate.case.results import Result
+from msvalidate.cli.arguments import FAILED, HELD, NOTHING, PROGRAM, USAGE
+from msvalidate.cli.cases import Progress, said, tell_judged
+from msvalidate.cli.terminal import tell, tell_error
+from msvalidate.problem import ProblemError, SolverError
+from msvalidate.problem.checks import format_value
+from msvalidate.simulators.export import export_case
+from msvalidate.simulators.program import LOG, OUT, Program, label_of
+from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
+from msvalidate.simulators.rest import stated_unrest
+from msvalidate.simulators.template import adapter_template
+from msvalidate_check import exchange
+from msvalidate_check.precision import spacing_of_displacements
+
+COMMAND = ("msvalidate", "simulate", "CASE", "--with", "ADAPTER")
+RUN = "-run"
+"""End of the name of the folder that a run is kept in, beside its results."""
+
+
+def act(args: argparse.Namespace) -> int:
+    """Do what the command line asks for; return the exit code."""
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused in words
+        return _new(args) if args.command == "adapter" else _simulate(args)
+
+
+def _new(args: argparse.Namespace) -> int:
+    given = Path(args.name)
+    name = given.name.removesuffix(".py")
+    if not name or files.folder_name(name) != name:
+        raise ProblemError(
+            f"adapter new: {format_value(args.name)} is no name; give letters, digits, - and _"
+        )
+    path = given.parent / f"{name}.py"
+    if path.exists() or path.is_symlink():
+        raise ProblemError(f"adapter new: {path} is there already; give another name")
+    if not path.parent.is_dir():
+        raise ProblemError(f"adapter new: no folder {path.parent}; make it first")
+    exchange.replace_file(path, lambda: adapter_template(name).encode())
+    tell(f"{path} written; it runs as it is: {PROGRAM} simulate CASE --with {path}")
+    return HELD
+
+
+def _simulate(args: argparse.Namespace) -> int:
+    """Ask, judge, and write the page; what the adapter left stays beside it."""
+    try:
+        name = f"{files.folder_name(args.file.stem)}-{label_of(args.adapter)}"
+        folder = args.out / files.folder_name(name)
+        whose = f"{args.file.name} and {format_value(args.adapter)}"
+        files.refuse_foreign(folder, whose)
+        kept = folder.with_name(f"{folder.name}{RUN}")
+        program = Program(args.adapter, args.limit, kept)
+        case = building.read_case(args.file)
+        request = export_case(
+            case, cells=args.cells, shape=args.shape, springs=args.springs, settings=dict(args.set)
+        )
+        show = Progress(case.name, shown=not args.quiet)
+        show("simulator")
+        answer = program(request)
+        show("judging")
+        result, unrest = _result(request, answer), stated_unrest(request, answer)
+        found, content = run.judged_files(
+            _described(case, request, answer),
+            result,
+            unrest=None if math.isnan(unrest) else unrest,
+            plots=args.plots,
+            command=COMMAND,
+            progress=show,
+        )
+    except CannotRepresent as error:
+        return tell_error(f"{args.file.name}: cannot represent: {error}", NOTHING)
+    except SolverError as error:
+        text = said(args.file, error)
+        log = kept / OUT / LOG
+        return tell_error(f"{text} ({log})" if log.is_file() else text, FAILED)
+    except ProblemError as error:
+        return tell_error(said(args.file, error), USAGE)
+    files.publish(folder, content, whose)
+    show.clear()
+    if not args.quiet:
+        tell(f"{result.name}: {kept / OUT}")
+    return tell_judged(found, folder, quiet=args.quiet)
+
+
+def _result(request: Request, answer: Answer) -> Result:
+    """An answer as what is read from files of displacements."""
+    move, points = np.asarray(answer.displacement), np.array(request.mesh.points)
+    name = _line(answer.about.get("simulator", "simulator"))
+    grid = spacing_of_displacements(move, points)
+    return Result(name, move, points, None, math.nan, grid)
+
+
+def _described(case: Case, request: Request, answer: Answer) -> Case:
+    """The case with what its page tells of the simulator."""
+    about = answer.about
+    told = {key: _line(about[key]) for key in ("simulator", "version", "law") if about.get(key)}
+    told["nodes"] = f"{len(request.mesh.points)} of {len(request.mesh.cells)} {request.mesh.shape}"
+    settings: Mapping[str, Any] = about.get("settings", {})
+    for name, (value, unit) in settings.items():
+        told[f"setting {_line(name)}"] = _line(f"{value} {unit}".strip())
+    for key in ("steps", "dt", "precision", "at_rest", "seconds", "notes"):
+        if about.get(key):
+            told[key.replace("_", " ")] = _line(about[key])
+    return replace(case, notes={**case.notes, **told})
+
+
+def _line(value: object) -> str:
+    """A value in one short line."""
+    if isinstance(value, Mapping):
+        value = ", ".join(f"{key} {each}" for key, each in value.items())
+    if isinstance(value, list):
+        value = " ".join(map(str, value))
+    text = " ".join(str(value).split())
+    return "".join(c for c in text if c.isprintable())[:300]

@@ -1,0 +1,353 @@
+"""The gate: what a simulator must do right before any number of it counts.
+
+Rest stays at rest, free fall gives g, a turn is free of stress, twice the modulus halves what
+forces move, what it says of its own rest is true, and the same question has the same answer. None
+of it asks for a right modulus: a simulator of another law passes, one that cannot be read does not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from msvalidate.problem import Array, Isotropic
+from msvalidate.problem.checks import require_type
+from msvalidate.simulators.gate_block import (
+    ACROSS,
+    STRAIN,
+    epsilon,
+    forces,
+    motion,
+    pulled_block,
+    turned,
+)
+from msvalidate.simulators.protocol import (
+    Answer,
+    CannotRepresent,
+    Request,
+    Simulator,
+    SimulatorError,
+    ask,
+)
+from msvalidate.simulators.rest import stated_unrest
+
+Verdict = Literal["passed", "stopped", "cannot", "told"]
+PASSED: Verdict = "passed"
+STOPPED: Verdict = "stopped"
+TOLD: Verdict = "told"
+STEPS = 10
+"""Of a motion."""
+FALL = 0.25
+"""Of the block's side, what it falls: so much that positions in float32 tell the velocity."""
+SMALL_TURN = 2.0**-8
+"""Angle (rad) of the turn that every program must see as one."""
+LARGE_TURN = math.pi / 6
+ROUNDINGS = 100
+"""Roundings of a coordinate that a force or a displacement may be off by: it is a sum of some tens
+of terms, each rounded a few times."""
+FEW = 4
+"""Roundings of the difference of two positions, which a velocity may be: one each, and one to spare
+on either side."""
+UNSTATED = 1e-3
+"""Part of the displacement that may still move where nothing is said of rest: a fifth of the 0.5 %
+that readings of a modulus are held to."""
+ORDERS = 5
+"""Times the strain, by how much laws and shapes of large strain may leave proportion."""
+
+
+@dataclass(frozen=True)
+class GateRow:
+    """One thing that was tried.
+
+    Parameters
+    ----------
+    name
+        What.
+    value, unit, limit
+        Found, and the most that passes; NaN where there is none.
+    because
+        Why the limit is as wide as it is, or what kept it from being tried.
+    verdict
+        "passed", "stopped", "cannot" (it could not be asked), or "told" (no limit).
+    """
+
+    name: str
+    value: float
+    unit: str
+    limit: float
+    because: str
+    verdict: Verdict
+
+    @property
+    def passed(self) -> bool:
+        """Whether it does not stop the simulator."""
+        return self.verdict != STOPPED
+
+
+@dataclass(frozen=True)
+class Gate:
+    """All that was tried of a simulator; one that does not pass has no error to show."""
+
+    rows: tuple[GateRow, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing stopped it, and something was tried."""
+        verdicts = {row.verdict for row in self.rows}
+        return STOPPED not in verdicts and PASSED in verdicts
+
+    @property
+    def stops(self) -> tuple[GateRow, ...]:
+        """Rows that stopped it."""
+        return tuple(row for row in self.rows if row.verdict == STOPPED)
+
+
+def gate(
+    simulator: Simulator,
+    material: Isotropic,
+    settings: Mapping[str, Any] | None = None,
+    *,
+    shape: str | None = None,
+) -> Gate:
+    """Try a simulator on a small block of a material.
+
+    Parameters
+    ----------
+    simulator
+        What is tried; it is asked some ten times.
+    material
+        Of which the block is.
+    settings
+        Of the simulator.
+    shape
+        Of the block's cells, by default triangles or tetrahedra.
+
+    Raises
+    ------
+    ProblemError
+        If the shape is none of the material's dimension.
+    """
+    require_type("gate: material", material, Isotropic)
+    block = pulled_block(material, dict(settings or {}), shape)
+    rows = _motion_rows(simulator, block)
+    first: Answer | None = None
+    try:
+        first = ask(simulator, block)
+    except CannotRepresent as error:
+        rows.append(_no_way("the pulled block at rest", str(error)))
+    except SimulatorError as error:
+        rows.append(_broken("the pulled block at rest", error))
+    if first is not None:
+        rows += _rest_rows(simulator, block, first)
+    return Gate(tuple(rows))
+
+
+# Motions ------------------------------------------------------------------------------------------
+
+
+def _motion_rows(simulator: Simulator, block: Request) -> list[GateRow]:
+    rows = []
+    tried: dict[str, Callable[[Simulator, Request], list[GateRow]]] = {
+        "rest stays at rest": _at_rest,
+        "free fall": _free_fall,
+        "small turn": _small_turn,
+        "turn by 30°": _large_turn,
+    }
+    for name, act in tried.items():
+        try:
+            rows += act(simulator, block)
+        except CannotRepresent as error:
+            rows.append(_no_way(name, str(error)))
+        except SimulatorError as error:
+            rows.append(_broken(name, error))
+    return rows
+
+
+def _at_rest(simulator: Simulator, block: Request) -> list[GateRow]:
+    points = block.mesh.points
+    try:
+        answer = ask(simulator, motion(block, points, STEPS))
+    except CannotRepresent:  # a static program, which may still tell forces
+        answer = ask(simulator, motion(block, points))
+    because = f"{ROUNDINGS} roundings, which {STEPS} steps may each repeat"
+    limit = ROUNDINGS * STEPS * epsilon(answer)
+    if answer.position is None:
+        strain = _as_strain(block, forces(motion(block, points), answer))
+        return [_judged("rest stays at rest", strain, "strain", limit, because)]
+    moved = float(np.abs(answer.position - points).max())
+    return [_judged("rest stays at rest", moved, "of its size", limit, because)]
+
+
+def _free_fall(simulator: Simulator, block: Request) -> list[GateRow]:
+    points = block.mesh.points
+    plain = motion(block, points, STEPS)
+    time = STEPS * float(plain.dt or 0.0)
+    g = np.zeros(block.mesh.dim)
+    g[-1] = -2 * FALL / time**2
+    answer = ask(simulator, replace(plain, gravity=g))
+    if answer.position is None or answer.velocity is None:
+        return [_no_way("free fall", "it answers by forces, and moves nothing")]
+    wanted = g * time
+    off = float(np.abs(answer.velocity - wanted).max() / np.abs(wanted).max())
+    # Velocities may be differences of positions: these are rounded, and one step is a part of them.
+    limit = ROUNDINGS * STEPS * epsilon(answer) / FALL
+    because = f"{ROUNDINGS} roundings of a position over a step's part of the fall"
+    fallen = float((answer.position - points)[:, -1].mean() / (g[-1] * float(plain.dt or 1) ** 2))
+    return [
+        _judged("free fall", off, "of g t", limit, because),
+        GateRow("free fall: integrator", fallen, "g dt²", math.nan, _integrator(fallen), TOLD),
+    ]
+
+
+def _integrator(fallen: float) -> str:
+    known = {
+        STEPS * (STEPS + 1) / 2: "semi-implicit: velocity first, then position by the new one",
+        STEPS**2 / 2: "positions exact: by the mean of velocities",
+        STEPS * (STEPS - 1) / 2: "position by the old velocity",
+    }
+    near = min(known, key=lambda each: abs(each - fallen))
+    return known[near] if abs(near - fallen) < 0.1 else "of no kind that is known here"
+
+
+def _small_turn(simulator: Simulator, block: Request) -> list[GateRow]:
+    """Forces' odd part: what a turn forwards and one back put differently, without its square."""
+    found, answers = [], []
+    for sign in (1, -1):
+        asked = motion(block, turned(block.mesh.points, sign * SMALL_TURN))
+        answers.append(ask(simulator, asked))
+        found.append(forces(asked, answers[-1]))
+    strain = _as_strain(block, (found[0] - found[1]) / 2) / SMALL_TURN
+    # Of a coordinate over a cell; and of positions that velocities are differences of.
+    time = float(asked.dt or 1.0)
+    step = _as_strain(block, asked.mass[:, None]) / time**2
+    limit = (ROUNDINGS * ACROSS + FEW * step) * epsilon(answers[0]) / SMALL_TURN
+    because = f"{ROUNDINGS} roundings of a coordinate over a cell, {FEW} over a step, by the angle"
+    return [_judged("small turn", strain, "strain over angle", limit, because)]
+
+
+def _large_turn(simulator: Simulator, block: Request) -> list[GateRow]:
+    asked = motion(block, turned(block.mesh.points, LARGE_TURN))
+    strain = _as_strain(block, forces(asked, ask(simulator, asked)))
+    linear = 1 - math.cos(LARGE_TURN)
+    because = f"a linear law sees a strain of {linear:.3g}, and others none"
+    return [GateRow("turn by 30°", strain, "strain", math.nan, because, TOLD)]
+
+
+def _as_strain(block: Request, force: Array) -> float:
+    """Largest nodal force as the strain that would put it on a face of a cell."""
+    side = 1.0 / ACROSS
+    face = side ** (block.mesh.dim - 1) * block.material.thickness
+    return float(np.abs(force).max() / (block.material.E * face))
+
+
+# Rest ---------------------------------------------------------------------------------------------
+
+
+def _rest_rows(simulator: Simulator, block: Request, first: Answer) -> list[GateRow]:
+    rows = []
+    tried: dict[str, Callable[[Simulator, Request, Answer], GateRow]] = {
+        "twice the modulus": _twice_the_modulus,
+        "dt / 2": lambda s, b, a: _changed(s, b, a, "dt", 0.5),
+        "twice the iterations": lambda s, b, a: _changed(s, b, a, "iterations", 2),
+        "twice the steps": lambda s, b, a: _changed(s, b, a, "steps", 2),
+        "the same again": _same_again,
+    }
+    for name, act in tried.items():
+        try:
+            rows.append(replace(act(simulator, block, first), name=name))
+        except CannotRepresent as error:
+            rows.append(_no_way(name, str(error)))
+        except SimulatorError as error:
+            rows.append(_broken(name, error))
+    return rows
+
+
+def _twice_the_modulus(simulator: Simulator, block: Request, first: Answer) -> GateRow:
+    stiff = replace(block, material=replace(block.material, E=2 * block.material.E))
+    answer = ask(simulator, stiff)
+    away = _change(_moved(first), 2 * _moved(answer))
+    rest = _left(block, first) + 2 * _left(stiff, answer)
+    limit = ORDERS * STRAIN + rest + ROUNDINGS * epsilon(first) / STRAIN
+    because = f"{ORDERS} times the strain, what rest leaves, and {ROUNDINGS} roundings"
+    return _judged("", away, "of u", limit, because)
+
+
+def _changed(
+    simulator: Simulator, block: Request, first: Answer, name: str, times: float
+) -> GateRow:
+    """The same with another setting, where the answer names it and takes another."""
+    before = _named(first, name)
+    if before is None:
+        return _no_way("", f"its answer names no {name}")
+    wanted: float = before * times if name == "dt" else round(before * times)
+    other = replace(block, settings={**block.settings, name: wanted})
+    answer = ask(simulator, other)
+    if _named(answer, name) == before:
+        return _no_way("", f"asked for {name} {wanted:g}, it took {before:g} again")
+    away = _change(_moved(first), _moved(answer))
+    noise = ROUNDINGS * epsilon(first) / STRAIN
+    stated = stated_unrest(block, first)
+    limit = _left(block, first) + _left(other, answer) + noise
+    if math.isnan(stated):
+        said = f"nothing is said of rest: {UNSTATED:g} each"
+    else:
+        said = f"what both say of their rest ({limit - noise:.2g}), and {ROUNDINGS} roundings"
+    row = _judged("", away, "of u", limit, said)
+    if row.verdict == STOPPED and not math.isnan(stated):
+        told = f"says it is at rest within {stated:.2g}, and moves by {away:.2g}"
+        return replace(row, because=f"{told} with {name} {wanted:g}: lies about rest")
+    return row
+
+
+def _same_again(simulator: Simulator, block: Request, first: Answer) -> GateRow:
+    away = _change(_moved(first), _moved(ask(simulator, block)))
+    limit = ROUNDINGS * epsilon(first) / STRAIN
+    because = f"{ROUNDINGS} roundings, as sums in another order leave; more is state that survives"
+    return _judged("", away, "of u", limit, because)
+
+
+def _named(answer: Answer, name: str) -> float | None:
+    """A number that an answer tells: by its key, or among its settings."""
+    given = answer.about.get(name)
+    if given is None:
+        given = (answer.about.get("settings", {}).get(name) or [None])[0]
+    number = isinstance(given, int | float) and not isinstance(given, bool)
+    return float(given) if number and given > 0 else None
+
+
+def _moved(answer: Answer) -> Array:
+    if answer.displacement is None:
+        raise SimulatorError("answer: no displacement")
+    return answer.displacement
+
+
+def _change(before: Array, after: Array) -> float:
+    """Largest difference over the largest displacement."""
+    size = float(np.linalg.norm(before, axis=1).max())
+    if not size:
+        raise SimulatorError("answer: the pulled block does not move")
+    return float(np.linalg.norm(after - before, axis=1).max() / size)
+
+
+def _left(request: Request, answer: Answer) -> float:
+    stated = stated_unrest(request, answer)
+    return UNSTATED if math.isnan(stated) else stated
+
+
+# Rows ---------------------------------------------------------------------------------------------
+
+
+def _judged(name: str, value: float, unit: str, limit: float, because: str) -> GateRow:
+    return GateRow(name, value, unit, limit, because, PASSED if value <= limit else STOPPED)
+
+
+def _no_way(name: str, reason: str) -> GateRow:
+    return GateRow(name, math.nan, "", math.nan, reason, "cannot")
+
+
+def _broken(name: str, error: SimulatorError) -> GateRow:
+    return GateRow(name, math.nan, "", math.nan, str(error), STOPPED)

@@ -1,0 +1,177 @@
+"""The gate: clean simulators pass it, and each fault is stopped at its own row."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from msvalidate.problem import Isotropic, ProblemError
+from msvalidate.simulators.gate import PASSED, STOPPED, gate
+from msvalidate.simulators.gate_block import motion, pulled_block, turned
+from msvalidate.simulators.protocol import Answer, CannotRepresent, SimulatorError
+from reference_fem import mesh_discretisation
+from reference_fem.elasticity import stiffness
+from tests.table import table
+
+SOFT = Isotropic(1e5, 0.3, "plane_strain", 1200.0, 0.5)
+
+
+class Linear:
+    """Linear elements, explicit in time; a fault is a method or number that is another."""
+
+    grip, fall, drift = 0.0, 1.0, 0.0
+    precision, at_rest = "float64", {"change_when_twice_as_long": 0.0}
+
+    def __init__(self, **faults):
+        self.asked = 0
+        for name, value in faults.items():
+            setattr(self, name, value)
+
+    def left(self, _settings):
+        return 0.0
+
+    def matrix(self, request):
+        K = stiffness(mesh_discretisation(request.mesh), request.material).toarray()
+        d, n = request.mesh.dim, len(request.mesh.points)
+        return K.reshape(d, n, d, n).transpose(1, 0, 3, 2).reshape(n * d, n * d)
+
+    def about(self, request):
+        settings = {"iterations": [request.settings.get("iterations", 10), ""]}
+        return {"precision": self.precision, "at_rest": self.at_rest, "settings": settings}
+
+    def __call__(self, request):
+        self.asked += 1
+        if request.task == "motion":
+            return self.moved(request)
+        K, free = self.matrix(request), ~request.held.ravel()
+        u = np.zeros(free.size)
+        u[free] = np.linalg.solve(K[np.ix_(free, free)], request.force.ravel()[free])
+        u *= 1 - self.left({"iterations": 10, **request.settings})
+        return Answer(displacement=self.kept(request, u), about=self.about(request))
+
+    def kept(self, request, u):
+        x = request.mesh.points
+        if self.precision == "float32":
+            return (x.astype(np.float32) + u.reshape(x.shape).astype(np.float32)) - x
+        return u.reshape(x.shape)
+
+    def moved(self, request):
+        number = np.float32 if self.precision == "float32" else float
+        K, X = self.matrix(request).astype(number), request.mesh.points.astype(number)
+        x, v = request.start.astype(number), np.zeros_like(X)
+        for _ in range(request.steps):
+            f = -(K @ (x - X).ravel()).reshape(X.shape) - self.grip * (x - X)
+            v = v + number(request.dt) * (f / request.mass[:, None] + self.fall * request.gravity)
+            before, x = x, (x + number(request.dt) * v + self.drift).astype(number)
+            v = (x - before) / number(request.dt)  # as programs of positions do
+        return Answer(position=x.astype(float), velocity=v.astype(float), about=self.about(request))
+
+
+class Static(Linear):
+    def moved(self, request):
+        if request.steps > 1:
+            raise CannotRepresent("no time in it")
+        f = -(self.matrix(request) @ (request.start - request.mesh.points).ravel())
+        return Answer(force=f.reshape(request.start.shape), about=self.about(request))
+
+
+def verdicts(found):
+    return {row.name: row.verdict for row in found.rows}
+
+
+CLEAN = [
+    Linear(),
+    Linear(precision="float32"),
+    Linear(at_rest={}),
+    Linear(at_rest={"change_when_twice_as_long": 1e-6}, left=lambda s: 1e-3 / s["iterations"]),
+]
+
+
+@pytest.mark.parametrize("simulator", CLEAN)
+def test_a_clean_simulator_passes(simulator):
+    found = gate(simulator, SOFT)
+    assert found.stops == ()
+    assert found.passed
+    wanted = {"rest stays at rest", "free fall", "small turn", "twice the modulus"}
+    wanted |= {"twice the iterations", "the same again"}
+    assert {name for name, verdict in verdicts(found).items() if verdict == PASSED} == wanted
+    by = {row.name: row for row in found.rows}
+    assert by["free fall: integrator"].because.startswith("semi-implicit")
+    assert by["turn by 30°"].value > 0.1
+
+
+def test_a_static_program_passes_without_falling():
+    found = gate(Static(), SOFT)
+    assert found.passed
+    assert verdicts(found)["free fall"] == "cannot"
+    assert verdicts(found)["small turn"] == PASSED
+
+
+class Deaf(Linear):
+    """Takes E as 1e5 whatever is asked."""
+
+    def matrix(self, request):
+        return super().matrix(request) * 1e5 / request.material.E
+
+
+class Forgetful(Linear):
+    def left(self, _settings):
+        return 1e-4 * self.asked
+
+
+class Broken(Linear):
+    def kept(self, *_):
+        raise SimulatorError("it crashed")
+
+
+FAULTS = [
+    (Linear(drift=1e-9), {"rest stays at rest", "free fall"}),
+    (Linear(fall=1.001), {"free fall"}),
+    (Linear(grip=10.0), {"small turn", "free fall"}),
+    (Deaf(), {"twice the modulus"}),
+    (Linear(left=lambda s: 1.0 / (10 + s["iterations"])), {"twice the iterations"}),
+    (Linear(at_rest={}, left=lambda s: 0.1 / s["iterations"]), {"twice the iterations"}),
+    (Forgetful(), {"the same again", "twice the iterations"}),
+    (Broken(), {"the pulled block at rest"}),
+]
+
+
+@table(("simulator", "stopped"), FAULTS)
+def test_a_fault_is_stopped_at_its_row(simulator, stopped):
+    found = gate(simulator, SOFT)
+    assert {name for name, verdict in verdicts(found).items() if verdict == STOPPED} == stopped
+    assert not found.passed
+
+
+def test_who_lies_about_rest_is_told_so():
+    lying = Linear(at_rest={"change_when_twice_as_long": 0.0}, left=lambda s: 1 / s["iterations"])
+    (row,) = gate(lying, SOFT).stops
+    assert row.because == (
+        "says it is at rest within 0, and moves by 0.056 with iterations 20: lies about rest"
+    )
+
+
+def test_nothing_that_could_be_tried_is_no_pass():
+    def refuse(_request):
+        raise CannotRepresent("no such material")
+
+    found = gate(refuse, SOFT)
+    assert not found.passed
+    assert set(verdicts(found).values()) == {"cannot"}
+
+
+def test_the_block_and_its_turns():
+    block = pulled_block(Isotropic(1e5, 0.5, "solid"), {}, "hexahedron")
+    points = block.mesh.points
+    assert np.array_equal(points, points.astype(np.float16))
+    assert block.force.sum(axis=0) == pytest.approx([1e5 * 2**-10, 0, 0])
+    apart = np.linalg.norm(points - points[7], axis=1)
+    there = turned(points, 0.7)
+    assert np.linalg.norm(there - there[7], axis=1) == pytest.approx(apart)
+    asked = motion(block, there, 3)
+    assert math.log2(asked.dt).is_integer()
+    assert not asked.held.any()
+    with pytest.raises(ProblemError, match="gate: shape"):
+        pulled_block(SOFT, {}, "tetra")
