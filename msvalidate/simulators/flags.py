@@ -44,19 +44,24 @@ PLACED = 2.0
 """Roundings of a position in a step that solves for it, in the sum over nodes."""
 
 
-def rounding_part(bench: Bench, strain: float, largest: float, forces_at: str) -> float:
+def rounding_part(
+    bench: Bench, strain: float, largest: float, forces_at: str, shrunk: float = 1.0
+) -> float:
     """Error of C by rounding, relative to its largest component: known before anything is asked.
 
     Arithmetic: deformation gradients near I are rounded, over the strain. Where velocities are
     differences of positions, a node's position of up to r = 0.125 m is rounded by δ = u r, its
-    force by m δ/dt², and n such at random places r add up to ρ δ r/(√n dt²) in the mean stress.
+    force by m δ/dt², and n such at random places r add up to ρ δ r/(√n dt²) in the mean stress, and
+    to δ times the root of the sum of squares of the block's weights in the mean strain. Of both,
+    a strain of which only the part `shrunk` is left at the end of the step shows so much more.
     """
     u, block = ROUNDING[bench.precision], bench.block
     part = ARITHMETIC * u / strain
     if forces_at == "end":
         r = float(np.abs(block.mesh.points).max())
-        force = block.material.density * u * r * r / np.sqrt(len(block.mesh.points)) / bench.dt**2
-        part += PLACED * force / (strain * largest)
+        stress = block.material.density * u * r * r / np.sqrt(len(block.mesh.points)) / bench.dt**2
+        gradient = u * r * float(np.linalg.norm(block.weights, axis=0).max())
+        part += PLACED * (stress / largest + gradient) / (strain * shrunk)
     return float(part)
 
 
@@ -77,7 +82,7 @@ def raise_flags(
     seen = [
         Flag(
             "net force",
-            max(_resultant(f) for _, f in odd),
+            _resultant([f for _, f in odd]),
             EXACT,
             "forces between nodes have no resultant; another comes from outside, or masses are off",
         ),
@@ -124,8 +129,10 @@ def raise_flags(
     )
 
 
-def _resultant(force: Array) -> float:
-    return float(np.abs(force.sum(axis=0)).max() / (np.abs(force).sum() or 1.0))
+def _resultant(forces: Sequence[Array]) -> float:
+    """Over the strongest state: some strains of some laws make no force."""
+    strongest = max(float(np.abs(f).sum()) for f in forces)
+    return max(float(np.abs(f.sum(axis=0)).max()) for f in forces) / strongest
 
 
 def _skew(axis: Array) -> Array:
@@ -163,7 +170,8 @@ def _inner(station: Station, forces: Sequence[Array], strain: float, largest: fl
         G = _generic(strain)
         forces = [(short.push(G).force - short.push(-G).force) / 2]
     inner = station.bench.block.inner
-    value = max(float(np.abs(f[inner]).max() / (np.abs(f[~inner]).max() or 1.0)) for f in forces)
+    strongest = max(float(np.abs(f[~inner]).max()) for f in forces)
+    value = max(float(np.abs(f[inner]).max()) for f in forces) / (strongest or 1.0)
     because = "uniform strain leaves inner nodes of one solid at rest; a lattice's would move, and "
     because += "C is an upper bound"
     return Flag(INNER, value, RELAXES, because)
@@ -205,8 +213,8 @@ def _free_fall(station: Station, rest: Push, strain: float) -> Flag:
     size = strain * bench.block.height / bench.dt**2
     weight = np.array([1.0, 2.0, -3.0]) / np.sqrt(14.0) * size
     force = station.push(np.zeros((3, 3)), gravity=tuple(weight.tolist())).force - rest.force
-    lumped = station.inertia(np.ones(force.shape))
-    value = float(np.abs(force / lumped - weight).max()) / size
+    mass = station.inertia(np.ones(force.shape)).sum(axis=0)
+    value = float(np.abs(force.sum(axis=0) / mass - weight).max()) / size
     because = "of weight; a step from rest gives g dt, or velocities are not what forces made them"
     u, reach = ROUNDING[bench.precision], float(np.abs(bench.block.mesh.points).max())
     noise = PLACED * u * (1 / strain + reach / (strain * bench.block.height))

@@ -48,9 +48,10 @@ of higher order in a law are of the size of powers of the lowest, or of the stra
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """C (Pa) by six pairs of states of one strain, and the pairs."""
+    """C (Pa) by six pairs of states of one strain, how much is left of it, and the pairs."""
 
     C: Array
+    shrunk: float
     pairs: tuple[tuple[Push, Push], ...]
 
 
@@ -133,7 +134,7 @@ def _read(station: Station, strain: float, masses: Masses | None, first: Answer)
     if largest == 0:
         raise SimulatorError("probe: no strain makes a force; give the body a stiffness")
     bench = station.bench
-    noise = rounding_part(bench, strain, largest, station.forces_at)
+    noise = rounding_part(bench, strain, largest, station.forces_at, fit.shrunk)
     curvature = _curvature(fit, rest) / (strain * largest)
     half = _fit(station, strain / 2)
     step = float(np.abs(half.C - fit.C).max()) / largest
@@ -188,7 +189,8 @@ def _fit(station: Station, strain: float) -> _Fit:
         raise SimulatorError(
             "probe: six strains at the end of the step are not independent; take a shorter dt"
         )
-    return _Fit(np.transpose(S) @ np.linalg.inv(E_columns), tuple(pairs))
+    shrunk = float(np.linalg.svd(E_columns, compute_uv=False)[-1]) / strain
+    return _Fit(np.transpose(S) @ np.linalg.inv(E_columns), shrunk, tuple(pairs))
 
 
 def _curvature(fit: _Fit, rest: Push) -> float:

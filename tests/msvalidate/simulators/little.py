@@ -129,10 +129,9 @@ class Little:
             return f + self.outside(y).astype(kind) if self.outside else f
 
         self.rest = request.mesh.points
+        v = dt * (force(x) / masses + g)
         if self.implicit:
             v = self.solve(force, x, masses, dt, g)
-        else:
-            v = dt * (force(x) / masses + g)
         end = x + dt * v
         if self.implicit:
             v = (end - x) / dt  # as programs do that solve for positions
