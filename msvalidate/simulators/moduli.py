@@ -1,0 +1,119 @@
+"""E and nu of a measured stiffness, where they exist, each with what its own error makes of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from msvalidate.problem import Array
+
+SHOWN = 5e-3
+"""No number is shown that is not known to this: of E relative, of nu absolute, of a component
+of C by its largest."""
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """The isotropic solid nearest to a stiffness; None where there is none, and then a reason.
+
+    Parameters
+    ----------
+    E, E_error
+        Pa.
+    nu, nu_error
+        Poisson's ratio.
+    because
+        Why one is not there; "" if both are.
+    """
+
+    E: float | None
+    nu: float | None
+    E_error: float
+    nu_error: float
+    because: str
+
+
+def bulk_and_shear(C: Array) -> tuple[float, float]:
+    """K and G (Pa) of the isotropic tensor nearest to a Voigt tensor (6, 6), symmetric or not.
+
+    From its mean over all rotations [Voigt1889]: a = C_iijj = 9 K and b = C_ijij = 3 K + 10 G.
+    """
+    K = float(C[:3, :3].mean())
+    b = float(np.trace(C[:3, :3]) + 2 * np.trace(C[3:, 3:]))
+    return K, (b - 3 * K) / 10
+
+
+def isotropic_of(K: float, G: float) -> Array:
+    """Voigt tensor (6, 6) of K and G in Pa."""
+    C = np.diag([2 * G] * 3 + [G] * 3)
+    C[:3, :3] += K - 2 * G / 3
+    return C
+
+
+def anisotropy(C: Array) -> float:
+    """How far a tensor is from the isotropic one nearest to it, by their components' squares.
+
+    In Mandel's scaling, in which the six components are those of an orthonormal basis, so that
+    the number is the same in all axes.
+    """
+    scale = np.array([1.0] * 3 + [np.sqrt(2)] * 3)
+    scaled = C * np.outer(scale, scale)
+    whole = float(np.linalg.norm(scaled))
+    near = isotropic_of(*bulk_and_shear(C)) * np.outer(scale, scale)
+    return float(np.linalg.norm(scaled - near)) / whole if whole else 0.0
+
+
+def elastic(C: Array, error: float) -> Elastic:
+    """E and nu of the nearest isotropic solid, if C is known to `error` (Pa) in each component.
+
+    E = 9 K G/(3 K + G), nu = (3 K - 2 G)/(6 K + 2 G). K is a mean of components and G a mean
+    with weights whose sizes sum to 1, so each is known to `error` too, and
+
+    - |δE| ≤ (9 G² + 27 K²)/(3 K + G)² `error`,
+    - |δnu| ≤ 9 (|G| + |K|)/(2 (3 K + G)²) `error`.
+    """
+    K, G = bulk_and_shear(C)
+    reason = _no_solid(C, K, G, error)
+    if reason:
+        return Elastic(None, None, np.inf, np.inf, reason)
+    below = (3 * K + G) ** 2
+    E, nu = 9 * K * G / (3 * K + G), (3 * K - 2 * G) / (6 * K + 2 * G)
+    E_error = (9 * G**2 + 27 * K**2) / below * error
+    nu_error = 4.5 * (G + K) / below * error
+    known_E, known_nu = E_error <= SHOWN * E, nu_error <= SHOWN
+    missing = [
+        f"{name} is known to {size} only, and {SHOWN:g} is needed"
+        for name, size, known in (
+            ("E", f"{E_error / E:.1e} of it", known_E),
+            ("nu", f"{nu_error:.1e}", known_nu),
+        )
+        if not known
+    ]
+    return Elastic(
+        E if known_E else None, nu if known_nu else None, E_error, nu_error, "; ".join(missing)
+    )
+
+
+def _no_solid(C: Array, K: float, G: float, error: float) -> str:
+    """Why no isotropic solid has these moduli; "" if one has."""
+    for name, value in (("bulk", K), ("shear", G)):
+        if abs(value) <= error:
+            return f"the {name} modulus vanishes: {value:.3g} Pa, known to {error:.1g} Pa"
+        if value < 0:
+            return f"the {name} modulus is negative: {value:.6g} Pa, known to {error:.1g} Pa"
+    lowest = float(np.linalg.eigvalsh((C + C.T) / 2)[0])
+    if lowest <= error:
+        sign = "is negative" if lowest < -error else "vanishes"
+        return f"C is singular or not stable: its lowest eigenvalue {sign}, {lowest:.3g} Pa"
+    return ""
+
+
+def compliances(C: Array) -> tuple[Array, Array]:
+    """1/S_ii (3,) Pa and nu_ij = -S_ij/S_ii (6,): E and nu along the axes; NaN if C is singular."""
+    size = np.abs(C).max()
+    if size == 0 or np.linalg.cond(C / size) > 1 / np.finfo(float).eps:
+        return np.full(3, np.nan), np.full(6, np.nan)
+    S = np.linalg.inv(C / size) / size
+    off = ~np.eye(3, dtype=bool)
+    return 1 / np.diag(S)[:3], (-S[:3, :3] / np.diag(S)[:3, None])[off]
