@@ -19,7 +19,7 @@ from msvalidate.problem.checks import finite_number, positive_number, require_on
 from msvalidate.simulators.moduli import Elastic, elastic
 
 Stress = Callable[[Array, float, float], Array]
-"""F (3, 3), real or complex, mu, lam (Pa) -> P (3, 3) in Pa; analytic in F near I."""
+"""F (..., 3, 3), real or complex, mu, lam (Pa) -> P (..., 3, 3) in Pa; analytic in F near I."""
 STEP = 1e-30
 """Of the complex derivative: no difference is taken, so nothing is lost by its being small."""
 POLAR_STEPS = 12
@@ -112,31 +112,45 @@ def first_order(stress: Stress, mu: float, lam: float) -> Array:
 
 def _cofactor(F: Array) -> Array:
     """∂ det F/∂F, by cross products of columns: no inverse, and no conjugate."""
-    a, b, c = F.T
-    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    a, b, c = np.moveaxis(F, -1, 0)
+    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
+
+
+def _turned(F: Array) -> Array:
+    return np.swapaxes(F, -1, -2)
+
+
+def _times(number: Array, F: Array) -> Array:
+    """A number for each F, times F."""
+    return np.asarray(number)[..., None, None] * F
+
+
+def _trace(F: Array) -> Array:
+    return np.trace(F, axis1=-2, axis2=-1)
 
 
 def _rotation(F: Array) -> Array:
     """R of F = R S by R ← (R + R⁻ᵀ)/2 [Higham2002], which is analytic in F: no conjugates."""
     R = F
     for _ in range(POLAR_STEPS):
-        R = (R + np.linalg.inv(R).T) / 2
+        R = (R + _turned(np.asarray(np.linalg.inv(R)))) / 2
     return R
 
 
 def _linear(F: Array, mu: float, lam: float) -> Array:
-    e = (F + F.T) / 2 - np.eye(3)
-    return np.asarray(2 * mu * e + lam * np.trace(e) * np.eye(3))
+    e = (F + _turned(F)) / 2 - np.eye(3)
+    return np.asarray(2 * mu * e + lam * _times(_trace(e), np.eye(3)))
 
 
 def _corotated(F: Array, mu: float, lam: float) -> Array:
     R = _rotation(F)
-    e = (R.T @ F + F.T @ R) / 2 - np.eye(3)
-    return np.asarray(R @ (2 * mu * e + lam * np.trace(e) * np.eye(3)))
+    e = (_turned(R) @ F + _turned(F) @ R) / 2 - np.eye(3)
+    return np.asarray(R @ (2 * mu * e + lam * _times(_trace(e), np.eye(3))))
 
 
 def _fixed_corotated(F: Array, mu: float, lam: float) -> Array:
-    return np.asarray(2 * mu * (F - _rotation(F)) + lam * (np.linalg.det(F) - 1) * _cofactor(F))
+    volume = _times(lam * (np.linalg.det(F) - 1), _cofactor(F))
+    return np.asarray(2 * mu * (F - _rotation(F)) + volume)
 
 
 def _arap(F: Array, mu: float, lam: float) -> Array:  # noqa: ARG001  it has one constant
@@ -144,20 +158,20 @@ def _arap(F: Array, mu: float, lam: float) -> Array:  # noqa: ARG001  it has one
 
 
 def _saint_venant(F: Array, mu: float, lam: float) -> Array:
-    green = (F.T @ F - np.eye(3)) / 2
-    return np.asarray(F @ (2 * mu * green + lam * np.trace(green) * np.eye(3)))
+    green = (_turned(F) @ F - np.eye(3)) / 2
+    return np.asarray(F @ (2 * mu * green + lam * _times(_trace(green), np.eye(3))))
 
 
 def _log_neo_hookean(F: Array, mu: float, lam: float) -> Array:
-    inverse = np.linalg.inv(F).T
-    return np.asarray(mu * (F - inverse) + lam * np.log(np.linalg.det(F)) * inverse)
+    inverse = _turned(np.asarray(np.linalg.inv(F)))
+    return np.asarray(mu * (F - inverse) + lam * _times(np.log(np.linalg.det(F)), inverse))
 
 
 def _smith(F: Array, mu: float, lam: float) -> Array:
     """W = mu/2 (I - 3 - ln(I + 1)) + lam/2 (J - 1 - 3/4 mu/lam)², I = tr FᵀF."""
-    I1 = (F * F).sum()
+    I1 = (F * F).sum(axis=(-2, -1))
     volume = lam * (np.linalg.det(F) - 1) - 0.75 * mu
-    return np.asarray(mu * (1 - 1 / (I1 + 1)) * F + volume * _cofactor(F))
+    return mu * _times(1 - 1 / (I1 + 1), F) + _times(volume, _cofactor(F))
 
 
 def _smith_corrected(F: Array, mu: float, lam: float) -> Array:
@@ -167,7 +181,7 @@ def _smith_corrected(F: Array, mu: float, lam: float) -> Array:
 
 def _simple(F: Array, mu: float, lam: float) -> Array:
     """W = mu/2 (I - 3) + lam/2 (J - 1 - mu/lam)²."""
-    return np.asarray(mu * F + (lam * (np.linalg.det(F) - 1) - mu) * _cofactor(F))
+    return mu * F + _times(lam * (np.linalg.det(F) - 1) - mu, _cofactor(F))
 
 
 def _simple_corrected(F: Array, mu: float, lam: float) -> Array:
@@ -176,9 +190,8 @@ def _simple_corrected(F: Array, mu: float, lam: float) -> Array:
 
 def _squares_and_volume(F: Array, mu: float, lam: float) -> Array:
     """W = mu/2 (I - 3)² + lam/2 (J - 1)²: the compliances 1/mu, 1/lam of two constraints."""
-    return np.asarray(
-        2 * mu * ((F * F).sum() - 3) * F + lam * (np.linalg.det(F) - 1) * _cofactor(F)
-    )
+    stretch = (F * F).sum(axis=(-2, -1)) - 3
+    return 2 * mu * _times(stretch, F) + _times(lam * (np.linalg.det(F) - 1), _cofactor(F))
 
 
 NEWTON = "newton 1.8.0, newton/_src/solvers"
