@@ -126,7 +126,7 @@ def _times(number: Array, F: Array) -> Array:
 
 
 def _trace(F: Array) -> Array:
-    return np.trace(F, axis1=-2, axis2=-1)
+    return np.asarray(np.trace(F, axis1=-2, axis2=-1))
 
 
 def _rotation(F: Array) -> Array:
