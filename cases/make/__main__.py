@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 
 from cases.make.answer import Answer, answer_path, save_answer
+from cases.make.bodies import all_statements
 from cases.make.confirmed import ELEMENTS, NGSOLVE, Confirmation, frozen_answer
-from cases.make.statements import Statement, all_statements
+from cases.make.statements import Statement
 
 HOME = Path(__file__).resolve().parents[2]
 CHECKER = HOME / "checker" / "msvalidate_check"

@@ -8,18 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from cases.make.answer import Answer
+from cases.make.bodies import BLOCK, PRESS, PULL, SHEAR
 from cases.make.meshes import coarsest_nodes
-from cases.make.statements import (
-    BLOCK,
-    PRESS,
-    PULL,
-    SHEAR,
-    STRAIN,
-    STRESS,
-    THICKNESS,
-    E,
-    Statement,
-)  # fmt: skip
+from cases.make.statements import STRAIN, STRESS, THICKNESS, E, Statement
 
 Array = np.ndarray
 CELL = 0.25
@@ -55,7 +46,7 @@ def _answer(u: Array, by_ratio: Array, quantities: dict[str, Array], floors: lis
 def _uniform(statement: Statement, load: str, sides: Array, nu: float) -> Answer:
     """Uniform stress: strain by Hooke's law, and the motion that the supports leave."""
     d, x = statement.dim, coarsest_nodes(statement.grid)
-    stress, slope = np.zeros((d, d)), np.zeros((d, d))
+    stress = np.zeros((d, d))
     if load == "pull":
         stress[0, 0] = PULL
     elif load == "pressure":
@@ -65,8 +56,7 @@ def _uniform(statement: Statement, load: str, sides: Array, nu: float) -> Answer
     strain, by_ratio = _hooke(stress, nu, statement.state)
     # Corners are held so that an axis's own plane of supports does not turn: shear tilts y alone.
     for tensor in (strain, by_ratio):
-        slope = np.triu(tensor, 1) * 2 + np.diag(np.diag(tensor))
-        tensor[:] = slope
+        tensor[:] = np.triu(tensor, 1) * 2 + np.diag(np.diag(tensor))
     thickness = THICKNESS if d == 2 else 1.0
     volume = thickness * float(np.prod(sides))
     energy = volume * float((stress * (strain + strain.T) / 2).sum()) / 2

@@ -150,11 +150,6 @@ def with_ratio(problem: Problem, nu: float) -> Problem:
     return replace(problem, material=changed(problem.material), zones=zones)
 
 
-def is_driven_by_loads(problem: Problem) -> bool:
-    """Whether loads move the body; else its supports do, and the modulus does not show."""
-    return bool(problem.loads)
-
-
 def answer_of(statement: Statement, nu: float) -> Answer:
     """What the elements say of a statement at one ratio."""
     reference, _ = solve(statement, nu)
@@ -176,7 +171,7 @@ def answer_of(statement: Statement, nu: float) -> Answer:
         del values["displacement"]
     return Answer(
         found,
-        -found if is_driven_by_loads(reference.problem) else np.zeros_like(found),
+        -found if reference.problem.loads else np.zeros_like(found),
         slope_by_ratio(reference, nu),
         {name: np.array(each.extrapolated) for name, each in values.items()},
         doubt,

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import difflib
 from itertools import chain
 from pathlib import Path
 
-import numpy as np
-
 from msvalidate.bodies.mesh_file import read_mesh
 from msvalidate.case.case import Case
+from msvalidate.case.places import (
+    named_part,
+    node_region,
+    region_by_coordinates,
+    unit_in_metres,
+)
 from msvalidate.case.reading import CaseError, Source, read_source
-from msvalidate.case.schema import Interval, Load, PartOfBody, Place, Support
+from msvalidate.case.schema import Load, PartOfBody, Place, Support
 from msvalidate.problem import (
     AXES,
-    SIDES,
     Ball,
     Box,
     CellSet,
@@ -27,7 +29,6 @@ from msvalidate.problem import (
     Problem,
     ProblemError,
     Region,
-    Segment,
     Traction,
     Weight,
     Zone,
@@ -38,26 +39,11 @@ from msvalidate.problem.checks import (
     finite_coordinates,
     finite_number,
     format_value,
-    positive_number,
     require_one_of,
 )
 from msvalidate.problem.normals import pressure
 
-UNITS = {
-    "m": 1.0,
-    "km": 1e3,
-    "cm": 1e-2,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "µm": 1e-6,
-    "nm": 1e-9,
-    "in": 0.0254,
-    "ft": 0.3048,
-}
-"""Names of units of length, in m."""
 STATES = ("plane_stress", "plane_strain")
-EDGE = "edge "
-"""How sides of a polygon are named: "edge 1" is from its first vertex to its second."""
 LOADS = ("traction", "pressure", "force", "gravity")
 
 
@@ -89,18 +75,6 @@ def build_case(source: Source) -> Case:
     parts = (supports, loads, zones)
     problem = _problem(source, name, domain, material, parts)
     return _case(source, problem, unit)
-
-
-def unit_in_metres(name: str, given: str | float) -> float:
-    """A unit of length in m, by its name or as a number; raise `ProblemError` for any other."""
-    if isinstance(given, str) and given in UNITS:
-        return UNITS[given]
-    try:
-        return positive_number(name, given, "m")  # type: ignore[arg-type]  # it refuses a text
-    except ProblemError as error:
-        raise ProblemError(
-            f"{name}: {format_value(given)}; choose {', '.join(UNITS)}, or a number in m above zero"
-        ) from error
 
 
 def _problem(
@@ -188,85 +162,6 @@ def _material(source: Source, domain: Domain, unit: float) -> Isotropic:
         return Isotropic(given.E, given.nu, state, given.density, thickness)  # type: ignore[arg-type]
 
 
-# Places -------------------------------------------------------------------------------------------
-
-
-def _place(source: Source, path: tuple[str | int, ...], given: Place, domain: Domain) -> Region:
-    """A region by coordinates."""
-    unit = unit_in_metres("unit", source.data.body.unit)
-    with source.at(*path):
-        if domain.dim == 2 and given.z is not None:
-            raise ProblemError("z: the body is plane; leave it out")
-        entries = (given.x, given.y, given.z)[: domain.dim]
-        return Region(tuple(_extent(entry, unit) for entry in entries))
-
-
-def _extent(entry: Interval | None, unit: float) -> float | tuple[float, float] | None:
-    if entry is None:
-        return None
-    if isinstance(entry, list):
-        low, high = entry
-        return (unit * low, unit * high)
-    return unit * entry
-
-
-def _side(source: Source, path: tuple[str | int, ...], name: str, domain: Domain) -> Part:
-    """A side by its name: a mesh's own, or left, right and so on at the ends of the body's span."""
-    with source.at(*path):
-        if isinstance(domain, Mesh) and name in domain.boundaries:
-            return domain.side(name)
-        if isinstance(domain, Polygon) and name.startswith(EDGE):
-            return _edge(name, domain)
-        known = [each for each, (axis, _) in SIDES.items() if axis < domain.dim]
-        if name in known:
-            return _end_of_span(name, domain)
-        if isinstance(domain, Mesh):
-            known = [*domain.boundaries, *known]
-        elif isinstance(domain, Polygon):
-            known += [f"{EDGE}{i + 1}" for i in range(min(len(domain.vertices), 8))]
-        near = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        raise ProblemError(f"{format_value(name)}: {hint}the body has {', '.join(known)}")
-
-
-def _end_of_span(name: str, domain: Domain) -> Part:
-    """The side at one end of the body's span: left is where x is least."""
-    axis, end = SIDES[name]
-    at = domain.span[axis][end]
-    if not isinstance(domain, Polygon):
-        return Region(tuple(at if a == axis else None for a in range(domain.dim)))
-    ends = np.stack([domain.corners, np.roll(domain.corners, -1, axis=0)], axis=1)
-    (there,) = np.nonzero((np.abs(ends[:, :, axis] - at) <= domain.tolerance).all(axis=1))
-    if len(there) != 1:
-        raise ProblemError(
-            f"{name!r}: {len(there)} edges of the polygon lie at {AXES[axis]} = {at:g} m; name one "
-            f"as edge 1 to edge {len(ends)}"
-        )
-    return _edge(f"{EDGE}{there[0] + 1}", domain)
-
-
-def _edge(name: str, domain: Polygon) -> Segment:
-    number = name.removeprefix(EDGE)
-    count = len(domain.vertices)
-    if not (number.isascii() and number.isdigit() and 1 <= int(number[:9]) <= count):
-        raise ProblemError(f"{format_value(name)}: the polygon has edge 1 to edge {count}")
-    start = domain.vertices[int(number) - 1]
-    end = domain.vertices[int(number) % count]
-    return Segment(start, end)
-
-
-def _where(
-    source: Source, path: tuple[str | int, ...], given: Support | Load, domain: Domain
-) -> Part:
-    """The part that `on` or `at` names."""
-    if (given.on is None) == (given.at is None):
-        said = "both on and at" if given.on is not None else "no place"
-        raise source.error(path, f"{said}; give one of on and at")
-    if given.on is not None:
-        return _side(source, (*path, "on"), given.on, domain)
-    return _place(source, (*path, "at"), given.at or Place(), domain)
-
-
 def _zone(
     source: Source, number: int, given: PartOfBody, domain: Domain, material: Isotropic
 ) -> Zone:
@@ -297,7 +192,7 @@ def _zone_region(
     if given.ball is not None:
         centre = tuple(unit * x for x in given.ball.centre)
         return Ball(centre, unit * given.ball.radius)
-    return _place(source, (*path, "box"), given.box or Place(), domain)
+    return region_by_coordinates(source, (*path, "box"), given.box or Place(), domain)
 
 
 # Supports and loads -------------------------------------------------------------------------------
@@ -313,12 +208,12 @@ def _support(
             if given.on is not None or given.at is not None:
                 raise ProblemError("nodes and a place; give one of on, at and nodes")
             regions: list[Part] = [
-                _node(source, (*path, "nodes"), node, domain) for node in given.nodes
+                node_region(source, (*path, "nodes"), node, domain) for node in given.nodes
             ]
             if not regions:
                 raise source.error((*path, "nodes"), "none; give at least one")
         else:
-            regions = [_where(source, path, given, domain)]
+            regions = [named_part(source, path, given, domain)]
         return tuple(ProblemSupport(region, components) for region in regions)
 
 
@@ -343,18 +238,6 @@ def _components(source: Source, number: int, given: Support, dim: int) -> tuple[
     return tuple(moved.get(axis) for axis in axes)
 
 
-def _node(source: Source, path: tuple[str | int, ...], number: int, domain: Domain) -> Region:
-    """The place of a node of the mesh."""
-    with source.at(*path):
-        if not isinstance(domain, Mesh):
-            raise ProblemError(f"{number}: the body is a {domain}; nodes are a mesh's")
-        if not 0 <= number < len(domain.points):
-            raise ProblemError(
-                f"{number}: the mesh has nodes 0 to {len(domain.points) - 1}, in the file's order"
-            )
-        return Region(tuple(domain.points[number].tolist()))
-
-
 def _load(source: Source, number: int, given: Load, domain: Domain) -> ProblemLoad:
     path = ("load", number)
     kinds = [key for key in LOADS if getattr(given, key) is not None]
@@ -364,7 +247,7 @@ def _load(source: Source, number: int, given: Load, domain: Domain) -> ProblemLo
     (kind,) = kinds
     _refuse_place(source, path, given, kind)
     if kind in {"traction", "pressure"}:
-        region = _where(source, path, given, domain)
+        region = named_part(source, path, given, domain)
         with source.at(*path, kind):
             if given.pressure is not None:
                 return pressure(region, domain, given.pressure)
@@ -393,7 +276,8 @@ def _point(
     if (given.point is None) == (given.node is None):
         raise source.error((*path, "force"), "give its place, by point or by node")
     if given.node is not None:
-        return tuple(float(x) for x in _node(source, (*path, "node"), given.node, domain).extent)  # type: ignore[arg-type]
+        place = node_region(source, (*path, "node"), given.node, domain).extent
+        return tuple(float(x) for x in place)  # type: ignore[arg-type]
     unit = unit_in_metres("unit", source.data.body.unit)
     return tuple(unit * x for x in given.point or ())
 
@@ -431,4 +315,4 @@ def _case(source: Source, problem: Problem, unit: float) -> Case:
         )
 
 
-__all__ = ["UNITS", "CaseError", "build_case", "read_case", "unit_in_metres"]
+__all__ = ["CaseError", "build_case", "read_case"]

@@ -7,15 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from msvalidate.case.budget import COLUMNS
 from msvalidate.case.case import Case, describe_spacing
 from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, Comparison, Row, say_bridged
 from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import NOT_ASKED
-from msvalidate.output.page import Table, split_at_backticks, table_excerpt
+from msvalidate.output.page import Table, table_excerpt
 from msvalidate.output.pictures import Picture, embed_pictures
+from msvalidate.output.rendering import render_template
 from msvalidate.problem import BodyForce, Mesh, PointForce, Support, Traction, Weight
 from msvalidate.problem.normals import is_faceted
 from msvalidate_check.diagnosis import NOTICED
@@ -62,16 +62,7 @@ class Page:
 
 def render(page: Page) -> str:
     """HTML of a page, complete in itself."""
-    environment = Environment(
-        loader=PackageLoader("msvalidate.output"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters["pieces"] = split_at_backticks
-    return environment.get_template("case.html").render(page=page)
+    return render_template("case.html", page=page)
 
 
 def overall(rows: Sequence[Row]) -> str:

@@ -105,27 +105,7 @@ def judged_files(
         asked={"result": result.name} | page.asked(case),
         origin=origin,
     )
-    verdict = {
-        "name": case.name,
-        "result": result.name,
-        "verdict": found.row.verdict,
-        "sentence": head,
-        "reasons": said,
-        "band": case.band,
-        "quantities": [vars(found.row)],
-        "causes": [vars(each) for each in found.explanations],
-        "rest": found.unrest,
-        "precision": found.precision,
-        "reference": reference_content(found.reference),
-        "points": {
-            "compared": len(found.matched.places),
-            "outside": len(found.matched.outside),
-            "doubled": len(found.matched.doubled),
-            "missing": len(found.matched.missing),
-        },
-        "notes": found.matched.notes,
-        "origin": dict(origin),
-    }
+    verdict = judged_verdict_content(found, head, said, origin)
     content |= files.table_files(tables) | fields
     content |= {"case.html": page.render(shown).encode(), "verdict.json": files.json_bytes(verdict)}
     return found, content
@@ -155,5 +135,32 @@ def verdict_content(
         "quantities": [vars(row) for row in found.rows],
         "reference": reference_content(found.reference),
         "notes": found.notes,
+        "origin": dict(origin),
+    }
+
+
+def judged_verdict_content(
+    found: judge.Judgement, head: str, said: tuple[str, ...], origin: Mapping[str, str]
+) -> dict[str, object]:
+    """What `verdict.json` says of displacements from a file."""
+    return {
+        "name": found.case.name,
+        "result": found.result.name,
+        "verdict": found.row.verdict,
+        "sentence": head,
+        "reasons": said,
+        "band": found.case.band,
+        "quantities": [vars(found.row)],
+        "causes": [vars(each) for each in found.explanations],
+        "rest": found.unrest,
+        "precision": found.precision,
+        "reference": reference_content(found.reference),
+        "points": {
+            "compared": len(found.matched.places),
+            "outside": len(found.matched.outside),
+            "doubled": len(found.matched.doubled),
+            "missing": len(found.matched.missing),
+        },
+        "notes": found.matched.notes,
         "origin": dict(origin),
     }

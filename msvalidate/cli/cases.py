@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from msvalidate.case import building, files, page, results, run
+from msvalidate.case import building, files, page, places, results, run
 from msvalidate.case.case import Case
 from msvalidate.case.judge import Judgement
 from msvalidate.case.schema import json_schema
@@ -143,9 +143,9 @@ def tell_judged(found: Judgement, folder: Path, *, quiet: bool) -> int:
 def _unit(given: str) -> float:
     """A unit by name, or as a number in m."""
     try:
-        return building.unit_in_metres("--unit", float(given))
+        return places.unit_in_metres("--unit", float(given))
     except ValueError:
-        return building.unit_in_metres("--unit", given)
+        return places.unit_in_metres("--unit", given)
 
 
 def said(file: Path, error: Exception) -> str:

@@ -12,11 +12,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from msvalidate.judging.evidence import OPEN, is_missed
 from msvalidate.output.front import FIGURE, first_screen
 from msvalidate.output.pictures import Picture, embed_pictures
+from msvalidate.output.rendering import Block, paragraphs_and_lists, render_template
 from msvalidate.output.stored import NUMBERS, Stored
 from msvalidate_check.words import AGREES, DIFFERS, NOT_RESOLVED
 
@@ -47,15 +47,6 @@ STATES = (FAIL, DIFFERS, NOT_FINISHED, NOT_RESOLVED, PASS, AGREES)
 """What may be said of a study, what a reader must know first before the rest."""
 
 _NUMBER = re.compile(r"[+-]?(?P<digits>\d+\.?\d*|\.\d+)(?P<power>[eE][+-]?\d+)?")
-_CODE = re.compile(r"``(.+?)``|`([^`]+)`")
-
-
-@dataclass(frozen=True)
-class Block:
-    """A paragraph, which has one item, or a list."""
-
-    items: tuple[str, ...]
-    listed: bool
 
 
 @dataclass(frozen=True)
@@ -157,20 +148,12 @@ class Section:
 
 def render_page(studies: Sequence[Stored]) -> str:
     """The page of all studies, in their order: HTML, complete in itself."""
-    environment = Environment(
-        loader=PackageLoader("msvalidate.output"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters["pieces"] = split_at_backticks
     room = PICTURES // max(1, len(studies))
     sections = [study_section(study, room) for study in studies]
     status, sentence = overall_verdict(sections)
     common, own = common_provenance(sections)
-    return environment.get_template("report.html").render(
+    return render_template(
+        "report.html",
         status=status,
         sentence=sentence,
         heading=verdict_heading(sections),
@@ -352,39 +335,6 @@ def format_column(values: Sequence[str]) -> list[str]:
 def format_number(value: float) -> str:
     """A number with six digits; zero has no sign."""
     return f"{value + 0.0:.6g}"
-
-
-def paragraphs_and_lists(text: str) -> tuple[Block, ...]:
-    """Paragraphs and lists of a docstring. An item starts with "- " and runs to a blank line."""
-    found: list[Block] = []
-    for part in re.split(r"\n\s*\n", text.strip()):
-        plain, *items = re.split(r"(?:^|\n)\s*- ", part)
-        if plain.strip():
-            found.append(Block((_one_line(plain),), listed=False))
-        if items:
-            _extend_list(found, [_one_line(item) for item in items], goes_on=not plain.strip())
-    return tuple(found)
-
-
-def split_at_backticks(text: str) -> list[tuple[bool, str]]:
-    """A text cut at its backticks: (whether it is code, words)."""
-    found = []
-    end = 0
-    for match in _CODE.finditer(text):
-        found += [(False, text[end : match.start()]), (True, match[1] or match[2])]
-        end = match.end()
-    return [piece for piece in [*found, (False, text[end:])] if piece[1]]
-
-
-def _extend_list(found: list[Block], items: list[str], *, goes_on: bool) -> None:
-    """Add items to the list before them, if nothing but blank lines lies between."""
-    if goes_on and found and found[-1].listed:
-        items = [*found.pop().items, *items]
-    found.append(Block(tuple(items), listed=True))
-
-
-def _one_line(text: str) -> str:
-    return " ".join(text.split())
 
 
 def _is_decimal(value: str) -> bool:

@@ -7,7 +7,7 @@ from urllib.parse import unquote_to_bytes
 import pandas as pd
 import pytest
 
-from msvalidate.output import page
+from msvalidate.output import page, rendering
 from msvalidate.output.pictures import embed_pictures, shorten_paths
 from msvalidate.output.stored import NUMBERS, Stored
 
@@ -258,20 +258,24 @@ def test_column_without_a_meaning_has_no_definition():
 
 def test_docstring_becomes_paragraphs_and_lists():
     text = "One\ntwo.\n\nBefore:\n- first,\n  goes on;\n\n- second.\n\nThe end - really."
-    assert page.paragraphs_and_lists(text) == (
-        page.Block(("One two.",), listed=False),
-        page.Block(("Before:",), listed=False),
-        page.Block(("first, goes on;", "second."), listed=True),
-        page.Block(("The end - really.",), listed=False),
+    assert rendering.paragraphs_and_lists(text) == (
+        rendering.Block(("One two.",), listed=False),
+        rendering.Block(("Before:",), listed=False),
+        rendering.Block(("first, goes on;", "second."), listed=True),
+        rendering.Block(("The end - really.",), listed=False),
     )
-    assert page.paragraphs_and_lists("\n\n") == ()
+    assert rendering.paragraphs_and_lists("\n\n") == ()
 
 
 def test_backticks_become_code():
-    assert page.split_at_backticks("a `b` c") == [(False, "a "), (True, "b"), (False, " c")]
-    assert page.split_at_backticks("``x`` and `y`") == [(True, "x"), (False, " and "), (True, "y")]
-    assert page.split_at_backticks("a lone ` stays") == [(False, "a lone ` stays")]
-    assert page.split_at_backticks("") == []
+    assert rendering.split_at_backticks("a `b` c") == [(False, "a "), (True, "b"), (False, " c")]
+    assert rendering.split_at_backticks("``x`` and `y`") == [
+        (True, "x"),
+        (False, " and "),
+        (True, "y"),
+    ]
+    assert rendering.split_at_backticks("a lone ` stays") == [(False, "a lone ` stays")]
+    assert rendering.split_at_backticks("") == []
 
 
 def test_study_without_a_question_is_called_by_its_name():

@@ -1,0 +1,226 @@
+"""The second route: bodies of the frozen set at rest, and the material that they answer as.
+
+The affine probe (`probe`) reads a law. What a user gets is an answer: it holds the mesh, the
+masses, the supports and how far the simulation went, too. So bodies whose elasticity is known are
+brought to rest under their loads and under the opposite loads; the odd half of the two has no
+second-order part. Modulus and ratio are those of the linear elements on the same mesh that are
+nearest to it (what a program of linear tetrahedra should be), and of elasticity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from msvalidate.problem import Array, Isotropic, Mesh, ProblemError
+from msvalidate.simulators.protocol import Request, Simulator, ask
+from msvalidate.simulators.tetrahedra import Stress, at_rest, tetrahedra_of
+from msvalidate_check import ElasticCase, elastic_case
+from msvalidate_check.case_set import case_facts
+
+ROLLERS = {"pulled": "block_pull_space", "sheared": "block_shear_space"}
+"""Blocks that are free to contract: supports hold single components."""
+CLAMPED = {"pulled": "clamped_pull_space", "sheared": "clamped_shear_space"}
+"""Blocks held by all components at one end, for programs that hold nodes whole."""
+BENT = {"bent": "cantilever_gravity_space"}
+"""Judged under "resolution" alone: linear elements are far off there on any mesh one pays for."""
+STEPS, SETTLED = 20, 1e-12
+"""Of the fit of modulus and ratio."""
+RATIO_STEP = 1e-5
+SHOWS = 1e-3
+"""Part of the displacement, in another shape than the modulus changes it, that a change of the
+ratio by 1 has to make for it to show."""
+
+
+@dataclass(frozen=True)
+class Effective:
+    """The material that a displacement is nearest to.
+
+    Parameters
+    ----------
+    E, nu
+        Pa and 1. The ratio is NaN where it does not show, and the modulus then that of the ratio
+        asked for.
+    left
+        Largest difference that is left, over the largest displacement.
+    """
+
+    E: float
+    nu: float
+    left: float
+
+
+@dataclass(frozen=True, eq=False)
+class AtRest:
+    """What a simulator left of one body on one mesh.
+
+    Parameters
+    ----------
+    case
+        Of the frozen set.
+    request
+        With the loads as they are.
+    move
+        (n, 3) m: half the difference of the answers to the loads and to their opposites.
+    even
+        Largest half sum of the two over the largest displacement: the second-order part.
+    about
+        What the simulator says of the first.
+    """
+
+    case: ElasticCase
+    request: Request
+    move: Array
+    even: float
+    about: Mapping[str, Any]
+
+
+def request_of(
+    case: ElasticCase, nu: float, settings: Mapping[str, Any] | None = None, sign: float = 1.0
+) -> Request:
+    """A frozen case as a request to come to rest, at any ratio, its loads times a sign."""
+    weight = case.driven == "weight"
+    none = np.zeros(case.points.shape)
+    gravity = case.force.sum(axis=0) / case.mass.sum() if weight else np.zeros(3)
+    shape = {"tet4": "tetra", "hex8": "hexahedron"}[case.mesh.partition("_")[0]]
+    return Request(
+        "rest",
+        Mesh(case.points, case.cells, shape),
+        Isotropic(case.E, nu, "solid", case.density),
+        mass=case.mass,
+        gravity=sign * gravity,
+        force=none if weight else sign * case.force,
+        held=case.held.astype(bool),
+        value=sign * case.value,
+        settings=settings or {},
+        name=f"{case.name}, {case.mesh}",
+    )
+
+
+def at_rest_both_ways(
+    simulator: Simulator,
+    name: str,
+    mesh: str,
+    nu: float,
+    settings: Mapping[str, Any] | None = None,
+) -> AtRest:
+    """A body of the set brought to rest under its loads and under their opposites.
+
+    Raises
+    ------
+    CannotRepresent, SimulatorError
+        As the simulator says.
+    """
+    case = frozen_case(name, mesh, nu)
+    there = request_of(case, nu, settings)
+    answer = ask(simulator, there)
+    other = ask(simulator, request_of(case, nu, settings, -1.0))
+    assert answer.displacement is not None  # noqa: S101  as `ask` sees to
+    assert other.displacement is not None  # noqa: S101
+    move = (answer.displacement - other.displacement) / 2
+    sum_of_both = (answer.displacement + other.displacement) / 2
+    even = _largest(sum_of_both) / (_largest(move) or 1.0)
+    return AtRest(case, there, move, even, answer.about)
+
+
+def frozen_case(name: str, mesh: str, nu: float) -> ElasticCase:
+    """A frozen case on a mesh, at the ratio of the set that is nearest."""
+    ratios = case_facts(name)["ratios"]
+    return elastic_case(name, min(ratios, key=lambda each: abs(each - nu)), mesh=mesh)
+
+
+def elasticity_at(case: ElasticCase, E: float, nu: float) -> Array:
+    """(p, 3) m of elasticity at the named nodes of a case, for another material.
+
+    Raises
+    ------
+    ProblemError
+        If the set does not reach to this ratio.
+    """
+    low, high = case.ratios
+    if not low <= nu <= high:
+        raise ProblemError(f"ratio {nu:g}: the set knows {case.name} from {low:g} to {high:g}")
+    return case.at_ratio(nu) * case.E / E
+
+
+def linear_law(E: float, nu: float) -> Stress:
+    """Hooke's law of the small strain, as a stress of the deformation gradient."""
+    shear, lame = E / 2 / (1 + nu), E * nu / (1 + nu) / (1 - 2 * nu)
+
+    def stress(F: Array) -> Array:
+        strain = (F + np.swapaxes(F, -1, -2)) / 2 - np.eye(3)
+        spread = np.trace(strain, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
+        return np.asarray(2 * shear * strain + lame * spread)
+
+    return stress
+
+
+def linear_elements(request: Request, E: float, nu: float, mass: Array | None = None) -> Array:
+    """(n, 3) m of linear tetrahedra of a material on a request's own mesh, with other masses."""
+    own = request if mass is None else replace(request, mass=mass)
+    return at_rest(tetrahedra_of(request.mesh), own, linear_law(E, nu))[0]
+
+
+def effective_on_mesh(found: AtRest) -> Effective:
+    """Modulus and ratio of the linear elements on the same mesh that are nearest to an answer."""
+    E, nu = found.request.material.E, found.request.material.nu
+
+    def by_ratio(ratio: float) -> Array:
+        return linear_elements(found.request, E, ratio)
+
+    return nearest_material(found.move, by_ratio, E, nu, (-0.95, 0.4999))
+
+
+def effective(found: AtRest) -> Effective:
+    """Modulus and ratio of the elasticity that is nearest to an answer, mesh and all."""
+    case, E = found.case, found.request.material.E
+    named = found.move[case.named]
+    start = float(np.clip(found.request.material.nu, *case.ratios))
+    return nearest_material(named, lambda nu: elasticity_at(case, E, nu), E, start, case.ratios)
+
+
+def nearest_material(
+    found: Array,
+    by_ratio: Callable[[float], Array],
+    E: float,
+    nu: float,
+    between: tuple[float, float],
+) -> Effective:
+    """Fit found = s u(nu) by Gauss and Newton's steps; the modulus is E / s.
+
+    Parameters
+    ----------
+    found
+        (p, d) m.
+    by_ratio
+        Displacement (p, d) of modulus E at a ratio.
+    E, nu
+        Of `by_ratio`, and where to begin.
+    between
+        Ratios that it knows.
+    """
+    low, high = between
+    scale = 1.0
+    for _ in range(STEPS):
+        # One-sided where the range ends; the step's error is far below what is left.
+        ahead, behind = min(nu + RATIO_STEP, high), max(nu - RATIO_STEP, low)
+        own = by_ratio(nu)
+        slope = (by_ratio(ahead) - by_ratio(behind)) / (ahead - behind)
+        along = (slope * own).sum() / (own * own).sum()
+        shows = _largest(slope - along * own) > SHOWS * _largest(own)
+        columns = np.column_stack([own.ravel(), *([scale * slope.ravel()] if shows else [])])
+        change = np.linalg.lstsq(columns, found.ravel(), rcond=None)[0]
+        scale = float(change[0])
+        new = float(np.clip(nu + change[-1], low, high)) if shows else nu
+        settled, nu = abs(new - nu) < SETTLED, new
+        if settled or scale <= 0:
+            break
+    left = _largest(found - scale * by_ratio(nu)) / (_largest(found) or 1.0)
+    return Effective(E / scale if scale > 0 else np.nan, nu if shows else np.nan, left)
+
+
+def _largest(vectors: Array) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max())
