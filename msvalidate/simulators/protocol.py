@@ -25,7 +25,7 @@ ForcesAt = Literal["start", "end"]
 """At which positions of a step the forces act that changed its velocities."""
 
 
-class CannotRepresent(ProblemError):  # noqa: N818  no fault of anybody's
+class CannotRepresent(ProblemError):  # noqa: N818  read as what a simulator says
     """The simulator has no way to do what is asked; the message is its reason."""
 
 
