@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 
-def move(request, body, *, each_step=False, still=1e-7, limit=100_000):
+def move(request, body, *, each_step=False, still=1e-7, floor=0.0, limit=100_000):
     """What is asked of a body, at its nodes' places before: (about, arrays) of an answer.
 
     Parameters
@@ -23,7 +23,9 @@ def move(request, body, *, each_step=False, still=1e-7, limit=100_000):
         "rest": halt after every step, for implicit programs, whose long steps are Newton's.
     still
         At rest when three halts in a row moved no point by more than this part of the largest
-        displacement since the start.
+        displacement since the start,
+    floor
+        or by less than this (m): what positions in single precision resolve.
     limit
         Of steps to rest. What is reached then is given, with how much it still changes.
     """
@@ -34,7 +36,7 @@ def move(request, body, *, each_step=False, still=1e-7, limit=100_000):
             body.step()
         arrays = {"position": body.positions(), "velocity": body.velocities()}
         return {"steps": request.steps, "at_rest": {}, "notes": ""}, arrays
-    steps = _settle(body, each_step, still, limit)
+    steps = _settle(body, each_step, (still, floor), limit)
     before = body.positions()
     energy = 0.0
     for _ in range(steps):
@@ -50,7 +52,7 @@ def move(request, body, *, each_step=False, still=1e-7, limit=100_000):
     return about, {"displacement": now - request.points}
 
 
-def _settle(body, each_step, still, limit):
+def _settle(body, each_step, small, limit):
     """Steps taken until nothing moves."""
     begin = last = body.positions()
     energy, quiet, steps = 0.0, 0, 0
@@ -59,7 +61,8 @@ def _settle(body, each_step, still, limit):
         energy = _damped(body, energy, each_step)
         if energy == 0.0:
             now = body.positions()
-            quiet = quiet + 1 if abs(now - last).max() <= still * abs(now - begin).max() else 0
+            bound = max(small[0] * abs(now - begin).max(), small[1])
+            quiet = quiet + 1 if abs(now - last).max() <= bound else 0
             last = now
         elif not np.isfinite(energy):
             raise SystemExit(f"not at rest: diverged in step {steps}; take shorter steps")
