@@ -6,9 +6,9 @@
 Versions tried: 1.8.0 on warp-lang 1.19.0, which compiles for a minute or two at first.
 
 Settings: solver semi (explicit) | vbd (implicit, block descent) | xpbd (constraints); iterations
-(of vbd and xpbd; theirs are 10 and 2); relaxation (of xpbd; its own is .9); dt (s), limit of steps,
-of "rest" alone (0: a stable step for semi, 20 of them for the others). k_mu and k_lambda are Lamé's mu
-and lambda of the asked E, nu, as the documentation of `add_soft_mesh` asks.
+(of vbd and xpbd; theirs are 10 and 2); relaxation (of xpbd; its own is .9); dt (s), limit of
+steps, of "rest" alone (0: a stable step for semi, 20 of them for the others). k_mu and k_lambda are
+Lamé's mu and lambda of the asked E, nu, as the documentation of `add_soft_mesh` asks.
 
 Laws, as the source has them (newton/_src/solvers), and what they come to to first order:
   semi  P = mu (1 - 1/(Ic+1)) F + lambda (J - alpha) cof F, alpha = 1 + mu/lambda - mu/(4 lambda)
@@ -25,8 +25,8 @@ Mass: density volume / 4 of each tetrahedron to each of its nodes (sim/builder.p
 
 Traps: particles repel each other unless their radius is 0 (default .1 m) and the model has no grid;
 with a radius and without a grid XPBD raises. Held nodes are those of mass 0: whole ones alone.
-vbd and xpbd begin a step at x + dt v + dt^2 g and relax from there: what few iterations leave of that
-way is a displacement at rest that shrinks with dt^2 and with more iterations.
+vbd and xpbd begin a step at x + dt v + dt^2 g and relax from there: what few iterations leave of
+that way is a displacement at rest that shrinks with dt^2 and with more iterations.
 Positions resolve 6e-8 of the largest coordinate, which bounds how small displacements may be.
 """
 
