@@ -18,7 +18,7 @@ Mass: the same for each node, the body's over their number (btSoftBody.cpp:947-9
 
 Traps: positions can be set, velocities cannot, so "rest" needs damping of the program, which is 0
 where nothing moves; at rest is what moves no more within the damping's time, three times. Its
-damping leaves a tremble of some 1e-4 of the displacement, which at_rest states. Forces of an
+damping leaves a tremble of some 6e-4 of the displacement, which at_rest states. Forces of an
 earlier body survive resetSimulation: one body a process. Fixed nodes are anchors, whose mass
 becomes 0: whole ones alone. NumPy has to be there before PyBullet is installed.
 """
