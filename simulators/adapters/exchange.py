@@ -20,7 +20,7 @@ Numbers are SI. Rows of every array are the nodes of points.csv, counted from 0.
 import json
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn
@@ -28,7 +28,6 @@ from typing import Any, NoReturn
 import numpy as np
 
 FORMAT, USAGE, CANNOT = 1, 2, 77
-ANSWERS = ("displacement", "position", "velocity", "force")
 CORNERS = {"triangle": 3, "quad": 4, "tetra": 4, "hexahedron": 8}
 
 
@@ -60,9 +59,7 @@ class Request:
     steps: int
     settings: dict[str, Any]
     springs: SimpleNamespace | None  # ends (m, 2), stiffness (m,) N/m, length at rest (m,) m
-
-    def __post_init__(self) -> None:
-        self.known: set[str] = set()
+    known: set[str] = field(default_factory=set)  # settings, by `setting`
 
     @property
     def load(self) -> np.ndarray:
@@ -71,42 +68,43 @@ class Request:
 
 
 def _table(path: Path, columns: int) -> np.ndarray:
-    """Columns of numbers after the id, which counts rows from 0."""
     rows = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
-    if rows.size == 0 or rows.shape[1] != columns + 1:
-        raise Refusal(f"{path.name}: {rows.shape} numbers; give an id and {columns} more a row")
-    if not np.array_equal(rows[:, 0], np.arange(len(rows))):
-        raise Refusal(f"{path.name}: ids do not count from 0; number the rows 0, 1, 2, ...")
+    if rows.shape[1] != columns + 1 or not np.array_equal(rows[:, 0], np.arange(len(rows))):
+        raise Refusal(f"{path.name}: give ids 0, 1, 2, ... and {columns} numbers more a row")
     return rows[:, 1:]
 
 
 def read_request(folder: str | Path) -> Request:
-    """The request in a folder; raises `Refusal` or `OSError` where there is none."""
-    folder = Path(folder)
+    """The request in a folder; raises `Refusal` where there is none."""
+    try:
+        return _request(Path(folder))
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise Refusal(f"{folder}: {error!r}; give the folder of a request") from None
+
+
+def _request(folder: Path) -> Request:
     asked = json.loads((folder / "request.json").read_text(encoding="utf-8"))
-    if asked.get("format") != FORMAT:
-        raise Refusal(f"request.json: format {asked.get('format')}; this adapter reads {FORMAT}")
+    if asked["format"] != FORMAT:
+        raise Refusal(f"request.json: format {asked['format']}; this adapter reads {FORMAT}")
     d = asked["dimension"]
     nodal = _table(folder / "nodal.csv", 1 + 3 * d)
-    springs = folder / "springs.csv"
-    if springs.exists():
-        a, b, stiffness, length = _table(springs, 4).T
-        ends = np.c_[a, b].astype(int)
+    mass, force, held, value = np.split(nodal, [1, 1 + d, 1 + 2 * d], axis=1)
+    asked["springs"] = None
+    if (folder / "springs.csv").exists():
+        a, b, k, length = _table(folder / "springs.csv", 4).T
+        asked["springs"] = SimpleNamespace(ends=np.c_[a, b].astype(int), stiffness=k, length=length)
     return Request(
-        **{name: asked[name] for name in ("task", "name", "dt", "steps", "settings")},
+        **{name: asked[name] for name in ("task", "name", "dt", "steps", "settings", "springs")},
+        mass=mass[:, 0],
+        force=force,
+        held=held != 0,
+        value=value,
         kind=asked["cells"],
         points=_table(folder / "points.csv", d),
         cells=_table(folder / "cells.csv", CORNERS[asked["cells"]]).astype(int),
-        mass=nodal[:, 0],
-        force=nodal[:, 1 : 1 + d],
-        held=nodal[:, 1 + d : 1 + 2 * d] != 0,
-        value=nodal[:, 1 + 2 * d :],
         gravity=np.array(asked["gravity"], dtype=float),
         material=SimpleNamespace(**asked["material"]),
         start=_table(folder / "start.csv", d) if asked["task"] == "motion" else None,
-        springs=SimpleNamespace(ends=ends, stiffness=stiffness, length=length)
-        if springs.exists()
-        else None,
     )
 
 
@@ -136,17 +134,13 @@ def setting(request: Request, name: str, default: Any) -> Any:
 
 def refuse_unknown(request: Request) -> None:
     """Raise `Refusal` for a setting that no call of `setting` has named; `run` calls it too."""
-    for name in sorted(set(request.settings) - request.known):
-        known = ", ".join(sorted(request.known)) or "none"
-        raise Refusal(f"setting {name}: unknown; this adapter has {known}")
+    for name in set(request.settings) - request.known:
+        raise Refusal(f"setting {name}: unknown; give some of {sorted(request.known)}")
 
 
 def write_result(folder: str | Path, about: dict[str, Any], **arrays: np.ndarray) -> None:
-    """Leave result.npz and, last, result.json: a folder with both is complete."""
-    folder = Path(folder)
-    for name in set(arrays) - set(ANSWERS):
-        raise Refusal(f"result {name}: unknown; give some of {', '.join(ANSWERS)}")
-    text = json.dumps(about, indent=1, allow_nan=False)
+    """Leave result.npz (displacement | position, velocity | force) and, last, result.json."""
+    folder, text = Path(folder), json.dumps(about, indent=1, allow_nan=False)
     folder.mkdir(parents=True, exist_ok=True)
     np.savez(folder / "result.npz", **{name: np.asarray(a, float) for name, a in arrays.items()})
     (folder / "result.json").write_text(text + "\n", encoding="utf-8")
@@ -154,15 +148,14 @@ def write_result(folder: str | Path, about: dict[str, Any], **arrays: np.ndarray
 
 def run(answer) -> None:
     """Read CASE_DIR, answer it by (about, arrays), write OUT_DIR with the seconds it took."""
+    if len(sys.argv) != 3:
+        print(f"usage: {sys.argv[0]} CASE_DIR OUT_DIR", file=sys.stderr)
+        raise SystemExit(USAGE)
     try:
-        case, out = sys.argv[1:]
-    except ValueError:
-        raise SystemExit(f"usage: {sys.argv[0]} CASE_DIR OUT_DIR") from None
-    try:
-        request, begin = read_request(case), time.perf_counter()
+        request, begin = read_request(sys.argv[1]), time.perf_counter()
         about, arrays = answer(request)
         refuse_unknown(request)
-        write_result(out, {**about, "seconds": time.perf_counter() - begin}, **arrays)
-    except (Refusal, OSError) as error:
+        write_result(sys.argv[2], {**about, "seconds": time.perf_counter() - begin}, **arrays)
+    except Refusal as error:
         print(error, file=sys.stderr)
         raise SystemExit(USAGE) from None
