@@ -1,0 +1,212 @@
+"""Simulators with known faults: what the study has to name, with nothing installed."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msvalidate.problem import Array
+from msvalidate.simulators.laws import LAWS, lame
+from msvalidate.simulators.program import Program
+from msvalidate.simulators.protocol import Answer, Request, Simulator, SimulatorError
+from msvalidate.simulators.tetrahedra import Stress, tetrahedra
+
+OWN_LAW = "neo-Hookean, log J"
+SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
+STIFFER = 1.01
+CONVERGED = 0.9
+"""Of the way to rest, after the iterations asked for."""
+ITERATIONS = 20
+LIMIT = 2.0
+"""Seconds that one that hangs is given."""
+
+
+@dataclass(frozen=True)
+class Faulty:
+    """A simulator with one fault.
+
+    Parameters
+    ----------
+    simulate
+        It.
+    named
+        Words that its state or causes must hold.
+    """
+
+    simulate: Simulator
+    named: tuple[str, ...]
+
+
+def clean(request: Request) -> Answer:
+    """Linear tetrahedra of the neo-Hookean law with log J: right in all that is asked here."""
+    return _of_law(OWN_LAW)(request)
+
+
+def _of_law(name: str) -> Simulator:
+    def law_of(request: Request) -> Stress:
+        mu, lam = lame(request.material.E, request.material.nu)
+        return lambda F: LAWS[name].stress(F, mu, lam)
+
+    return tetrahedra(law_of, f"synthetic, {name}")
+
+
+def _volume_constant(request: Request) -> Answer:
+    """λ where the law needs λ + μ."""
+
+    def law_of(asked: Request) -> Stress:
+        mu, lam = lame(asked.material.E, asked.material.nu)
+        return lambda F: LAWS[OWN_LAW].stress(F, mu, lam - mu)
+
+    return tetrahedra(law_of, "synthetic, lam for lam + mu")(request)
+
+
+def _stiffer(request: Request) -> Answer:
+    material = replace(request.material, E=STIFFER * request.material.E)
+    return clean(replace(request, material=material))
+
+
+def _full_cells(request: Request) -> Answer:
+    """The mass of a full cell of a grid on every node, so half too much on a face."""
+    corners = len(request.mesh.cells) / 6
+    each = request.mass.sum() / corners
+    return clean(replace(request, mass=np.full(len(request.mass), each)))
+
+
+def _half_done(request: Request) -> Answer:
+    answer = clean(request)
+    if answer.displacement is None:
+        return answer
+    iterations = int(request.settings.get("iterations", ITERATIONS))
+    part = 1 - (1 - CONVERGED) ** (iterations / ITERATIONS)
+    about = dict(answer.about) | {"settings": {"iterations": [iterations, "1"]}}
+    return replace(answer, displacement=part * answer.displacement, about=about)
+
+
+def _lying(request: Request) -> Answer:
+    answer = _half_done(request)
+    return replace(answer, about=dict(answer.about) | {"at_rest": {"residual": 0.0}})
+
+
+def _swapped(request: Request) -> Answer:
+    """Two nodes' rows in each other's place, as when numbers are read from another file."""
+    answer = clean(request)
+    if answer.displacement is None:
+        return answer
+    ends = np.argsort(np.linalg.norm(answer.displacement, axis=1))
+    one, other = int(ends[-1]), int(ends[len(ends) // 3])
+    move = np.array(answer.displacement)
+    move[[one, other]] = move[[other, one]]
+    return replace(answer, displacement=move)
+
+
+def _edges(request: Request) -> Answer:
+    """Springs of stiffness E h on every edge of the mesh, as forums advise."""
+    return tetrahedra_of_springs(request)
+
+
+def tetrahedra_of_springs(request: Request) -> Answer:
+    """A spring k = E h on each edge, h the mean edge: at rest by Newton's method, or one step."""
+    edges = np.unique(np.sort(_pairs(request.mesh.cells), axis=1), axis=0)
+    length = np.linalg.norm(
+        request.mesh.points[edges[:, 1]] - request.mesh.points[edges[:, 0]], axis=1
+    )
+    stiffness = np.full(len(edges), request.material.E * float(length.mean()))
+    about = {
+        "simulator": "synthetic, springs", "version": "1", "precision": "float64",
+        "mass": "lumped", "forces_at": "start",
+    }  # fmt: skip
+    if request.task == "motion":
+        assert request.start is not None  # noqa: S101
+        x, v, dt = request.start.copy(), np.zeros_like(request.start), float(request.dt or 0)
+        for _ in range(request.steps):
+            pull = _spring_forces(edges, length, stiffness, x)
+            v = v + dt * (pull / request.mass[:, None] + request.gravity)
+            x = x + dt * v
+        return Answer(position=x, velocity=v, about=about)
+    return Answer(displacement=_springs_at_rest(request, edges, length, stiffness), about=about)
+
+
+def _pairs(cells: Array) -> Array:
+    ends = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
+    return np.concatenate([cells[:, list(pair)] for pair in ends])
+
+
+def _spring_forces(edges: Array, length: Array, stiffness: Array, x: Array) -> Array:
+    away = x[edges[:, 1]] - x[edges[:, 0]]
+    now = np.linalg.norm(away, axis=1)
+    pull = (stiffness * (now - length) / now)[:, None] * away
+    force = np.zeros_like(x)
+    np.add.at(force, edges[:, 0], pull)
+    np.add.at(force, edges[:, 1], -pull)
+    return force
+
+
+def _springs_at_rest(request: Request, edges: Array, length: Array, stiffness: Array) -> Array:
+    """To first order: small strains, so that no step is needed twice."""
+    n, d = request.mesh.points.shape
+    along = (request.mesh.points[edges[:, 1]] - request.mesh.points[edges[:, 0]]) / length[:, None]
+    K = np.zeros((n, d, n, d))
+    each = stiffness[:, None, None] * along[:, :, None] * along[:, None, :]
+    for (a, b), k in zip(edges, each, strict=True):
+        K[a, :, a] += k
+        K[b, :, b] += k
+        K[a, :, b] -= k
+        K[b, :, a] -= k
+    free = ~request.held.ravel()
+    outer = (request.force + request.mass[:, None] * request.gravity).ravel()
+    u = np.where(request.held, request.value, 0.0).ravel()
+    flat = K.reshape(n * d, n * d)
+    u[free] = np.linalg.solve(flat[free][:, free], (outer - flat @ u)[free])
+    return u.reshape(n, d)
+
+
+def _crashing(request: Request) -> Answer:
+    raise SimulatorError("the program ended with signal 11")
+
+
+class _Forgetful:
+    """One whose state survives: each answer goes on from the last one."""
+
+    def __init__(self) -> None:
+        self._asked = 0
+
+    def __call__(self, request: Request) -> Answer:
+        answer = clean(request)
+        if answer.displacement is None:
+            return answer
+        self._asked += 1
+        return replace(answer, displacement=(1 + 0.02 * self._asked) * answer.displacement)
+
+
+def _resetting(request: Request) -> Answer:
+    """One that goes back to its start where it diverged, and says nothing."""
+    answer = clean(request)
+    if answer.displacement is None:
+        return answer
+    return replace(answer, displacement=np.zeros_like(answer.displacement))
+
+
+def synthetic_faults() -> Mapping[str, Faulty]:
+    """Fault -> the simulator that has it, and what has to be said of it."""
+    hanging = Program(f'{sys.executable} -c "import time; time.sleep(60)"', LIMIT)
+    return {
+        "lam for lam + mu": Faulty(_volume_constant, ("differs with cause", "law: E")),
+        "Smith's law, Lamé's constants": Faulty(
+            _of_law(SMITH), ("differs with cause", "law: E 0.73")
+        ),
+        "a full cell's mass on each node": Faulty(
+            _full_cells, ("differs with cause", "mass: equal")
+        ),
+        "0.9 converged": Faulty(_half_done, ("gate", "twice the iterations")),
+        "points swapped": Faulty(_swapped, ("not explained", "point")),
+        "1 % too stiff": Faulty(_stiffer, ("differs with cause", "law: E 1.01 ")),
+        "k = E h on each edge": Faulty(_edges, ("not explained", "of no one solid")),
+        "lies about rest": Faulty(_lying, ("gate", "lies about rest")),
+        "crashes": Faulty(_crashing, ("gate", "signal 11")),
+        "hangs": Faulty(hanging, ("gate", "limit")),
+        "state survives": Faulty(_Forgetful(), ("gate", "the same again")),
+        "resets itself": Faulty(_resetting, ("gate", "does not move")),
+    }
