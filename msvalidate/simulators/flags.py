@@ -40,29 +40,34 @@ ARITHMETIC = 1.0
 """Roundings of the mean stress, each of one part in 2²⁴ or 2⁵³ of the stiffness: a cell's is off by
 some ten at random, the mean over 200 cells by less than one. What is the same in +G and -G drops
 out."""
-PLACED = 2.0
-"""Roundings of a position in a step that solves for it, in the sum over nodes."""
+PLACED = 3.0
+"""Standard deviations of sums over rounded positions, within which they are taken to be."""
 
 
-def rounding_part(
+def rounding_parts(
     bench: Bench, strain: float, largest: float, forces_at: str, shrunk: float = 1.0
-) -> float:
-    """Error of C by rounding, relative to its largest component: known before anything is asked.
+) -> tuple[float, float]:
+    """Errors of C by rounding of stresses and strains, relative to its largest component.
 
     Arithmetic: deformation gradients near I are rounded, over the strain. Where velocities are
-    differences of positions, a node's position of up to r = 0.125 m is rounded by δ = u r, its
-    force by m δ/dt², and n such at random places r add up to ρ δ r/(√n dt²) in the mean stress, and
-    to δ times the root of the sum of squares of the block's weights in the mean strain. Of both,
-    a strain of which only the part `shrunk` is left at the end of the step shows so much more.
+    differences of positions, a coordinate is rounded by up to half the spacing of numbers there, δ
+    in the root of the mean square, and half the difference of two states by δ/√2. A node's force is
+    then off by m δ/dt², and n such at places up to r add up to ρ δ r/(√n dt²) in the mean stress,
+    and to δ times the root of the sum of squares of the block's weights in the mean strain. Of
+    both, a strain of which only the part `shrunk` is left at the end shows that much more.
     """
     u, block = ROUNDING[bench.precision], bench.block
-    part = ARITHMETIC * u / strain
+    part, of_strain = ARITHMETIC * u / strain, 0.0
     if forces_at == "end":
-        r = float(np.abs(block.mesh.points).max())
-        stress = block.material.density * u * r * r / np.sqrt(len(block.mesh.points)) / bench.dt**2
-        gradient = u * r * float(np.linalg.norm(block.weights, axis=0).max())
-        part += PLACED * (stress / largest + gradient) / (strain * shrunk)
-    return float(part)
+        X = block.mesh.points
+        spacing = np.spacing(np.abs(X).astype(bench.precision)).astype(float)
+        delta = float(np.sqrt((spacing**2).mean() / 24))  # half of it, squared, over 3 and 2
+        r = float(np.abs(X).max())
+        stress = block.material.density * delta * r / np.sqrt(len(X)) / bench.dt**2
+        gradient = delta * float(np.linalg.norm(block.weights, axis=0).max())
+        part += PLACED * stress / largest / (strain * shrunk)
+        of_strain = PLACED * gradient / (strain * shrunk)
+    return float(part), of_strain
 
 
 def raise_flags(
@@ -202,7 +207,7 @@ def _other_step(station: Station, C: Array, strain: float) -> Flag:
     found = voigt((there.stress - back.stress) / 2)
     expected = C @ (voigt((there.gradient - back.gradient) / 2) * ENGINEERING)
     value = float(np.abs(found - expected).max() / (strain * np.abs(C).max()))
-    noise = rounding_part(short.bench, strain, float(np.abs(C).max()), station.forces_at)
+    noise = sum(rounding_parts(short.bench, strain, float(np.abs(C).max()), station.forces_at))
     because = "a law knows no step, and strains add up; damping in a step's velocity does not"
     return Flag("half the step, another strain", value, EXACT + noise, because)
 

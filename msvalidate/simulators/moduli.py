@@ -64,23 +64,33 @@ def anisotropy(C: Array) -> float:
     return float(np.linalg.norm(scaled - near)) / whole if whole else 0.0
 
 
-def elastic(C: Array, error: float) -> Elastic:
-    """E and nu of the nearest isotropic solid, if C is known to `error` (Pa) in each component.
+def elastic(C: Array, error: float, of_strain: float = 0.0) -> Elastic:
+    """E and nu of the nearest isotropic solid, and how well they are known.
 
     E = 9 K G/(3 K + G), nu = (3 K - 2 G)/(6 K + 2 G). K is a mean of components and G a mean
-    with weights whose sizes sum to 1, so each is known to `error` too, and
+    with weights whose sizes sum to 1: an error of each component makes no larger one of either.
+    Strains that are off by a matrix M multiply C by I + M, and K drops out of what that makes of G:
+    so each is off by its own part. With δK and δG the sums of both,
 
-    - |δE| ≤ (9 G² + 27 K²)/(3 K + G)² `error`,
-    - |δnu| ≤ 9 (|G| + |K|)/(2 (3 K + G)²) `error`.
+    - |δE| ≤ (9 G² δK + 27 K² δG)/(3 K + G)²,
+    - |δnu| ≤ 9 (G δK + K δG)/(2 (3 K + G)²).
+
+    Parameters
+    ----------
+    error
+        Of each component of C, Pa, by stresses.
+    of_strain
+        Relative, by strains.
     """
     K, G = bulk_and_shear(C)
-    reason = _no_solid(C, K, G, error)
+    reason = _no_solid(C, K, G, error + of_strain * float(np.abs(C).max()))
     if reason:
         return Elastic(None, None, np.inf, np.inf, reason)
     below = (3 * K + G) ** 2
     E, nu = 9 * K * G / (3 * K + G), (3 * K - 2 * G) / (6 * K + 2 * G)
-    E_error = (9 * G**2 + 27 * K**2) / below * error
-    nu_error = 4.5 * (G + K) / below * error
+    K_error, G_error = error + of_strain * K, error + of_strain * G
+    E_error = (9 * G**2 * K_error + 27 * K**2 * G_error) / below
+    nu_error = 4.5 * (G * K_error + K * G_error) / below
     known_E, known_nu = E_error <= SHOWN * E, nu_error <= SHOWN
     missing = [
         f"{name} is known to {size} only, and {SHOWN:g} is needed"

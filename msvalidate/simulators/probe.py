@@ -27,11 +27,11 @@ import numpy as np
 from msvalidate.problem import VOIGT, Array, Isotropic
 from msvalidate.problem.checks import positive_number, require_one_of
 from msvalidate.simulators.bench import ROUNDING, Bench, Precision
-from msvalidate.simulators.flags import raise_flags, rounding_part
+from msvalidate.simulators.flags import raise_flags, rounding_parts
 from msvalidate.simulators.masses import Masses, measure_masses
 from msvalidate.simulators.probe_mesh import Block, probe_mesh
 from msvalidate.simulators.protocol import Answer, Simulator, SimulatorError
-from msvalidate.simulators.reading import Reading
+from msvalidate.simulators.reading import STRAINS, Reading
 from msvalidate.simulators.states import ENGINEERING, Push, Station, voigt
 
 STRAIN = {"float64": 2.0**-10, "float32": 2.0**-7}
@@ -134,18 +134,19 @@ def _read(station: Station, strain: float, masses: Masses | None, first: Answer)
     if largest == 0:
         raise SimulatorError("probe: no strain makes a force; give the body a stiffness")
     bench = station.bench
-    noise = rounding_part(bench, strain, largest, station.forces_at, fit.shrunk)
+    noise, of_strain = rounding_parts(bench, strain, largest, station.forces_at, fit.shrunk)
     curvature = _curvature(fit, rest) / (strain * largest)
     half = _fit(station, strain / 2)
     step = float(np.abs(half.C - fit.C).max()) / largest
     C = (4 * half.C - fit.C) / 3
     # 4/3 of the step is the second-order term, and the next one is of the size of its square.
     cut = CURVES * ((4 * step / 3) ** 2 + strain**4)
-    noise *= 3  # 4/3 of a half strain's, which is twice, and 1/3 of the whole one's
     flags = raise_flags(station, fit.pairs, rest, C, strain, curvature, masses)
     flagged = {flag.name: flag.value or 0.0 for flag in flags}
     causes = {
-        "rounding": noise * largest,
+        # 4/3 of a half strain's, which is twice, and 1/3 of the whole one's.
+        "rounding of stresses": 3 * noise * largest,
+        STRAINS: 3 * of_strain * largest,
         "finite strain": cut * largest,
         "stress not symmetric": flagged["symmetry of P"] * largest,
         "C not symmetric": flagged["symmetry of C"] * largest,

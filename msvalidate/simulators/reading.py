@@ -75,6 +75,7 @@ class Reading:
         Pa, of each component.
     causes
         Cause -> its part, Pa; of independent causes, `error` is the root of the sum of squares.
+        `STRAINS` counts in E and nu by its part of each modulus.
     flags
         In order.
     masses
@@ -115,7 +116,9 @@ class Reading:
     def elastic(self) -> Elastic:
         """E and nu with their errors, or None with a reason."""
         if self.is_valid:
-            return elastic(self.C, self.error)
+            of_strain = self.causes[STRAINS] / float(np.abs(self.C).max())
+            others = [part for cause, part in self.causes.items() if cause != STRAINS]
+            return elastic(self.C, float(np.linalg.norm(others)), of_strain)
         reason = "; ".join(self.refusals())
         return Elastic(None, None, np.inf, np.inf, reason)
 
@@ -198,5 +201,7 @@ class Reading:
         return pd.DataFrame(rows, columns=columns)
 
 
+STRAINS = "rounding of strains"
+"""Name of the cause that multiplies C."""
 INNER = "force on inner nodes"
 """Name of the flag by which a lattice is known."""
