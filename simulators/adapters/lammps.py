@@ -12,12 +12,13 @@ A motion of one step is answered by the forces at `start`, one of more by veloci
 
 Traps: the wheel looks for libmpi.so.12 where the system keeps libraries, and pip puts it in the
 environment: it is opened first. The work of loads counts from where atoms began, or an energy has
-lost the digits that a line search needs. cg's default line search ends 1e-3 short
-of rest on a small lattice, fire throws atoms away unless its step is found by trial. LAMMPS loses
-atoms that leave the box: it has room.
+lost the digits that a line search needs. cg's default line search ends 1e-3 short of rest on a
+small lattice; fire throws atoms away unless its step is found by trial. LAMMPS loses atoms that
+leave the box: it has room.
 """
 
 import ctypes
+import sys
 import sysconfig
 import tempfile
 from importlib import metadata
@@ -25,6 +26,8 @@ from pathlib import Path
 
 import numpy as np
 from exchange import cannot, refuse_unknown, run, setting
+
+del sys.path[0]  # this file has the name of a module that is not in it
 
 
 def answer(request):
