@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RUN := $(BIN)/python -m msvalidate.study
 
-.PHONY: help poisson bench cases check any-cpu report test slow mutants lint types format clean
+.PHONY: help poisson bench cases check any-cpu report test slow mutants simulators lint types format clean
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -68,6 +68,14 @@ cases: $(VENV)/peers
 mutants: $(VENV)/develops
 	OMP_NUM_THREADS=1 $(BIN)/python tests/mutation/run.py $(ARGS)
 
+# make simulators  an environment .venv-NAME for each of simulators/requirements/NAME.txt, as pinned
+simulators: $(patsubst simulators/requirements/%.txt,.venv-%/ready,$(wildcard simulators/requirements/*.txt))
+
+.venv-%/ready: simulators/requirements/%.txt
+	$(PYTHON) -m venv --clear .venv-$*
+	.venv-$*/bin/python -m pip install --quiet --require-hashes --requirement $<
+	@touch $@
+
 # make lint      style, make types: types, make format: rewrite to style
 lint: $(VENV)/develops
 	$(BIN)/ruff check .
@@ -82,5 +90,5 @@ format: $(VENV)/develops
 
 # make clean     remove the environment and what was built, compiled kernels among it
 clean:
-	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis reports/latest
+	rm -rf $(VENV) .venv-* build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis reports/latest
 	find msvalidate reference_fem studies tests -name __pycache__ -prune -exec rm -rf {} +

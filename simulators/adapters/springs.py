@@ -14,7 +14,7 @@ from exchange import Refusal, cannot, refuse_unknown, run, setting
 import msvalidate
 from msvalidate.network import internal_force, spring_network
 from msvalidate.problem import ProblemError, SolverError
-from msvalidate.statics import equilibrium
+from msvalidate.statics.equilibrium import equilibrium
 
 
 def answer(request):

@@ -5,18 +5,20 @@ Law: `bond_style harmonic`, E = K (r - r0)² with K = k/2, for LAMMPS' energy ha
 manual, "bond_style harmonic"; src/MOLECULE/bond_harmonic.cpp). A bond pulls along its present
 direction: beside a linear spring network, load little. E and nu are not read.
 
-Settings: ``style`` cg (default), hftn or fire; ``line`` forcezero (default), quadratic or backtrack
-of cg; ``force`` at which it is at rest, relative to the largest load (1e-12);
-``iterations`` at most (200000).
+Settings: ``style`` of minimiser, hftn (default) or cg with `line forcezero`; ``force`` at which it
+is at rest, relative to the largest load (1e-12); ``iterations`` at most (200000).
 
 A motion of one step is answered by the forces at `start`, one of more by velocity Verlet.
 
 Traps: the wheel looks for libmpi.so.12 where the system keeps libraries, and pip puts it in the
 environment: it is opened first. The work of loads counts from where atoms began, or an energy has
-lost the digits that a line search needs. LAMMPS loses atoms that leave the box: it has room.
+lost the digits that a line search needs. cg's default line search ends 1e-3 short of rest on a
+small lattice; fire throws atoms away unless its step is found by trial. LAMMPS loses atoms that
+leave the box: it has room.
 """
 
 import ctypes
+import sys
 import sysconfig
 import tempfile
 from importlib import metadata
@@ -25,14 +27,15 @@ from pathlib import Path
 import numpy as np
 from exchange import cannot, refuse_unknown, run, setting
 
+del sys.path[0]  # this file has the name of a module that is not in it
+
 
 def answer(request):
     """Displacement at rest, forces at `start`, or position and velocity after steps."""
     if request.springs is None:
         cannot("no springs.csv: bonds are all that this adapter gives LAMMPS; ask with springs")
     names = {
-        "style": setting(request, "style", ("cg", "hftn", "fire")),
-        "line": setting(request, "line", ("forcezero", "quadratic", "backtrack")),
+        "style": setting(request, "style", ("hftn", "cg")),
         "force": setting(request, "force", 1e-12),
         "iterations": setting(request, "iterations", 200000),
     }
@@ -86,7 +89,7 @@ def write_data(path, request, position):
     springs, position = request.springs, in_space(position)
     masses, kind = np.unique(request.mass, return_inverse=True)
     laws, law = np.unique(np.c_[springs.stiffness / 2, springs.length], axis=0, return_inverse=True)
-    size = 10 * np.ptp(position, axis=0).max()
+    size = 10 * float(np.ptp(position, axis=0).max())
     head = [f"{len(position)} atoms", f"{len(law)} bonds", f"{len(masses)} atom types"]
     head += [f"{len(laws)} bond types"]
     middle = (position.min(axis=0) + position.max(axis=0)) / 2
@@ -156,7 +159,7 @@ def minimise(program, request, names):
         program.command(f"fix held{number} held{number} setforce {zero}")
     limit = names["force"] * max(abs(request.load).max(), 1e-300)
     style = f"min_style {names['style']}"
-    line = f" line {names['line']}" if names["style"] == "cg" else ""
+    line = " line forcezero" if names["style"] == "cg" else ""
     step = 0.1 * float(request.springs.length.min())
     program.commands_list([style, f"min_modify dmax {step!r}{line}"])
     count = names["iterations"]

@@ -14,11 +14,15 @@ Traps: forces and weight are point loads on the nodes. `newtonrhapson` has anoth
 10.2. Loads come at once: neo_hooke may not find its rest where they are large.
 """
 
+import sys
 from importlib import metadata
 
-import felupe
 import numpy as np
 from exchange import cannot, refuse_unknown, run, setting
+
+del sys.path[0]  # this file has the name of a module that is not in it
+# ruff: noqa: E402
+import felupe
 
 REGIONS = {"tetra": felupe.RegionTetra, "hexahedron": felupe.RegionHexahedron}
 
