@@ -56,7 +56,7 @@ class About(msgspec.Struct, forbid_unknown_fields=True):
     settings: dict[str, tuple[Any, str]] = {}
     steps: int | None = None
     dt: float | None = None
-    mass: Literal["lumped", "consistent"] | None = None
+    mass: Literal["lumped", "consistent", "one point"] | None = None
     forces_at: ForcesAt | None = None
     at_rest: AtRest = msgspec.field(default_factory=AtRest)
     seconds: float | None = None

@@ -26,7 +26,7 @@ ROUNDING = {"float64": 2.0**-53, "float32": 2.0**-24}
 SAID = {
     "precision": get_args(Precision),
     "forces_at": get_args(ForcesAt),
-    "mass": ("lumped", "consistent"),
+    "mass": ("lumped", "consistent", "one point"),
 }
 """What an answer must say: none of it can be seen from a step, and each changes what is read."""
 

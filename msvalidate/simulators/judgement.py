@@ -21,6 +21,7 @@ from msvalidate.simulators.blocks import AtRest, Effective, at_rest_both_ways, l
 from msvalidate.simulators.factors import UNEXPLAINED, Factors, factors
 from msvalidate.simulators.gate import Gate, gate
 from msvalidate.simulators.masses import patterns
+from msvalidate.simulators.moduli import SHOWN
 from msvalidate.simulators.probe import probe
 from msvalidate.simulators.probe_mesh import Block
 from msvalidate.simulators.protocol import (
@@ -40,7 +41,7 @@ NOT_EXPLAINED = "not explained"
 STOPPED = "gate"
 STATES = (AGREES, CAUSE, NOT_EXPLAINED, STOPPED)
 BAND = 0.01
-"""Of modulus (relative), ratio and displacement: a law or a mass that is off by less agrees."""
+"""Of masses and displacements: what is off by less agrees. Of a law's prediction too."""
 MESHES = ("tet4", "tet4_2")
 BODIES: Mapping[str, tuple[str, ...]] = {
     "pulled": (blocks.ROLLERS["pulled"], blocks.CLAMPED["pulled"], "block_gravity_space"),
@@ -229,7 +230,7 @@ def _law(
     """
     if reading is None or reading.E is None or reading.nu is None:
         return predicted, 1.0
-    pulled = [each for _, each in found if each.case.driven == "loads"]
+    pulled = [each for body, each in found if body == "pulled" and each.case.driven == "loads"]
     if not pulled or reading.masses is None:
         return (reading.E, reading.nu), 1.0
     total = blocks.effective_on_mesh(pulled[-1]).E / reading.E
@@ -315,7 +316,7 @@ def _law_causes(
         found.append(f"law: {'; '.join(reading.refusals())}")
     if reading is not None and reading.is_bound:
         found.append("law: uniform strain pulls at inner nodes, so it is of no one solid")
-    if law is not None and not _alike(law, (material.E, material.nu)):
+    if law is not None and not _alike(law, (material.E, material.nu), SHOWN):
         found.append(
             f"law: E {law[0] / material.E:.4g} times the asked, nu {law[1]:.4g} for {material.nu:g}"
         )
@@ -335,8 +336,8 @@ def _factor_causes(rows: tuple[BodyRow, ...]) -> list[str]:
     return found
 
 
-def _alike(one: tuple[float, float], other: tuple[float, float]) -> bool:
-    return abs(one[0] / other[0] - 1) <= BAND and abs(one[1] - other[1]) <= BAND
+def _alike(one: tuple[float, float], other: tuple[float, float], band: float = BAND) -> bool:
+    return abs(one[0] / other[0] - 1) <= band and abs(one[1] - other[1]) <= band
 
 
 def _largest(vectors: Array) -> float:

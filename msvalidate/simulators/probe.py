@@ -107,7 +107,7 @@ def probe(
     if first.force is None and masses is None:
         masses = measure_masses(bench)
     inertia = _inertia(block, masses, first)
-    consistent = first.force is None and first.about["mass"] == "consistent"
+    consistent = first.force is None and first.about["mass"] != "lumped"
     station = Station(bench, inertia, forces_at, consistent)
     return _read(station, strain, masses, first)
 
@@ -124,7 +124,8 @@ def _inertia(block: Block, masses: Masses | None, first: Answer) -> Callable[[Ar
     if first.about["mass"] == "lumped":
         m = masses.best[:, None]
         return lambda v: m * v
-    return lambda v: np.asarray(block.consistent @ v)
+    matrix = block.consistent if first.about["mass"] == "consistent" else block.one_point
+    return lambda v: np.asarray(matrix @ v)
 
 
 def _read(station: Station, strain: float, masses: Masses | None, first: Answer) -> Reading:

@@ -123,8 +123,9 @@ class Answer:
         (n, d) N that the body puts on its nodes at `start`, from programs without motion.
     about
         What `result.json` holds: simulator, version, law, settings, steps, dt, precision
-        ("float64" or "float32"), mass ("lumped" or "consistent"), forces_at ("start" of a step
-        where it is explicit, "end" where it is implicit), at_rest, seconds, notes.
+        ("float64" or "float32"), mass ("lumped", "consistent", or "one point": see `probe_mesh`),
+        forces_at ("start" of a step where it is explicit, "end" where it is implicit), at_rest,
+        seconds, notes.
     """
 
     displacement: Array | None = None

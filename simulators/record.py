@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: MIT
+"""Judge the simulators that are installed, and leave what is found for the study `simulators`.
+
+    python -m simulators.record            all that JOBS lists and that is installed
+    python -m simulators.record drake      those whose name begins so
+
+Each is run by its adapter in its own environment (`make simulators` makes these), a new process for
+every question. What comes of it is written to studies/simulators/data, a file each, with versions
+and checksums of the adapter and of the pinned packages. Nothing there is typed in.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import shutil
+import sys
+import time
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from msvalidate.problem import Isotropic, ProblemError, SolverError
+from msvalidate.simulators.judgement import judge_simulator
+from msvalidate.simulators.laws import predicted
+from msvalidate.simulators.probe import probe
+from msvalidate.simulators.program import Program
+from msvalidate.simulators.protocol import CannotRepresent
+from msvalidate.simulators.record import probe_record, record_of
+from msvalidate_check import exchange
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+DATA = ROOT / "studies" / "simulators" / "data"
+E, NU, DENSITY = 1e7, 0.3, 1000.0
+CURVE = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.49)
+LIMIT = 600.0
+LOG_J = "neo-Hookean, log J"
+SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
+SIMPLE = "neo-Hookean without logarithm, Lamé's constants as they stand"
+
+
+@dataclass(frozen=True)
+class Job:
+    """A simulator with one law.
+
+    Parameters
+    ----------
+    name
+        Of the file of results.
+    adapter
+        File in adapters/.
+    environment
+        `.venv-NAME` that it runs in; "" for our own.
+    law
+        Of `msvalidate.simulators.laws`, as its documents or source have it; "" if it has none.
+    source
+        Where that stands.
+    settings, probed
+        Of the simulator, and of the probe's steps beside.
+    curve
+        Whether the probe alone is asked at all of `CURVE` too.
+    draft
+        Whether its author has still to be told.
+    upstream
+        Known issues, their state and when that was looked at.
+    """
+
+    name: str
+    adapter: str
+    environment: str
+    law: str
+    source: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    probed: Mapping[str, Any] = field(default_factory=dict)
+    curve: bool = False
+    draft: bool = True
+    upstream: tuple[str, ...] = ()
+    program: str = ""
+
+
+JOBS = (
+    Job("calculix", "calculix.py", "", "linear", "ccx manual, *ELASTIC", draft=False, program="ccx"),
+    Job(
+        "ngsolve-1", "ngsolve_elements.py", "ngsolve", "linear", "the adapter's own form",
+        {"order": 1}, draft=False,
+    ),
+    Job("felupe-linear", "felupe_solid.py", "felupe", "linear", "felupe.LinearElastic",
+        {"law": "linear"}, draft=False),
+    Job("drake-linear", "drake.py", "drake", "linear", "linear_constitutive_model.cc:52",
+        {"law": "linear"}),
+    Job("drake-linear_corotated", "drake.py", "drake", "corotated",
+        "linear_corotated_model.cc:51 (shipped default)", {"law": "linear_corotated"}, curve=True),
+    Job("drake-corotated", "drake.py", "drake", "fixed corotated", "corotated_model.cc:42",
+        {"law": "corotated"}),
+    Job("drake-neo_hookean", "drake.py", "drake", SIMPLE, "neohookean_model.cc:42-45",
+        {"law": "neo_hookean"}, curve=True),
+    Job("mujoco-stvk", "mujoco.py", "mujoco", "Saint Venant-Kirchhoff",
+        "manual, XMLreference, flexcomp elasticity", {"law": "stvk"}),
+    Job("mujoco-stvk-asked_masses", "mujoco.py", "mujoco", "Saint Venant-Kirchhoff",
+        "manual, XMLreference, flexcomp elasticity", {"law": "stvk", "masses": "asked"}),
+    Job("newton-semi", "newton.py", "newton", SMITH,
+        "semi_implicit/kernels_particle.py:296, 317, 412", {"solver": "semi"}),
+    Job("newton-vbd", "newton.py", "newton", "neo-Hookean without logarithm, lam + mu",
+        "vbd/particle_vbd_kernels.py:228-250", {"solver": "vbd", "iterations": 40, "dt": 2e-4},
+        {"iterations": 200}),
+    Job("pybullet-neo_hookean", "pybullet.py", "pybullet", SMITH,
+        "btDeformableNeoHookeanForce.h:358-363"),
+)  # fmt: skip
+
+
+def main(words: list[str]) -> int:
+    """Judge what was asked for; 0 if all of it was found installed."""
+    parser = argparse.ArgumentParser(prog="simulators.record", description=__doc__)
+    parser.add_argument("names", nargs="*", help="beginnings of names of jobs")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at once")
+    args = parser.parse_args(words)
+    wanted = [
+        job for job in JOBS if not args.names or any(job.name.startswith(n) for n in args.names)
+    ]
+    DATA.mkdir(parents=True, exist_ok=True)
+    with ThreadPoolExecutor(args.jobs) as pool:
+        found = list(pool.map(_record, wanted))
+    return 0 if all(found) else 1
+
+
+def _record(job: Job) -> bool:
+    python = Path(sys.executable) if not job.environment else _python(job.environment)
+    if not python.exists() or (job.program and shutil.which(job.program) is None):
+        print(f"{job.name}: not installed; `make simulators` makes {python}", flush=True)
+        return False
+    began = time.perf_counter()
+    simulator = Program(f"{python} {HERE / 'adapters' / job.adapter}", LIMIT)
+    material = Isotropic(E, NU, "solid", DENSITY)
+    law = predicted(job.law, E, NU) if job.law else None
+    expected = None if law is None or law.E is None or law.nu is None else (law.E, law.nu)
+    judged = judge_simulator(
+        simulator, material, job.settings, predicted=expected, probed=job.probed
+    )
+    record = {
+        "name": job.name,
+        "law": job.law,
+        "source": job.source,
+        "settings": dict(job.settings),
+        "draft": job.draft,
+        "upstream": list(job.upstream),
+        "date": datetime.now(UTC).date().isoformat(),
+        "adapter": {"file": job.adapter, "sha256": _digest(HERE / "adapters" / job.adapter)},
+        "packages": _packages(job.environment),
+        **record_of(judged),
+    }
+    if job.curve:
+        record["curve"] = [_point(simulator, job, nu) for nu in CURVE]
+    text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
+    exchange.replace_file(DATA / f"{job.name}.json", lambda: (text + "\n").encode())
+    print(f"{job.name}: {judged.state}, {time.perf_counter() - began:.0f} s", flush=True)
+    for line in (*judged.causes, *judged.notes):
+        print(f"  {line}", flush=True)
+    return True
+
+
+def _point(simulator: Program, job: Job, nu: float) -> dict[str, Any]:
+    """One ratio of the curve: what the probe reads beside what the law says."""
+    law = predicted(job.law, E, nu)
+    point: dict[str, Any] = {"nu": nu, "predicted": {"E": law.E, "nu": law.nu}}
+    try:
+        reading = probe(
+            simulator,
+            Isotropic(E, nu, "solid", DENSITY),
+            settings={**job.settings, **job.probed},
+        )
+    except (CannotRepresent, SolverError, ProblemError) as error:
+        return point | {"probe": None, "because": str(error)}
+    return point | {"probe": probe_record(reading)}
+
+
+def _python(environment: str) -> Path:
+    folder = os.environ.get("MSVALIDATE_ENVIRONMENTS")
+    if folder:
+        return Path(folder) / f"v_{environment}" / "bin" / "python"
+    return ROOT / f".venv-{environment}" / "bin" / "python"
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _packages(environment: str) -> dict[str, str]:
+    """Pinned packages -> checksum of the wheel, from the requirement file."""
+    if not environment:
+        return {}
+    found = {}
+    text = (HERE / "requirements" / f"{environment}.txt").read_text(encoding="utf-8")
+    for line in text.replace("\\\n", " ").splitlines():
+        name, _, digest = line.partition("--hash=sha256:")
+        if digest:
+            found[name.strip()] = digest.split()[0]
+    return found
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))
