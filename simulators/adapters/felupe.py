@@ -6,12 +6,13 @@ constitution/linear_elasticity/_linear_elastic.py; or neo_hooke, `NeoHooke(mu, b
 mu/2 (J^(-2/3) tr C - 3) + bulk/2 (J - 1)² with mu = E / 2(1 + nu) and bulk = E / 3(1 - 2 nu), so
 that it is Hooke's law to first order: constitution/hyperelasticity/_neo_hooke_nearly_
 incompressible.py. ``tolerance`` of its Newton's method, a norm of what is out of balance
-relative to that of the reactions (1e-10).
+relative to that of the reactions (1e-8).
 
 A motion of one step is answered by the assembled residual at `start`, the other way round.
 
 Traps: forces and weight are point loads on the nodes. `newtonrhapson` has another spelling since
-10.2. Loads come at once: neo_hooke may not find its rest where they are large.
+10.2. Loads come at once: neo_hooke may not find its rest where they are large. At strains of 1e-6
+neo_hooke never came to a tolerance of 1e-10, and does to 1e-8.
 """
 
 import sys
@@ -34,7 +35,7 @@ def answer(request):
     if request.task == "motion" and request.steps != 1:
         cannot(f"a motion of {request.steps} steps: FElupe's solver is static")
     law = setting(request, "law", ("linear", "neo_hooke"))
-    tolerance = setting(request, "tolerance", 1e-10)
+    tolerance = setting(request, "tolerance", 1e-8)
     refuse_unknown(request)
     mesh = felupe.Mesh(request.points, request.cells, request.kind)
     field = felupe.FieldContainer([felupe.Field(REGIONS[request.kind](mesh), dim=3)])

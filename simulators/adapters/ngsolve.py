@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """NGSolve: elements of any order on the nodes' mesh, at rest or at given positions (6.2.2608).
 
-Law: linear elasticity, 2 mu eps:eps + lambda (div u)², written here as NGSolve's own tutorials
-write it (i-tutorials, unit 2 "Solid mechanics"): the program has no material laws of its own.
+Law: linear elasticity, sigma = 2 mu eps + lambda tr(eps) I, in `elasticity` below: the program has
+no laws of materials of its own, a user writes the form, as here.
 
 Settings: ``order`` of the elements (3), at rest. A motion of one step is answered by the forces of
 elements of order 1, -K u: theirs are the nodes.
