@@ -1,0 +1,1 @@
+"""Adapters of simulators, and what records what they answer. Outside the wheel."""

@@ -85,12 +85,18 @@ class Job:
 
 
 JOBS = (
-    Job("calculix", "calculix.py", "", "linear", "ccx manual, *ELASTIC", draft=False, program="ccx"),
     Job(
-        "ngsolve-1", "ngsolve_elements.py", "ngsolve", "linear", "the adapter's own form",
+        "calculix", "calculix.py", "", "linear", "ccx manual, *ELASTIC", draft=False, program="ccx"
+    ),
+    Job(
+        "calculix-stiffer", "calculix.py", "", "linear", "control: E times 1.01",
+        {"stiffer": 1.01}, draft=False, program="ccx",
+    ),
+    Job(
+        "ngsolve-1", "ngsolve.py", "ngsolve", "linear", "the adapter's own form",
         {"order": 1}, draft=False,
     ),
-    Job("felupe-linear", "felupe_solid.py", "felupe", "linear", "felupe.LinearElastic",
+    Job("felupe-linear", "felupe.py", "felupe", "linear", "felupe.LinearElastic",
         {"law": "linear"}, draft=False),
     Job("drake-linear", "drake.py", "drake", "linear", "linear_constitutive_model.cc:52",
         {"law": "linear"}),
@@ -157,7 +163,7 @@ def _record(job: Job) -> bool:
     if job.curve:
         record["curve"] = [_point(simulator, job, nu) for nu in CURVE]
     text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
-    exchange.replace_file(DATA / f"{job.name}.json", lambda: (text + "\n").encode())
+    exchange.replace_file(DATA / f"{job.name}.json", (text + "\n").encode)
     print(f"{job.name}: {judged.state}, {time.perf_counter() - began:.0f} s", flush=True)
     for line in (*judged.causes, *judged.notes):
         print(f"  {line}", flush=True)

@@ -21,6 +21,7 @@ from msvalidate.simulators.gate_block import (
     STRAIN,
     epsilon,
     forces,
+    hanging_block,
     motion,
     pulled_block,
     turned,
@@ -134,15 +135,18 @@ def gate(
     require_type("gate: material", material, Isotropic)
     block = pulled_block(material, dict(settings or {}), shape)
     rows = _motion_rows(simulator, block)
-    first: Answer | None = None
-    try:
-        first = ask(simulator, block)
-    except CannotRepresent as error:
-        rows.append(_no_way("the pulled block at rest", str(error)))
-    except SimulatorError as error:
-        rows.append(_broken("the pulled block at rest", error))
-    if first is not None:
-        rows += _rest_rows(simulator, block, first)
+    hanging = hanging_block(material, dict(settings or {}), shape)
+    for name, asked in (("pulled block at rest", block), ("hanging block at rest", hanging)):
+        try:
+            first = ask(simulator, asked)
+        except CannotRepresent as error:
+            rows.append(_no_way(name, str(error)))
+            continue
+        except SimulatorError as error:
+            rows.append(_broken(name, error))
+        else:
+            rows += _rest_rows(simulator, asked, first)
+        break
     return Gate(tuple(rows))
 
 
@@ -311,10 +315,8 @@ def _same_again(simulator: Simulator, block: Request, first: Answer) -> GateRow:
 
 
 def _named(answer: Answer, name: str) -> float | None:
-    """A number that an answer tells: by its key, or among its settings."""
-    given = answer.about.get(name)
-    if given is None:
-        given = (answer.about.get("settings", {}).get(name) or [None])[0]
+    """A number among the settings that an answer tells: those it takes."""
+    given = (answer.about.get("settings", {}).get(name) or [None])[0]
     number = isinstance(given, int | float) and not isinstance(given, bool)
     return float(given) if number and given > 0 else None
 

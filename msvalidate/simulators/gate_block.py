@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from msvalidate.case.case import Case
-from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction
+from msvalidate.problem import Array, Box, Isotropic, Problem, Support, Traction, Weight
 from msvalidate.problem.checks import require_one_of, whole_number
 from msvalidate.simulators.export import CELLS, export_case
 from msvalidate.simulators.protocol import Answer, Request, SimulatorError
@@ -28,16 +28,34 @@ def pulled_block(
     material: Isotropic, settings: Mapping[str, Any], shape: str | None = None
 ) -> Request:
     """A block of side 1 m, clamped at its left, pulled at its right to about `STRAIN`."""
+    pull = (STRAIN * material.E, *[0.0] * (material.dim - 1))
+    return _block(material, settings, shape, lambda box: Traction(box.side("right"), pull))
+
+
+def hanging_block(
+    material: Isotropic, settings: Mapping[str, Any], shape: str | None = None
+) -> Request:
+    """The same under a weight that stretches it as much, for programs without nodal forces."""
+    weight = STRAIN * material.E / material.density  # over a side of 1 m
+    acceleration = (weight, *[0.0] * (material.dim - 1))
+    return _block(material, settings, shape, lambda _: Weight(acceleration))
+
+
+def _block(
+    material: Isotropic,
+    settings: Mapping[str, Any],
+    shape: str | None,
+    load: Callable[[Box], Traction | Weight],
+) -> Request:
     dim = material.dim
     require_one_of("gate: shape", shape or CELLS[dim][0], CELLS[dim])
     box = Box((1.0,) * dim)
-    pull = (STRAIN * material.E, *[0.0] * (dim - 1))
     problem = Problem(
         box,
         material,
         (Support(box.side("left"), (0.0,) * dim),),
-        (Traction(box.side("right"), pull),),
-        "pulled block",
+        (load(box),),
+        "block",
     )
     return export_case(Case(problem), cells=ACROSS, shape=shape, settings=settings)
 
