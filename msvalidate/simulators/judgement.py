@@ -186,13 +186,10 @@ def _bodies(
                     (body, at_rest_both_ways(simulator, case, mesh, material.nu, settings))
                     for mesh in meshes
                 ]
-            except CannotRepresent as error:
+            except (CannotRepresent, SolverError) as error:
                 notes.append(f"{case}: {error}")
                 continue
-            except (SimulatorError, SolverError) as error:
-                notes.append(f"{case}: {error}")
-            else:
-                found += each
+            found += each
             break
     return found
 

@@ -1,0 +1,79 @@
+"""Curve: modulus and ratio that a law answers by, over the ratio that it is asked for.
+
+Question   What solid do two laws of Drake simulate from a ratio of 0.1 to 0.49, the shipped default
+           of which is 0.49?
+Candidate  The recorded readings of the probe (`make simulators`).
+Reference  Each law to first order, as its source has it.
+Expected   The shipped law is the solid asked for. The neo-Hookean one takes Lamé's constants as
+           they stand: its ratio is that of lam - mu, below 0 for nu < 1/4.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pandas as pd
+
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+
+from .curve_drawing import curve as drawing
+from .gaps import fill_gaps, with_none
+from .recorded import records
+
+TOLERANCES = (
+    Tolerance(
+        "curve: largest difference of the ratio as read and as predicted", 0.01, "1",
+        "the program's own iteration stops at 1 % of its first residual",
+    ),
+    Tolerance(
+        "curve: largest difference of the modulus as read and as predicted, over the asked", 0.01,
+        "1", "as the ratio",
+    ),
+    Tolerance("curve: points that were not read", 0, "1", "each law is a solid at each ratio"),
+)  # fmt: skip
+COLUMNS = {
+    "name": "of the record",
+    "asked_ratio": "Poisson's ratio asked for",
+    "predicted_modulus": "over the asked, by the documented law to first order",
+    "predicted_ratio": "the same for the ratio",
+    "read_modulus": "over the asked, as the probe reads it",
+    "read_ratio": "the same for the ratio",
+}
+
+
+def run() -> Evidence:
+    """The table of points of all records that have them."""
+    rows = [_row(record, point) for record in records() for point in record.get("curve", ())]
+    table = pd.DataFrame(rows, columns=[*COLUMNS])
+    known = table["predicted_ratio"].notna()
+    off = (table["read_ratio"] - table["predicted_ratio"])[known].abs()
+    moduli = (table["read_modulus"] - table["predicted_modulus"])[known].abs()
+    missing = table["read_ratio"].isna() & known
+    return Evidence(
+        tables={"curve": fill_gaps(table)},
+        observed=by_quantity(
+            TOLERANCES,
+            [
+                Observed(float(off.max())),
+                Observed(float(moduli.max())),
+                Observed(float(missing.sum())),
+            ],
+        ),
+        tolerances=TOLERANCES,
+        columns=with_none(COLUMNS, *list(COLUMNS)[2:]),
+        figures={"curve": drawing},
+    )
+
+
+def _row(record: dict[str, Any], point: dict[str, Any]) -> dict[str, object]:
+    E, law, probed = record["asked"]["E"], point["predicted"], point["probe"] or {}
+    values = (
+        record["name"], point["nu"], _number(law["E"]) / E, _number(law["nu"]),
+        _number(probed.get("E")) / E, _number(probed.get("nu")),
+    )  # fmt: skip
+    return dict(zip(COLUMNS, values, strict=True))
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else float(value)

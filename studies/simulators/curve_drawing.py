@@ -1,0 +1,32 @@
+"""Figure of laws over the ratio asked for: lines as predicted, marks as read."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+
+def curve(tables: Tables) -> Figure:
+    """Ratio on the left, modulus on the right."""
+    table = tables["curve"]
+    figure, axes = figures.new_figure(columns=2, size=(8.4, 3.8))
+    for axis, name, words in (
+        (axes[0], "ratio", "Poisson's ratio answered"),
+        (axes[1], "modulus", "modulus answered over the asked"),
+    ):
+        for i, (law, rows) in enumerate(table.groupby("name", sort=False)):
+            colour, label = figures.COLOURS[i], str(law).replace("_", " ")
+            axis.plot(
+                rows["asked_ratio"], rows[f"predicted_{name}"], color=colour,
+                label=f"{label}, predicted",
+            )  # fmt: skip
+            axis.plot(
+                rows["asked_ratio"], rows[f"read_{name}"], figures.MARKERS[i], color=colour,
+                label=f"{label}, read",
+            )  # fmt: skip
+        axis.set(xlabel="Poisson's ratio asked for", ylabel=words)
+    figure.suptitle("Two laws of one program: which solid answers?")
+    figures.add_shared_legend(figure, axes, columns=2)
+    return figure

@@ -1,0 +1,63 @@
+"""Faults: is the fault of each faulty simulator named?
+
+Question   Simulators with one known fault each, and clean ones: what is said of them?
+Candidate  The synthetic simulators of this study; nothing needs to be installed.
+Reference  The fault that was put in.
+Expected   Each is named by its state or causes, and none on a clean one.
+"""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.judging.sweep import Setting
+from msvalidate.problem import Isotropic
+from msvalidate.simulators.judgement import AGREES, judge_simulator
+
+from .synthetic import Faulty, clean, clean_implicit, synthetic_faults
+
+ASKED = Isotropic(1e7, 0.3, "solid", 1000.0)
+MESH = ("tet4",)
+TOLERANCES = (
+    Tolerance("faults that are not named", 0, "1", "each changes what a gate or a body shows"),
+    Tolerance("clean simulators that are blamed", 0, "1", "nothing of them differs"),
+)
+COLUMNS = {
+    "fault": "what was put in",
+    "state": "agrees, differs with cause, not explained, or gate",
+    "said": "the first cause",
+    "named": "whether state and causes name the fault",
+}
+
+
+def run(setting: Setting) -> Evidence:
+    """Judge every one."""
+    sound = {
+        "none": Faulty(clean, (AGREES,)),
+        "none, implicit steps": Faulty(clean_implicit, (AGREES,)),
+    }
+    rows = [_row(name, each) for name, each in (sound | dict(synthetic_faults())).items()]
+    table = pd.DataFrame(rows)
+    missed = ~table["named"].astype(bool)
+    free = table["fault"].str.startswith("none")
+    return Evidence(
+        tables={"faults": table},
+        observed=by_quantity(
+            TOLERANCES,
+            [Observed(float((missed & ~free).sum())), Observed(float((missed & free).sum()))],
+        ),
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+    )
+
+
+def _row(name: str, faulty: Faulty) -> dict[str, object]:
+    found = judge_simulator(faulty.simulate, ASKED, meshes=MESH)
+    said = " | ".join((found.state, *found.causes))
+    return {
+        "fault": name,
+        "state": found.state,
+        "said": found.causes[0] if found.causes else "",
+        "named": all(word in said for word in faulty.named),
+    }

@@ -1,0 +1,108 @@
+"""Laws: does the probe read what documented laws are to first order?
+
+Question   Laws of soft-body simulators, as their documents or sources have them, take Lamé's
+           constants of the E and nu asked for. Which solid are they at small strain, and does one
+           step of a simulator of that law show it?
+Candidate  Linear tetrahedra of each law, by explicit and by implicit steps.
+Reference  The derivative of the law's stress at rest, by a complex step.
+Expected   The two are one: 1e-6 of the largest component of C. Four laws of eleven are another
+           solid than the E and nu that they take.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.problem import Isotropic
+from msvalidate.simulators.laws import LAWS, lame, predicted
+from msvalidate.simulators.probe import probe
+from msvalidate.simulators.protocol import Request
+from msvalidate.simulators.tetrahedra import Stress, tetrahedra
+
+from .gaps import fill_gaps, with_none
+
+E = 1e7
+RATIOS = (0.3, 0.45)
+TOLERANCES = (
+    Tolerance(
+        "laws: largest difference of C as read and as predicted, over its largest component", 1e-6,
+        "1", "two strains of a thousandth leave 1e-12 of the fourth order, rounding 1e-11",
+    ),
+    Tolerance(
+        "laws: readings that do not count", 0, "1",
+        "each of them is a solid at rest; a law without shear stiffness is one too",
+    ),
+    Tolerance(
+        "laws: readings whose stated error is too small", 0, "1",
+        "the error is stated for the worst of rounding, strain and masses",
+    ),
+)  # fmt: skip
+COLUMNS = {
+    "law": "as `msvalidate.simulators.laws` names it",
+    "source": "where it is documented",
+    "steps": "explicit or implicit",
+    "asked_ratio": "Poisson's ratio asked for, with E = 10 MPa",
+    "predicted_modulus": "over the asked: the law's derivative at rest",
+    "predicted_ratio": "the same for the ratio",
+    "read_modulus": "over the asked: what the probe reads",
+    "read_ratio": "the same for the ratio",
+    "difference_of_stiffness": "largest of C, over its largest component",
+    "stated_error": "of it",
+}
+
+
+def run() -> Evidence:
+    """Read every law by both kinds of steps."""
+    rows, counted, short = [], 0, 0
+    for name in LAWS:
+        for nu in RATIOS:
+            for steps in ("explicit", "implicit"):
+                row, valid = _row(name, nu, steps)
+                rows.append(row)
+                counted += valid
+                short += row["difference_of_stiffness"] > row["stated_error"]
+    table = pd.DataFrame(rows)
+    return Evidence(
+        tables={"laws": fill_gaps(table)},
+        observed=by_quantity(
+            TOLERANCES,
+            [
+                Observed(float(table["difference_of_stiffness"].max())),
+                Observed(float(len(rows) - counted)),
+                Observed(float(short)),
+            ],
+        ),
+        tolerances=TOLERANCES,
+        columns=with_none(
+            COLUMNS, "predicted_modulus", "predicted_ratio", "read_modulus", "read_ratio"
+        ),
+        rounding=dict.fromkeys(
+            ("predicted_modulus", "predicted_ratio", "read_modulus", "read_ratio"), 1e-7
+        )
+        | {"difference_of_stiffness": 1e-6, "stated_error": 1e-6},
+    )
+
+
+def _row(name: str, nu: float, steps: str) -> tuple[dict[str, object], bool]:
+    def law_of(request: Request) -> Stress:
+        mu, lam = lame(request.material.E, request.material.nu)
+        return lambda F: LAWS[name].stress(F, mu, lam)
+
+    law = predicted(name, E, nu)
+    found = probe(tetrahedra(law_of), Isotropic(E, nu, "solid"), settings={"integrator": steps})
+    size = float(np.abs(law.C).max())
+    row: dict[str, object] = {
+        "law": name,
+        "source": LAWS[name].source,
+        "steps": steps,
+        "asked_ratio": nu,
+        "predicted_modulus": np.nan if law.E is None else law.E / E,
+        "predicted_ratio": np.nan if law.nu is None else law.nu,
+        "read_modulus": np.nan if found.E is None else found.E / E,
+        "read_ratio": np.nan if found.nu is None else found.nu,
+        "difference_of_stiffness": float(np.abs(found.C - law.C).max()) / size,
+        "stated_error": found.error / size,
+    }
+    return row, found.is_valid

@@ -1,0 +1,170 @@
+"""Recorded: which solids do simulators simulate that people use?
+
+Question   What did the gate, the probe and bodies at rest say of each simulator and law?
+Candidate  Programs that were installed when `make simulators` was run: their records are files of
+           this study, with versions, checksums of wheels and adapters, and dates.
+Reference  What was asked for; what the documented law is to first order; linear elements on the
+           same mesh. Controls in the same table: CalculiX, NGSolve, FElupe.
+Expected   What is read is what the documented law predicts, within 1 %, or the row is "not
+           explained". A record is stale after six months.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.simulators.gate import STOPPED
+from msvalidate.simulators.judgement import NOT_EXPLAINED
+
+from .gaps import fill_gaps, with_none
+
+DATA = Path(__file__).parent / "data"
+CONTROLS = ("calculix", "ngsolve-1", "felupe-linear")
+STIFFER = 0.01
+MONTHS = 6
+TOLERANCES = (
+    Tolerance(
+        "recorded: largest error of the controls' modulus, over the asked", 1e-5, "1",
+        "they solve linear elements: digits of single precision that one of them prints",
+    ),
+    Tolerance(
+        "recorded: modulus of CalculiX asked for 1 % more, over its own, less 1", 5e-4, "1",
+        "0.05 % of it is what a comparison by two records may add",
+    ),
+    Tolerance(
+        "recorded: readings more than 1 % from their documented law and not told so", 0, "1",
+        "a law that is not what its source says is a finding, and must be in the table",
+    ),
+)  # fmt: skip
+COLUMNS = {
+    "simulator": "program, version",
+    "law": "as its documents or source have it, settings",
+    "asked_modulus": "Pa",
+    "asked_ratio": "Poisson's ratio",
+    "predicted_modulus": "over the asked, by the documented law to first order",
+    "predicted_ratio": "the same for the ratio",
+    "probed_modulus": "over the asked, as read",
+    "probed_ratio": "the same for the ratio",
+    "mass": "whose masses its nodes have, as measured",
+    "gate": "what stopped it; empty where nothing did",
+    "rest": "largest part of a displacement that may still change, as stated",
+    "pulled_error": "of the pulled block on the finer mesh, over the largest displacement (1)",
+    "sheared_error": "of the sheared block",
+    "pulled_not_explained": "part of it that law, mass and mesh do not explain (1)",
+    "sheared_not_explained": "the same of the sheared block",
+    "bent_resolution": "times the displacement of the cantilever, by linear elements on its mesh",
+    "state": "agrees, differs with cause, not explained, gate, or stale",
+    "cause": "the first",
+    "draft": "yes until its author has been told",
+    "date": "of the record",
+}
+
+
+NUMBERS = (
+    "predicted_modulus", "predicted_ratio", "probed_modulus", "probed_ratio", "rest",
+    "pulled_error", "sheared_error", "pulled_not_explained", "sheared_not_explained",
+    "bent_resolution",
+)  # fmt: skip
+"""Columns that may have gaps."""
+
+
+def records() -> list[dict[str, Any]]:
+    """What was recorded, by name."""
+    found = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(DATA.glob("*.json"))]
+    return sorted(found, key=lambda each: (each["name"] not in CONTROLS, each["name"]))
+
+
+def run() -> Evidence:
+    """The table of records."""
+    found = records()
+    table = pd.DataFrame([_row(each) for each in found], columns=[*COLUMNS])
+    return Evidence(
+        tables={"recorded": fill_gaps(table)},
+        observed=by_quantity(TOLERANCES, _observed(found)),
+        tolerances=TOLERANCES,
+        columns=with_none(COLUMNS, *NUMBERS),
+    )
+
+
+def is_stale(record: dict[str, Any], today: date) -> bool:
+    """Whether a record is older than `MONTHS`."""
+    then = date.fromisoformat(record["date"])
+    return (today.year - then.year) * 12 + today.month - then.month >= MONTHS
+
+
+def _row(record: dict[str, Any]) -> dict[str, object]:
+    asked, law, probed = record["asked"], record["predicted"] or {}, record["probe"] or {}
+    settings = ", ".join(f"{name} {value}" for name, value in record["settings"].items())
+    about = probed.get("about", {})
+    stops = [row["name"] for row in record["gate"] if row["verdict"] == STOPPED]
+    rest = [row["rest"] for row in record["bodies"] if row["rest"] is not None]
+    values = (
+        f"{about.get('simulator') or record['name']} {about.get('version') or ''}".strip(),
+        f"{record['law'] or record['source']}{f'; {settings}' if settings else ''}",
+        asked["E"],
+        asked["nu"],
+        _over(law.get("E"), asked["E"]),
+        _number(law.get("nu")),
+        _over(probed.get("E"), asked["E"]),
+        _number(probed.get("nu")),
+        (probed.get("mass") or {}).get("pattern", ""),
+        "; ".join(stops),
+        max(rest, default=math.nan),
+        _of(record, "pulled", "error"),
+        _of(record, "sheared", "error"),
+        _of(record, "pulled", "apart"),
+        _of(record, "sheared", "apart"),
+        _of(record, "bent", "resolution"),
+        record["state"],
+        record["causes"][0] if record["causes"] else "",
+        "yes" if record["draft"] else "no",
+        record["date"],
+    )
+    return dict(zip(COLUMNS, values, strict=True))
+
+
+def _of(record: dict[str, Any], body: str, name: str) -> float:
+    """A number of a body on its finest mesh."""
+    rows = [row for row in record["bodies"] if row["body"] == body]
+    if not rows:
+        return math.nan
+    found = rows[-1]
+    return _number(found[name] if name in found else (found["factors"] or {}).get(name))
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else float(value)
+
+
+def _over(value: float | None, other: float) -> float:
+    return math.nan if value is None else float(value) / other
+
+
+def _observed(found: list[dict[str, Any]]) -> list[Observed]:
+    named = {record["name"]: record for record in found}
+    errors = [abs(_probed_modulus(named[name]) - 1) for name in CONTROLS if name in named]
+    both = [_probed_modulus(named[name]) for name in ("calculix-stiffer", "calculix")]
+    off = [record for record in found if _is_off(record) and record["state"] != NOT_EXPLAINED]
+    return [
+        Observed(max(errors)),
+        Observed(both[0] / both[1] - 1, STIFFER),
+        Observed(float(len(off))),
+    ]
+
+
+def _probed_modulus(record: dict[str, Any]) -> float:
+    return _over((record["probe"] or {}).get("E"), record["asked"]["E"])
+
+
+def _is_off(record: dict[str, Any]) -> bool:
+    law, probed = record["predicted"], record["probe"]
+    if not law or not probed or law["E"] is None or probed["E"] is None:
+        return False
+    return abs(probed["E"] / law["E"] - 1) > STIFFER or abs(probed["nu"] - law["nu"]) > STIFFER
