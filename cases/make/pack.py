@@ -25,9 +25,13 @@ DATE = (1980, 1, 1, 0, 0, 0)
 def packed_case(
     statement: Statement, answers: dict[float, Answer]
 ) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Arrays of one case by name, and its facts."""
+    """Arrays of one case by name, and its facts.
+
+    Answers are those of the text files (`versions.read_answers`: version 1's, overlaid by what
+    version 2 has), or are rounded here as these are.
+    """
     name = statement.name
-    u = np.array([_rounded(answer.displacement) for answer in answers.values()])
+    u = np.array([_written(answer.displacement, answer) for answer in answers.values()])
     size = np.linalg.norm(u, axis=2).max(axis=1)
     doubt = np.array([answer.uncertainty["displacement"] for answer in answers.values()])
     arrays = {
@@ -45,6 +49,8 @@ def packed_case(
         arrays[f"{name}/{mesh.kind}/mass"] = _rounded(mesh.mass)
         arrays[f"{name}/{mesh.kind}/force"] = _rounded(mesh.force)
         arrays[f"{name}/{mesh.kind}/away"] = np.zeros(u.shape, dtype=np.float16)
+        if mesh.problem.zones:
+            arrays[f"{name}/{mesh.kind}/modulus"] = mesh.modulus
     for row, nu in enumerate(answers):
         for mesh in nodal_meshes(statement, nu):
             away = (mesh.solution()[: u.shape[1]] - u[row]) / size[row]
@@ -54,8 +60,8 @@ def packed_case(
     law = problem.material
     quantities = {
         key: [
-            [(_rounded(a.quantities[key]) + 0.0).tolist() for a in answers.values()],
-            [float(f"{a.uncertainty[key]:.3g}") for a in answers.values()],
+            [(_written(a.quantities[key], a) + 0.0).tolist() for a in answers.values()],
+            [a.uncertainty[key] for a in answers.values()],
         ]
         for key in next(iter(answers.values())).quantities
     }
@@ -72,6 +78,11 @@ def packed_case(
         "quantities": quantities,
     }
     return arrays, facts
+
+
+def _written(values: Array, answer: Answer) -> Array:
+    """Values as the text files have them: a formula's with all digits."""
+    return without_rounding(values) if answer.exact else _rounded(values)
 
 
 def _rounded(values: Array) -> Array:
