@@ -18,22 +18,24 @@ WRITTEN = 1.01
 
 
 def known_by_balance(statement: Statement, quantity: str, told: float) -> bool:
-    """Whether what `elements` told of a mean stress (Pa) is the rounding of forces, no more."""
-    if quantity != "mean stress":
-        return False
-    return told <= WRITTEN * _rounding_of_mean_stress(statement)
+    """Whether what `elements` told of a reaction (N) or mean stress (Pa) is rounding, no more.
+
+    V σ = ∮ t x dA + ∫ b x dV: where reactions follow, stress has no mean but that of the forces and
+    their places. False where supports move the body: there are no forces to sum.
+    """
+    force, longest, volume = _forces(statement)
+    floor = {"reaction": ROUNDING * force, "mean": ROUNDING * force * longest / volume}
+    return told <= WRITTEN * floor.get(quantity.split()[0], -1.0)
 
 
 @cache
-def _rounding_of_mean_stress(statement: Statement) -> float:
-    """Rounding of the moments of the nodal forces over the volume (Pa); 0 if supports move it.
-
-    V σ = ∮ t x dA + ∫ b x dV: stress has no mean but that of the forces and their places.
-    """
+def _forces(statement: Statement) -> tuple[float, float, float]:
+    """Sum of the sizes of the nodal forces (N), longest side (m) and volume (m³)."""
     kind, (points, cells) = next(iter(linear_meshes(statement.grid, 1).items()))
     shape = MESHIO[kind]
     curved = (points, cells, shape) if statement.sides is not None else None
     problem = problem_of(statement, statement.own_ratio, curved)
-    force = float(np.abs(nodal_forces(problem, mesh_discretisation(Mesh(points, cells, shape)))).sum())
+    body = mesh_discretisation(Mesh(points, cells, shape))
+    force = float(np.abs(nodal_forces(problem, body)).sum())
     longest = max(high - low for low, high in problem.domain.span)
-    return ROUNDING * force * longest / (problem.domain.volume * problem.material.thickness)
+    return force, longest, problem.domain.volume * problem.material.thickness

@@ -8,14 +8,14 @@ from __future__ import annotations
 import csv
 import hashlib
 import os
+import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from cases.make.answer import Answer
-from cases.make.closed_forms import closed_form
+from cases.make.confirmed import Confirmation
 from cases.make.statements import Statement
 
 Row = dict[str, str]
@@ -30,22 +30,27 @@ def home(version: int = VERSIONS[-1]) -> Path:
     return CASES / f"v{version}"
 
 
-def set_path(name: str, version: int = VERSIONS[-1]) -> Path:
-    """Where a file of the set is as of a version, such as "cook_plane_strain/displacement.csv"."""
-    there = [home(v) / name for v in range(version, 0, -1)]
+def homes(version: int = VERSIONS[-1]) -> tuple[Path, ...]:
+    """Folders of the set as of a version, newest first: the first that has a file counts."""
+    return tuple(home(v) for v in range(version, 0, -1))
+
+
+def set_path(name: str, folders: tuple[Path, ...]) -> Path:
+    """Where a file of the set is, such as "cook_plane_strain/displacement.csv"."""
+    there = [folder / name for folder in folders]
     return next((path for path in there if path.is_file()), there[-1])
 
 
-def read_rows(name: str, version: int = VERSIONS[-1]) -> list[Row]:
-    """Rows of a table of the set as of a version."""
-    with set_path(name, version).open(newline="", encoding="utf-8") as file:
+def read_rows(name: str, folders: tuple[Path, ...]) -> list[Row]:
+    """Rows of a table of the set."""
+    with set_path(name, folders).open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
-def read_answers(statement: Statement, version: int = VERSIONS[-1]) -> dict[float, Answer]:
-    """What a version says of a case, by ratio."""
+def read_answers(statement: Statement, folders: tuple[Path, ...]) -> dict[float, Answer]:
+    """What the set says of a case, by ratio, as it is written."""
     tables = {
-        name: read_rows(f"{statement.name}/{name}.csv", version)
+        name: read_rows(f"{statement.name}/{name}.csv", folders)
         for name in ("displacement", "quantities", "made")
     }
     found = {}
@@ -53,8 +58,7 @@ def read_answers(statement: Statement, version: int = VERSIONS[-1]) -> dict[floa
         own = {
             name: [row for row in rows if float(row["nu"]) == nu] for name, rows in tables.items()
         }
-        answer = _answer(statement.dim, own)
-        found[nu] = replace(answer, exact=version > 1 and closed_form(statement, nu) is not None)
+        found[nu] = _answer(statement.dim, own)
     return found
 
 
@@ -79,6 +83,26 @@ def _answer(d: int, own: dict[str, list[Row]]) -> Answer:
     )
 
 
+def refuse_frozen(folder: Path) -> int:
+    """2 with a word why, if a version is there; else 0."""
+    if not folder.exists():
+        return 0
+    say(f"{folder.name}: frozen; it is never written again. Errata make a new version")
+    return 2
+
+
+def refuse_unconfirmed(rows: list[Confirmation]) -> int:
+    """1 with a line each, if two ways contradict each other in a value; else 0."""
+    wrong = [row for row in rows if not row.is_confirmed]
+    for row in wrong:
+        say(
+            f"NOT CONFIRMED {row.case} nu {row.nu:g} {row.quantity}: {row.way} and "
+            f"{row.second_way} are {row.difference:.2e} apart, and tell {row.own:.2e} and "
+            f"{row.second_own:.2e} of themselves"
+        )
+    return 1 if wrong else 0
+
+
 def write_version(folder: Path, files: dict[str, bytes], older: dict[str, bytes]) -> None:
     """All files of a version at once, and checksums of the set: beside, then renamed.
 
@@ -95,10 +119,17 @@ def write_version(folder: Path, files: dict[str, bytes], older: dict[str, bytes]
 
 def _sums(files: dict[str, bytes], older: dict[str, bytes]) -> Iterator[str]:
     everything = files | {f"../v1/{name}": content for name, content in older.items()}
-    for name, content in sorted(everything.items(), key=lambda item: item[0].removeprefix("../v1/")):
+    for name, content in sorted(
+        everything.items(), key=lambda item: item[0].removeprefix("../v1/")
+    ):
         yield f"{digest(content)}  {name}\n"
 
 
 def digest(content: bytes) -> str:
     """SHA-256, as text."""
     return hashlib.sha256(content).hexdigest()
+
+
+def say(text: str) -> None:
+    """A line of progress."""
+    print(text, file=sys.stderr, flush=True)  # noqa: T201
