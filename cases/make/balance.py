@@ -25,7 +25,7 @@ def known_by_balance(statement: Statement, quantity: str, told: float) -> bool:
     """
     force, longest, volume = _forces(statement)
     floor = {"reaction": ROUNDING * force, "mean": ROUNDING * force * longest / volume}
-    return told <= WRITTEN * floor.get(quantity.split()[0], -1.0)
+    return told <= WRITTEN * floor.get(quantity.split(maxsplit=1)[0], -1.0)
 
 
 @cache

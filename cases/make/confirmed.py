@@ -1,4 +1,4 @@
-"""The set's own value of each quantity, the second way that confirms it, and what is stated of it."""
+"""The value of each quantity, the second way that confirms it, and what is stated of it."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -35,39 +36,8 @@ from cases.make.files import (
 from cases.make.statements import Statement
 from cases.make.versions import Row, home, homes, read_answers, read_rows
 
-ERRATA = """\
-# Errata of version 1
-
-Version 2 holds the files that differ; a file of it replaces that of `../v1`, and all others are version 1's.
-`sha256sum --check SHA256SUMS` in this folder checks both. Every number below is of the set, but for those of the third
-solver.
-
-A. **The uncertainty of `elements` was too small.** {beyond} of {displacements} displacements by `elements` differ from
-   NGSolve's by more than was stated, at most {worst:.2f} times as much; they counted as confirmed because NGSolve's own
-   uncertainty, often the larger one, was added. A third solver, spectral elements of degree 9 to 11 written by a reader
-   of version 1, found what was stated exceeded in 11 of the 34 displacements that it knows twice as well: the L (up to
-   1.75 times), the block under its weight (1.34) and the clamped block that is sheared (1.39), all in the plane. The
-   uncertainty of `elements` is now the larger of {safety:g} times what extrapolation tells and the difference of the two
-   ways, which holds in all 34. The factor was chosen after these numbers were seen: a regression, no prediction.
-   {widened} of {all} uncertainties are set by the difference. Values of `elements` have not changed. {balanced} reactions and
-   mean stresses follow from balance of forces alone: there a difference is NGSolve's error, and does not count.
-
-B. **Closed forms were written to 12 digits, and claimed 14.** {moved} components of displacements and {moved_quantities} of quantities were
-   off by more than their uncertainty, for rounding alone (Lamé's ring, and the energy of a block). They now have all
-   digits of a double. Found by the same reader.
-
-C. **`bimaterial_bar` could not be solved from its tables.** They told one modulus; its far half is four times as stiff.
-   `*_cells.csv` now has a column `E` (Pa), and `case.toml` says that the ratio asked holds in both halves, as the
-   answers always had it: to solve for another ratio, change both lines `nu`. Found by the same reader.
-
-D. **"Confirmed" could not fail.** Where the two ways differed by more than both told, the difference became the
-   uncertainty, and the value confirmed. That happened once: {failed}. A value is
-   now confirmed only if the two ways differ by no more than the sum of what each tells of itself; with {safety:g} times
-   what extrapolation tells, {confirmed} of {all_ways} are. `confirmed.csv` has new columns: what each way tells of itself
-   stands apart from what is stated.
-
-E. Uncertainties are rounded up to three digits; they were rounded to the nearest.
-"""
+TEXT = Path(__file__).with_name("errata.md")
+"""Of ERRATA.md, with places for numbers."""
 
 
 def mended(chosen: Iterable[Statement]) -> tuple[dict[str, bytes], list[Confirmation]]:
@@ -78,10 +48,9 @@ def mended(chosen: Iterable[Statement]) -> tuple[dict[str, bytes], list[Confirma
     for statement in chosen:
         own = [_confirmation(statement, r) for r in table if r["case"] == statement.name]
         answers = {}
-        for nu, answer in read_answers(statement, homes(1)).items():
+        for nu, old in read_answers(statement, homes(1)).items():
             exact = closed_form(statement, nu)
-            if exact is not None:
-                answer = replace(exact, order=answer.order, nodes=answer.nodes)
+            answer = old if exact is None else replace(exact, order=old.order, nodes=old.nodes)
             answers[nu] = as_stated(answer, [row for row in own if row.nu == nu])
         rows += own
         files |= {f"{statement.name}/{k}": v for k, v in _files(statement, answers).items()}
@@ -112,7 +81,7 @@ def _confirmation(statement: Statement, row: Row) -> Confirmation:
 
 
 def _off_by_rounding(chosen: Iterable[Statement]) -> tuple[int, int]:
-    """Components of displacements and of quantities that version 1 rounded beyond what it stated."""
+    """Components of displacements and of quantities that version 1 rounded too far."""
     moves = quantities = 0
     for statement in chosen:
         for nu, old in read_answers(statement, homes(1)).items():
@@ -139,7 +108,7 @@ def errata_text(chosen: Iterable[Statement], rows: list[Confirmation]) -> str:
         r for r in table
         if float(r["difference"]) > float(r["estimate"]) + float(r["other uncertainty"])
     ]  # fmt: skip
-    return ERRATA.format(
+    return TEXT.read_text(encoding="utf-8").format(
         beyond=sum(row.difference > told[row] for row in moves),
         displacements=len(moves),
         worst=max(row.difference / told[row] for row in moves),

@@ -95,6 +95,7 @@ def case_files(statement: Statement, answers: dict[float, Answer]) -> dict[str, 
 
 
 def case_toml(statement: Statement) -> str:
+    """The case file of the set's own ratio, and the named points."""
     known = ", ".join(f"{nu:g}" for nu in statement.ratios)
     too = ", in every region too" if "[[region]]" in statement.text else ""
     head = f"# The set knows the answer for nu = {known}{too}.\n"
@@ -159,6 +160,7 @@ def _csv(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> bytes:
 
 
 def displacement_csv(statement: Statement, answers: dict[float, Answer]) -> bytes:
+    """Displacement (m) and its slopes, by ratio and node of the coarsest mesh."""
     axes = AXES[: statement.dim]
     head = ["nu", "id", *[f"u{a}" for a in axes]]
     head += [f"E_du{a}_dE" for a in axes] + [f"du{a}_dnu" for a in axes]
@@ -175,6 +177,7 @@ def displacement_csv(statement: Statement, answers: dict[float, Answer]) -> byte
 
 
 def quantities_csv(statement: Statement, answers: dict[float, Answer]) -> bytes:
+    """Reactions, energy and mean stress by ratio, and what each is uncertain by."""
     rows: list[list[Any]] = []
     for nu, answer in answers.items():
         rows.append(
