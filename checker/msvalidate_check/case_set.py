@@ -49,7 +49,7 @@ class ElasticCase:
     cells
         (c, k) their corners, in VTK's order.
     modulus
-        (c,) Young's modulus of each cell in Pa: E, but for `bimaterial_bar`.
+        (c,) Young's modulus of each cell in Pa: E, but for "bimaterial_bar".
     mass
         (n,) lumped masses in kg.
     force
