@@ -28,6 +28,8 @@ class Answer:
         Observed order of the displacement; NaN if none.
     nodes
         Of the finest mesh.
+    exact
+        Whether a formula gave the values, so that all of their digits are written.
     """
 
     displacement: Array
@@ -37,6 +39,7 @@ class Answer:
     uncertainty: dict[str, float]
     order: float
     nodes: int
+    exact: bool = False
 
 
 def answer_path(who: str, name: str, nu: float) -> Path:

@@ -40,7 +40,7 @@ def _answer(u: Array, by_ratio: Array, quantities: dict[str, Array], floors: lis
     }
     doubt |= {"displacement": ROUNDING * float(np.abs(u).max())}
     doubt |= {"by_ratio": ROUNDING * float(np.abs(by_ratio).max())}
-    return Answer(u, -u, by_ratio, quantities, doubt, np.nan, 0)
+    return Answer(u, -u, by_ratio, quantities, doubt, np.nan, 0, exact=True)
 
 
 def _uniform(statement: Statement, load: str, sides: Array, nu: float) -> Answer:

@@ -18,7 +18,8 @@ from cases.make.meshes import MESHIO, linear_meshes
 from cases.make.reference import body_mesh, problem_of, write_msh
 from cases.make.statements import Statement
 from msvalidate.output.vtu import vtu_bytes
-from msvalidate.problem import Mesh, Problem, Weight, prescribed_displacements
+from msvalidate.problem import SHAPES, Isotropic, Mesh, Problem, Weight, prescribed_displacements
+from msvalidate.problem.zones import materials_of_cells
 from reference_fem.body import nodal_forces, solve_problem
 from reference_fem.mesh.from_mesh import mesh_discretisation
 
@@ -52,6 +53,13 @@ class NodalMesh:
     def _loaded(self, load: Weight) -> Problem:
         return replace(self.problem, loads=(load,))
 
+    @property
+    def modulus(self) -> Array:
+        """Young's modulus (c,) in Pa of each cell."""
+        number = materials_of_cells(self.problem, self.points[self.cells], SHAPES[self.shape])
+        found = [law.E for law in self.problem.materials if isinstance(law, Isotropic)]
+        return np.array(found)[number]
+
     def solution(self) -> Array:
         """Displacement (n, d) in m of linear elements on this mesh, locked or not."""
         return solve_problem(self.problem, self.body, allow_locked=True).displacement
@@ -65,7 +73,7 @@ def nodal_meshes(statement: Statement, nu: float | None = None) -> list[NodalMes
 
 def case_files(statement: Statement, answers: dict[float, Answer]) -> dict[str, bytes]:
     """Name -> content of the files of a case's folder."""
-    found = {"case.toml": _case_toml(statement).encode()}
+    found = {"case.toml": case_toml(statement).encode()}
     with tempfile.TemporaryDirectory() as folder:
         if statement.sides is not None:
             path = Path(folder) / "body.msh"
@@ -76,8 +84,8 @@ def case_files(statement: Statement, answers: dict[float, Answer]) -> dict[str, 
             write_msh(path, statement, mesh.points, mesh.cells, mesh.shape)
             found[path.name] = path.read_bytes()
             found |= _mesh_files(mesh)
-    found["displacement.csv"] = _displacement(statement, answers)
-    found["quantities.csv"] = _quantities(statement, answers)
+    found["displacement.csv"] = displacement_csv(statement, answers)
+    found["quantities.csv"] = quantities_csv(statement, answers)
     made = [
         (f"{nu:g}", a.nodes, "" if np.isnan(a.order) else f"{a.order:.2f}")
         for nu, a in answers.items()
@@ -86,9 +94,11 @@ def case_files(statement: Statement, answers: dict[float, Answer]) -> dict[str, 
     return found
 
 
-def _case_toml(statement: Statement) -> str:
+def case_toml(statement: Statement) -> str:
+    """The case file of the set's own ratio, and the named points."""
     known = ", ".join(f"{nu:g}" for nu in statement.ratios)
-    head = f"# The set knows the answer for nu = {known}.\n"
+    too = ", in every region too" if "[[region]]" in statement.text else ""
+    head = f"# The set knows the answer for nu = {known}{too}.\n"
     points = linear_meshes(statement.grid, 1)
     first, _ = next(iter(points.values()))
     rows = ",\n  ".join(f"[{', '.join(_short(x) for x in row)}]" for row in first)
@@ -111,21 +121,34 @@ def _mesh_files(mesh: NodalMesh) -> dict[str, bytes]:
         row += [int(h) for h in mesh.held[i]]
         row += [_short(v) if h else "0" for h, v in zip(mesh.held[i], mesh.value[i], strict=True)]
         rows.append(row)
-    cells = [[i, *cell] for i, cell in enumerate(mesh.cells)]
-    corners = [f"n{k}" for k in range(mesh.cells.shape[1])]
     force, held = without_rounding(mesh.force), mesh.held.astype(float)
     fields = {"mass": mesh.mass, "force": force, "held": held}
     return {
         f"{mesh.kind}_nodes.csv": _csv(head, rows),
-        f"{mesh.kind}_cells.csv": _csv(["id", *corners], cells),
+        f"{mesh.kind}_cells.csv": cells_csv(mesh),
         f"{mesh.kind}.vtu": vtu_bytes(mesh.points, {mesh.shape: mesh.cells}, fields),
     }
+
+
+def cells_csv(mesh: NodalMesh) -> bytes:
+    """Corners of the cells; and their modulus E (Pa), in bodies of more than one material."""
+    head = ["id", *[f"n{k}" for k in range(mesh.cells.shape[1])]]
+    rows: list[list[Any]] = [[i, *cell] for i, cell in enumerate(mesh.cells)]
+    if mesh.problem.zones:
+        head.append("E")
+        rows = [[*row, _short(E)] for row, E in zip(rows, mesh.modulus, strict=True)]
+    return _csv(head, rows)
 
 
 def without_rounding(values: Array) -> Array:
     """Values of which those that are rounding beside the largest are 0."""
     size = float(np.abs(values).max(initial=0.0))
     return np.where(np.abs(values) < ROUNDING * size, 0.0, values)
+
+
+def number(value: float, *, exact: bool) -> str:
+    """A value as it is written: to 12 digits, which its error is far above; a formula's to all."""
+    return _short(value + 0.0) if exact else f"{value + 0.0:.12g}"
 
 
 def _csv(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> bytes:
@@ -136,7 +159,8 @@ def _csv(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> bytes:
     return text.getvalue().encode()
 
 
-def _displacement(statement: Statement, answers: dict[float, Answer]) -> bytes:
+def displacement_csv(statement: Statement, answers: dict[float, Answer]) -> bytes:
+    """Displacement (m) and its slopes, by ratio and node of the coarsest mesh."""
     axes = AXES[: statement.dim]
     head = ["nu", "id", *[f"u{a}" for a in axes]]
     head += [f"E_du{a}_dE" for a in axes] + [f"du{a}_dnu" for a in axes]
@@ -146,13 +170,14 @@ def _displacement(statement: Statement, answers: dict[float, Answer]) -> bytes:
         slopes = np.hstack([without_rounding(answer.by_modulus), without_rounding(answer.by_ratio)])
         for i in range(len(moves)):
             row: list[Any] = [f"{nu:g}", i]
-            row += [f"{u + 0.0:.12g}" for u in moves[i]]
+            row += [number(u, exact=answer.exact) for u in moves[i]]
             row += [f"{u + 0.0:.7g}" for u in slopes[i]]
             rows.append(row)
     return _csv(head, rows)
 
 
-def _quantities(statement: Statement, answers: dict[float, Answer]) -> bytes:
+def quantities_csv(statement: Statement, answers: dict[float, Answer]) -> bytes:
+    """Reactions, energy and mean stress by ratio, and what each is uncertain by."""
     rows: list[list[Any]] = []
     for nu, answer in answers.items():
         rows.append(
@@ -163,7 +188,7 @@ def _quantities(statement: Statement, answers: dict[float, Answer]) -> bytes:
             unit = UNITS[name.split()[0]]
             doubt = f"{answer.uncertainty[name]:.3g}"
             rows += [
-                [f"{nu:g}", name, label, f"{value + 0.0:.12g}", unit, doubt]
+                [f"{nu:g}", name, label, number(value, exact=answer.exact), unit, doubt]
                 for label, value in zip(labels, without_rounding(values), strict=True)
             ]
     return _csv(["nu", "quantity", "component", "value", "unit", "uncertainty"], rows)
@@ -178,17 +203,18 @@ def _labels(name: str, d: int, count: int) -> Sequence[str]:
 def confirmed_csv(rows: list[Confirmation]) -> bytes:
     """Table of all quantities, in two ways each."""
     head = [
-        "case", "nu", "quantity", "size", "estimate", "uncertainty", "by", "other by", "difference",
-        "other uncertainty", "inside both",
+        "case", "nu", "quantity", "largest component", "way", "its own uncertainty", "second way",
+        "second way's own uncertainty", "difference of the ways", "balance alone gives it",
+        "stated uncertainty", "difference within both own uncertainties",
     ]  # fmt: skip
+    words = {True: "yes", False: "NO"}
     return _csv(
         head,
         [
             [
-                row.case, f"{row.nu:g}", row.quantity, f"{row.size:.6g}", f"{row.estimate:.3g}",
-                f"{row.uncertainty:.3g}",
-                row.by, row.other_by, f"{row.difference:.3g}",
-                f"{row.other_uncertainty:.3g}", "yes" if row.is_inside else "NO",
+                row.case, f"{row.nu:g}", row.quantity, f"{row.size:.6g}", row.way, f"{row.own:.3g}",
+                row.second_way, f"{row.second_own:.3g}", f"{row.difference:.3g}",
+                "yes" if row.balanced else "", f"{row.stated:.3g}", words[row.is_confirmed],
             ]
             for row in rows
         ],

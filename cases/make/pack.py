@@ -5,6 +5,8 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,11 +15,14 @@ from cases.make.answer import Answer
 from cases.make.files import nodal_meshes, without_rounding
 from cases.make.reference import problem_of
 from cases.make.statements import SPACE, Statement
+from cases.make.versions import read_answers, say
 from msvalidate.case.judge import driven_by
 
 Array = np.ndarray
 DIGITS = 12
-"""Of displacements and quantities: as the text files have them."""
+"""Of masses and forces: as the text files have them."""
+MOST = 900_000
+"""Bytes: the wheel is to stay below a megabyte."""
 DATE = (1980, 1, 1, 0, 0, 0)
 """Of the parts of the archive, so that the same set gives the same bytes."""
 
@@ -25,9 +30,13 @@ DATE = (1980, 1, 1, 0, 0, 0)
 def packed_case(
     statement: Statement, answers: dict[float, Answer]
 ) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Arrays of one case by name, and its facts."""
+    """Arrays of one case by name, and its facts.
+
+    Answers are those of the text files (`versions.read_answers`): version 1's, overlaid by what
+    version 2 has.
+    """
     name = statement.name
-    u = np.array([_rounded(answer.displacement) for answer in answers.values()])
+    u = np.array([answer.displacement for answer in answers.values()])
     size = np.linalg.norm(u, axis=2).max(axis=1)
     doubt = np.array([answer.uncertainty["displacement"] for answer in answers.values()])
     arrays = {
@@ -45,6 +54,8 @@ def packed_case(
         arrays[f"{name}/{mesh.kind}/mass"] = _rounded(mesh.mass)
         arrays[f"{name}/{mesh.kind}/force"] = _rounded(mesh.force)
         arrays[f"{name}/{mesh.kind}/away"] = np.zeros(u.shape, dtype=np.float16)
+        if mesh.problem.zones:
+            arrays[f"{name}/{mesh.kind}/modulus"] = mesh.modulus
     for row, nu in enumerate(answers):
         for mesh in nodal_meshes(statement, nu):
             away = (mesh.solution()[: u.shape[1]] - u[row]) / size[row]
@@ -54,8 +65,8 @@ def packed_case(
     law = problem.material
     quantities = {
         key: [
-            [(_rounded(a.quantities[key]) + 0.0).tolist() for a in answers.values()],
-            [float(f"{a.uncertainty[key]:.3g}") for a in answers.values()],
+            [a.quantities[key].tolist() for a in answers.values()],
+            [a.uncertainty[key] for a in answers.values()],
         ]
         for key in next(iter(answers.values())).quantities
     }
@@ -78,6 +89,20 @@ def _rounded(values: Array) -> Array:
     """Values to as many significant digits as the text files have."""
     kept = without_rounding(values)
     return np.array([float(f"{x:.{DIGITS}g}") for x in kept.ravel()]).reshape(kept.shape)
+
+
+def pack_set(chosen: Iterable[Statement], folders: tuple[Path, ...]) -> bytes:
+    """The checker's file, of the text files of the set: the first folder that has one counts."""
+    arrays: dict[str, Array] = {}
+    facts: dict[str, Any] = {}
+    for statement in chosen:
+        own, facts[statement.name] = packed_case(statement, read_answers(statement, folders))
+        arrays |= own
+        say(f"{statement.name}: packed")
+    content = archive(arrays, facts)
+    if len(content) > MOST:
+        raise ValueError(f"packed {len(content):,} bytes; at most {MOST:,}")
+    return content
 
 
 def archive(arrays: dict[str, Array], facts: dict[str, Any]) -> bytes:

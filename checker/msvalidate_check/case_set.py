@@ -1,8 +1,9 @@
 """The frozen set: elastic bodies, meshes of them, and elasticity's displacements at their points.
 
 The set is data in one file beside this one, whose checksum is in `msvalidate_check.frozen`: a file
-that was changed is refused. The same in plain text, with how it was made and what confirms it, is
-the folder ``cases/v1`` of the project.
+that was changed is refused. It is version 2: the same in plain text, with how it was made and what
+confirms it, are the folders ``cases/v1`` and ``cases/v2`` of the project, of which a file of the
+second replaces that of the first, and ``cases/v2/ERRATA.md`` says why.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from msvalidate_check.errors import CheckError
 from msvalidate_check.frozen import DIGESTS
 
 Array = np.ndarray
-VERSION = 1
+VERSION = 2
 """Of the set."""
 HERE = Path(__file__).resolve().parent
 PLANE, SPACE = ("tri3", "quad4"), ("tet4", "hex8")
@@ -41,11 +42,14 @@ class ElasticCase:
     name, state, mesh
         Of the case, "plane_stress", "plane_strain" or "space", and of the mesh.
     E, nu, density, thickness
-        In Pa, 1, kg/m³ and m; the thickness in space is 1.
+        In Pa, 1, kg/m³ and m; the thickness in space is 1. Poisson's ratio and the density hold in
+        the whole body; E too, but in bodies of two materials, whose `modulus` tells it.
     points
         (n, d) nodes of the mesh, in m.
     cells
         (c, k) their corners, in VTK's order.
+    modulus
+        (c,) Young's modulus of each cell in Pa: E, but for "bimaterial_bar".
     mass
         (n,) lumped masses in kg.
     force
@@ -62,7 +66,8 @@ class ElasticCase:
         Name -> elasticity's value and its uncertainty: "reaction 1" (d,) in N of the first support,
         "strain energy" (1,) in J, "mean stress" in Pa: xx, yy, xy or xx, yy, zz, yz, xz, xy.
     case_file
-        Text of the case file that `msvalidate case` reads; of curved bodies it names their mesh.
+        Text of the case file that `msvalidate case` reads, of this ratio in all regions; of curved
+        bodies it names their mesh.
     driven
         What moves the body: "loads", its "weight" or its "supports".
     """
@@ -76,6 +81,7 @@ class ElasticCase:
     thickness: float
     points: Array
     cells: Array
+    modulus: Array
     mass: Array
     force: Array
     held: Array
@@ -166,13 +172,15 @@ def elastic_case(
     held = given[f"{at}/held"]
     value = np.zeros(points.shape)
     value[held] = given[f"{at}/value"]
+    cells = given[f"{name}/{mesh}/cells"].astype(np.int64)
+    ratio = float(known["ratios"][row])
     return ElasticCase(
-        name, known["state"], mesh, known["E"], float(known["ratios"][row]), known["density"],
-        known["thickness"], points, given[f"{name}/{mesh}/cells"].astype(np.int64),
+        name, known["state"], mesh, known["E"], ratio, known["density"], known["thickness"],
+        points, cells, _modulus(given, f"{name}/{mesh}/modulus", known["E"], len(cells)),
         given[f"{name}/{mesh}/mass"], given[f"{name}/{mesh}/force"], held, value,
         np.arange(size), given[f"{name}/displacement"][row].copy(),
-        float(given[f"{name}/uncertainty"][row]), _quantities(known, row), known["case"],
-        known["driven"],
+        float(given[f"{name}/uncertainty"][row]), _quantities(known, row),
+        _of_ratio(known["case"], ratio), known["driven"],
     )  # fmt: skip
 
 
@@ -229,6 +237,17 @@ def _quantities(known: dict[str, Any], row: int) -> dict[str, tuple[Array, float
     }
 
 
+def _modulus(given: _Lazy, key: str, E: float, count: int) -> Array:
+    """Modulus (c,) in Pa of each cell: the set has it where a body has more than one."""
+    return given[key].copy() if key in given else np.full(count, float(E))
+
+
+def _of_ratio(case_file: str, nu: float) -> str:
+    """A case file with this ratio, in its regions too."""
+    lines = case_file.split("\n")
+    return "\n".join(f"nu = {nu:g}" if line.startswith("nu = ") else line for line in lines)
+
+
 def _cubic(grid: Array, values: Array, slopes: Array, x: float) -> Array:
     """Cubic Hermite polynomial of the interval of the grid (k,) that holds x, or is nearest."""
     i = int(np.clip(np.searchsorted(grid, x) - 1, 0, len(grid) - 2))
@@ -251,6 +270,9 @@ class _Lazy:
     def __init__(self, content: bytes) -> None:
         self._file = np.load(io.BytesIO(content), allow_pickle=False)
         self._read: dict[str, Array] = {}
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._file.files
 
     def __getitem__(self, key: str) -> Array:
         if key not in self._read:

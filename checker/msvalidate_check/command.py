@@ -100,8 +100,11 @@ def _write_mesh(given: Any) -> int:
             zip(case.points, case.mass, case.force, case.held, case.value, strict=True)
         )
     ]
-    cells = [[str(i), *map(str, cell)] for i, cell in enumerate(case.cells)]
-    corners = ["id", *(f"n{k}" for k in range(case.cells.shape[1]))]
+    cells = [
+        [str(i), *map(str, cell), *_texts([E])]
+        for i, (cell, E) in enumerate(zip(case.cells, case.modulus, strict=True))
+    ]
+    corners = ["id", *(f"n{k}" for k in range(case.cells.shape[1])), "E"]
     files = {
         name: "".join(f"{','.join(row)}\n" for row in rows).encode()
         for name, rows in (("nodes.csv", [head, *nodes]), ("cells.csv", [corners, *cells]))
@@ -110,7 +113,8 @@ def _write_mesh(given: Any) -> int:
         write(given.folder, files)
     except OSError as error:
         raise CheckError(f"{given.folder}: {error.strerror}; name a folder to write to") from error
-    law = f"E = {case.E:g} Pa, nu = {case.nu:g}, density {case.density:g} kg/m3"
+    E = " and ".join(f"{E:g}" for E in np.unique(case.modulus))
+    law = f"E = {E} Pa, nu = {case.nu:g}, density {case.density:g} kg/m3"
     print(f"{case.name}, {case.mesh}: {law}, thickness {case.thickness:g} m")  # noqa: T201
     return AGREED
 
