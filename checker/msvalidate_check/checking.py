@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate_check.case_set import ElasticCase
+from msvalidate_check.case_set import ElasticCase, case_facts, elastic_case
 from msvalidate_check.diagnosis import FITS, NOTICED, Explanation, Field, explain, split
 from msvalidate_check.errors import CheckError
 from msvalidate_check.material import Material, nearest_material
@@ -232,8 +233,30 @@ def _field(
         case.ratios,
         lambda nu: wanted + case.at_ratio(nu)[order] - own,
         elsewhere,
-        {name: each[order] for name, each in case.coarse().items()},
+        _coarse(case, order),
     )
+
+
+def _coarse(case: ElasticCase, order: Array) -> dict[str, Callable[[float], Array]]:
+    """What linear elements on each mesh of the case say, by ratio.
+
+    Between the set's ratios their difference from elasticity is the polynomial through all of them.
+    """
+    grid = [float(nu) for nu in case_facts(case.name)["ratios"]]
+
+    @cache
+    def away(name: str) -> Array:
+        every = [elastic_case(case.name, nu, case.mesh) for nu in grid]
+        return np.stack([each.coarse().get(name, each.wanted) - each.wanted for each in every])
+
+    def at(name: str, nu: float) -> Array:
+        own = case.wanted + case.at_ratio(nu) - case.at_ratio(case.nu)
+        weights = [
+            math.prod((nu - b) / (a - b) for b in grid if b != a) for a in grid
+        ]
+        return np.asarray((own + np.einsum("r,rpd->pd", weights, away(name)))[order])
+
+    return {name: partial(at, name) for name in case.coarse()}
 
 
 def _row(case: ElasticCase, name: str, values: ArrayLike, band: float) -> Row:
