@@ -18,6 +18,10 @@ from msvalidate_check.scales import Times, read_scale
 
 SAME_IMAGE = 0.1
 """Of the difference: where elasticity differs less from its mirror image, that explains nothing."""
+SAME = 1e-9
+"""Of the largest displacement: two orders or signs of components that give the same field."""
+MOST_ASKED = 0.1
+"""Of the largest displacement: what no explanation leaves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +45,12 @@ class Frame:
     def of(self, found: Array) -> Array:
         """A field (n, d) with its components put back."""
         return found[:, list(self.order)] * np.array(self.signs)
+
+    def put(self, wanted: Array) -> Array:
+        """A field (n, d) whose components, put back, are these."""
+        found = np.empty_like(wanted)
+        found[:, list(self.order)] = wanted * np.array(self.signs)
+        return found
 
 
 def frames(d: int) -> list[Frame]:
@@ -87,12 +97,20 @@ def _mirrored(field: Field) -> Iterator[Image]:
 
 def explain_one_change(field: Field) -> Iterator[Explanation]:
     """Other axes, other signs, a mirror or a coarse mesh, and nothing besides."""
-    for image in images(field)[1:]:
+    itself, *others = images(field)
+    for image in others:
         said = f"{image.said}?"
         if image.name == "coarse mesh":
             said = f"as {image.said} gives it: take a finer mesh"
         yield Explanation(image.name, said, field.left(field.found, image.wanted))
+    seen: list[tuple[str, Array]] = []
     for frame in frames(field.found.shape[1])[1:]:
+        if _least_left(field, itself, frame, 1.0, scaled=False) > MOST_ASKED:
+            continue
+        copy = frame.put(field.wanted)
+        if any(name == frame.name and field.left(copy, other) <= SAME for name, other in seen):
+            continue
+        seen.append((frame.name, copy))
         said = f"elasticity with {frame.said}?"
         yield Explanation(frame.name, said, field.left(frame.of(field.found)))
 

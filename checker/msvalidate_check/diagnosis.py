@@ -20,6 +20,7 @@ from msvalidate_check.beside import (
     Explanation,
     Field,
     fit,
+    longest,
     rigid_motions,
     split,
 )
@@ -35,10 +36,13 @@ AS_GOOD = 1e-3
 """Of the difference that was there: explanations that leave less than this fit as well."""
 FEW_POINTS = 0.02
 """Part of the points, or one, that may be wrong while all others are right."""
-FEWEST = 4
-"""Points of which one can be told from the others."""
+FEWEST, FEWEST_BESIDES = 4, 9
+"""Points of which one can be told from the others, and where these are wrong too."""
 RIGHT = 0.02
-"""Of the largest displacement, by which the others may be off: as much as agrees by default."""
+"""Of the largest displacement, what any explanation may leave, unless less is known: as much as
+agrees by default. Bodies that bend by other loads are alike to some 4 %."""
+COARSE_KNOWN = 0.005
+"""Of the largest displacement, to which linear elements on known meshes are known at any ratio."""
 MOST_NODES = 1000
 """Up to which an order of nodes is looked for: each is held to every other one."""
 SAME_LENGTH = 1e-3
@@ -52,14 +56,21 @@ def explain(field: Field) -> tuple[Explanation, ...]:
     if not field.found.any():
         return (Explanation("zero", "nothing moves: the displacements are all 0", 0.0, 0.0),)
     before = min(1.0, field.difference)
-    one = _fitting(list(_one_fault(field)), before, field.doubt)
+    right = max(RIGHT, NOTICED * field.doubt)
+    one = _fitting(list(_one_fault(field)), before, min(FITS * before, right), field.doubt)
     left = min((each.left for each in one), default=before)
     if left <= AS_GOOD * before:
         return tuple(one)
-    two = _plainest([each for each in _two_faults(field, FITS * left) if each.left <= FITS * left])
+    most = min(FITS * left, right)
+    two = _plainest([each for each in _two_faults(field, most) if _is_known(each, most)])
     if two and left > NOTICED * field.doubt:
         one = []
     return (*two, *one)
+
+
+def _is_known(pair: Explanation, most: float) -> bool:
+    """Whether a pair leaves little: what coarse meshes give is known better than others' answers."""
+    return pair.left <= (min(most, COARSE_KNOWN) if "coarse mesh" in pair.name else most)
 
 
 def _one_fault(field: Field) -> Iterator[Explanation]:
@@ -77,9 +88,11 @@ def _two_faults(field: Field, most: float) -> Iterator[Explanation]:
     yield from _node_order_in_units(field)
 
 
-def _fitting(found: list[Explanation], before: float, doubt: float) -> list[Explanation]:
-    """Those that leave little, and of these those that leave about as little as the best."""
-    good = [each for each in found if each.left <= FITS * before]
+def _fitting(
+    found: list[Explanation], before: float, most: float, doubt: float
+) -> list[Explanation]:
+    """Those that leave at most so much, and of these those that leave about as little as the best."""
+    good = [each for each in found if each.left <= most]
     if not good:
         return []
     least = min(each.left for each in good)
@@ -113,38 +126,45 @@ def _positions_besides(field: Field) -> Iterator[Explanation]:
     for unit, many in UNITS.items():
         left = field.left(field.found / many - field.places)
         yield Explanation("positions and unit", f"{said}, in {unit}?", left, many)
-    for times in read_scale(field, field.found - field.places, field.wanted):
+    moved = field.found - field.places
+    for times in read_scale(field, moved, field.wanted):
         many = times.scale
+        away = longest(moved - many * field.wanted)
+        left = max(times.left, away / field.size, away / longest(field.found))
         words = f"{said}, and displacements {many:.4g} times elasticity"
         words += f": {times.said}?" if times.said else ""
-        yield Explanation(f"positions and {times.name}", words, times.left, times.many)
+        yield Explanation(f"positions and {times.name}", words, left, times.many)
 
 
 def _points(field: Field) -> Iterator[Explanation]:
     """A few points wrong, all others right in themselves."""
     found = _few_wrong(field, field.found, field.wanted)
-    if found is None:
-        return
-    count, first, left = found
-    if left <= max(RIGHT, NOTICED * field.doubt):
+    if found is not None:
+        count, first, left = found
         rest = f"to {left:.1g} of the largest" if left > field.doubt else "to what is known"
         said = f"{_few(field, count, first)}; all others are right {rest}"
         yield Explanation("one point", said, left, float(count))
 
 
 def _points_besides(field: Field) -> Iterator[Explanation]:
-    """A few points wrong, and all others elasticity times a number, or as a coarse mesh has them."""
+    """A few points wrong, and all others elasticity times a number, or as a coarse mesh has them.
+
+    The number is the median over the points, which a few do not move.
+    """
+    exact = max(AS_GOOD, NOTICED * field.doubt)
     length = (field.wanted**2).sum(axis=1)
     large = length > length.max() / 100
     many = np.median((field.found * field.wanted).sum(axis=1)[large] / length[large])
+    if len(length) < FEWEST_BESIDES:
+        return
     if many > 0:
         found = _few_wrong(field, field.found / many, field.wanted)
-        if found is not None:
+        if found is not None and found[2] <= exact < abs(many - 1):
             said = f"{_few(field, *found[:2])}; all others {many:.4g} times elasticity"
             yield Explanation("one point and scale", said, found[2], float(many))
     for name, by_ratio in field.known.items():
         found = _few_wrong(field, field.found, by_ratio(field.ratio))
-        if found is not None:
+        if found is not None and found[2] <= exact:
             said = f"{_few(field, *found[:2])}; all others as {name} gives them"
             yield Explanation("one point and coarse mesh", said, found[2], float(found[0]))
 

@@ -49,7 +49,10 @@ def _with_scale(field: Field, by_ratio: Callable[[float], Array]) -> Iterator[Ex
         return
     given = f"elasticity of Poisson's ratio {nu:.4g} (given {field.ratio:g})"
     for times in read_scale(field, field.found, by_ratio(nu)):
-        if abs(times.scale - 1) > max(NO_SCALE, NOTICED * field.doubt):
+        if abs(times.scale - 1) <= NO_SCALE:
+            said = f"Poisson's ratio {nu:.4g} in place of {field.ratio:g}?"
+            yield Explanation("ratio", said, times.left, nu)
+        elif abs(times.scale - 1) > NOTICED * field.doubt:
             end = f": {times.said}?" if times.said else "?"
             said = f"{times.scale:.4g} times {given}{end}"
             yield Explanation(f"{times.name} and ratio", said, times.left, nu)

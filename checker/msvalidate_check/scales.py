@@ -27,7 +27,7 @@ UNITS = {
 NEAR_UNIT = 1.05
 """Times by which a scale may differ from a unit's: a modulus or a load a little off besides."""
 FAR_UNIT = 3.0
-"""The same of units that are a hundred times off and more: no modulus is as wrong as that."""
+"""The same of units that are a thousand times off and more: no modulus is as wrong as that."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,8 @@ def read_scale(field: Field, found: Array, wanted: Array) -> list[Times]:
         return []
     left = field.left(found / scale, wanted)
     units = list(_units(field, found, wanted, scale, left))
-    return units or [Times("scale", scale, scale, "", left)]
+    exact = [each for each in units if each.scale == each.many]
+    return exact or units or [Times("scale", scale, scale, "", left)]
 
 
 def _units(field: Field, found: Array, wanted: Array, scale: float, left: float) -> Iterator[Times]:
@@ -59,7 +60,7 @@ def _units(field: Field, found: Array, wanted: Array, scale: float, left: float)
     for unit, many in UNITS.items():
         apart = max(scale / many, many / scale)
         powers = abs(math.log10(many))
-        if apart > (FAR_UNIT if powers >= 2 else NEAR_UNIT):
+        if apart > (FAR_UNIT if powers >= 3 else NEAR_UNIT):
             continue
         exact = field.left(found / many, wanted)
         if apart <= NEAR_UNIT and exact <= max(AS_WELL * left, NOTICED * field.doubt):

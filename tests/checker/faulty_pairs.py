@@ -161,7 +161,10 @@ def _next(
         meshes = list(elastic_case(case.name, nu).coarse().values())
         return Changed(meshes[number % len(meshes)], 1.0, nu) if meshes else at
     if fault == "ratio":
-        return Changed(elastic_case(case.name, nu).wanted, 1.0, nu)
+        other = elastic_case(case.name, nu).wanted
+        many = float((other * at.u).sum() / (at.u**2).sum())
+        only_scales = size(other - many * at.u) < SHOWS * abs(many - 1) * size(at.u)
+        return at if only_scales else Changed(other, 1.0, nu)
     if fault == "coarse mesh":
         meshes = list(case.coarse().values())
         return Changed(meshes[number % len(meshes)]) if meshes else at
@@ -221,7 +224,7 @@ def own_solutions() -> Iterator[Doubly]:
 
 
 def told_of(doubly: Doubly) -> tuple[str, bool, list[str]]:
-    """"right", "part", "none" or "wrong"; whether a modulus or ratio is false; what was told."""
+    """Right, part, none or wrong; whether a modulus or ratio is false; what was told."""
     case = doubly.case
     verdict = check(case, case.points[case.named], doubly.displacement, **doubly.more)
     told = [_parts(each.name) for each in verdict.causes]
@@ -231,7 +234,7 @@ def told_of(doubly: Doubly) -> tuple[str, bool, list[str]]:
         word = "none"
     elif any(each == wanted and not wrong for each, wrong in zip(told, false, strict=True)):
         word = "right"
-    elif any(each < wanted for each in told):
+    elif any(each < wanted or _plain(each | {"unit"}) == wanted for each in told):
         word = "part"
     else:
         word = "wrong"
