@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import permutations, product
 
 import numpy as np
@@ -44,7 +45,7 @@ class Frame:
 
     def of(self, found: Array) -> Array:
         """A field (n, d) with its components put back."""
-        return found[:, list(self.order)] * np.array(self.signs)
+        return np.asarray(found[:, list(self.order)] * np.array(self.signs))
 
     def put(self, wanted: Array) -> Array:
         """A field (n, d) whose components, put back, are these."""
@@ -53,7 +54,8 @@ class Frame:
         return found
 
 
-def frames(d: int) -> list[Frame]:
+@cache
+def frames(d: int) -> tuple[Frame, ...]:
     """All orders and signs in d dimensions, the plainest first: that of the axes themselves."""
     found = []
     for order in permutations(range(d)):
@@ -68,7 +70,8 @@ def frames(d: int) -> list[Frame]:
             name = "axes" if moved else "sign" if flips else ""
             found.append(Frame(name, " and ".join(words), order, signs))
     off = {"": 0, "sign": 1, "axes": 2}
-    return sorted(found, key=lambda each: (off[each.name], sum(s < 0 for s in each.signs)))
+    found.sort(key=lambda each: (off[each.name], sum(s < 0 for s in each.signs)))
+    return tuple(found)
 
 
 def images(field: Field) -> list[Image]:

@@ -259,17 +259,13 @@ def _coarse(case: ElasticCase, order: Array) -> dict[str, Callable[[float], Arra
 
     def at(name: str, nu: float) -> Array:
         own = case.wanted + case.at_ratio(nu) - case.at_ratio(case.nu)
-        weights = [
-            math.prod((nu - b) / (a - b) for b in grid if b != a) for a in grid
-        ]
+        weights = [math.prod((nu - b) / (a - b) for b in grid if b != a) for a in grid]
         return np.asarray((own + np.einsum("r,rpd->pd", weights, away(name)))[order])
 
     return {name: partial(at, name) for name in case.coarse()}
 
 
-def _rows(
-    case: ElasticCase, quantities: Mapping[str, ArrayLike], band: float
-) -> tuple[Row, ...]:
+def _rows(case: ElasticCase, quantities: Mapping[str, ArrayLike], band: float) -> tuple[Row, ...]:
     if not isinstance(quantities, Mapping):
         kind = type(quantities).__name__
         raise CheckError(f"quantities: a {kind}; give values by name, {{name: values}}")
@@ -283,8 +279,8 @@ def _row(case: ElasticCase, name: str, values: ArrayLike, band: float) -> Row:
     wanted, uncertainty = case.quantities[name]
     try:
         given = np.atleast_1d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError) as error:
-        raise CheckError(f"{name}: {str(values)[:40]!r}; give {len(wanted)} numbers") from error
+    except (TypeError, ValueError) as why:
+        raise CheckError(f"{name}: {str(values)[:40]!r}; give {len(wanted)} numbers") from why
     if given.shape != wanted.shape or not np.isfinite(given).all():
         raise CheckError(f"{name}: shape {given.shape}; give {len(wanted)} finite numbers")
     size = float(np.linalg.norm(wanted))

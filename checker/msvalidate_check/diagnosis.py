@@ -69,7 +69,7 @@ def explain(field: Field) -> tuple[Explanation, ...]:
 
 
 def _is_known(pair: Explanation, most: float) -> bool:
-    """Whether a pair leaves little: what coarse meshes give is known better than others' answers."""
+    """Whether a pair leaves little: what coarse meshes give is known better than the rest."""
     return pair.left <= (min(most, COARSE_KNOWN) if "coarse mesh" in pair.name else most)
 
 
@@ -91,7 +91,7 @@ def _two_faults(field: Field, most: float) -> Iterator[Explanation]:
 def _fitting(
     found: list[Explanation], before: float, most: float, doubt: float
 ) -> list[Explanation]:
-    """Those that leave at most so much, and of these those that leave about as little as the best."""
+    """Those that leave at most so much, and of these those about as good as the best."""
     good = [each for each in found if each.left <= most]
     if not good:
         return []

@@ -77,7 +77,7 @@ def turned(case: ElasticCase, u: Array) -> Array:
     return u + 0.25 * size(u) * motion / size(motion)
 
 
-def with_one_moved(case: ElasticCase, u: Array) -> Array:
+def with_one_moved(_: ElasticCase, u: Array) -> Array:
     moved = u.copy()
     moved[len(u) // 2, -1] += 0.7 * size(u)
     return moved
@@ -94,7 +94,7 @@ def mirrored(case: ElasticCase, u: Array) -> Array:
     return u[away.argmin(axis=1)] * np.where(np.arange(x.shape[1]) == 0, -1.0, 1.0)
 
 
-def shuffled(case: ElasticCase, u: Array) -> Array:
+def shuffled(_: ElasticCase, u: Array) -> Array:
     return u[np.random.default_rng(CHANCE).permutation(len(u))]
 
 
@@ -223,9 +223,7 @@ def own_solutions() -> Iterator[Doubly]:
         second = "ratio" if nu != case.nu else "scale"
         times, ratio = 1 / stiffer, nu if nu != case.nu else math.nan
         causes = frozenset({"coarse mesh", second})
-        yield Doubly(
-            f"own mesh + {second}", case, u[: len(case.named)], causes, times, ratio
-        )
+        yield Doubly(f"own mesh + {second}", case, u[: len(case.named)], causes, times, ratio)
 
 
 def told_of(doubly: Doubly) -> tuple[str, bool, list[str]]:

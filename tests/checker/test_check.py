@@ -129,7 +129,9 @@ def test_two_faults_are_named_or_none_and_garbage_has_no_cause():
     assert pairs >= 100
     assert garbage >= 100
     assert told[False, "wrong"] <= 0.02 * pairs
-    assert told[False, "right"] >= 0.75 * pairs  # what is simple is found, not only not told wrongly
+    assert (
+        told[False, "right"] >= 0.75 * pairs
+    )  # what is simple is found, not only not told wrongly
     assert told[True, "wrong"] <= 0.02 * garbage
 
 
