@@ -104,7 +104,7 @@ def explain_one_change(field: Field) -> Iterator[Explanation]:
     for image in others:
         said = f"{image.said}?"
         if image.name == "coarse mesh":
-            said = f"as {image.said} gives it: take a finer mesh"
+            said = f"as {image.said} give it: take a finer mesh"
         yield Explanation(image.name, said, field.left(field.found, image.wanted))
     seen: list[tuple[str, Array]] = []
     for frame in frames(field.found.shape[1])[1:]:

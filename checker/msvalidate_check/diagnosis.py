@@ -165,7 +165,7 @@ def _points_besides(field: Field) -> Iterator[Explanation]:
     for name, by_ratio in field.known.items():
         found = _few_wrong(field, field.found, by_ratio(field.ratio))
         if found is not None and found[2] <= exact:
-            said = f"{_few(field, *found[:2])}; all others as {name} gives them"
+            said = f"{_few(field, *found[:2])}; all others as {name} give them"
             yield Explanation("one point and coarse mesh", said, found[2], float(found[0]))
 
 

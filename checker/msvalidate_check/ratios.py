@@ -38,7 +38,7 @@ def explain_ratio_besides(field: Field) -> Iterator[Explanation]:
     for name, by_ratio in field.known.items():
         nu = _fitted(field, by_ratio, scaled=False)
         if nu is not None:
-            said = f"as {name} gives it for Poisson's ratio {nu:.4g} (given {field.ratio:g})?"
+            said = f"as {name} give it for Poisson's ratio {nu:.4g} (given {field.ratio:g})?"
             left = field.left(field.found, by_ratio(nu))
             yield Explanation("coarse mesh and ratio", said, left, nu)
 
