@@ -39,8 +39,10 @@ FEW_POINTS = 0.02
 FEWEST, FEWEST_BESIDES = 4, 9
 """Points of which one can be told from the others, and where these are wrong too."""
 RIGHT = 0.02
-"""Of the largest displacement, what any explanation may leave, unless less is known: as much as
-agrees by default. Bodies that bend by other loads are alike to some 4 %."""
+"""Of the largest displacement, what a number that is fitted may leave, unless less is known: as
+much as agrees by default. Bodies that bend by other loads are alike to some 4 %."""
+WHOLE = {"unit", "sign", "axes", "mirrored", "positions", "node order"}
+"""Faults without a number to fit: a solver that errs besides has them too."""
 COARSE_KNOWN = 0.005
 """Of the largest displacement, to which linear elements on known meshes are known at any ratio."""
 MOST_NODES = 1000
@@ -56,21 +58,27 @@ def explain(field: Field) -> tuple[Explanation, ...]:
     if not field.found.any():
         return (Explanation("zero", "nothing moves: the displacements are all 0", 0.0, 0.0),)
     before = min(1.0, field.difference)
-    right = max(RIGHT, NOTICED * field.doubt)
-    one = _fitting(list(_one_fault(field)), before, min(FITS * before, right), field.doubt)
+    one = [each for each in _one_fault(field) if _is_little(each, FITS * before, field.doubt)]
+    one = _best(one, before, field.doubt)
     left = min((each.left for each in one), default=before)
     if left <= AS_GOOD * before:
         return tuple(one)
-    most = min(FITS * left, right)
-    two = _plainest([each for each in _two_faults(field, most) if _is_known(each, most)])
+    most = FITS * left
+    pairs = _two_faults(field, most)
+    two = _plainest([each for each in pairs if _is_little(each, most, field.doubt)])
     if two and left > NOTICED * field.doubt:
         one = []
     return (*two, *one)
 
 
-def _is_known(pair: Explanation, most: float) -> bool:
-    """Whether a pair leaves little: what coarse meshes give is known better than the rest."""
-    return pair.left <= (min(most, COARSE_KNOWN) if "coarse mesh" in pair.name else most)
+def _is_little(found: Explanation, most: float, doubt: float) -> bool:
+    """Whether an explanation leaves little: less where it fits a number, which fits any field."""
+    faults = set(found.name.split(" and "))
+    if "coarse mesh" in faults and len(faults) > 1:
+        return found.left <= min(most, COARSE_KNOWN)
+    if faults <= WHOLE:
+        return found.left <= most
+    return found.left <= min(most, max(RIGHT, NOTICED * doubt))
 
 
 def _one_fault(field: Field) -> Iterator[Explanation]:
@@ -88,11 +96,8 @@ def _two_faults(field: Field, most: float) -> Iterator[Explanation]:
     yield from _node_order_in_units(field)
 
 
-def _fitting(
-    found: list[Explanation], before: float, most: float, doubt: float
-) -> list[Explanation]:
-    """Those that leave at most so much, and of these those about as good as the best."""
-    good = [each for each in found if each.left <= most]
+def _best(good: list[Explanation], before: float, doubt: float) -> list[Explanation]:
+    """Of those that leave little those that leave about as little as the best."""
     if not good:
         return []
     least = min(each.left for each in good)
