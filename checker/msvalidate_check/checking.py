@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from msvalidate_check.case_set import ElasticCase
-from msvalidate_check.diagnosis import FITS, NOTICED, Explanation, Field, explain, split
+from msvalidate_check.case_set import ElasticCase, case_facts, elastic_case
+from msvalidate_check.diagnosis import NOTICED, Explanation, Field, explain, split
 from msvalidate_check.errors import CheckError
 from msvalidate_check.material import Material, nearest_material
 from msvalidate_check.points import PLACED, matched, positive, vectors
@@ -18,7 +19,12 @@ from msvalidate_check.precision import spacing_of_displacements
 from msvalidate_check.words import AGREES, agreement
 
 Array = np.ndarray
-ALMOST = 0.99
+OF_MATERIAL = {
+    "modulus", "load", "scale", "ratio", "unit", "scale and ratio", "unit and ratio"
+}  # fmt: skip
+"""Causes after which the nearest material is one."""
+ALMOST, MANY, HUGE = 0.995, 10.0, 1e6
+"""Parts from which text takes three digits, says times in place of %, and writes powers of ten."""
 LEAST_SHOWN = 5e-9
 """Part below which text says 0."""
 BAND = 0.02
@@ -64,7 +70,7 @@ class Verdict:
     causes
         All that explain the difference; none where there is none to explain.
     material
-        The material that it is elasticity of.
+        The material that it is elasticity of; NaN where it differs and no cause is of a material.
     rest
         How much it may still change, over the largest; NaN if nobody says.
     precision
@@ -171,10 +177,13 @@ def check(
         name: float(np.linalg.norm(part, axis=1).max()) / size
         for name, part in split(field_).items()
     }
-    rows = tuple(_row(case, name, values, band) for name, values in (quantities or {}).items())
+    rows = _rows(case, {} if quantities is None else quantities, band)
+    material = nearest_material(case, order, found, doubt * size)
+    if error > NOTICED * doubt and not any(each.name in OF_MATERIAL for each in causes):
+        material = Material(math.nan, math.nan, math.nan, math.nan, material.left)
     return Verdict(
-        case.name, case.nu, word, error, doubt, band, parts, causes,
-        nearest_material(case, order, found, doubt * size), rest, precision, rows, notes,
+        case.name, case.nu, word, error, doubt, band, parts, causes, material, rest, precision,
+        rows, notes,
     )  # fmt: skip
 
 
@@ -232,8 +241,35 @@ def _field(
         case.ratios,
         lambda nu: wanted + case.at_ratio(nu)[order] - own,
         elsewhere,
-        {name: each[order] for name, each in case.coarse().items()},
+        _coarse(case, order),
     )
+
+
+def _coarse(case: ElasticCase, order: Array) -> dict[str, Callable[[float], Array]]:
+    """What linear elements on each mesh of the case say, by ratio.
+
+    Between the set's ratios their difference from elasticity is the polynomial through all of them.
+    """
+    grid = [float(nu) for nu in case_facts(case.name)["ratios"]]
+
+    @cache
+    def away(name: str) -> Array:
+        every = [elastic_case(case.name, nu, case.mesh) for nu in grid]
+        return np.stack([each.coarse().get(name, each.wanted) - each.wanted for each in every])
+
+    def at(name: str, nu: float) -> Array:
+        own = case.wanted + case.at_ratio(nu) - case.at_ratio(case.nu)
+        weights = [math.prod((nu - b) / (a - b) for b in grid if b != a) for a in grid]
+        return np.asarray((own + np.einsum("r,rpd->pd", weights, away(name)))[order])
+
+    return {name: partial(at, name) for name in case.coarse()}
+
+
+def _rows(case: ElasticCase, quantities: Mapping[str, ArrayLike], band: float) -> tuple[Row, ...]:
+    if not isinstance(quantities, Mapping):
+        kind = type(quantities).__name__
+        raise CheckError(f"quantities: a {kind}; give values by name, {{name: values}}")
+    return tuple(_row(case, name, values, band) for name, values in quantities.items())
 
 
 def _row(case: ElasticCase, name: str, values: ArrayLike, band: float) -> Row:
@@ -241,7 +277,10 @@ def _row(case: ElasticCase, name: str, values: ArrayLike, band: float) -> Row:
         known = ", ".join(case.quantities)
         raise CheckError(f"quantity {name!r}: {case.name} has {known}; give one of them")
     wanted, uncertainty = case.quantities[name]
-    given = np.atleast_1d(np.asarray(values, dtype=float))
+    try:
+        given = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError) as why:
+        raise CheckError(f"{name}: {str(values)[:40]!r}; give {len(wanted)} numbers") from why
     if given.shape != wanted.shape or not np.isfinite(given).all():
         raise CheckError(f"{name}: shape {given.shape}; give {len(wanted)} finite numbers")
     size = float(np.linalg.norm(wanted))
@@ -261,7 +300,8 @@ def _lines(verdict: Verdict) -> list[str]:
     beyond = "within" if v.error <= v.band else "beyond"
     parts = ", ".join(f"{name} {_percent(part)}" for name, part in v.parts.items())
     known = f"known to {_percent(v.doubt)}, rounding of the numbers {_percent(v.precision)}"
-    off = f"{_percent(v.error)} of the largest displacement"
+    of = "" if v.error >= MANY else "of "
+    off = f"{_percent(v.error)} {of}the largest displacement"
     found = [
         f"{v.case}, nu = {v.nu:g}: {v.word}",
         f"  {off}, {beyond} the band of {_percent(v.band)}",
@@ -270,7 +310,7 @@ def _lines(verdict: Verdict) -> list[str]:
     ]
     if v.error > NOTICED * v.doubt:
         found += [f"  cause: {each.said}" for each in v.causes] or ["  cause: none of those known"]
-        found += _effective(v.material, v.error)
+        found += _effective(v.material)
     found += [
         f"  {row.name}: {row.word}, {_percent(row.error)} off, known to {_percent(row.doubt)}"
         for row in v.quantities
@@ -278,10 +318,8 @@ def _lines(verdict: Verdict) -> list[str]:
     return found + [f"  {note}" for note in v.notes]
 
 
-def _effective(material: Material, error: float) -> list[str]:
+def _effective(material: Material) -> list[str]:
     words = []
-    if material.left > FITS * error:
-        return []
     if math.isfinite(material.E):
         words.append(f"E = {material.E:.4g} Pa")
     if math.isfinite(material.nu):
@@ -300,6 +338,6 @@ def _rest(rest: float) -> str:
 def _percent(part: float) -> str:
     if part < LEAST_SHOWN:
         return "0 %"
-    if part > 1:
-        return f"{part:.3g} times"
-    return f"{100 * part:.2g} %" if part < ALMOST else f"{100 * part:.3g} %"
+    if part >= MANY:
+        return f"{part:.0f} times" if part < HUGE else f"{part:.3g} times"
+    return f"{100 * part:.2g} %" if part < ALMOST else f"{100 * part:.0f} %"

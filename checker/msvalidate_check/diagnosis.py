@@ -1,373 +1,252 @@
 """What a field of displacements would have to be for it to be elasticity's: units, signs, causes.
 
 Each explanation changes the field, or elasticity, in one way, by as few numbers as it has (a scale,
-a rigid motion, a ratio), fitted by least squares. It is told where it leaves little of what was
-there, and not told where another leaves much less: what fits as well is listed with it, for one
-field cannot tell them apart. A scale is one of the load as much as of the modulus, and where only
-supports move the body no modulus shows at all.
+a rigid motion, a ratio), fitted by least squares. It is told where it leaves little of the
+difference, in elasticity's size and in the field's own, and not told where another leaves much
+less: what fits as well is listed with it, for one field cannot tell them apart. Two faults at once
+are told where both are simple and together leave far less than one alone. A scale is one of the
+load as much as of the modulus, and where only supports move the body no modulus shows at all.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from itertools import permutations, product
-from typing import Literal
+from collections.abc import Iterator
 
 import numpy as np
 
-Array = np.ndarray
-Driven = Literal["loads", "weight", "supports", "both"]
-"""What moves a body: loads, its own weight alone, its supports, or supports and something else."""
-AXES = "xyz"
+from msvalidate_check.beside import (
+    Array,
+    Driven,
+    Explanation,
+    Field,
+    fit,
+    longest,
+    rigid_motions,
+    split,
+)
+from msvalidate_check.changes import explain_one_change, explain_two_changes
+from msvalidate_check.ratios import explain_ratio, explain_ratio_besides
+from msvalidate_check.scales import AS_WELL, NOTICED, UNITS, explain_scale, read_scale
+
+__all__ = ["FITS", "NOTICED", "Driven", "Explanation", "Field", "explain", "split"]
 FITS = 0.1
-"""Of the difference that was there, what an explanation may leave."""
-AS_WELL = 2.0
-"""Times what the best explanation leaves, up to which another fits as well."""
+"""Of the difference that was there, what an explanation may leave; of what one fault leaves, what
+two at once may."""
 AS_GOOD = 1e-3
 """Of the difference that was there: explanations that leave less than this fit as well."""
-NOTICED = 3.0
-"""Times the doubt of elasticity and of the numbers, from which a difference is one to explain."""
-UNITS = {
-    "millimetres": 1e3,
-    "centimetres": 1e2,
-    "micrometres": 1e6,
-    "inches": 1 / 0.0254,
-    "kilometres": 1e-3,
-    "metres for a case in millimetres": 1e-3,
-    "feet": 1 / 0.3048,
-    "inches for millimetres": 25.4,
-    "millimetres for inches": 1 / 25.4,
-}
-"""What displacements may be in instead of m, and how many of these a metre has."""
-NEAR_UNIT = 0.05
-"""Part by which a scale may differ from a unit's: a modulus or a load a little off besides."""
 FEW_POINTS = 0.02
 """Part of the points, or one, that may be wrong while all others are right."""
-RATIO_STEP, RATIO_STEPS, RATIO_SETTLED = 0.01, 12, 1e-5
-"""First change of Poisson's ratio that is tried, how many are, and the last that need be."""
-HALF = 0.5
-"""Of the difference, what a ratio's first-order effect may leave for it to be worth more solves."""
-MOST_RATIO = 0.495
-"""Ratio up to which elements without a pressure of their own are asked."""
-
-
-@dataclass(frozen=True)
-class Explanation:
-    """One way to understand a field.
-
-    Parameters
-    ----------
-    name
-        A short name, for tables.
-    said
-        A sentence.
-    left
-        Largest difference that it leaves, over elasticity's largest displacement.
-    value
-        The number that it fits: a scale, a ratio, a count; NaN if none.
-    """
-
-    name: str
-    said: str
-    left: float
-    value: float = math.nan
-
-
-@dataclass(frozen=True, eq=False)
-class Field:
-    """Displacements (n, d) of a candidate and of elasticity at places (n, d), all in m.
-
-    `doubt` is how far elasticity and the numbers themselves may be off, over the largest; `driven`
-    what moves the body; `span` its ends (m) along each axis; `ratio` its Poisson's ratio, NaN if it
-    has none; `by_ratio` gives elasticity (n, d) of another of `ratios`, None if of no other;
-    `elsewhere` gives it at other places (n, d) in m, None where one lies outside the body; `known`
-    are fields (n, d) of solvers that are known not to be converged, by what they are of.
-    """
-
-    places: Array
-    found: Array
-    wanted: Array
-    doubt: float
-    driven: Driven
-    span: tuple[tuple[float, float], ...]
-    ratio: float = math.nan
-    ratios: tuple[float, float] = (0.0, MOST_RATIO)
-    by_ratio: Callable[[float], Array] | None = None
-    elsewhere: Callable[[Array], Array | None] | None = None
-    known: Mapping[str, Array] = field(default_factory=dict)
-
-    @property
-    def size(self) -> float:
-        """Largest displacement (m) of elasticity."""
-        return float(np.linalg.norm(self.wanted, axis=1).max()) or 1.0
-
-    def left(self, found: Array, wanted: Array | None = None) -> float:
-        """Largest difference of two fields, over elasticity's largest displacement."""
-        away = found - (self.wanted if wanted is None else wanted)
-        return float(np.linalg.norm(away, axis=1).max() / self.size)
+FEWEST, FEWEST_BESIDES = 4, 9
+"""Points of which one can be told from the others, and where these are wrong too."""
+RIGHT = 0.02
+"""Of the largest displacement, what a number that is fitted may leave, unless less is known: as
+much as agrees by default. Bodies that bend by other loads are alike to some 4 %."""
+WHOLE = {"unit", "sign", "axes", "mirrored", "positions", "node order"}
+"""Faults without a number to fit: a solver that errs besides has them too."""
+COARSE_KNOWN = 0.005
+"""Of the largest displacement, to which linear elements on known meshes are known at any ratio."""
+MOST_NODES = 1000
+"""Up to which an order of nodes is looked for: each is held to every other one."""
+SAME_LENGTH = 1e-3
+"""Part by which a unit and the ratio of the mean lengths of two fields may differ."""
 
 
 def explain(field: Field) -> tuple[Explanation, ...]:
     """All explanations of a field that fit, the best first; none where it needs none."""
-    before = field.left(field.found)
-    if before <= NOTICED * field.doubt:
+    if field.left(field.found) <= NOTICED * field.doubt:
         return ()
-    simple = [
-        each
-        for ways in (_units, _axes, _mirrored, _positions, _points, _known)
-        for each in ways(field)
-    ]
-    simple += [*_scale(field), *_rigid(field), *_ratio(field)]
-    fitting = _fitting(simple, before, field.doubt)
-    left = min((each.left for each in fitting), default=before)
-    if left > NOTICED * field.doubt:  # two numbers fit any field better: they must do so by far
-        both = [each for each in _both(field) if each.left <= FITS * left]
-        fitting = both or fitting
-    return tuple(fitting)
+    if not field.found.any():
+        return (Explanation("zero", "nothing moves: the displacements are all 0", 0.0, 0.0),)
+    before = min(1.0, field.difference)
+    one = [each for each in _one_fault(field) if _is_little(each, FITS * before, field.doubt)]
+    one = _best(one, before, field.doubt)
+    left = min((each.left for each in one), default=before)
+    if left <= AS_GOOD * before:
+        return tuple(one)
+    most = FITS * left
+    pairs = _two_faults(field, most)
+    two = _plainest([each for each in pairs if _is_little(each, most, field.doubt)])
+    if two and left > NOTICED * field.doubt:
+        one = []
+    return (*two, *one)
 
 
-def _fitting(found: list[Explanation], before: float, doubt: float) -> list[Explanation]:
-    """Those that leave little, and of these those that leave about as little as the best."""
-    good = [each for each in found if each.left <= FITS * before]
+def _is_little(found: Explanation, most: float, doubt: float) -> bool:
+    """Whether an explanation leaves little: less where it fits a number, which fits any field."""
+    faults = set(found.name.split(" and "))
+    if "coarse mesh" in faults and len(faults) > 1:
+        return found.left <= min(most, COARSE_KNOWN)
+    if faults <= WHOLE:
+        return found.left <= most
+    return found.left <= min(most, max(RIGHT, NOTICED * doubt))
+
+
+def _one_fault(field: Field) -> Iterator[Explanation]:
+    for ways in (explain_scale, explain_one_change, _positions, _points, _rigid, explain_ratio):
+        yield from ways(field)
+    yield from _node_order(field, field.found, 1.0, "")
+
+
+def _two_faults(field: Field, most: float) -> Iterator[Explanation]:
+    """Pairs of faults; `most` is what they may leave."""
+    yield from explain_two_changes(field, most)
+    yield from explain_ratio_besides(field)
+    yield from _positions_besides(field)
+    yield from _points_besides(field)
+    yield from _node_order_in_units(field)
+
+
+def _best(good: list[Explanation], before: float, doubt: float) -> list[Explanation]:
+    """Of those that leave little those that leave about as little as the best."""
     if not good:
         return []
     least = min(each.left for each in good)
     room = max(AS_WELL * least, NOTICED * doubt, AS_GOOD * before)
-    kept = sorted((each for each in good if each.left <= room), key=lambda each: each.left)
-    named = {each.name for each in kept}
-    if "one point" in named and any(each.name == "scale" for each in kept):
-        kept = [each for each in kept if each.name == "one point"]
-    return kept
+    return sorted((each for each in good if each.left <= room), key=lambda each: each.left)
 
 
-def _fit(columns: Array, target: Array) -> Array:
-    """Coefficients (k,) of the best sum of fields (k, n, d) for a field (n, d)."""
-    A = columns.reshape(len(columns), -1).T
-    size = np.linalg.norm(A, axis=0)
-    size[size == 0] = 1.0
-    return np.asarray(np.linalg.lstsq(A / size, target.ravel(), rcond=None)[0] / size)
+def _plainest(found: list[Explanation]) -> list[Explanation]:
+    """Of pairs the best of each name, and of these those that leave about as little."""
+    best: dict[str, Explanation] = {}
+    for each in found:
+        if each.name not in best or AS_WELL * each.left < best[each.name].left:
+            best[each.name] = each
+    least = min((each.left for each in best.values()), default=0.0)
+    room = max(AS_WELL * least, AS_GOOD)
+    kept = (each for each in best.values() if each.left <= room)
+    return sorted(kept, key=lambda each: each.left)
 
 
-def _best_scale(field: Field, found: Array) -> float:
-    """The number of times that a field is elasticity."""
-    square = float((field.wanted**2).sum())
-    return float((found * field.wanted).sum()) / square if square else math.nan
-
-
-def _units(field: Field) -> Iterator[Explanation]:
-    """Another unit of length, and a modulus or load a little off besides."""
-    scale = _best_scale(field, field.found)
-    for unit, many in UNITS.items():
-        if not (scale > 0 and abs(scale / many - 1) <= NEAR_UNIT):
-            continue
-        exact, fitted = field.left(field.found / many), field.left(field.found / scale)
-        besides = ""
-        near = abs(math.log10(many)) < 1
-        if exact > max(AS_WELL * fitted, NOTICED * field.doubt):
-            if near:  # any number is near some unit
-                continue
-            besides = f", and {scale / many:.4g} times as large besides"
-        said = f"{many:g} times elasticity{besides}: {unit}?"
-        yield Explanation("unit", said, fitted if besides else exact, many)
-
-
-def _scale(field: Field) -> Iterator[Explanation]:
-    scale = _best_scale(field, field.found)
-    if not math.isfinite(scale):
-        return
-    if not field.found.any():
-        yield Explanation("zero", "nothing moves: the displacements are all 0", 0.0, 0.0)
-    if scale <= 0:
-        yield from _turned_round(field, scale)
-        return
-    left = field.left(field.found / scale)
-    if field.driven in {"loads", "weight"}:
-        yield Explanation(
-            "modulus", f"{scale:.4g} times elasticity: a modulus E {1 / scale:.4g} times as large?",
-            left, scale,
-        )  # fmt: skip
-        what = "loads" if field.driven == "loads" else "gravity or masses"
-        said = f"{scale:.4g} times elasticity: {what} {scale:.4g} times as large?"
-        yield Explanation("load", said, left, scale)
-    elif field.driven == "supports":
-        yield Explanation(
-            "scale",
-            f"{scale:.4g} times elasticity: prescribed displacements {scale:.4g} times as large? "
-            "(No modulus shows where supports alone move the body.)",
-            left,
-            scale,
-        )
-    else:
-        yield Explanation("scale", f"{scale:.4g} times elasticity", left, scale)
-
-
-def _turned_round(field: Field, scale: float) -> Iterator[Explanation]:
-    """The other sign, and a scale besides."""
-    if scale and abs(scale + 1) > NOTICED * field.doubt:
-        said = f"{scale:.4g} times elasticity: the other sign, and {-scale:.4g} times as large?"
-        yield Explanation("sign", said, field.left(field.found / scale), scale)
-
-
-def _axes(field: Field) -> Iterator[Explanation]:
-    """Components swapped, or with other signs; the whole field mirrored."""
-    d = field.found.shape[1]
-    for order in permutations(range(d)):
-        for signs in product((1.0, -1.0), repeat=d):
-            if order == tuple(range(d)) and set(signs) == {1.0}:
-                continue
-            changed = field.found[:, list(order)] * np.array(signs)
-            flips = [AXES[a] for a in range(d) if signs[a] < 0]
-            words = []
-            if order != tuple(range(d)):
-                words.append(f"components in the order {', '.join(AXES[a] for a in order)}")
-            if len(flips) == d and not words:
-                words.append("the other sign")
-            elif flips:
-                words.append(f"the other sign of {' and '.join(flips)}")
-            name = "axes" if order != tuple(range(d)) else "sign"
-            yield Explanation(name, f"elasticity with {' and '.join(words)}?", field.left(changed))
-
-
-def _mirrored(field: Field) -> Iterator[Explanation]:
-    """The field of the body in a mirror, where the body looks alike in it."""
-    if field.elsewhere is None:
-        return
-    span = field.span
-    for axis, (low, high) in enumerate(span):
-        places = field.places.copy()
-        places[:, axis] = low + high - places[:, axis]
-        other = field.elsewhere(places)
-        if other is None:
-            continue
-        mirrored = other * np.where(np.arange(len(span)) == axis, -1.0, 1.0)
-        if field.left(mirrored) <= FITS * field.left(field.found):
-            continue  # elasticity is its own mirror image: this is no explanation
-        said = f"elasticity of the body mirrored along {AXES[axis]}?"
-        yield Explanation("mirrored", said, field.left(field.found, mirrored))
+# Other changes ------------------------------------------------------------------------------------
 
 
 def _positions(field: Field) -> Iterator[Explanation]:
-    yield Explanation(
-        "positions",
-        "positions in place of displacements: take the places at rest off",
-        field.left(field.found - field.places),
-    )
+    said = "positions in place of displacements: take the places at rest off"
+    yield Explanation("positions", said, field.left(field.found - field.places))
+
+
+def _positions_besides(field: Field) -> Iterator[Explanation]:
+    """Positions in another unit, or of a body that moves more or less."""
+    said = "positions in place of displacements"
+    for unit, many in UNITS.items():
+        left = field.left(field.found / many - field.places)
+        yield Explanation("positions and unit", f"{said}, in {unit}?", left, many)
+    moved = field.found - field.places
+    for times in read_scale(field, moved, field.wanted):
+        many = times.scale
+        away = longest(moved - many * field.wanted)
+        left = max(times.left, away / field.size, away / longest(field.found))
+        words = f"{said}, and displacements {many:.4g} times elasticity"
+        words += f": {times.said}?" if times.said else ""
+        yield Explanation(f"positions and {times.name}", words, left, times.many)
 
 
 def _points(field: Field) -> Iterator[Explanation]:
-    """A few points wrong, all others right: the fewest beyond which the difference drops."""
-    away = np.linalg.norm(field.found - field.wanted, axis=1) / field.size
+    """A few points wrong, all others right in themselves."""
+    found = _few_wrong(field, field.found, field.wanted)
+    if found is not None:
+        count, first, left = found
+        rest = f"to {left:.1g} of the largest" if left > field.doubt else "to what is known"
+        said = f"{_few(field, count, first)}; all others are right {rest}"
+        yield Explanation("one point", said, left, float(count))
+
+
+def _points_besides(field: Field) -> Iterator[Explanation]:
+    """A few points wrong, and all others elasticity times a number, or as a coarse mesh has them.
+
+    The number is the median over the points, which a few do not move.
+    """
+    exact = max(AS_GOOD, NOTICED * field.doubt)
+    length = (field.wanted**2).sum(axis=1)
+    large = length > length.max() / 100
+    many = np.median((field.found * field.wanted).sum(axis=1)[large] / length[large])
+    if len(length) < FEWEST_BESIDES:
+        return
+    if many > 0:
+        found = _few_wrong(field, field.found / many, field.wanted)
+        if found is not None and found[2] <= exact < abs(many - 1):
+            said = f"{_few(field, *found[:2])}; all others {many:.4g} times elasticity"
+            yield Explanation("one point and scale", said, found[2], float(many))
+    for name, by_ratio in field.known.items():
+        found = _few_wrong(field, field.found, by_ratio(field.ratio))
+        if found is not None and found[2] <= exact:
+            said = f"{_few(field, *found[:2])}; all others as {name} give them"
+            yield Explanation("one point and coarse mesh", said, found[2], float(found[0]))
+
+
+def _few_wrong(field: Field, found: Array, wanted: Array) -> tuple[int, int, float] | None:
+    """How many points are wrong, which is most, what the others leave; None if not a few are.
+
+    They are the fewest beyond which the difference drops.
+    """
+    away = np.linalg.norm(found - wanted, axis=1) / field.size
+    if len(away) < FEWEST:
+        return None
     order = np.argsort(-away, kind="stable")
     most = max(1, int(FEW_POINTS * len(away)))
-    if len(away) < 4:
-        return
     falling = away[order]
     drops = (falling[1 : most + 1] <= FITS * falling[:most]) & (falling[:most] > 0)
     if not drops.any():
-        return
+        return None
     count = int(drops.argmax()) + 1
-    left = float(falling[count])
-    where = ", ".join(f"{x:.4g}" for x in field.places[order[0]])
-    few = f"{count} points" if count > 1 else "one point"
-    rest = f"to {left:.1g} of the largest" if left > field.doubt else "to what is known"
-    said = f"{few} wrong, the first at ({where}) m; all others are right {rest}"
-    yield Explanation("one point", said, left, float(count))
+    return count, int(order[0]), float(falling[count])
 
 
-def _known(field: Field) -> Iterator[Explanation]:
-    """A solver that is right and not converged, as far as its own answers are known."""
-    for name, wanted in field.known.items():
-        said = f"as {name} gives it: take a finer mesh"
-        yield Explanation("coarse mesh", said, field.left(field.found, wanted))
+def _few(field: Field, count: int, first: int) -> str:
+    where = ", ".join(f"{x:.4g}" for x in field.places[first])
+    return f"{f'{count} points' if count > 1 else 'one point'} wrong, the first at ({where}) m"
 
 
 def _rigid(field: Field) -> Iterator[Explanation]:
     """A rigid motion beside: supports elsewhere, another frame."""
-    modes = _modes(field.places)
+    modes = rigid_motions(field.places)
     rest = field.found - field.wanted
-    part = np.einsum("k,knd->nd", _fit(modes, rest), modes)
-    yield Explanation(
-        "rigid motion",
-        "elasticity and a rigid motion: other supports, or another frame?",
-        field.left(field.found - part),
-    )
+    part = np.einsum("k,knd->nd", fit(modes, rest), modes)
+    said = "elasticity and a rigid motion: other supports, or another frame?"
+    yield Explanation("rigid motion", said, field.left(field.found - part))
 
 
-def _modes(places: Array) -> Array:
-    """Rigid motions (k, n, d) about the middle."""
-    middle = places - places.mean(axis=0)
-    size = float(np.abs(middle).max()) or 1.0
-    x = middle / size
-    n, d = x.shape
-    shifts = [np.broadcast_to(along, (n, d)) for along in np.eye(d)]
-    if d == 2:
-        return np.stack([*shifts, np.column_stack([-x[:, 1], x[:, 0]])])
-    return np.stack([*shifts, *(np.cross(axis, x) for axis in np.eye(3))])
+def _node_order_in_units(field: Field) -> Iterator[Explanation]:
+    """Nodes in another order, in a unit that the mean length of displacements shows."""
+    scale = float(np.linalg.norm(field.found) / (np.linalg.norm(field.wanted) or 1.0))
+    for unit, many in UNITS.items():
+        if abs(scale / many - 1) <= max(SAME_LENGTH, field.doubt):
+            yield from _node_order(field, field.found / many, many, f", in {unit}")
 
 
-def _ratio(field: Field) -> Iterator[Explanation]:
-    """Another Poisson's ratio, the modulus kept."""
-    found = _fitted_ratio(field, scaled=False)
-    if found is not None:
-        nu, _, left = found
-        said = f"Poisson's ratio {nu:.4g} in place of {field.ratio:g}?"
-        yield Explanation("ratio", said, left, nu)
+def _node_order(field: Field, found: Array, many: float, besides: str) -> Iterator[Explanation]:
+    """Elasticity of other nodes, each of one: the order of the nodes is lost."""
+    if len(found) > MOST_NODES:
+        return
+    name = "node order and unit" if besides else "node order"
+    backwards = field.left(found[::-1])
+    room = min(FITS * min(1.0, field.difference), RIGHT)
+    if backwards <= room:
+        said = f"elasticity of the nodes in the reverse order{besides}?"
+        yield Explanation(name, said, backwards, many)
+        return
+    left = _matched(found, field.wanted, room * field.size)
+    if left is not None:
+        said = f"elasticity of other nodes, each of one{besides}: is their order lost?"
+        yield Explanation(name, said, left / field.size, many)
 
 
-def _both(field: Field) -> Iterator[Explanation]:
-    """A scale and another ratio together."""
-    found = _fitted_ratio(field, scaled=True)
-    if found is not None:
-        nu, scale, left = found
-        said = f"{scale:.4g} times elasticity of Poisson's ratio {nu:.4g} (given {field.ratio:g})?"
-        yield Explanation("scale and ratio", said, left, nu)
+def _matched(found: Array, wanted: Array, room: float) -> float | None:
+    """Largest distance of vectors (n, d) that are matched one to one; None if some is beyond room.
 
-
-def _fitted_ratio(field: Field, *, scaled: bool) -> tuple[float, float, float] | None:
-    """Ratio, scale and what they leave; None where none that is known fits.
-
-    Secant steps: elasticity bends with the ratio, near 1/2 above all.
+    The nearest first: where many are alike, any of them will do.
     """
-    if field.by_ratio is None:
+    square = np.zeros((len(found), len(found)))
+    for a in range(found.shape[1]):
+        square += (found[:, None, a] - wanted[None, :, a]) ** 2
+    near = square <= room**2
+    if not (near.any(axis=0).all() and near.any(axis=1).all()):
         return None
-    own = field.ratio
-    low, high = field.ratios
-    other = own + (RATIO_STEP if own + RATIO_STEP <= high else -RATIO_STEP)
-    nu, move = own, field.wanted
-    for _ in range(RATIO_STEPS):
-        slope = (field.by_ratio(other) - move) / (other - nu)
-        nu, move = other, field.by_ratio(other)
-        if not slope.any():
+    most = 0.0
+    for row in np.argsort(near.sum(axis=1), kind="stable"):
+        column = int(square[row].argmin())
+        most = max(most, float(square[row, column]))
+        if most > room**2:
             return None
-        columns = np.stack([move, slope]) if scaled else slope[None]
-        target = field.found if scaled else field.found - move
-        fitted = _fit(columns, target)
-        rest = float(np.linalg.norm(target - np.einsum("k,knd->nd", fitted, columns)))
-        if rest > HALF * float(np.linalg.norm(field.found - field.wanted)):
-            return None
-        scale = float(fitted[0]) if scaled else 1.0
-        if scale <= 0:
-            return None
-        other = min(max(nu + float(fitted[-1]) / scale, low), high)
-        if abs(other - nu) < RATIO_SETTLED:
-            break
-    end = field.by_ratio(other)
-    if scaled:
-        scale = float((field.found * end).sum() / (end**2).sum())
-    return other, scale, field.left(field.found, scale * end)
-
-
-def split(field: Field) -> dict[str, Array]:
-    """Parts (n, d) in m of found - wanted: scale, rigid motion, shape. Their sum is the whole."""
-    modes = _modes(field.places)
-    columns = np.concatenate([field.wanted[None], modes])
-    fitted = _fit(columns, field.found - field.wanted)
-    scale = fitted[0] * field.wanted
-    rigid = np.einsum("k,knd->nd", fitted[1:], modes)
-    return {
-        "scale": scale,
-        "rigid motion": rigid,
-        "shape": field.found - field.wanted - scale - rigid,
-    }
+        square[:, column] = np.inf
+    return float(np.sqrt(most))

@@ -13,6 +13,8 @@ from msvalidate_check.errors import CheckError
 Array = np.ndarray
 LARGEST = 500_000_000
 """Bytes beyond which a file is not read."""
+MOST_NUMBER = 2**53
+"""Number of a node from which not each whole number is one of double precision."""
 AXES = "xyz"
 
 
@@ -44,7 +46,7 @@ def read_field(path: Path) -> tuple[Array | None, Array, float | None]:
         raise CheckError(
             f"{path.name}: {why}; give a .csv or .npz file of displacements"
         ) from error
-    raise CheckError(f"{path.name}: give a .csv or .npz file")
+    raise CheckError(f"{path.name or path}: give a .csv or .npz file")
 
 
 def _npz(path: Path) -> tuple[Array | None, Array, float | None]:
@@ -76,6 +78,9 @@ def _csv(path: Path) -> tuple[Array | None, Array, float | None]:
         whole = np.isfinite(number).all() and (number == np.rint(number)).all()
         if not whole:
             raise CheckError(f"{path.name}: id that are not whole numbers; number nodes from 0")
+        if (np.abs(number) >= MOST_NUMBER).any():
+            most = float(np.abs(number).max())
+            raise CheckError(f"{path.name}: id {most:g}; number nodes from 0")
         return number.astype(np.int64), move, None
     return None, move, None
 

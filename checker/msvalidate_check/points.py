@@ -41,7 +41,12 @@ def matched(
                 f"nodes, of which the set knows the first {len(case.named)}: give one or the other"
             )
         return _numbered(case, np.arange(len(move))), None, ()
-    given = np.asarray(points)
+    try:
+        given = np.asarray(points)
+    except ValueError as error:
+        raise CheckError("points: rows of several lengths; give nodes, or places (n, d)") from error
+    if np.ma.is_masked(points):
+        raise CheckError("points: masked entries; leave these points out")
     if given.ndim == 1:
         if not np.issubdtype(given.dtype, np.integer):
             raise CheckError(
@@ -148,12 +153,16 @@ def _nowhere(case: ElasticCase, places: Array, found: int) -> str:
 
 def vectors(name: str, given: ArrayLike, d: int) -> Array:
     """An array (n, d) of finite numbers; a third component of 0 is left out in the plane."""
-    if np.iscomplexobj(given):
-        raise CheckError(f"{name}: complex numbers; give real ones")
+    if np.ma.is_masked(given):
+        raise CheckError(f"{name}: masked entries; leave these points out, or fill them")
     try:
-        array = np.asarray(given, dtype=float)
-    except (TypeError, ValueError) as error:
+        plain = np.asarray(given)
+        array = plain.astype(float) if plain.dtype.kind not in "bc" else None
+    except (TypeError, ValueError, OverflowError) as error:
         raise CheckError(f"{name}: not numbers; give an array (n, {d})") from error
+    if array is None:
+        kind = "complex numbers" if plain.dtype.kind == "c" else "true and false"
+        raise CheckError(f"{name}: {kind}; give real numbers")
     if array.ndim == 2 and array.shape[1] == 3 and d == 2 and not array[:, 2].any():
         array = array[:, :2]
     if array.ndim != 2 or array.shape[1] != d or not len(array):

@@ -16,7 +16,9 @@ from msvalidate_check import CheckError, assert_elastic, check, elastic_case
 from msvalidate_check.case_set import case_facts, case_names
 from msvalidate_check.command import run as command
 from msvalidate_check.diagnosis import Field, split
+from msvalidate_check.material import nearest_material
 from tests.checker.faulty_fields import faulty_fields, judged
+from tests.checker.faulty_pairs import GARBAGE, faulty_pairs, told_of
 from tests.table import table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -43,6 +45,44 @@ def test_faults_are_named_with_their_size():
     assert sized.total() >= 0.95 * count.total(), sized
     assert alarms.total() <= 0.02 * sum(count[fault] for fault in clean), alarms
     assert min(right[fault] / count[fault] for fault in count) >= 0.9, right
+
+
+def test_two_faults_are_named_or_none_and_garbage_has_no_cause():
+    told, false = Counter(), []
+    for doubly in faulty_pairs():
+        word, is_false, said = told_of(doubly)
+        told[doubly.faults in GARBAGE, word] += 1
+        if is_false:
+            false.append((doubly.faults, str(doubly.case), said))
+    assert not false
+    pairs = sum(told[False, word] for word in ("right", "part", "none", "wrong"))
+    garbage = told[True, "none"] + told[True, "wrong"]
+    assert pairs >= 100
+    assert garbage >= 100
+    assert told[False, "wrong"] <= 0.02 * pairs
+    assert (
+        told[False, "right"] >= 0.75 * pairs
+    )  # what is simple is found, not only not told wrongly
+    assert told[True, "wrong"] <= 0.02 * garbage
+
+
+def test_garbage_has_no_modulus():
+    case = elastic_case("twisted_bar", 0.3)
+    noise = np.random.default_rng(5).normal(size=case.wanted.shape)
+    verdict = check(case, None, 1e3 * np.abs(case.wanted).max() * noise)
+    assert np.isnan([verdict.E, verdict.effective_nu]).all()
+    assert "cause: none of those known" in str(verdict)
+    assert "nearest elasticity" not in str(verdict)
+    assert "times the largest displacement" in str(verdict)
+
+
+def test_one_point_is_told_where_the_others_are_right():
+    case = elastic_case("cook", 0.3)
+    moved = case.wanted.copy()
+    moved[12, 1] += 0.5 * np.abs(moved).max()
+    assert [each.name for each in check(case, None, moved).causes] == ["one point"]
+    softer = [each.name for each in check(case, None, 1.1 * moved).causes]
+    assert softer == ["one point and scale"]
 
 
 def test_modulus_and_ratio_are_found():
@@ -156,6 +196,12 @@ OTHER = elastic_case("cantilever_load", 0.3)
         (lambda: check(CASE, X, [["a", "b"]] * 20), "displacement: not numbers"),
         (lambda: check("cook", X, U), "case: 'cook'; give what elastic_case returns"),
         (lambda: check(CASE, X, 1e200 * U), "at point"),
+        (lambda: check(CASE, X, [[1], [1, 2]]), "displacement: not numbers"),
+        (lambda: check(CASE, [[1], [1, 2]], U), "points: rows of several lengths"),
+        (lambda: check(CASE, X, U > 0), "displacement: true and false"),
+        (lambda: check(CASE, X, np.ma.masked_less(U, 0)), "displacement: masked"),
+        (lambda: check(CASE, X, U, quantities={"strain energy": "x"}), "strain energy: 'x'"),
+        (lambda: check(CASE, X, U, quantities=[("strain energy", 1)]), "quantities: a list"),
         (lambda: check(CASE, X, 1j * U), "complex numbers"),
         (lambda: check(CASE, np.r_[X, X[-1:]], np.r_[U, 3 * U[-1:]]), "stands 2 times"),
         (lambda: elastic_case("cook", "x"), "nu: 'x'; give a number"),
@@ -201,10 +247,16 @@ def test_the_command_line(tmp_path, capsys):
     assert command(["mesh", "cook", "--mesh", "tri3", str(tmp_path / "mesh")]) == 0
     nodes = np.loadtxt(tmp_path / "mesh" / "nodes.csv", delimiter=",", skiprows=1)
     assert np.array_equal(nodes[:, 1:3], elastic_case("cook", mesh="tri3").points)
-    for content, said in (("x,y\n1,2\n", "name them ux, uy"), ("ux,uy\n1,a\n", "line 2: uy 'a'")):
+    for content, said in (
+        ("x,y\n1,2\n", "name them ux, uy"),
+        ("ux,uy\n1,a\n", "line 2: uy 'a'"),
+        (f"id,ux,uy\n{10**20},1,1\n", "id 1e+20; number nodes from 0"),
+    ):
         (tmp_path / "bad.csv").write_text(content)
         assert command(["field", "cook", str(tmp_path / "bad.csv")]) == 2
         assert said in capsys.readouterr().err
+    assert command(["field", "cook", "."]) == 2
+    assert ".: give a .csv or .npz file" in capsys.readouterr().err
     assert command(["field", "cook", str(tmp_path / "none.csv")]) == 2
     assert "No such file" in capsys.readouterr().err
 
@@ -219,8 +271,11 @@ def test_the_check_in_cpp_says_the_same(name, tmp_path):
     case = elastic_case(name, 0.3)
     x = case.points[case.named]
     field = 1.002 * case.wanted + 1e-5 * np.roll(x, 1, axis=1) ** 2
-    rest = np.column_stack([case.named, field])
-    np.savetxt(tmp_path / "field.csv", rest, "%.17g", ",", header="id", comments="")
+    head = ",".join(["id", *(f"u{a}" for a in "xyz"[: x.shape[1]])])
+    rows = np.column_stack([case.named, field])
+    path = tmp_path / "field.csv"
+    np.savetxt(path, rows, "%.17g", ",", header=head, comments="")
+    good = path.read_text()
     done = subprocess.run(
         [built, SET / name, "0.3", tmp_path / "field.csv"],
         capture_output=True,
@@ -232,7 +287,31 @@ def test_the_check_in_cpp_says_the_same(name, tmp_path):
     assert float(told["error"]) == pytest.approx(verdict.error, abs=2e-6)
     for part, size in verdict.parts.items():
         assert float(told[part]) == pytest.approx(size, abs=1e-5)
-    assert float(told["nu"]) == pytest.approx(verdict.effective_nu, abs=2e-3)
+    nearest = nearest_material(case, case.named, field, 0.0)
+    assert float(told["nu"]) == pytest.approx(nearest.nu, abs=2e-3)
+    rows = good.splitlines()
+    for content, said in {
+        "\n".join(rows[1:]): "no header id,ux,uy",
+        "\n".join(rows[:8]): "no node 7",
+        "\n".join([*rows, rows[3]]): "a node twice",
+        good.replace(rows[5], rows[5].replace(",", ",nan", 1)): "give finite numbers",
+        good.replace(rows[5], "4,x,0,0"): "give finite numbers",
+        good.replace(rows[5], "4,1"): "give finite numbers",
+        "": "no header id,ux,uy",
+    }.items():
+        path.write_text(content)
+        done = subprocess.run(
+            [built, SET / name, "0.3", path], capture_output=True, text=True, check=False
+        )
+        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), said
+        assert said in done.stderr
+    path.write_text(good)
+    for nu, said in {"0.33": "no answer for this NU", "x": "give CASE_FOLDER NU"}.items():
+        done = subprocess.run(
+            [built, SET / name, nu, path], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 2
+        assert said in done.stderr
 
 
 def test_the_checker_imports_numpy_alone():

@@ -1,0 +1,159 @@
+"""One or two whole changes of a field: other axes or signs, a mirror, a coarse mesh, a scale.
+
+The search takes every pair of a field that elasticity could be taken for (itself, its mirror image,
+linear elements on a coarse mesh) and of an order and signs of components, and asks how many times
+the one the other is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import permutations, product
+
+import numpy as np
+
+from msvalidate_check.beside import AXES, Array, Explanation, Field
+from msvalidate_check.scales import Times, read_scale
+
+SAME_IMAGE = 0.1
+"""Of the difference: where elasticity differs less from its mirror image, that explains nothing."""
+SAME = 1e-9
+"""Of the largest displacement: two orders or signs of components that give the same field."""
+MOST_ASKED = 0.1
+"""Of the largest displacement: what no explanation leaves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """What a field may be a copy of: name of the cause, words, displacements (n, d) in m."""
+
+    name: str
+    said: str
+    wanted: Array
+
+
+@dataclass(frozen=True)
+class Frame:
+    """An order of components and their signs: name of the cause, words."""
+
+    name: str
+    said: str
+    order: tuple[int, ...]
+    signs: tuple[float, ...]
+
+    def of(self, found: Array) -> Array:
+        """A field (n, d) with its components put back."""
+        return np.asarray(found[:, list(self.order)] * np.array(self.signs))
+
+    def put(self, wanted: Array) -> Array:
+        """A field (n, d) whose components, put back, are these."""
+        found = np.empty_like(wanted)
+        found[:, list(self.order)] = wanted * np.array(self.signs)
+        return found
+
+
+@cache
+def frames(d: int) -> tuple[Frame, ...]:
+    """All orders and signs in d dimensions, the plainest first: that of the axes themselves."""
+    found = []
+    for order in permutations(range(d)):
+        for signs in product((1.0, -1.0), repeat=d):
+            flips = [AXES[a] for a in range(d) if signs[a] < 0]
+            moved = order != tuple(range(d))
+            words = [f"components in the order {', '.join(AXES[a] for a in order)}"] * moved
+            if len(flips) == d and not moved:
+                words.append("the other sign")
+            elif flips:
+                words.append(f"the other sign of {' and '.join(flips)}")
+            name = "axes" if moved else "sign" if flips else ""
+            found.append(Frame(name, " and ".join(words), order, signs))
+    off = {"": 0, "sign": 1, "axes": 2}
+    found.sort(key=lambda each: (off[each.name], sum(s < 0 for s in each.signs)))
+    return tuple(found)
+
+
+def images(field: Field) -> list[Image]:
+    """Elasticity, its mirror images, and what coarse meshes give."""
+    found = [Image("", "elasticity", field.wanted), *_mirrored(field)]
+    for name, by_ratio in field.known.items():
+        found.append(Image("coarse mesh", name, by_ratio(field.ratio)))
+    return found
+
+
+def _mirrored(field: Field) -> Iterator[Image]:
+    """The field of the body in a mirror, where the body looks alike in it."""
+    if field.elsewhere is None:
+        return
+    for axis, (low, high) in enumerate(field.span):
+        places = field.places.copy()
+        places[:, axis] = low + high - places[:, axis]
+        other = field.elsewhere(places)
+        if other is None:
+            continue
+        image = other * np.where(np.arange(len(field.span)) == axis, -1.0, 1.0)
+        if field.left(image) > SAME_IMAGE * field.difference:
+            said = f"elasticity of the body mirrored along {AXES[axis]}"
+            yield Image("mirrored", said, image)
+
+
+def explain_one_change(field: Field) -> Iterator[Explanation]:
+    """Other axes, other signs, a mirror or a coarse mesh, and nothing besides."""
+    itself, *others = images(field)
+    for image in others:
+        said = f"{image.said}?"
+        if image.name == "coarse mesh":
+            said = f"as {image.said} give it: take a finer mesh"
+        yield Explanation(image.name, said, field.left(field.found, image.wanted))
+    seen: list[tuple[str, Array]] = []
+    for frame in frames(field.found.shape[1])[1:]:
+        if _least_left(field, itself, frame, 1.0, scaled=False) > MOST_ASKED:
+            continue
+        copy = frame.put(field.wanted)
+        if any(name == frame.name and field.left(copy, other) <= SAME for name, other in seen):
+            continue
+        seen.append((frame.name, copy))
+        said = f"elasticity with {frame.said}?"
+        yield Explanation(frame.name, said, field.left(frame.of(field.found)))
+
+
+def explain_two_changes(field: Field, most: float) -> Iterator[Explanation]:
+    """Two of another scale, other axes or signs, and another image, that leave at most so much."""
+    every = frames(field.found.shape[1])
+    for image in images(field):
+        for frame in every:
+            if image.name and frame.name:
+                if _least_left(field, image, frame, most, scaled=False) <= most:
+                    left = field.left(frame.of(field.found), image.wanted)
+                    said = f"{image.said} with {frame.said}?"
+                    yield Explanation(f"{image.name} and {frame.name}", said, left)
+            elif (image.name or frame.name) and (
+                _least_left(field, image, frame, most, scaled=True) <= most
+            ):
+                for times in read_scale(field, frame.of(field.found), image.wanted):
+                    yield _scaled(image, frame, times)
+
+
+def _least_left(field: Field, image: Image, frame: Frame, most: float, *, scaled: bool) -> float:
+    """Less than a change can leave, from sums alone: the root of the mean of squares."""
+    found, wanted = field.found, image.wanted
+    both = sum(
+        sign * float(found[:, a] @ wanted[:, k])
+        for k, (a, sign) in enumerate(zip(frame.order, frame.signs, strict=True))
+    )
+    f, w = float((found**2).sum()), float((wanted**2).sum())
+    if scaled and (both <= 0 or w == 0):
+        return most + 1
+    scale = both / w if scaled else 1.0
+    square = f / scale**2 - 2 * both / scale + w
+    return float(np.sqrt(max(square, 0.0) / len(found))) / field.size
+
+
+def _scaled(image: Image, frame: Frame, times: Times) -> Explanation:
+    """An image or a frame, and a scale besides."""
+    other = f" with {frame.said}" if frame.name else ""
+    many = f"{times.scale:.4g} times {image.said}{other}"
+    said = f"{many}: {times.said}?" if times.said else f"{many}: modulus or loads besides?"
+    value = times.many if times.name == "unit" else times.scale
+    return Explanation(f"{image.name or frame.name} and {times.name}", said, times.left, value)

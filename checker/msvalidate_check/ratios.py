@@ -1,0 +1,98 @@
+"""Another Poisson's ratio, alone or with one more fault: fitted by secant steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from msvalidate_check.beside import Array, Explanation, Field, best_scale, fit
+from msvalidate_check.changes import frames
+from msvalidate_check.scales import NOTICED, read_scale
+
+RATIO_STEP, RATIO_STEPS, RATIO_SETTLED = 0.01, 12, 1e-5
+"""First change of Poisson's ratio that is tried, how many are, and the last that need be."""
+HALF = 0.5
+"""Of the difference, what a ratio's first-order effect may leave for it to be worth more solves."""
+NO_SCALE = 1e-3
+"""Scale beside a ratio that is none: elasticity between two known ratios is known to half of it."""
+
+
+def explain_ratio(field: Field) -> Iterator[Explanation]:
+    """Another ratio, the modulus kept."""
+    if field.by_ratio is None:
+        return
+    nu = _fitted(field, field.by_ratio, scaled=False)
+    if nu is not None:
+        said = f"Poisson's ratio {nu:.4g} in place of {field.ratio:g}?"
+        yield Explanation("ratio", said, field.left(field.found, field.by_ratio(nu)), nu)
+
+
+def explain_ratio_besides(field: Field) -> Iterator[Explanation]:
+    """Another ratio and a scale, other axes or signs, or a coarse mesh."""
+    if field.by_ratio is None:
+        return
+    yield from _with_scale(field, field.by_ratio)
+    yield from _with_frame(field, field.by_ratio)
+    for name, by_ratio in field.known.items():
+        nu = _fitted(field, by_ratio, scaled=False)
+        if nu is not None:
+            said = f"as {name} give it for Poisson's ratio {nu:.4g} (given {field.ratio:g})?"
+            left = field.left(field.found, by_ratio(nu))
+            yield Explanation("coarse mesh and ratio", said, left, nu)
+
+
+def _with_scale(field: Field, by_ratio: Callable[[float], Array]) -> Iterator[Explanation]:
+    nu = _fitted(field, by_ratio, scaled=True)
+    if nu is None:
+        return
+    given = f"elasticity of Poisson's ratio {nu:.4g} (given {field.ratio:g})"
+    for times in read_scale(field, field.found, by_ratio(nu)):
+        if abs(times.scale - 1) <= NO_SCALE:
+            said = f"Poisson's ratio {nu:.4g} in place of {field.ratio:g}?"
+            yield Explanation("ratio", said, times.left, nu)
+        elif abs(times.scale - 1) > NOTICED * field.doubt:
+            end = f": {times.said}?" if times.said else "?"
+            said = f"{times.scale:.4g} times {given}{end}"
+            yield Explanation(f"{times.name} and ratio", said, times.left, nu)
+
+
+def _with_frame(field: Field, by_ratio: Callable[[float], Array]) -> Iterator[Explanation]:
+    """The axes or signs that are nearest by themselves, as each needs solutions of its own."""
+    every = [(frame, frame.of(field.found)) for frame in frames(field.found.shape[1])]
+    frame, back = min(every, key=lambda each: float(((each[1] - field.wanted) ** 2).sum()))
+    if not frame.name:
+        return
+    nu = _fitted(replace(field, found=back), by_ratio, scaled=False)
+    if nu is not None:
+        said = f"elasticity of Poisson's ratio {nu:.4g} (given {field.ratio:g}) with {frame.said}?"
+        yield Explanation(f"{frame.name} and ratio", said, field.left(back, by_ratio(nu)), nu)
+
+
+def _fitted(field: Field, by_ratio: Callable[[float], Array], *, scaled: bool) -> float | None:
+    """The ratio that fits best, None where none that is known does.
+
+    Secant steps: elasticity bends with the ratio, near 1/2 above all.
+    """
+    low, high = field.ratios
+    nu = field.ratio
+    other = nu + (RATIO_STEP if nu + RATIO_STEP <= high else -RATIO_STEP)
+    move = by_ratio(nu)
+    most = HALF * min(float(np.linalg.norm(each)) for each in (field.found - move, field.found))
+    for _ in range(RATIO_STEPS):
+        slope = (by_ratio(other) - move) / (other - nu)
+        nu, move = other, by_ratio(other)
+        if not slope.any():
+            return None
+        columns = np.stack([move, slope]) if scaled else slope[None]
+        target = field.found if scaled else field.found - move
+        fitted = fit(columns, target)
+        rest = float(np.linalg.norm(target - np.einsum("k,knd->nd", fitted, columns)))
+        scale = float(fitted[0]) if scaled else 1.0
+        if rest > most or scale <= 0:
+            return None
+        other = min(max(nu + float(fitted[-1]) / scale, low), high)
+        if abs(other - nu) < RATIO_SETTLED:
+            break
+    return other if best_scale(field.found, by_ratio(other)) > 0 else None

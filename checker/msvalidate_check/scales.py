@@ -1,0 +1,95 @@
+"""How many times a field is another, and what that number may be: a unit, a modulus, a load."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from msvalidate_check.beside import Array, Explanation, Field, best_scale
+
+AS_WELL = 2.0
+"""Times what the best explanation leaves, up to which another fits as well."""
+NOTICED = 3.0
+"""Times the doubt of elasticity and of the numbers, from which a difference is one to explain."""
+UNITS = {
+    "millimetres": 1e3,
+    "centimetres": 1e2,
+    "micrometres": 1e6,
+    "inches": 1 / 0.0254,
+    "kilometres": 1e-3,
+    "metres for a case in millimetres": 1e-3,
+    "feet": 1 / 0.3048,
+    "inches for millimetres": 25.4,
+    "millimetres for inches": 1 / 25.4,
+}
+"""What displacements may be in instead of m, and how many of these a metre has."""
+NEAR_UNIT = 1.05
+"""Times by which a scale may differ from a unit's: a modulus or a load a little off besides."""
+FAR_UNIT = 3.0
+"""The same of units that are a thousand times off and more: no modulus is as wrong as that."""
+
+
+@dataclass(frozen=True)
+class Times:
+    """A number of times: "unit" or "scale", the number, in words, and what it leaves."""
+
+    name: str
+    many: float
+    scale: float
+    said: str
+    left: float
+
+
+def read_scale(field: Field, found: Array, wanted: Array) -> list[Times]:
+    """What a field's scale may be: units that fit, else a plain number; none if it is not above 0.
+
+    What is left is measured after the field is divided by it, in elasticity's size.
+    """
+    scale = best_scale(found, wanted)
+    if not (math.isfinite(scale) and scale > 0):
+        return []
+    left = field.left(found / scale, wanted)
+    units = list(_units(field, found, wanted, scale, left))
+    exact = [each for each in units if each.scale == each.many]
+    return exact or units or [Times("scale", scale, scale, "", left)]
+
+
+def _units(field: Field, found: Array, wanted: Array, scale: float, left: float) -> Iterator[Times]:
+    """Units of length, and a modulus or load off besides."""
+    for unit, many in UNITS.items():
+        apart = max(scale / many, many / scale)
+        powers = abs(math.log10(many))
+        if apart > (FAR_UNIT if powers >= 3 else NEAR_UNIT):
+            continue
+        exact = field.left(found / many, wanted)
+        if apart <= NEAR_UNIT and exact <= max(AS_WELL * left, NOTICED * field.doubt):
+            yield Times("unit", many, many, unit, exact)
+        elif powers >= 1:  # any number is near some unit that is close to 1
+            besides = f"{unit}, and {scale / many:.4g} times as large besides"
+            yield Times("unit", many, scale, besides, left)
+
+
+def explain_scale(field: Field) -> Iterator[Explanation]:
+    """The field is elasticity times a number: a unit, a modulus, a load."""
+    times = read_scale(field, field.found, field.wanted)
+    for each in times:
+        if each.name == "unit":
+            said = f"{each.scale:.4g} times elasticity: {each.said}?"
+            yield Explanation("unit", said, each.left, each.many)
+    if not times:
+        return
+    scale = best_scale(field.found, field.wanted)
+    left = field.left(field.found / scale)
+    many = f"{scale:.4g} times elasticity"
+    if field.driven in {"loads", "weight"}:
+        said = f"{many}: a modulus E {1 / scale:.4g} times as large?"
+        yield Explanation("modulus", said, left, scale)
+        what = "loads" if field.driven == "loads" else "gravity or masses"
+        yield Explanation("load", f"{many}: {what} {scale:.4g} times as large?", left, scale)
+    elif field.driven == "supports":
+        said = f"{many}: prescribed displacements {scale:.4g} times as large? "
+        said += "(No modulus shows where supports alone move the body.)"
+        yield Explanation("scale", said, left, scale)
+    else:
+        yield Explanation("scale", many, left, scale)
