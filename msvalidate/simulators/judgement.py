@@ -300,9 +300,18 @@ def _state(
             f"{predicted[0]:.4g} Pa, {predicted[1]:.4g}"
         )
     if open_rows or unread or off or not rows:
-        causes += [f"{row.case} on {row.mesh}: {row.shape}" for row in open_rows if row.shape]
+        causes += [_open_words(row) for row in open_rows]
         return NOT_EXPLAINED, tuple(dict.fromkeys(causes))
     return (CAUSE if causes else AGREES), tuple(dict.fromkeys(causes))
+
+
+def _open_words(row: BodyRow) -> str:
+    """What is said of a body that the causes do not explain."""
+    where = f"{row.case} on {row.mesh}"
+    if row.factors is None:
+        return f"{where}: no law to hold it against"
+    shape = f": {row.shape}" if row.shape else ""
+    return f"{where}: {row.factors.apart:.2g} of the displacement not explained{shape}"
 
 
 def _law_causes(

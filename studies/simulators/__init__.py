@@ -20,6 +20,7 @@ Reference: the law's derivative at rest, frozen elasticity, and linear elements 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -49,7 +50,7 @@ def run(
             f"candidate: {format_value(candidate)}; give a function of a Request that returns an "
             "Answer, or a Program"
         )
-    asked = {
+    asked: dict[str, Callable[[], Evidence]] = {
         "judged": partial(judged.run, candidate),
         "laws": laws.run,
         "faults": partial(faults.run, setting),

@@ -3,7 +3,7 @@
 Question   Laws of soft-body simulators, as their documents or sources have them, take Lamé's
            constants of the E and nu asked for. Which solid are they at small strain, and does one
            step of a simulator of that law show it?
-Candidate  Linear tetrahedra of each law, by explicit and by implicit steps.
+Candidate  Linear tetrahedra of each law by explicit steps, of one by implicit ones too.
 Reference  The derivative of the law's stress at rest, by a complex step.
 Expected   The two are one: 1e-6 of the largest component of C. Four laws of eleven are another
            solid than the E and nu that they take.
@@ -22,6 +22,7 @@ from msvalidate.simulators.protocol import Request
 from msvalidate.simulators.tetrahedra import Stress, tetrahedra
 
 from .gaps import fill_gaps, with_none
+from .synthetic import OWN_LAW
 
 E = 1e7
 RATIOS = (0.3, 0.45)
@@ -58,7 +59,7 @@ def run() -> Evidence:
     rows, counted, short = [], 0, 0
     for name in LAWS:
         for nu in RATIOS:
-            for steps in ("explicit", "implicit"):
+            for steps in ("explicit", "implicit") if name == OWN_LAW else ("explicit",):
                 row, valid = _row(name, nu, steps)
                 rows.append(row)
                 counted += valid

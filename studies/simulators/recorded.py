@@ -167,4 +167,5 @@ def _is_off(record: dict[str, Any]) -> bool:
     law, probed = record["predicted"], record["probe"]
     if not law or not probed or law["E"] is None or probed["E"] is None:
         return False
-    return abs(probed["E"] / law["E"] - 1) > STIFFER or abs(probed["nu"] - law["nu"]) > STIFFER
+    off = abs(probed["E"] / law["E"] - 1), abs(probed["nu"] - law["nu"])
+    return bool(max(off) > STIFFER)

@@ -130,12 +130,12 @@ def _springs(request: Request) -> Answer:
     return Answer(displacement=_springs_at_rest(request, edges, length, stiffness), about=about)
 
 
-def _pairs(cells: Array) -> Array:
+def _pairs(cells: Index) -> Index:
     ends = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
     return np.concatenate([cells[:, list(pair)] for pair in ends])
 
 
-def _spring_forces(edges: Array, length: Array, stiffness: Array, x: Array) -> Array:
+def _spring_forces(edges: Index, length: Array, stiffness: Array, x: Array) -> Array:
     away = x[edges[:, 1]] - x[edges[:, 0]]
     now = np.linalg.norm(away, axis=1)
     pull = (stiffness * (now - length) / now)[:, None] * away
@@ -145,7 +145,7 @@ def _spring_forces(edges: Array, length: Array, stiffness: Array, x: Array) -> A
     return force
 
 
-def _springs_at_rest(request: Request, edges: Array, length: Array, stiffness: Array) -> Array:
+def _springs_at_rest(request: Request, edges: Index, length: Array, stiffness: Array) -> Array:
     """To first order: small strains, so that no step is needed twice."""
     n, d = request.mesh.points.shape
     along = (request.mesh.points[edges[:, 1]] - request.mesh.points[edges[:, 0]]) / length[:, None]
