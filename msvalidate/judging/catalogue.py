@@ -35,6 +35,7 @@ ORDER = (
     "actuator",
     "pull_in",
     "electrostatics",
+    "simulators",
     "claims",
 )
 """The reader's order of our studies; others follow by name."""

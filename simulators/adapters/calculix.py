@@ -121,7 +121,7 @@ def values(result, name, n):
     start = result.index(b"\n", result.index(b" -5  ALL", start)) + 1
     record = np.dtype([("node", "<i4"), ("value", "<f4", 3)])
     read = np.frombuffer(result, record, n, start)
-    order = np.argsort(read["node"])  # a set is printed in the order of its making
+    order = np.argsort(read["node"], kind="stable")  # a set is printed in the order of its making
     if not np.array_equal(read["node"][order], np.arange(1, n + 1)):
         raise SystemExit(f"ccx: {name} of other nodes than asked; does each belong to a cell?")
     return read["value"][order].astype(float)

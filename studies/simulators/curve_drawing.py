@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pandas as pd
 from matplotlib.figure import Figure
 
 from msvalidate.judging.evidence import Tables
@@ -11,19 +12,21 @@ from msvalidate.output import figures
 def curve(tables: Tables) -> Figure:
     """Ratio on the left, modulus on the right."""
     table = tables["curve"]
-    figure, axes = figures.new_figure(columns=2, size=(8.4, 3.8))
+    figure, axes = figures.new_figure(columns=2, size=(4.2, 3.4))
     for axis, name, words in (
         (axes[0], "ratio", "Poisson's ratio answered"),
         (axes[1], "modulus", "modulus answered over the asked"),
     ):
         for i, (law, rows) in enumerate(table.groupby("name", sort=False)):
             colour, label = figures.COLOURS[i], str(law).replace("_", " ")
+            asked, drawn = rows["asked_ratio"], rows[[f"predicted_{name}", f"read_{name}"]]
+            drawn = drawn.apply(pd.to_numeric, errors="coerce")
             axis.plot(
-                rows["asked_ratio"], rows[f"predicted_{name}"], color=colour,
+                asked, drawn[f"predicted_{name}"], color=colour,
                 label=f"{label}, predicted",
             )  # fmt: skip
             axis.plot(
-                rows["asked_ratio"], rows[f"read_{name}"], figures.MARKERS[i], color=colour,
+                asked, drawn[f"read_{name}"], figures.MARKERS[i], color=colour,
                 label=f"{label}, read",
             )  # fmt: skip
         axis.set(xlabel="Poisson's ratio asked for", ylabel=words)

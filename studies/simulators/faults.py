@@ -25,7 +25,7 @@ TOLERANCES = (
 )
 COLUMNS = {
     "fault": "what was put in",
-    "state": "agrees, differs with cause, not explained, or gate",
+    "state_said": "agrees, differs with cause, not explained, or gate",
     "said": "the first cause",
     "named": "whether state and causes name the fault",
 }
@@ -57,7 +57,7 @@ def _row(name: str, faulty: Faulty) -> dict[str, object]:
     said = " | ".join((found.state, *found.causes))
     return {
         "fault": name,
-        "state": found.state,
+        "state_said": found.state,
         "said": found.causes[0] if found.causes else "",
         "named": all(word in said for word in faulty.named),
     }

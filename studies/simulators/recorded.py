@@ -45,9 +45,9 @@ TOLERANCES = (
 )  # fmt: skip
 COLUMNS = {
     "simulator": "program, version",
-    "law": "as its documents or source have it, settings",
+    "law_and_settings": "the law as its documents or source have it, and the settings",
     "asked_modulus": "Pa",
-    "asked_ratio": "Poisson's ratio",
+    "asked_ratio": "Poisson's ratio asked for",
     "predicted_modulus": "over the asked, by the documented law to first order",
     "predicted_ratio": "the same for the ratio",
     "probed_modulus": "over the asked, as read",
@@ -60,7 +60,7 @@ COLUMNS = {
     "pulled_not_explained": "part of it that law, mass and mesh do not explain (1)",
     "sheared_not_explained": "the same of the sheared block",
     "bent_resolution": "times the displacement of the cantilever, by linear elements on its mesh",
-    "state": "agrees, differs with cause, not explained, gate, or stale",
+    "state_of_record": "agrees, differs with cause, not explained, gate, or stale",
     "cause": "the first",
     "draft": "yes until its author has been told",
     "date": "of the record",

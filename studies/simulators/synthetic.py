@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msvalidate.problem import Array
+from msvalidate.problem import Array, Index
 from msvalidate.simulators.laws import LAWS, lame
 from msvalidate.simulators.program import Program
 from msvalidate.simulators.protocol import Answer, Request, Simulator, SimulatorError
@@ -101,7 +101,7 @@ def _swapped(request: Request) -> Answer:
     answer = clean(request)
     if answer.displacement is None:
         return answer
-    ends = np.argsort(np.linalg.norm(answer.displacement, axis=1))
+    ends = np.argsort(np.linalg.norm(answer.displacement, axis=1), kind="stable")
     one, other = int(ends[-1]), int(ends[len(ends) // 3])
     move = np.array(answer.displacement)
     move[[one, other]] = move[[other, one]]

@@ -134,7 +134,7 @@ FAULTS = [
     (Linear(left=lambda s: 1.0 / (10 + s["iterations"])), {"twice the iterations"}),
     (Linear(at_rest={}, left=lambda s: 0.1 / s["iterations"]), {"twice the iterations"}),
     (Forgetful(), {"the same again", "twice the iterations"}),
-    (Broken(), {"the pulled block at rest"}),
+    (Broken(), {"pulled block at rest"}),
 ]
 
 
