@@ -230,8 +230,9 @@ def _law(
     pulled = [each for body, each in found if body == "pulled" and each.case.driven == "loads"]
     if not pulled or reading.masses is None:
         return (reading.E, reading.nu), 1.0
-    total = blocks.effective_on_mesh(pulled[-1]).E / reading.E
-    if not total > 0 or abs(total - 1) <= BAND:
+    near = blocks.effective_on_mesh(pulled[-1])
+    total = near.E / reading.E
+    if near.left > BAND or not total > 0 or abs(total - 1) <= BAND:
         return (reading.E, reading.nu), 1.0
     return (reading.E * total, reading.nu), total
 
