@@ -202,7 +202,7 @@ def synthetic_faults() -> Mapping[str, Faulty]:
             _full_cells, ("differs with cause", "mass: equal")
         ),
         "0.9 converged": Faulty(_half_done, ("gate", "twice the iterations")),
-        "points swapped": Faulty(_swapped, ("not explained", "point")),
+        "points swapped": Faulty(_swapped, ("not explained", "other nodes")),
         "1 % too stiff": Faulty(_stiffer, ("differs with cause", "law: E 1.01 ")),
         "k = E h on each edge": Faulty(_springs, ("not explained", "of no one solid")),
         "lies about rest": Faulty(_lying, ("gate", "lies about rest")),
