@@ -1,0 +1,64 @@
+"""Bodies at rest, and the causes of what they answer."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from msvalidate.problem import Isotropic
+from msvalidate.simulators.blocks import at_rest_both_ways, effective, effective_on_mesh
+from msvalidate.simulators.factors import factors
+from msvalidate.simulators.judgement import judge_simulator
+from msvalidate.simulators.laws import LAWS, lame, predicted
+from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
+from msvalidate.simulators.tetrahedra import tetrahedra
+
+SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
+ASKED = Isotropic(1e7, 0.3, "solid")
+
+
+def simulator_of(law, times=1.0):
+    def law_of(request):
+        mu, lam = lame(request.material.E, request.material.nu)
+        return lambda F: LAWS[law].stress(F, mu, lam)
+
+    def simulate(request: Request) -> Answer:
+        return tetrahedra(law_of)(replace(request, mass=times * request.mass))
+
+    return simulate
+
+
+def test_a_block_in_uniform_stress_shows_the_law_on_any_mesh():
+    law = predicted(SMITH, ASKED.E, ASKED.nu)
+    found = at_rest_both_ways(simulator_of(SMITH), "block_pull_space", "tet4", ASKED.nu)
+    for each in (effective(found), effective_on_mesh(found)):
+        # Both signs averaged: what is left of a strain of a thousandth is its square.
+        assert each.E / law.E == pytest.approx(1.0, rel=1e-5)
+        assert each.nu == pytest.approx(law.nu, abs=1e-5)
+
+
+def test_causes_multiply_to_the_whole_and_mass_is_told_from_law():
+    law = predicted(SMITH, ASKED.E, ASKED.nu)
+    heavy = simulator_of(SMITH, times=1.25)
+    found = at_rest_both_ways(heavy, "cantilever_gravity_space", "tet4", ASKED.nu)
+    each = factors(found, (law.E, law.nu), 1.25 * found.request.mass)
+    product = each.law * each.resolution * each.mass * each.solver * each.left
+    assert product == pytest.approx(each.total, rel=1e-12)
+    assert each.mass == pytest.approx(1.25, rel=1e-9)
+    assert each.law == pytest.approx(ASKED.E / law.E, rel=0.01)  # bent: the ratio hardly matters
+    assert each.is_explained
+    assert not factors(found, (law.E, law.nu)).is_explained
+
+
+def test_a_simulator_without_motion_or_forces_is_held_against_its_documented_law():
+    """As a static program that tells displacements alone: the gate says what it could not ask."""
+
+    def simulate(request: Request) -> Answer:
+        if request.task == "motion":
+            raise CannotRepresent("no motion")
+        return simulator_of("linear")(request)
+
+    found = judge_simulator(simulate, ASKED, predicted=(ASKED.E, ASKED.nu), meshes=("tet4",))
+    assert (found.state, found.causes, found.reading) == ("agrees", (), None)
+    assert np.isfinite([row.factors.total for row in found.bodies]).all()
+    assert any("no motion" in note for note in found.notes)
