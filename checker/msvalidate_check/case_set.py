@@ -156,6 +156,8 @@ def elastic_case(
     CheckError
         If the set has no such case, ratio or mesh, or its file was changed.
     """
+    if not isinstance(body, str):
+        raise CheckError(f"case: {body!r} is no name; `case_names` lists all")
     facts = _facts(VERSION)
     name = _full_name(body, mesh, state, facts)
     known = facts[name]

@@ -48,7 +48,17 @@ def run(setting: Setting) -> Evidence:
             [Observed(float((missed & ~free).sum())), Observed(float((missed & free).sum()))],
         ),
         tolerances=TOLERANCES,
+        findings=(_finding(missed, free),),
         columns=COLUMNS,
+    )
+
+
+def _finding(missed: pd.Series, free: pd.Series) -> str:
+    faulty, clean_ones = int((~free).sum()), int(free.sum())
+    named, blamed = int((~missed & ~free).sum()), int((missed & free).sum())
+    return (
+        f"Of {faulty} simulators with a fault {named} are named by it; of {clean_ones} clean ones "
+        f"{blamed} are blamed."
     )
 
 

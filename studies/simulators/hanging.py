@@ -100,9 +100,19 @@ def run() -> Evidence:
             ],
         ),
         tolerances=TOLERANCES,
+        findings=(_finding(explicit, mass),),
         columns=with_none(COLUMNS, *GAPS),
         rounding=dict.fromkeys(("mass_alone_factor", *GAPS), 1e-7),
     )  # fmt: skip
+
+
+def _finding(explicit: float, mass: float) -> str:
+    published = PUBLISHED["explicit"] / PUBLISHED_ELEMENTS
+    return (
+        f"A hanging bar's tip, published as {published:.3f} times that of elements, is "
+        f"{published / explicit:.3f} times by law and masses alone; of the other two tips "
+        f"{mass:.2f} times is mass (a draft: the author has still to be told)."
+    )
 
 
 def _row(name: str, elements: float, mass: float) -> dict[str, object]:

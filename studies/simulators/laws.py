@@ -17,6 +17,7 @@ import pandas as pd
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.problem import Isotropic
 from msvalidate.simulators.laws import LAWS, lame, predicted
+from msvalidate.simulators.moduli import SHOWN
 from msvalidate.simulators.probe import probe
 from msvalidate.simulators.protocol import Request
 from msvalidate.simulators.tetrahedra import Stress, tetrahedra
@@ -76,6 +77,7 @@ def run() -> Evidence:
             ],
         ),
         tolerances=TOLERANCES,
+        findings=(_finding(table),),
         columns=with_none(
             COLUMNS, "predicted_modulus", "predicted_ratio", "read_modulus", "read_ratio"
         ),
@@ -83,6 +85,27 @@ def run() -> Evidence:
             ("predicted_modulus", "predicted_ratio", "read_modulus", "read_ratio"), 1e-7
         )
         | {"difference_of_stiffness": 1e-6, "stated_error": 1e-6},
+    )
+
+
+def _finding(table: pd.DataFrame) -> str:
+    """Which laws are another solid than what they take."""
+    first = table[(table["asked_ratio"] == RATIOS[0]) & (table["steps"] == "explicit")]
+    solid = first["predicted_modulus"].notna()
+    off = solid & ((first["predicted_modulus"] - 1).abs() > SHOWN)
+    told = "; ".join(
+        f"{name}: E {E:.3f} times, nu {nu:.3f}"
+        for name, E, nu in zip(
+            first["law"][off],
+            first["predicted_modulus"][off],
+            np.round(first["predicted_ratio"][off].to_numpy(float), 3) + 0.0,
+            strict=True,
+        )
+    )
+    none = ", ".join(first["law"][~solid])
+    return (
+        f"Asked for a ratio of {RATIOS[0]:g}, {int(off.sum())} of {len(first)} laws are another "
+        f"solid: {told}. No isotropic solid at rest is: {none}."
     )
 
 

@@ -87,8 +87,16 @@ def run() -> Evidence:
         tables={"recorded": fill_gaps(table)},
         observed=by_quantity(TOLERANCES, _observed(found)),
         tolerances=TOLERANCES,
+        findings=(_finding(found),),
         columns=with_none(COLUMNS, *NUMBERS),
     )
+
+
+def _finding(found: list[dict[str, Any]]) -> str:
+    """How many records are in which state."""
+    states = pd.Series([record["state"] for record in found]).value_counts().sort_index()
+    told = ", ".join(f"{state} {count}" for state, count in states.items())
+    return f"{len(found)} records of simulators and laws: {told}. Rows marked draft are not final."
 
 
 def _row(record: dict[str, Any]) -> dict[str, object]:

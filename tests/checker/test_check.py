@@ -205,6 +205,7 @@ OTHER = elastic_case("cantilever_load", 0.3)
         (lambda: check(CASE, X, 1j * U), "complex numbers"),
         (lambda: check(CASE, np.r_[X, X[-1:]], np.r_[U, 3 * U[-1:]]), "stands 2 times"),
         (lambda: elastic_case("cook", "x"), "nu: 'x'; give a number"),
+        (lambda: elastic_case(["cook"]), "case: ['cook'] is no name"),
         (lambda: elastic_case("cook_plane_strain", state="plane_stress"), "leave one of them out"),
         (lambda: check(CASE, X, U, band=-1), "band: -1; give a number from 0"),
         (lambda: check(CASE, X, U, at_rest=np.nan), "at_rest: nan"),
