@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 
 from msvalidate.problem import Array, Index, Isotropic, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import require_type
+from msvalidate.simulators.tetrahedra import Tetrahedra, tetrahedra_of
 
 SIZE = (0.25, 0.125, 0.125)
 """Sides (m)."""
@@ -76,17 +77,18 @@ class Block:
             raise ProblemError(f"probe: a material in {self.material.state}; give state solid")
 
     @cached_property
+    def _cells(self) -> Tetrahedra:
+        return tetrahedra_of(self.mesh)
+
+    @property
     def volumes(self) -> Array:
         """(c,) of the cells, m³."""
-        first, *rest = np.moveaxis(self.mesh.points[self.mesh.cells], 1, 0)
-        return np.asarray(np.linalg.det(np.stack([x - first for x in rest], axis=-1)) / 6)
+        return self._cells.volumes
 
-    @cached_property
+    @property
     def slopes(self) -> Array:
         """(c, 4, 3) gradients (1/m) of the functions that are 1 on one node of a cell."""
-        first, *rest = np.moveaxis(self.mesh.points[self.mesh.cells], 1, 0)
-        inverse = np.linalg.inv(np.stack([x - first for x in rest], axis=-1))
-        return np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
+        return self._cells.gradients
 
     @property
     def volume(self) -> float:
