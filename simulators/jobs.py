@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-LOG_J = "neo-Hookean, log J"
 SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
 SIMPLE = "neo-Hookean without logarithm, Lamé's constants as they stand"
 
