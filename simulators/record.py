@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import json
 import os
 import shutil
 import sys
@@ -30,7 +29,7 @@ from msvalidate.simulators.probe import probe
 from msvalidate.simulators.program import Program
 from msvalidate.simulators.protocol import CannotRepresent
 from msvalidate.simulators.reading import Reading
-from msvalidate.simulators.record import probe_record, record_of
+from msvalidate.simulators.record import probe_record, record_of, text_of
 from msvalidate_check import exchange
 from simulators.jobs import JOBS, Job
 
@@ -65,11 +64,7 @@ def _record(job: Job) -> bool:
     began = time.perf_counter()
     simulator = Program(f"{python} {HERE / 'adapters' / job.adapter}", LIMIT)
     material = Isotropic(E, NU, "solid", DENSITY)
-    law = predicted(job.law, E, NU) if job.law else None
-    expected = None if law is None or law.E is None or law.nu is None else (law.E, law.nu)
-    judged = judge_simulator(
-        simulator, material, job.settings, predicted=expected, probed=job.probed
-    )
+    judged = judge_simulator(simulator, material, job.settings, law=job.law, probed=job.probed)
     record = {
         "name": job.name,
         "law": job.law,
@@ -87,8 +82,8 @@ def _record(job: Job) -> bool:
         if job.weighed is not None:
             known = probe(simulator, material, settings=job.weighed)
         record["curve"] = [_point(simulator, job, nu, known) for nu in CURVE]
-    text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
-    exchange.replace_file(DATA / f"{job.name}.json", (text + "\n").encode)
+    text = text_of(record) + "\n"
+    exchange.replace_file(DATA / f"{job.name}.json", text.encode)
     print(f"{job.name}: {judged.state}, {time.perf_counter() - began:.0f} s", flush=True)
     for line in (*judged.causes, *judged.notes):
         print(f"  {line}", flush=True)

@@ -27,6 +27,8 @@ CLAMPED = {"pulled": "clamped_pull_space", "sheared": "clamped_shear_space"}
 """Blocks held by all components at one end, for programs that hold nodes whole."""
 BENT = {"bent": "cantilever_gravity_space"}
 """Judged under "resolution" alone: linear elements are far off there on any mesh one pays for."""
+RATIOS = (0.0, 0.45)
+"""For which elasticity of these bodies is known."""
 STEPS, SETTLED = 20, 1e-12
 """Of the fit of modulus and ratio."""
 RATIO_STEP = 1e-5
@@ -79,20 +81,28 @@ class AtRest:
 
 
 def request_of(
-    case: ElasticCase, nu: float, settings: Mapping[str, Any] | None = None, sign: float = 1.0
+    case: ElasticCase,
+    material: Isotropic,
+    settings: Mapping[str, Any] | None = None,
+    sign: float = 1.0,
 ) -> Request:
-    """A frozen case as a request to come to rest, at any ratio, its loads times a sign."""
+    """A frozen case as a request to come to rest, of another material, its loads times a sign.
+
+    Forces go with the modulus, and gravity with the modulus over the density, so that every
+    material of a ratio is strained alike.
+    """
     weight = case.driven == "weight"
     none = np.zeros(case.points.shape)
+    stiffer, heavier = material.E / case.E, material.density / case.density
     gravity = case.force.sum(axis=0) / case.mass.sum() if weight else np.zeros(3)
     shape = {"tet4": "tetra", "hex8": "hexahedron"}[case.mesh.partition("_")[0]]
     return Request(
         "rest",
         Mesh(case.points, case.cells, shape),
-        Isotropic(case.E, nu, "solid", case.density),
-        mass=case.mass,
-        gravity=sign * gravity,
-        force=none if weight else sign * case.force,
+        material,
+        mass=heavier * case.mass,
+        gravity=sign * stiffer / heavier * gravity,
+        force=none if weight else sign * stiffer * case.force,
         held=case.held.astype(bool),
         value=sign * case.value,
         settings=settings or {},
@@ -104,7 +114,7 @@ def at_rest_both_ways(
     simulator: Simulator,
     name: str,
     mesh: str,
-    nu: float,
+    material: Isotropic,
     settings: Mapping[str, Any] | None = None,
 ) -> AtRest:
     """A body of the set brought to rest under its loads and under their opposites.
@@ -114,10 +124,10 @@ def at_rest_both_ways(
     CannotRepresent, SimulatorError
         As the simulator says.
     """
-    case = frozen_case(name, mesh, nu)
-    there = request_of(case, nu, settings)
+    case = frozen_case(name, mesh, material.nu)
+    there = request_of(case, material, settings)
     answer = ask(simulator, there)
-    other = ask(simulator, request_of(case, nu, settings, -1.0))
+    other = ask(simulator, request_of(case, material, settings, -1.0))
     assert answer.displacement is not None  # noqa: S101  as `ask` sees to
     assert other.displacement is not None  # noqa: S101
     move = (answer.displacement - other.displacement) / 2
@@ -132,8 +142,10 @@ def frozen_case(name: str, mesh: str, nu: float) -> ElasticCase:
     return elastic_case(name, min(ratios, key=lambda each: abs(each - nu)), mesh=mesh)
 
 
-def elasticity_at(case: ElasticCase, E: float, nu: float) -> Array:
+def elasticity_at(case: ElasticCase, times: float, nu: float) -> Array:
     """(p, 3) m of elasticity at the named nodes of a case, for another material.
+
+    `times` is its modulus over that which the loads are made for.
 
     Raises
     ------
@@ -143,7 +155,7 @@ def elasticity_at(case: ElasticCase, E: float, nu: float) -> Array:
     low, high = case.ratios
     if not low <= nu <= high:
         raise ProblemError(f"ratio {nu:g}: the set knows {case.name} from {low:g} to {high:g}")
-    return case.at_ratio(nu) * case.E / E
+    return case.at_ratio(nu) / times
 
 
 def linear_law(E: float, nu: float) -> Stress:
@@ -179,7 +191,7 @@ def effective(found: AtRest) -> Effective:
     case, E = found.case, found.request.material.E
     named = found.move[case.named]
     start = float(np.clip(found.request.material.nu, *case.ratios))
-    return nearest_material(named, lambda nu: elasticity_at(case, E, nu), E, start, case.ratios)
+    return nearest_material(named, lambda nu: elasticity_at(case, 1.0, nu), E, start, case.ratios)
 
 
 def nearest_material(

@@ -83,13 +83,13 @@ def factors(
     Raises
     ------
     ProblemError
-        If the set does not reach to the law's ratio.
+        If the set does not reach to the ratio asked for.
     """
     case, asked = found.case, found.request.material
     named = case.named
-    wanted = elasticity_at(case, asked.E, asked.nu)
-    own_law = elasticity_at(case, *law)
+    wanted = elasticity_at(case, 1.0, asked.nu)
     on_mesh = linear_elements(found.request, *law)
+    own_law = _elasticity_of(found, law, on_mesh)
     weighed = on_mesh if mass is None else linear_elements(found.request, *law, mass)
     rest = found if settled is None else settled
 
@@ -104,3 +104,18 @@ def factors(
     away = np.linalg.norm(rest.move - weighed, axis=1).max()
     apart = float(away / np.linalg.norm(weighed, axis=1).max())
     return Factors(sizes[-1], steps[0], steps[1], steps[2], steps[4], steps[3], apart)
+
+
+def _elasticity_of(found: AtRest, law: tuple[float, float], on_mesh: Array) -> Array:
+    """(p, 3) m of elasticity of a law.
+
+    Beyond the ratios of the set what it is to the nearest of them, elements are on the same mesh:
+    what that is off by goes from "law" to "resolution", and nothing of it into what is left.
+    """
+    case, asked = found.case, found.request.material
+    E, nu = law
+    near = float(np.clip(nu, *case.ratios))
+    known = elasticity_at(case, E / asked.E, near)
+    if near == nu:
+        return known
+    return np.asarray(known + (on_mesh - linear_elements(found.request, E, near))[case.named])

@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 
 from msvalidate.problem import Array, Isotropic, ProblemError, SolverError
-from msvalidate.simulators import blocks
+from msvalidate.simulators import blocks, laws
 from msvalidate.simulators.blocks import AtRest, Effective, at_rest_both_ways, linear_elements
 from msvalidate.simulators.factors import UNEXPLAINED, Factors, factors
 from msvalidate.simulators.gate import Gate, gate
+from msvalidate.simulators.large_strain import AtLargeStrain, at_large_strain
 from msvalidate.simulators.masses import patterns
 from msvalidate.simulators.moduli import SHOWN
 from msvalidate.simulators.probe import probe
@@ -97,6 +98,8 @@ class Judgement:
         What it passed, and what the probe read; None where it could not be probed.
     bodies
         At rest.
+    large
+        A body at 5 % strain beside elements of its documented law; None where that is not known.
     state
         One of `STATES`.
     causes
@@ -113,6 +116,7 @@ class Judgement:
     state: str
     causes: tuple[str, ...]
     notes: tuple[str, ...]
+    large: AtLargeStrain | None = None
 
 
 def judge_simulator(
@@ -120,6 +124,7 @@ def judge_simulator(
     material: Isotropic,
     settings: Mapping[str, Any] | None = None,
     *,
+    law: str = "",
     predicted: tuple[float, float] | None = None,
     converged: Mapping[str, Any] | None = None,
     meshes: tuple[str, ...] = MESHES,
@@ -132,11 +137,14 @@ def judge_simulator(
     simulator
         Asked some two hundred times, each time anew.
     material
-        Of state "solid".
+        Of state "solid", with a ratio of `blocks.RATIOS`.
     settings
         Of the simulator.
+    law
+        Its documented law, a name of `laws.LAWS`, which the bodies at large strain are of too; ""
+        if it is none of them.
     predicted
-        Modulus (Pa) and ratio of the documented law to first order: see `laws.predicted`.
+        Modulus (Pa) and ratio of the documented law to first order; by default what `law` says.
     converged
         Settings at which steps and iterations change nothing any more, where the given ones do not
         go so far: what is between the two is the cause "solver".
@@ -144,8 +152,20 @@ def judge_simulator(
         Of the bodies, tetrahedra.
     probed
         Settings of the probe's steps beside the others.
+
+    Raises
+    ------
+    ProblemError
+        For another material, or a law that is not there.
     """
+    low, high = blocks.RATIOS
+    if material.state != "solid" or not low <= material.nu <= high:
+        raise ProblemError(
+            f"judge_simulator: {material}; give a solid with a ratio from {low:g} to {high:g}, "
+            "for which elasticity is known"
+        )
     own = dict(settings or {})
+    predicted = predicted or _first_order(law, material)
     gated = gate(simulator, material, own)
     if not gated.passed:
         causes = tuple(f"{row.name}: {row.because}" for row in gated.stops) or ("nothing passed",)
@@ -154,10 +174,42 @@ def judge_simulator(
     reading = _probed(simulator, material, own | dict(probed or {}), notes)
     found = _bodies(simulator, material, own, meshes, notes)
     settled = _settled(simulator, own, converged, found)
-    law, total = _law(reading, found, predicted)
-    rows = tuple(_row(body, each, law, reading, total, settled) for body, each in found)
-    state, causes = _state(material, predicted, reading, law, rows)
-    return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes))
+    read, total = _law(reading, found, predicted)
+    rows = tuple(_row(body, each, read, reading, total, settled) for body, each in found)
+    large = _large(simulator, material, law, own, (reading, total), notes) if law else None
+    state, causes = _state(material, predicted, reading, read, rows, large)
+    return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes), large)
+
+
+def _first_order(law: str, material: Isotropic) -> tuple[float, float] | None:
+    """Modulus (Pa) and ratio of a documented law; None where it is no solid."""
+    if not law:
+        return None
+    known = laws.predicted(law, material.E, material.nu)
+    return None if known.E is None or known.nu is None else (known.E, known.nu)
+
+
+def _large(
+    simulator: Simulator,
+    material: Isotropic,
+    law: str,
+    settings: Mapping[str, Any],
+    weighed: tuple[Reading | None, float],
+    notes: list[str],
+) -> AtLargeStrain | None:
+    """A body at large strain beside elements of the documented law."""
+    mu, lam = laws.lame(material.E, material.nu)
+    try:
+        return at_large_strain(
+            simulator,
+            material,
+            lambda F: laws.LAWS[law].stress(F, mu, lam),
+            settings,
+            mass_of=lambda request: masses_on(request, *weighed),
+        )
+    except (CannotRepresent, SolverError) as error:
+        notes.append(f"large strain: {error}")
+        return None
 
 
 def _probed(
@@ -183,7 +235,7 @@ def _bodies(
         for case in cases:
             try:
                 each = [
-                    (body, at_rest_both_ways(simulator, case, mesh, material.nu, settings))
+                    (body, at_rest_both_ways(simulator, case, mesh, material, settings))
                     for mesh in meshes
                 ]
             except (CannotRepresent, SolverError) as error:
@@ -208,7 +260,7 @@ def _settled(
             simulator,
             each.case.name,
             each.case.mesh,
-            each.request.material.nu,
+            each.request.material,
             {**settings, **converged},
         )
         for _, each in found
@@ -257,18 +309,15 @@ def _row(
     settled: Mapping[tuple[str, str], AtRest],
 ) -> BodyRow:
     case, request = found.case, found.request
-    wanted = blocks.elasticity_at(case, request.material.E, request.material.nu)
+    wanted = blocks.elasticity_at(case, 1.0, request.material.nu)
     error = _largest(found.move[case.named] - wanted) / _largest(wanted)
     rest = stated_unrest(request, Answer(displacement=found.move, about=found.about))
     on_mesh = blocks.effective_on_mesh(found)
     taken, shape = None, ""
     if law is not None:
         mass = masses_on(request, reading, total)
-        try:
-            taken = factors(found, law, mass, settled.get((case.name, case.mesh)))
-        except ProblemError:  # a ratio that the set does not reach to
-            taken = None
-        if taken is None or not taken.is_explained:
+        taken = factors(found, law, mass, settled.get((case.name, case.mesh)))
+        if not taken.is_explained:
             shape = _shape(found, linear_elements(request, *law, mass))
     return BodyRow(body, case.name, case.mesh, error, on_mesh, rest, taken, shape)
 
@@ -288,6 +337,7 @@ def _state(
     reading: Reading | None,
     law: tuple[float, float] | None,
     rows: tuple[BodyRow, ...],
+    large: AtLargeStrain | None,
 ) -> tuple[str, tuple[str, ...]]:
     """State and causes, from what differs from what was asked."""
     causes = [*_law_causes(material, reading, law), *_factor_causes(rows)]
@@ -300,7 +350,13 @@ def _state(
             f"law: read as E {law[0]:.4g} Pa, nu {law[1]:.4g}; its documents say "
             f"{predicted[0]:.4g} Pa, {predicted[1]:.4g}"
         )
-    if open_rows or unread or off or not rows:
+    other = large is not None and large.apart > BAND
+    if other and large is not None:
+        causes.append(
+            f"law: at {large.strain:.2g} strain {large.apart:.2g} of the displacement from "
+            "elements of its documented law"
+        )
+    if open_rows or unread or off or other or not rows:
         causes += [_open_words(row) for row in open_rows]
         return NOT_EXPLAINED, tuple(dict.fromkeys(causes))
     return (CAUSE if causes else AGREES), tuple(dict.fromkeys(causes))

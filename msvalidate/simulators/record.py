@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
 import numpy as np
 
+from msvalidate.simulators.gate import PASSED, STOPPED, GateRow
 from msvalidate.simulators.judgement import BodyRow, Judgement
+from msvalidate.simulators.large_strain import AtLargeStrain
 from msvalidate.simulators.reading import Reading
 
+WIDE = 120
+"""Characters of a line of a record, up to which what belongs together stays on one."""
 DIGITS = 8
 """Of numbers: more than any of them is known to."""
 
@@ -23,20 +28,25 @@ def record_of(found: Judgement) -> dict[str, Any]:
         "state": found.state,
         "causes": list(found.causes),
         "notes": list(found.notes),
-        "gate": [
-            {
-                "name": row.name,
-                "value": _number(row.value),
-                "unit": row.unit,
-                "limit": _number(row.limit),
-                "verdict": row.verdict,
-                "because": row.because,
-            }
-            for row in found.gate.rows
-        ],
+        "gate": [_gate_row(row) for row in found.gate.rows],
         "probe": None if found.reading is None else probe_record(found.reading),
         "bodies": [_body(row) for row in found.bodies],
+        "large": _large(found.large),
     }
+
+
+def _gate_row(row: GateRow) -> dict[str, Any]:
+    """What was tried; why its limit is what it is stands in `gate`, and here only what stops."""
+    kept = {"name": row.name, "verdict": row.verdict, "value": _number(row.value)}
+    if row.verdict in {PASSED, STOPPED}:
+        kept |= {"unit": row.unit, "limit": _number(row.limit)}
+    return kept if row.verdict == PASSED else kept | {"because": row.because}
+
+
+def _large(found: AtLargeStrain | None) -> dict[str, Any] | None:
+    if found is None:
+        return None
+    return {name: v if isinstance(v, str) else _number(v) for name, v in vars(found).items()}
 
 
 def probe_record(reading: Reading) -> dict[str, Any]:
@@ -51,7 +61,7 @@ def probe_record(reading: Reading) -> dict[str, Any]:
         "C": [[_number(value) for value in row] for row in reading.C],
         "error": _number(reading.error),
         "valid": reading.is_valid,
-        "flags": {flag.name: [_number(flag.value), flag.limit] for flag in reading.flags},
+        "flags": {flag.name: _number(flag.value) for flag in reading.flags},
         "mass": None if masses is None else {"pattern": masses.pattern, "off": _number(masses.off)},
         "strain": reading.strain,
         "precision": reading.precision,
@@ -82,3 +92,16 @@ def _number(value: float | None) -> float | None:
     if value is None or not math.isfinite(value):
         return None
     return float(np.format_float_positional(value, DIGITS, unique=False, fractional=False))
+
+
+def text_of(record: object, indent: str = "") -> str:
+    """A record as JSON that reads as tables do: what fits on a line is on one."""
+    line = json.dumps(record, ensure_ascii=False, allow_nan=False)
+    if len(indent) + len(line) <= WIDE or not isinstance(record, dict | list):
+        return line
+    deeper = indent + " "
+    if isinstance(record, dict):
+        parts = [f"{json.dumps(key)}: {text_of(each, deeper)}" for key, each in record.items()]
+        return "{\n" + ",\n".join(deeper + part for part in parts) + f"\n{indent}}}"
+    parts = [text_of(each, deeper) for each in record]
+    return "[\n" + ",\n".join(deeper + part for part in parts) + f"\n{indent}]"

@@ -63,7 +63,7 @@ def tetrahedra_of(mesh: Mesh) -> Tetrahedra:
 def forces_on_nodes(body: Tetrahedra, points: Array, stress: Stress) -> Array:
     """(n, 3) N that the body puts on its nodes: minus the derivative of its energy."""
     each = -np.einsum(
-        "c,cij,caj->cai", body.volumes, stress(_gradient(body, points)), body.gradients
+        "c,cij,caj->cai", body.volumes, stress(deformation_gradients(body, points)), body.gradients
     )
     force = np.zeros_like(points)
     np.add.at(force, body.cells, each)
@@ -72,7 +72,7 @@ def forces_on_nodes(body: Tetrahedra, points: Array, stress: Stress) -> Array:
 
 def tangent(body: Tetrahedra, points: Array, stress: Stress) -> csc_array:
     """(3n, 3n) stiffness: minus the derivative of the forces, by differences of the law."""
-    F = _gradient(body, points)
+    F = deformation_gradients(body, points)
     law = np.empty((len(F), 3, 3, 3, 3))
     for k in range(3):
         for m in range(3):
@@ -89,7 +89,8 @@ def tangent(body: Tetrahedra, points: Array, stress: Stress) -> csc_array:
     return csc_array(found)
 
 
-def _gradient(body: Tetrahedra, points: Array) -> Array:
+def deformation_gradients(body: Tetrahedra, points: Array) -> Array:
+    """(c, 3, 3) of nodes' places (n, 3) m; of displacements, their gradients."""
     return np.asarray(np.einsum("cai,caj->cij", points[body.cells], body.gradients))
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from msvalidate.problem import Isotropic
+from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.simulators.blocks import at_rest_both_ways, effective, effective_on_mesh
 from msvalidate.simulators.factors import factors
 from msvalidate.simulators.judgement import judge_simulator
@@ -30,7 +30,7 @@ def simulator_of(law, times=1.0):
 
 def test_a_block_in_uniform_stress_shows_the_law_on_any_mesh():
     law = predicted(SMITH, ASKED.E, ASKED.nu)
-    found = at_rest_both_ways(simulator_of(SMITH), "block_pull_space", "tet4", ASKED.nu)
+    found = at_rest_both_ways(simulator_of(SMITH), "block_pull_space", "tet4", ASKED)
     for each in (effective(found), effective_on_mesh(found)):
         # Both signs averaged: what is left of a strain of a thousandth is its square.
         ratio = each.E / law.E
@@ -41,7 +41,7 @@ def test_a_block_in_uniform_stress_shows_the_law_on_any_mesh():
 def test_causes_multiply_to_the_whole_and_mass_is_told_from_law():
     law = predicted(SMITH, ASKED.E, ASKED.nu)
     heavy = simulator_of(SMITH, times=1.25)
-    found = at_rest_both_ways(heavy, "cantilever_gravity_space", "tet4", ASKED.nu)
+    found = at_rest_both_ways(heavy, "cantilever_gravity_space", "tet4", ASKED)
     each = factors(found, (law.E, law.nu), 1.25 * found.request.mass)
     product = each.law * each.resolution * each.mass * each.solver * each.left
     assert product == pytest.approx(each.total, rel=1e-12)
@@ -63,3 +63,36 @@ def test_a_simulator_without_motion_or_forces_is_held_against_its_documented_law
     assert (found.state, found.causes, found.reading) == ("agrees", (), None)
     assert np.isfinite([row.factors.total for row in found.bodies]).all()
     assert any("no motion" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("material", [ASKED, Isotropic(3e4, 0.45, "solid", 37.0)])
+def test_any_material_is_judged_alike(material):
+    found = judge_simulator(
+        simulator_of("neo-Hookean, log J"), material, law="neo-Hookean, log J", meshes=("tet4",)
+    )
+    assert (found.state, found.causes, found.notes) == ("agrees", (), ())
+    assert found.large is not None
+    assert 0.03 < found.large.strain < 0.1
+    assert found.large.apart < 1e-8
+
+
+def test_a_law_of_the_same_first_order_is_told_apart_at_large_strain():
+    found = judge_simulator(
+        simulator_of("Saint Venant-Kirchhoff"), ASKED, law="neo-Hookean, log J", meshes=("tet4",)
+    )
+    assert found.state == "not explained"
+    assert "at 0.0" in found.causes[0]
+
+
+def test_ratios_for_which_no_elasticity_is_known_are_refused_before_anything_is_asked():
+    with pytest.raises(ProblemError, match=r"ratio from 0 to 0.45"):
+        judge_simulator(None, Isotropic(1e7, 0.49, "solid"))
+
+
+def test_a_law_whose_ratio_is_below_those_known_is_explained():
+    """Asked for 0.2, it is a solid of ratio - 0.25."""
+    law = "neo-Hookean without logarithm, Lamé's constants as they stand"
+    material = Isotropic(1e7, 0.2, "solid")
+    found = judge_simulator(simulator_of(law), material, law=law, meshes=("tet4",))
+    assert found.state == "differs with cause"
+    assert all(row.factors.is_explained for row in found.bodies)

@@ -1,0 +1,134 @@
+"""Beyond first order: a body at 5 % strain beside linear tetrahedra of the *same* law.
+
+The probe reads a law's derivative at rest. Whether the rest of the law is the documented one shows
+only where strains are large, and only beside elements of that law on the same mesh: linear
+elasticity is no reference there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from msvalidate.problem import Array, Isotropic, SolverError
+from msvalidate.simulators import blocks
+from msvalidate.simulators.protocol import CannotRepresent, Request, Simulator, ask
+from msvalidate.simulators.rest import stated_unrest
+from msvalidate.simulators.tetrahedra import (
+    Stress,
+    at_rest,
+    deformation_gradients,
+    tetrahedra_of,
+)
+
+STRAIN = 0.05
+"""Largest principal strain of linear elements under the loads that are asked for."""
+BODIES = ("clamped_shear_space", "block_gravity_space")
+"""Cases of the set, the first that a program can represent counts."""
+MESH = "tet4"
+
+
+@dataclass(frozen=True)
+class AtLargeStrain:
+    """A body at large strain.
+
+    Parameters
+    ----------
+    case
+        Of the frozen set, its loads multiplied.
+    strain
+        Largest principal value of Green's strain of the elements of the same law.
+    apart
+        Largest difference from those, over the largest displacement.
+    from_linear
+        The same of linear elements of the law's first order: how much there was to be seen.
+    rest
+        Part of the displacement that may still change, as stated; NaN if nobody says.
+    """
+
+    case: str
+    strain: float
+    apart: float
+    from_linear: float
+    rest: float
+
+
+def at_large_strain(
+    simulator: Simulator,
+    material: Isotropic,
+    stress: Stress,
+    settings: Mapping[str, Any] | None = None,
+    *,
+    mass_of: Callable[[Request], Array | None] | None = None,
+    strain: float = STRAIN,
+) -> AtLargeStrain:
+    """Bring a body to rest under loads that strain it, and hold it against elements of its law.
+
+    Parameters
+    ----------
+    simulator, material, settings
+        As of `judge_simulator`.
+    stress
+        The documented law with the constants that it takes for this material.
+    mass_of
+        (n,) kg of a request's nodes as measured; None where they are those asked.
+    strain
+        Largest principal strain that linear elements of the asked material would have.
+
+    Raises
+    ------
+    CannotRepresent, SimulatorError
+        As the simulator says of the last body.
+    SolverError
+        If elements of the law do not come to rest there.
+    """
+    refused: CannotRepresent | None = None
+    for name in BODIES:
+        request = _strained(name, material, settings, strain)
+        try:
+            answer = ask(simulator, request)
+        except CannotRepresent as error:
+            refused = error
+            continue
+        mass = None if mass_of is None else mass_of(request)
+        weighed = request if mass is None else replace(request, mass=mass)
+        body = tetrahedra_of(request.mesh)
+        try:
+            wanted = at_rest(body, weighed, stress)[0]
+        except SolverError as error:
+            raise SolverError(f"{name} at {strain:.0%} strain: {error}") from error
+        F = deformation_gradients(body, request.mesh.points + wanted)
+        green = np.linalg.eigvalsh((np.swapaxes(F, 1, 2) @ F - np.eye(3)) / 2)
+        linear = blocks.linear_elements(weighed, material.E, material.nu)
+        found = np.asarray(answer.displacement)
+        return AtLargeStrain(
+            name,
+            float(np.abs(green).max()),
+            _largest(found - wanted) / _largest(wanted),
+            _largest(linear - wanted) / _largest(wanted),
+            stated_unrest(request, answer),
+        )
+    raise refused or CannotRepresent("no body")
+
+
+def _strained(
+    name: str, material: Isotropic, settings: Mapping[str, Any] | None, strain: float
+) -> Request:
+    """A case of the set as a request, its loads multiplied so that they strain it so far."""
+    request = blocks.request_of(blocks.frozen_case(name, MESH, material.nu), material, settings)
+    move = blocks.linear_elements(request, material.E, material.nu)
+    G = deformation_gradients(tetrahedra_of(request.mesh), move)
+    times = strain / float(np.abs(np.linalg.eigvalsh((G + np.swapaxes(G, 1, 2)) / 2)).max())
+    return replace(
+        request,
+        force=times * request.force,
+        gravity=times * request.gravity,
+        name=f"{request.name}, loads times {times:.4g}",
+    )
+
+
+def _largest(vectors: Array) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max())
