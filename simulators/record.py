@@ -74,7 +74,7 @@ def _record(job: Job) -> bool:
         "upstream": list(job.upstream),
         "date": datetime.now(UTC).date().isoformat(),
         "adapter": {"file": job.adapter, "sha256": _digest(HERE / "adapters" / job.adapter)},
-        "packages": _packages(job.environment),
+        "packages": packages(job.environment),
         **record_of(judged),
     }
     if job.curve:
@@ -117,7 +117,7 @@ def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _packages(environment: str) -> dict[str, str]:
+def packages(environment: str) -> dict[str, str]:
     """Pinned packages -> checksum of the wheel, from the requirement file."""
     if not environment:
         return {}

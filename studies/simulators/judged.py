@@ -52,9 +52,14 @@ COLUMNS = {
     "law_factor": "times the displacement, by the law read",
     "resolution_factor": "times the displacement, by linear elements on this mesh",
     "mass_factor": "times the displacement, by the masses read",
+    "solver_factor": "times the displacement, by what more iterations or smaller steps change",
     "not_explained_factor": "times the displacement, by what is left",
     "apart": "largest difference from what the causes predict, over the largest displacement (1)",
 }
+
+
+FACTORS = ("law", "resolution", "mass", "solver", "left", "apart")
+"""Of `Factors`, in the order of their columns."""
 
 
 def run(candidate: Simulator) -> Evidence:
@@ -69,7 +74,7 @@ def run(candidate: Simulator) -> Evidence:
         rounding=dict.fromkeys(
             (
                 "error", "ratio_on_mesh", "law_factor", "resolution_factor", "mass_factor",
-                "not_explained_factor", "apart",
+                "solver_factor", "not_explained_factor", "apart",
             ),
             1e-8,
         )
@@ -83,9 +88,16 @@ def body_rows(found: Judgement) -> list[dict[str, object]]:
     for row in found.bodies:
         factors = row.factors
         parts = (
-            (math.nan,) * 5
+            (math.nan,) * 6
             if factors is None
-            else (factors.law, factors.resolution, factors.mass, factors.left, factors.apart)
+            else (
+                factors.law,
+                factors.resolution,
+                factors.mass,
+                factors.solver,
+                factors.left,
+                factors.apart,
+            )
         )
         values = (
             row.body, row.case, row.mesh, row.error, row.on_mesh.E, row.on_mesh.nu, *parts,

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import json
 import math
+import re
+from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +24,15 @@ from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quanti
 from msvalidate.simulators.gate import STOPPED
 from msvalidate.simulators.judgement import NOT_EXPLAINED
 
+from . import judged
 from .gaps import fill_gaps, with_none
 
 DATA = Path(__file__).parent / "data"
 CONTROLS = ("calculix", "ngsolve-1", "felupe-linear")
+NEWEST = "newest.json"
 STIFFER = 0.01
+BEHIND = 2
+"""Minor releases."""
 TOLERANCES = (
     Tolerance(
         "recorded: largest error of the controls' modulus, over the asked", 1e-5, "1",
@@ -42,6 +48,7 @@ TOLERANCES = (
     ),
 )  # fmt: skip
 COLUMNS = {
+    "name": "of the record",
     "simulator": "program, version",
     "law_and_settings": "the law as its documents or source have it, and the settings",
     "asked_modulus": "Pa",
@@ -53,13 +60,12 @@ COLUMNS = {
     "mass": "whose masses its nodes have, as measured",
     "gate": "what stopped it; empty where nothing did",
     "rest": "largest part of a displacement that may still change, as stated",
-    "pulled_error": "of the pulled block on the finer mesh, over the largest displacement (1)",
-    "sheared_error": "of the sheared block",
-    "pulled_not_explained": "part of it that law, mass and mesh do not explain (1)",
-    "sheared_not_explained": "the same of the sheared block",
-    "bent_resolution": "times the displacement of the cantilever, by linear elements on its mesh",
-    "state_of_record": "agrees, differs with cause, not explained, or gate",
+    "large_strain": "largest principal strain of a body that is held against its own law (1)",
+    "large_strain_apart": "from elements of the documented law there, over the displacement (1)",
+    "linear_apart": "from linear elements there: how much of the law there was to be seen",
+    "state_of_record": "agrees, differs with cause, not explained, gate; stale: before it if old",
     "cause": "the first",
+    "known_upstream": "issues that its authors have, their state, and when that was looked at",
     "draft": "yes until its author has been told",
     "date": "of the record; after six months it is to be made again",
 }
@@ -67,45 +73,83 @@ COLUMNS = {
 
 NUMBERS = (
     "predicted_modulus", "predicted_ratio", "probed_modulus", "probed_ratio", "rest",
-    "pulled_error", "sheared_error", "pulled_not_explained", "sheared_not_explained",
-    "bent_resolution",
+    "large_strain", "large_strain_apart", "linear_apart",
 )  # fmt: skip
 """Columns that may have gaps."""
+BODY_COLUMNS = {"name": COLUMNS["name"]} | {
+    name: judged.COLUMNS[name]
+    for name in (
+        "body", "case", "mesh", "error", "law_factor", "resolution_factor", "mass_factor",
+        "solver_factor", "not_explained_factor", "apart",
+    )
+}  # fmt: skip
+OLD = 183
+"""Days after which a record is stale; it is too where its program is two minor releases ahead."""
 
 
 def records() -> list[dict[str, Any]]:
-    """What was recorded, by name."""
+    """What was recorded, the controls first, then by name."""
     found = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(DATA.glob("*.json"))]
-    return sorted(found, key=lambda each: (each["name"] not in CONTROLS, each["name"]))
+    judgements = [each for each in found if "state" in each]
+    return sorted(judgements, key=lambda each: (each["name"] not in CONTROLS, each["name"]))
 
 
 def run() -> Evidence:
-    """The table of records."""
+    """The tables of records and of their bodies."""
     found = records()
-    table = pd.DataFrame([_row(each) for each in found], columns=[*COLUMNS])
+    newest = json.loads((DATA / NEWEST).read_text(encoding="utf-8"))
+    table = pd.DataFrame([_row(each, newest) for each in found], columns=[*COLUMNS])
+    bodies = pd.DataFrame(
+        [_body_row(each["name"], body) for each in found for body in each["bodies"]],
+        columns=[*BODY_COLUMNS],
+    )
     return Evidence(
-        tables={"recorded": fill_gaps(table)},
+        tables={"recorded": fill_gaps(table), "recorded_bodies": fill_gaps(bodies)},
         observed=by_quantity(TOLERANCES, _observed(found)),
         tolerances=TOLERANCES,
-        findings=(_finding(found),),
-        columns=with_none(COLUMNS, *NUMBERS),
+        findings=(_finding(table, newest),),
+        columns=with_none(COLUMNS | BODY_COLUMNS, *NUMBERS, *list(BODY_COLUMNS)[5:]),
     )
 
 
-def _finding(found: list[dict[str, Any]]) -> str:
+def _finding(table: pd.DataFrame, newest: dict[str, Any]) -> str:
     """How many records are in which state."""
-    states = pd.Series([record["state"] for record in found]).value_counts().sort_index()
+    states = table["state_of_record"].value_counts().sort_index()
     told = ", ".join(f"{state} {count}" for state, count in states.items())
-    return f"{len(found)} records of simulators and laws: {told}. Rows marked draft are not final."
+    return (
+        f"{len(table)} records of simulators and laws: {told}. Rows marked draft are not final. "
+        f"Newer versions were looked for on {newest['looked_at']}."
+    )
 
 
-def _row(record: dict[str, Any]) -> dict[str, object]:
+def is_stale(record: dict[str, Any], newest: dict[str, Any]) -> bool:
+    """Whether a record is half a year older than the last look, or two minor releases behind.
+
+    Of a program with dates for versions each month counts as one.
+    """
+    looked, made = (date.fromisoformat(each) for each in (newest["looked_at"], record["date"]))
+    if (looked - made).days > OLD:
+        return True
+    pinned = dict(key.split("==") for key in record["packages"])
+    for name in pinned.keys() & newest["programs"].keys():
+        (old, minor), (new, newest_minor) = (
+            [int(part) for part in re.findall(r"\d+", version)[:2]]
+            for version in (pinned[name], newest["programs"][name])
+        )
+        if new > old or newest_minor - minor >= BEHIND:
+            return True
+    return False
+
+
+def _row(record: dict[str, Any], newest: dict[str, Any]) -> dict[str, object]:
     asked, law, probed = record["asked"], record["predicted"] or {}, record["probe"] or {}
     settings = ", ".join(f"{name} {value}" for name, value in record["settings"].items())
     about = probed.get("about", {})
     stops = [row["name"] for row in record["gate"] if row["verdict"] == STOPPED]
     rest = [row["rest"] for row in record["bodies"] if row["rest"] is not None]
+    large = record["large"] or {}
     values = (
+        record["name"],
         f"{about.get('simulator') or record['name']} {about.get('version') or ''}".strip(),
         f"{record['law'] or record['source']}{f'; {settings}' if settings else ''}",
         asked["E"],
@@ -117,26 +161,25 @@ def _row(record: dict[str, Any]) -> dict[str, object]:
         (probed.get("mass") or {}).get("pattern", ""),
         "; ".join(stops),
         max(rest, default=math.nan),
-        _of(record, "pulled", "error"),
-        _of(record, "sheared", "error"),
-        _of(record, "pulled", "apart"),
-        _of(record, "sheared", "apart"),
-        _of(record, "bent", "resolution"),
-        record["state"],
+        _number(large.get("strain")),
+        _number(large.get("apart")),
+        _number(large.get("from_linear")),
+        f"{'stale: ' if is_stale(record, newest) else ''}{record['state']}",
         record["causes"][0] if record["causes"] else "",
+        "; ".join(record["upstream"]),
         "yes" if record["draft"] else "no",
         record["date"],
     )
     return dict(zip(COLUMNS, values, strict=True))
 
 
-def _of(record: dict[str, Any], body: str, name: str) -> float:
-    """A number of a body on its finest mesh."""
-    rows = [row for row in record["bodies"] if row["body"] == body]
-    if not rows:
-        return math.nan
-    found = rows[-1]
-    return _number(found[name] if name in found else (found["factors"] or {}).get(name))
+def _body_row(name: str, body: dict[str, Any]) -> dict[str, object]:
+    factors = body["factors"] or {}
+    values = (
+        name, body["body"], body["case"], body["mesh"], _number(body["error"]),
+        *(_number(factors.get(each)) for each in judged.FACTORS),
+    )  # fmt: skip
+    return dict(zip(BODY_COLUMNS, values, strict=True))
 
 
 def _number(value: float | None) -> float:
