@@ -144,13 +144,12 @@ def is_stale(record: dict[str, Any], newest: dict[str, Any]) -> bool:
 def _row(record: dict[str, Any], newest: dict[str, Any]) -> dict[str, object]:
     asked, law, probed = record["asked"], record["predicted"] or {}, record["probe"] or {}
     settings = ", ".join(f"{name} {value}" for name, value in record["settings"].items())
-    about = probed.get("about", {})
     stops = [row["name"] for row in record["gate"] if row["verdict"] == STOPPED]
     rest = [row["rest"] for row in record["bodies"] if row["rest"] is not None]
-    large = record["large"] or {}
+    large = record.get("large") or {}
     values = (
         record["name"],
-        f"{about.get('simulator') or record['name']} {about.get('version') or ''}".strip(),
+        _program(record),
         f"{record['law'] or record['source']}{f'; {settings}' if settings else ''}",
         asked["E"],
         asked["nu"],
@@ -171,6 +170,16 @@ def _row(record: dict[str, Any], newest: dict[str, Any]) -> dict[str, object]:
         record["date"],
     )
     return dict(zip(COLUMNS, values, strict=True))
+
+
+def _program(record: dict[str, Any]) -> str:
+    """Program and version, as it told the probe; else as it was pinned."""
+    about = (record["probe"] or {}).get("about", {})
+    if about.get("simulator"):
+        return f"{about['simulator']} {about['version']}"
+    name = str(record["adapter"]["file"]).removesuffix(".py")
+    pinned = dict(key.split("==") for key in record["packages"])
+    return f"{name} {pinned.get(name, '')}".strip()
 
 
 def _body_row(name: str, body: dict[str, Any]) -> dict[str, object]:
