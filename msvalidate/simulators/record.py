@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from msvalidate.simulators.bodies import BodyRow
 from msvalidate.simulators.gate import PASSED, STOPPED, GateRow
-from msvalidate.simulators.judgement import BodyRow, Judgement
+from msvalidate.simulators.judgement import Judgement
 from msvalidate.simulators.large_strain import AtLargeStrain
 from msvalidate.simulators.reading import Reading
 

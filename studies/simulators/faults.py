@@ -13,7 +13,8 @@ import pandas as pd
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.judgement import AGREES, judge_simulator
+from msvalidate.simulators.causes import AGREES
+from msvalidate.simulators.judgement import judge_simulator
 
 from .synthetic import Faulty, clean, clean_implicit, synthetic_faults
 

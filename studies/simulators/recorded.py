@@ -21,8 +21,8 @@ from typing import Any
 import pandas as pd
 
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.simulators.causes import NOT_EXPLAINED
 from msvalidate.simulators.gate import STOPPED
-from msvalidate.simulators.judgement import NOT_EXPLAINED
 
 from . import judged
 from .gaps import fill_gaps, with_none

@@ -1,0 +1,158 @@
+"""Bodies of the frozen set that a simulator brings to rest, and what each owes to which cause."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from msvalidate.problem import Array, Isotropic, SolverError
+from msvalidate.simulators import blocks
+from msvalidate.simulators.blocks import AtRest, Effective, at_rest_both_ways, linear_elements
+from msvalidate.simulators.factors import UNEXPLAINED, Factors, factors
+from msvalidate.simulators.masses import patterns
+from msvalidate.simulators.probe_mesh import Block
+from msvalidate.simulators.protocol import (
+    Answer,
+    CannotRepresent,
+    Request,
+    Simulator,
+)
+from msvalidate.simulators.reading import Reading
+from msvalidate.simulators.rest import stated_unrest
+from msvalidate_check.diagnosis import Field, explain
+
+MESHES = ("tet4", "tet4_2")
+BODIES: Mapping[str, tuple[str, ...]] = {
+    "pulled": (blocks.ROLLERS["pulled"], blocks.CLAMPED["pulled"], "block_gravity_space"),
+    "sheared": (blocks.ROLLERS["sheared"], blocks.CLAMPED["sheared"]),
+    "bent": (blocks.BENT["bent"],),
+}
+"""What a body is asked for -> cases of the set, the first that a program can represent counts."""
+LOADED = ("pulled", "sheared")
+"""Bodies that answer for law and masses; the bent one is judged under "resolution" alone."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodyRow:
+    """One body on one mesh.
+
+    Parameters
+    ----------
+    body, case, mesh
+        What was asked.
+    error
+        Largest difference from elasticity as asked, over the largest displacement.
+    on_mesh
+        The material that it is the linear elements of, on its own mesh.
+    rest
+        Part of the displacement that may still change, as stated; NaN if nobody says.
+    factors
+        Causes, multiplied; None where the law is not known.
+    shape
+        What else would explain what is left: points swapped, axes, signs; "" if nothing.
+    """
+
+    body: str
+    case: str
+    mesh: str
+    error: float
+    on_mesh: Effective
+    rest: float
+    factors: Factors | None
+    shape: str = ""
+
+
+def bring_to_rest(
+    simulator: Simulator,
+    material: Isotropic,
+    settings: Mapping[str, Any],
+    meshes: tuple[str, ...],
+    notes: list[str],
+) -> list[tuple[str, AtRest]]:
+    """Each body at rest, by the first of its cases that the program can represent."""
+    found: list[tuple[str, AtRest]] = []
+    for body, cases in BODIES.items():
+        for case in cases:
+            try:
+                each = [
+                    (body, at_rest_both_ways(simulator, case, mesh, material, settings))
+                    for mesh in meshes
+                ]
+            except (CannotRepresent, SolverError) as error:
+                notes.append(f"{case}: {error}")
+                continue
+            found += each
+            break
+    return found
+
+
+def bring_further(
+    simulator: Simulator,
+    settings: Mapping[str, Any],
+    converged: Mapping[str, Any] | None,
+    found: list[tuple[str, AtRest]],
+) -> Mapping[tuple[str, str], AtRest]:
+    """The same bodies with settings that change nothing any more."""
+    if not converged:
+        return {}
+    return {
+        (each.case.name, each.case.mesh): at_rest_both_ways(
+            simulator,
+            each.case.name,
+            each.case.mesh,
+            each.request.material,
+            {**settings, **converged},
+        )
+        for _, each in found
+    }
+
+
+def masses_on(request: Request, reading: Reading | None, total: float) -> Array | None:
+    """(n,) kg on a request's mesh by the pattern that the probe measured; None if as asked."""
+    if reading is None or reading.masses is None:
+        return None if total == 1 else request.mass * total
+    known = patterns(Block(request.mesh, request.material))
+    pattern = known.get(reading.masses.pattern)
+    if pattern is None:
+        return None if total == 1 else request.mass * total
+    return np.asarray(pattern * (total * request.mass.sum() / pattern.sum()))
+
+
+def body_row(
+    body: str,
+    found: AtRest,
+    law: tuple[float, float] | None,
+    reading: Reading | None,
+    total: float,
+    settled: Mapping[tuple[str, str], AtRest],
+) -> BodyRow:
+    """A body, its difference from elasticity and the causes of it."""
+    case, request = found.case, found.request
+    wanted = blocks.elasticity_at(case, 1.0, request.material.nu)
+    error = _largest(found.move[case.named] - wanted) / _largest(wanted)
+    rest = stated_unrest(request, Answer(displacement=found.move, about=found.about))
+    on_mesh = blocks.effective_on_mesh(found)
+    taken, shape = None, ""
+    if law is not None:
+        mass = masses_on(request, reading, total)
+        taken = factors(found, law, mass, settled.get((case.name, case.mesh)))
+        if not taken.is_explained:
+            shape = _shape(found, linear_elements(request, *law, mass))
+    return BodyRow(body, case.name, case.mesh, error, on_mesh, rest, taken, shape)
+
+
+def _shape(found: AtRest, expected: Array) -> str:
+    """What else would explain a field, held against the elements that it should be."""
+    points = found.request.mesh.points
+    span = tuple(zip(points.min(axis=0), points.max(axis=0), strict=True))
+    field = Field(points, found.move, expected, UNEXPLAINED / 10, found.case.driven, span)
+    causes = explain(field)
+    return causes[0].said if causes else ""
+
+
+def _largest(vectors: Array) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max()) or math.nan

@@ -1,0 +1,89 @@
+"""State and causes: what is said of a simulator from what was read and what bodies owe to what."""
+
+from __future__ import annotations
+
+from msvalidate.problem import Isotropic
+from msvalidate.simulators.bodies import LOADED, BodyRow
+from msvalidate.simulators.large_strain import AtLargeStrain
+from msvalidate.simulators.moduli import SHOWN
+from msvalidate.simulators.reading import Reading
+
+AGREES = "agrees"
+CAUSE = "differs with cause"
+NOT_EXPLAINED = "not explained"
+STOPPED = "gate"
+STATES = (AGREES, CAUSE, NOT_EXPLAINED, STOPPED)
+BAND = 0.01
+"""Of masses and displacements: what is off by less agrees. Of a law's prediction too."""
+
+
+def state_and_causes(
+    material: Isotropic,
+    predicted: tuple[float, float] | None,
+    reading: Reading | None,
+    law: tuple[float, float] | None,
+    rows: tuple[BodyRow, ...],
+    large: AtLargeStrain | None,
+) -> tuple[str, tuple[str, ...]]:
+    """One of `STATES` and the causes in words, from what differs from what was asked."""
+    causes = [*_law_causes(material, reading, law), *_factor_causes(rows)]
+    loaded = [row for row in rows if row.body in LOADED] or list(rows)
+    open_rows = [row for row in loaded if row.factors is None or not row.factors.is_explained]
+    unread = reading is not None and not reading.is_valid
+    off = predicted is not None and law is not None and not _alike(law, predicted)
+    if off and predicted is not None and law is not None:
+        causes.append(
+            f"law: read as E {law[0]:.4g} Pa, nu {law[1]:.4g}; its documents say "
+            f"{predicted[0]:.4g} Pa, {predicted[1]:.4g}"
+        )
+    other = large is not None and large.apart > BAND
+    if other and large is not None:
+        causes.append(
+            f"law: at {large.strain:.2g} strain {large.apart:.2g} of the displacement from "
+            "elements of its documented law"
+        )
+    if open_rows or unread or off or other or not rows:
+        causes += [_open_words(row) for row in open_rows]
+        return NOT_EXPLAINED, tuple(dict.fromkeys(causes))
+    return (CAUSE if causes else AGREES), tuple(dict.fromkeys(causes))
+
+
+def _open_words(row: BodyRow) -> str:
+    """What is said of a body that the causes do not explain."""
+    where = f"{row.case} on {row.mesh}"
+    if row.factors is None:
+        return f"{where}: no law to hold it against"
+    shape = f": {row.shape}" if row.shape else ""
+    return f"{where}: {row.factors.apart:.2g} of the displacement not explained{shape}"
+
+
+def _law_causes(
+    material: Isotropic, reading: Reading | None, law: tuple[float, float] | None
+) -> list[str]:
+    found = []
+    if reading is not None and not reading.is_valid:
+        found.append(f"law: {'; '.join(reading.refusals())}")
+    if reading is not None and reading.is_bound:
+        found.append("law: uniform strain pulls at inner nodes, so it is of no one solid")
+    if law is not None and not _alike(law, (material.E, material.nu), SHOWN):
+        found.append(
+            f"law: E {law[0] / material.E:.4g} times the asked, nu {law[1]:.4g} for {material.nu:g}"
+        )
+    if reading is not None and reading.masses is not None and reading.masses.off > BAND:
+        found.append(f"mass: {reading.masses.pattern}")
+    return found
+
+
+def _factor_causes(rows: tuple[BodyRow, ...]) -> list[str]:
+    """Mass and solver, where they do more than the band in a body that forces or weight load."""
+    found = []
+    for name in ("mass", "solver"):
+        each = [getattr(row.factors, name) for row in rows if row.factors is not None]
+        worst = max(each, key=lambda one: abs(one - 1), default=1.0)
+        if abs(worst - 1) > BAND:
+            found.append(f"{name}: {worst:.4g} times the displacement")
+    return found
+
+
+def _alike(one: tuple[float, float], other: tuple[float, float], band: float = BAND) -> bool:
+    return abs(one[0] / other[0] - 1) <= band and abs(one[1] - other[1]) <= band
