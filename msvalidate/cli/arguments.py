@@ -35,7 +35,7 @@ CASE = "your own body: case new, case run, case judge, case export, case schema"
 OTHERS = {
     "case": CASE,
     "simulate": "your own simulator on a case, judged",
-    "adapter": "adapter new: a program between this one and a simulator",
+    "adapter": "your own simulator: adapter new, adapter check, adapter laws",
 }
 """Commands with a line of their own."""
 COMMANDS = "\n".join(f"  {verb:<10}{said}" for verb, said in {**VERBS, **OTHERS}.items())

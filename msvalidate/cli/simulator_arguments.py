@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,16 @@ exit codes:
   0  agrees with elasticity           2  wrong usage or bad input
   1  differs, or is not resolved      3  the simulator failed, or left no answer
                                       4  it cannot represent the case
+"""
+CHECK = """\
+Ask a simulator fifty to two hundred small questions: does it pass the gate, which law does one step
+of it show, and what of its bodies at rest has no cause? Nothing is installed for it.
+"""
+CHECK_CODES = """\
+exit codes:
+  0  the solid asked for             2  wrong usage or bad input
+  1  another solid, not explained,   3  no answer at all, or not in time
+     or stopped at the gate          4  it can represent nothing that was asked
 """
 
 
@@ -43,8 +53,7 @@ def parse_simulators(words: Sequence[str]) -> argparse.Namespace:
     if name == "simulate":
         _add_simulate(parser)
     else:
-        parser.add_argument("act", choices=("new",), metavar="new", help="write a template")
-        parser.add_argument("name", metavar="NAME", help="of the simulator; NAME.py is written")
+        _add_adapter(parser)
     args = parser.parse_args(list(words[1:]))
     args.command, args.jobs = name, 1
     args.verbose = getattr(args, "verbose", False)
@@ -62,13 +71,7 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
         help="command of the adapter, as of a shell: a program, or a .py file, and its words",
     )
     add_export(parser)
-    add(
-        "--limit",
-        type=float,
-        default=300.0,
-        metavar="SECONDS",
-        help="time after which it is ended (default: %(default)g)",
-    )
+    _add_limit(add)
     add(
         "--out",
         type=Path,
@@ -80,6 +83,64 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("--no-plots", dest="plots", action="store_false", help="no pictures")
     add("-q", "--quiet", action="store_true", help="say failures only")
     add("-v", "--verbose", action="store_true", help="tracebacks of crashes")
+
+
+def _add_adapter(parser: argparse.ArgumentParser) -> None:
+    acts = parser.add_subparsers(dest="act", required=True, metavar="ACT")
+    new = acts.add_parser("new", help="write a commented template that runs as it is")
+    new.add_argument("name", metavar="NAME", help="of the simulator; NAME.py is written")
+    acts.add_parser("laws", help="names of laws, and what each is at small strain")
+    check = acts.add_parser(
+        "check",
+        help="which elastic solid does a simulator simulate?",
+        description=CHECK,
+        epilog=CHECK_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    _add_check(check)
+    for each in (new, check, acts.choices["laws"]):
+        each.error = parser.error  # type: ignore[method-assign]
+
+
+def _add_check(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add(
+        "adapter",
+        metavar="ADAPTER",
+        help="its command, as of a shell: a program, or a .py file, and its words",
+    )
+    add("--E", dest="modulus", type=float, default=1e7, metavar="PA", help="(default: %(default)g)")
+    add(
+        "--nu",
+        dest="ratio",
+        type=float,
+        default=0.3,
+        metavar="NU",
+        help="Poisson's ratio, 0 to 0.45 (default: %(default)g)",
+    )
+    add("--density", type=float, default=1000.0, metavar="KG/M3", help="(default: %(default)g)")
+    add("--law", default="", metavar="NAME", help="its documented law; see adapter laws")
+    _add_set(add, "--set", "a setting of the simulator, handed on; again for another")
+    _add_set(add, "--probe-set", "a setting for the steps alone from which the law is read")
+    _add_limit(add)
+    add("--json", type=Path, metavar="FILE", help="all of it as a file too")
+    add("-q", "--quiet", action="store_true", help="say failures only")
+    add("-v", "--verbose", action="store_true", help="tracebacks of crashes")
+
+
+def _add_limit(add: Callable[..., Any]) -> None:
+    add(
+        "--limit",
+        type=float,
+        default=300.0,
+        metavar="SECONDS",
+        help="time after which it is ended, for each question (default: %(default)g)",
+    )
+
+
+def _add_set(add: Callable[..., Any], name: str, said: str) -> None:
+    add(name, type=_setting, action="append", default=[], metavar="NAME=VALUE", help=said)
 
 
 def add_export(parser: argparse.ArgumentParser) -> None:
@@ -97,14 +158,7 @@ def add_export(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="the case's own springs too, if they stand for the material alone",
     )
-    add(
-        "--set",
-        type=_setting,
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="a setting of the simulator, handed on; again for another",
-    )
+    _add_set(add, "--set", "a setting of the simulator, handed on; again for another")
 
 
 def _setting(text: str) -> tuple[str, Any]:

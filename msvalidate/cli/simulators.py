@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ import numpy as np
 from msvalidate.case import building, files, run
 from msvalidate.case.case import Case
 from msvalidate.case.results import Result
+from msvalidate.cli.adapter_check import check_adapter, tell_laws
 from msvalidate.cli.arguments import FAILED, HELD, NOTHING, PROGRAM, USAGE
 from msvalidate.cli.cases import Progress, said, tell_judged
 from msvalidate.cli.terminal import tell, tell_error
@@ -35,7 +36,21 @@ RUN = "-run"
 def act(args: argparse.Namespace) -> int:
     """Do what the command line asks for; return the exit code."""
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused in words
-        return _new(args) if args.command == "adapter" else _simulate(args)
+        if args.command == "simulate":
+            return _simulate(args)
+        acts: dict[str, Callable[[], int]] = {
+            "new": lambda: _new(args),
+            "check": lambda: _check(args),
+            "laws": tell_laws,
+        }
+        return acts[args.act]()
+
+
+def _check(args: argparse.Namespace) -> int:
+    try:
+        return check_adapter(args)
+    except ProblemError as error:
+        return tell_error(f"adapter check: {error}", USAGE)
 
 
 def _new(args: argparse.Namespace) -> int:

@@ -110,10 +110,12 @@ def judge_simulator(
         For another material, or a law that is not there.
     """
     low, high = blocks.RATIOS
-    if material.state != "solid" or not low <= material.nu <= high:
+    if material.state != "solid":
+        raise ProblemError(f"judge_simulator: state {material.state}; give a solid")
+    if not low <= material.nu <= high:
         raise ProblemError(
-            f"judge_simulator: {material}; give a solid with a ratio from {low:g} to {high:g}, "
-            "for which elasticity is known"
+            f"judge_simulator: ratio {material.nu:g}; give one from {low:g} to {high:g}, for which "
+            "elasticity is known"
         )
     own = dict(settings or {})
     predicted = predicted or _first_order(law, material)
@@ -125,7 +127,7 @@ def judge_simulator(
     reading = _probed(simulator, material, own | dict(probed or {}), notes)
     found = bring_to_rest(simulator, material, own, meshes, notes)
     settled = bring_further(simulator, own, converged, found)
-    read, total = _law(reading, found, predicted)
+    read, total = _law(reading, found, predicted, (material.E, material.nu))
     rows = tuple(body_row(body, each, read, reading, total, settled) for body, each in found)
     large = _large(simulator, material, law, own, (reading, total), notes) if law else None
     state, causes = state_and_causes(material, predicted, reading, read, rows, large)
@@ -177,13 +179,16 @@ def _law(
     reading: Reading | None,
     found: list[tuple[str, AtRest]],
     predicted: tuple[float, float] | None,
+    asked: tuple[float, float],
 ) -> tuple[tuple[float, float] | None, float]:
     """Modulus (Pa) and ratio of the law, and the body's mass over what is asked.
 
     The probe sees E over mass alone. A body pulled by forces sees E alone. So their quotient is the
     mass; it is taken for 1 where it is so within `BAND`.
     """
-    if reading is None or reading.E is None or reading.nu is None:
+    if reading is None:  # held against what it is documented to be, else against what was asked
+        return predicted or asked, 1.0
+    if reading.E is None or reading.nu is None:
         return predicted, 1.0
     pulled = [each for body, each in found if body == "pulled" and each.case.driven == "loads"]
     if not pulled or reading.masses is None:

@@ -27,6 +27,7 @@ from msvalidate.simulators.protocol import (
     CANNOT,
     Answer,
     CannotRepresent,
+    OutOfTime,
     Request,
     SimulatorError,
 )
@@ -104,7 +105,7 @@ class Program:
 
     def _refuse_ending(self, code: int | None, complaint: str) -> None:
         if code is None:
-            raise SimulatorError(
+            raise OutOfTime(
                 f"adapter: not done after {self.limit:g} s, and ended; give it longer by --limit, "
                 "or fewer cells"
             )

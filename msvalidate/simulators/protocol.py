@@ -33,6 +33,10 @@ class SimulatorError(SolverError):
     """A simulator crashed, took too long, or left an answer that is none."""
 
 
+class OutOfTime(SimulatorError):  # noqa: N818  read as what happened
+    """A simulator was not done in the time that it was given."""
+
+
 @dataclass(frozen=True, eq=False)
 class Springs:
     """Springs between a request's nodes, for codes that know nothing else.

@@ -99,3 +99,41 @@ def test_what_goes_wrong_is_one_line_and_a_code(place, words, code, told):
     assert "Traceback" not in said
     if code > 1:
         assert done.stderr.count("\n") == 1
+
+
+def test_an_adapter_is_checked(place):
+    done = run("adapter", "check", "toy.py", "--law", "linear", "--json", "toy.json", cwd=place)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("toy: agrees\n")
+    assert "read        E 1e+07 ± " in done.stdout
+    found = json.loads((place / "toy.json").read_text(encoding="utf-8"))
+    assert found["large"]["apart"] < 1e-8
+    text = (place / "toy.py").read_text(encoding="utf-8").replace('material["E"],', "2e7,")
+    (place / "deaf.py").write_text(text, encoding="utf-8")
+    done = run("adapter", "check", "deaf.py", cwd=place)
+    assert done.returncode == 1
+    assert "stopped  twice the modulus" in done.stdout
+
+
+@table(
+    "text, words, code, said",
+    [
+        (
+            "raise SystemExit('no licence')",
+            (),
+            3,
+            "3 questions and no answer: adapter: exit code 1",
+        ),
+        ("import time; time.sleep(60)", ("--limit", "0.5"), 3, "question 1, motion: adapter: not"),
+        ("import sys; sys.exit(print('hair', file=sys.stderr) or 77)", (), 4, "represent: hair"),
+        ("", ("--law", "jelly"), 2, "--law 'jelly': not known; see adapter laws"),
+        ("", ("--nu", "0.49"), 2, "ratio 0.49; give one from 0 to 0.45"),
+        ("", ("--json", "no/x.json"), 2, "no folder no; make it first"),
+    ],
+)
+def test_adapters_that_cannot_be_checked(place, text, words, code, said):
+    (place / "bad.py").write_text(text, encoding="utf-8")
+    done = run("adapter", "check", "bad.py", *words, cwd=place)
+    assert (done.returncode, done.stdout) == (code, "")
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
