@@ -101,6 +101,7 @@ def test_what_goes_wrong_is_one_line_and_a_code(place, words, code, told):
         assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_an_adapter_is_checked(place):
     done = run("adapter", "check", "toy.py", "--law", "linear", "--json", "toy.json", cwd=place)
     assert done.returncode == 0, done.stderr
@@ -108,6 +109,9 @@ def test_an_adapter_is_checked(place):
     assert "read        E 1e+07 ± " in done.stdout
     found = json.loads((place / "toy.json").read_text(encoding="utf-8"))
     assert found["large"]["apart"] < 1e-8
+
+
+def test_an_adapter_that_the_gate_stops(place):
     text = (place / "toy.py").read_text(encoding="utf-8").replace('material["E"],', "2e7,")
     (place / "deaf.py").write_text(text, encoding="utf-8")
     done = run("adapter", "check", "deaf.py", cwd=place)
