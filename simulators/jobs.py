@@ -38,6 +38,8 @@ class Job:
         Whether its author has still to be told.
     upstream
         Known issues, their state and when that was looked at.
+    one_cell
+        Whether it puts a body into one trilinear cell, by design.
     masses
         Whose its nodes have, as documented, where the probe measures none: it answers by forces.
     """
@@ -55,6 +57,7 @@ class Job:
     upstream: tuple[str, ...] = ()
     program: str = ""
     masses: str = ""
+    one_cell: bool = False
 
 
 JOBS = (
@@ -91,7 +94,8 @@ JOBS = (
         {"law": "snh", "integrator": "discrete"}),
     Job("mujoco-trilinear", "mujoco.py", "mujoco", "corotated",
         "one cell by design; manual, XMLreference, flexcomp dof; changelog of 4.0",
-        {"dof": "trilinear"}, masses="an eighth of the box on each of its corners"),
+        {"dof": "trilinear"}, masses="an eighth of the box on each of its corners",
+        one_cell=True),
     Job("newton-semi", "newton.py", "newton", SMITH,
         "semi_implicit/kernels_particle.py:296, 317, 412", {"solver": "semi"}),
     Job("newton-vbd", "newton.py", "newton", "neo-Hookean without logarithm, lam + mu",

@@ -32,6 +32,7 @@ from msvalidate.simulators.record import probe_record, record_of
 from simulators.environments import adapter_of, pins, python_of, save
 from simulators.held import record_elements, record_springs
 from simulators.jobs import EXCLUDED, JOBS, Job
+from simulators.one_cell import explain_by_one_cell
 
 E, NU, DENSITY = 1e7, 0.3, 1000.0
 CURVE = (0.1, 0.2, 0.25, 0.3, 0.4, 0.45, 0.49)
@@ -99,14 +100,16 @@ def _record(job: Job) -> bool:
         **pins(job.adapter, job.environment),
         **record_of(judged),
     }
+    if job.one_cell:
+        explain_by_one_cell(simulator, dict(job.settings), judged, record)
     if job.curve:
         known = judged.reading
         if job.weighed is not None:
             known = probe(simulator, material, settings=job.weighed)
         record["curve"] = [_point(simulator, job, nu, known) for nu in CURVE]
     save(f"{job.name}.json", record)
-    print(f"{job.name}: {judged.state}, {time.perf_counter() - began:.0f} s", flush=True)
-    for line in (*judged.causes, *judged.notes):
+    print(f"{job.name}: {record['state']}, {time.perf_counter() - began:.0f} s", flush=True)
+    for line in (*record["causes"], *judged.notes):
         print(f"  {line}", flush=True)
     return True
 

@@ -6,10 +6,11 @@
 Versions tried: 4.0.0. Shipped defaults: integrator Euler, nu 0, no damping of elasticity; edges and
 contacts, which this adapter turns off, have nothing to do with elasticity.
 
-Settings: dof full | trilinear (see below); integrator Euler (explicit) | discrete (implicit in position, new in 4.0); law stvk |
-snh (experimental, "discrete" alone, by mjSpec alone); masses flexcomp (its own: equal ones) |
-asked (those of the request); tolerance, iterations of the solver of "discrete"; dt (s), limit of
-steps, of "rest" alone (0: a stable step, or for "discrete" a long one).
+Settings: dof full | trilinear (see below); integrator Euler (explicit) | discrete (implicit in
+position, new in 4.0); law stvk | snh (experimental, "discrete" alone, by mjSpec alone); masses
+flexcomp (its own: equal ones) | asked (those of the request); tolerance, iterations of the solver
+of "discrete"; dt (s), limit of steps, of "rest" alone (0: a stable step, or for "discrete" a long
+one).
 
 Laws, by the manual that comes with 4.0.0 (mujoco/doc):
   stvk  mu tr(e^2) + lambda/2 tr(e)^2 of Green's strain e, mu and lambda as asked
@@ -47,8 +48,9 @@ import mujoco
 
 XML = """<mujoco><option timestep="{dt!r}" gravity="{gravity}" integrator="{integrator}" solver="CG"
 tolerance="{tolerance}" iterations="{iterations}"><flag contact="disable"/></option>
-<size memory="1G"/><worldbody><flexcomp name="b" type="direct" dim="3" dof="{dof}" radius="1e-6" mass="{mass!r}"
-point="{points}" element="{cells}"><contact selfcollide="none" contype="0" conaffinity="0"/>
+<size memory="1G"/><worldbody><flexcomp name="b" type="direct" dim="3" dof="{dof}" radius="1e-6"
+mass="{mass!r}" point="{points}" element="{cells}">
+<contact selfcollide="none" contype="0" conaffinity="0"/>
 <edge equality="false"/><elasticity young="{E!r}" poisson="{nu!r}" damping="0"/>
 </flexcomp></worldbody></mujoco>"""
 
@@ -147,7 +149,9 @@ class _Cell(_Body):
         follows = np.isclose(self.weights @ held, 1.0)
         there = np.abs(self.weights @ np.where(held, value, 0.0) - request.value)[request.held]
         if not np.array_equal(follows, request.held) or there.max(initial=0.0) > self._small():
-            cannot("supports that are not whole sides of the body's box: its corners are one cell's")
+            cannot(
+                "supports that are not whole sides of the body's box: its corners are one cell's"
+            )
         self.held, self.value = self.dofs[held], value[held]
 
     def _small(self):

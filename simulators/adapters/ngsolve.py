@@ -70,7 +70,9 @@ def answer(request):
     faces = outer_faces(request)
     held = [np.all(request.held[faces, a], axis=1) for a in range(3)]
     pulled = [np.all(request.force[faces, a], axis=1) for a in range(3)]
-    marks = np.array([*(np.where(h, "h", "-") for h in held), *(np.where(p, "p", "-") for p in pulled)])
+    marks = np.array(
+        [*(np.where(h, "h", "-") for h in held), *(np.where(p, "p", "-") for p in pulled)]
+    )
     names = ["".join(column) for column in marks.T]
     mesh = built(request, faces, names)
     space, stiffness = elasticity(request, mesh, order)

@@ -18,6 +18,8 @@ import pandas as pd
 
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 
+from .gaps import ASKED_RATIO
+
 DATA = Path(__file__).parent / "data" / "held"
 HIGH = 3
 """Order from which elements are held."""
@@ -51,7 +53,7 @@ TOLERANCES = (
 ELEMENTS = {
     "simulator": "program, version",
     "case": "case of the frozen set",
-    "asked_ratio": "Poisson's ratio asked for",
+    "asked_ratio": ASKED_RATIO,
     "order": "of the elements",
     "cells": "hexahedra",
     "error": "largest difference from elasticity, over the largest displacement (1)",

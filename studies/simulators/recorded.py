@@ -22,10 +22,11 @@ from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quanti
 from msvalidate.simulators.gate import STOPPED
 from msvalidate.simulators.judgement import NOT_EXPLAINED
 
-from .gaps import fill_gaps, with_none
+from .gaps import ASKED_RATIO, fill_gaps, with_none
 
 DATA = Path(__file__).parent / "data"
 CONTROLS = ("calculix", "ngsolve-1", "felupe-linear")
+EXCLUDED = DATA / "excluded" / "excluded.json"
 STIFFER = 0.01
 TOLERANCES = (
     Tolerance(
@@ -45,12 +46,12 @@ COLUMNS = {
     "simulator": "program, version",
     "law_and_settings": "the law as its documents or source have it, and the settings",
     "asked_modulus": "Pa",
-    "asked_ratio": "Poisson's ratio asked for",
+    "asked_ratio": ASKED_RATIO,
     "predicted_modulus": "over the asked, by the documented law to first order",
     "predicted_ratio": "the same for the ratio",
     "probed_modulus": "over the asked, as read",
     "probed_ratio": "the same for the ratio",
-    "mass": "whose masses its nodes have, as measured",
+    "mass": "whose masses its nodes have, as measured; as documented where it answers by forces",
     "gate": "what stopped it; empty where nothing did",
     "rest": "largest part of a displacement that may still change, as stated",
     "pulled_error": "of the pulled block on the finer mesh, over the largest displacement (1)",
@@ -58,7 +59,7 @@ COLUMNS = {
     "pulled_not_explained": "part of it that law, mass and mesh do not explain (1)",
     "sheared_not_explained": "the same of the sheared block",
     "bent_resolution": "times the displacement of the cantilever, by linear elements on its mesh",
-    "state_of_record": "agrees, differs with cause, not explained, or gate",
+    "state_of_record": "agrees, differs with cause, not explained, gate, or excluded",
     "cause": "the first",
     "draft": "yes until its author has been told",
     "date": "of the record; after six months it is to be made again",
@@ -66,11 +67,11 @@ COLUMNS = {
 
 
 NUMBERS = (
-    "predicted_modulus", "predicted_ratio", "probed_modulus", "probed_ratio", "rest",
-    "pulled_error", "sheared_error", "pulled_not_explained", "sheared_not_explained",
+    "asked_modulus", "predicted_modulus", "predicted_ratio", "probed_modulus", "probed_ratio",
+    "rest", "pulled_error", "sheared_error", "pulled_not_explained", "sheared_not_explained",
     "bent_resolution",
 )  # fmt: skip
-"""Columns that may have gaps."""
+"""Columns that may have gaps, beside the ratio asked for."""
 
 
 def records() -> list[dict[str, Any]]:
@@ -82,7 +83,9 @@ def records() -> list[dict[str, Any]]:
 def run() -> Evidence:
     """The table of records."""
     found = records()
-    table = pd.DataFrame([_row(each) for each in found], columns=[*COLUMNS])
+    others = json.loads(EXCLUDED.read_text(encoding="utf-8"))
+    rows = [*map(_row, found), *map(_excluded_row, others)]
+    table = pd.DataFrame(rows, columns=[*COLUMNS])
     return Evidence(
         tables={"recorded": fill_gaps(table)},
         observed=by_quantity(TOLERANCES, _observed(found)),
@@ -114,7 +117,7 @@ def _row(record: dict[str, Any]) -> dict[str, object]:
         _number(law.get("nu")),
         _over(probed.get("E"), asked["E"]),
         _number(probed.get("nu")),
-        (probed.get("mass") or {}).get("pattern", ""),
+        (probed.get("mass") or {}).get("pattern", "") or record.get("masses", ""),
         "; ".join(stops),
         max(rest, default=math.nan),
         _of(record, "pulled", "error"),
@@ -128,6 +131,19 @@ def _row(record: dict[str, Any]) -> dict[str, object]:
         record["date"],
     )
     return dict(zip(COLUMNS, values, strict=True))
+
+
+def _excluded_row(other: dict[str, Any]) -> dict[str, object]:
+    """What is not run, and why: no numbers."""
+    row: dict[str, object] = dict.fromkeys(COLUMNS, "")
+    row |= dict.fromkeys((*NUMBERS, "asked_ratio"), math.nan)
+    return row | {
+        "simulator": other["simulator"],
+        "law_and_settings": other["law"],
+        "state_of_record": f"excluded: {'permanent' if other['permanent'] else 'work to do'}",
+        "cause": other["because"],
+        "draft": "no",
+    }
 
 
 def _of(record: dict[str, Any], body: str, name: str) -> float:
