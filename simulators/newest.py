@@ -15,9 +15,7 @@ import subprocess
 import sys
 from datetime import UTC, datetime
 
-from msvalidate.simulators.record import text_of
-from msvalidate_check import exchange
-from simulators.record import DATA, HERE, packages
+from simulators.environments import HERE, packages, save
 
 LIMIT = 120.0
 
@@ -31,7 +29,7 @@ def main() -> int:
         print(f"no versions of {', '.join(unknown)}; is there a package index?", file=sys.stderr)
         return 1
     found = {"looked_at": datetime.now(UTC).date().isoformat(), "programs": versions}
-    exchange.replace_file(DATA / "newest.json", (text_of(found) + "\n").encode)
+    save("newest.json", found)
     for name, version in versions.items():
         own = [key for key in packages(name) if key.startswith(f"{name}==")]
         print(f"{name}: {version} (pinned: {own[0].partition('==')[2] if own else '?'})")

@@ -2,7 +2,7 @@
 """Judge the simulators that are installed, and leave what is found for the study `simulators`.
 
     python -m simulators.record            all that JOBS lists and that is installed
-    python -m simulators.record drake      those whose name begins so
+    python -m simulators.record drake      those whose name begins so; `held` is the study's `held`
 
 Each is run by its adapter in its own environment (`make simulators` makes these), a new process for
 every question. What comes of it is written to studies/simulators/data, a file each, with versions
@@ -12,14 +12,13 @@ and checksums of the adapter and of the pinned packages. Nothing there is typed 
 from __future__ import annotations
 
 import argparse
-import hashlib
 import os
 import shutil
 import sys
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from datetime import UTC, datetime
-from pathlib import Path
+from dataclasses import asdict
 from typing import Any
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
@@ -29,16 +28,19 @@ from msvalidate.simulators.probe import probe
 from msvalidate.simulators.program import Program
 from msvalidate.simulators.protocol import CannotRepresent
 from msvalidate.simulators.reading import Reading
-from msvalidate.simulators.record import probe_record, record_of, text_of
-from msvalidate_check import exchange
-from simulators.jobs import JOBS, Job
+from msvalidate.simulators.record import probe_record, record_of
+from simulators.environments import adapter_of, pins, python_of, save
+from simulators.held import record_elements, record_springs
+from simulators.jobs import EXCLUDED, JOBS, Job
+from simulators.one_cell import explain_by_one_cell
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent
-DATA = ROOT / "studies" / "simulators" / "data"
 E, NU, DENSITY = 1e7, 0.3, 1000.0
 CURVE = (0.1, 0.2, 0.25, 0.3, 0.4, 0.45, 0.49)
-LIMIT = 600.0
+HELD: dict[str, tuple[str, Callable[[], None]]] = {
+    "held-elements": ("ngsolve", record_elements),
+    "held-springs": ("lammps", record_springs),
+}
+"""Name -> environment, and what it is held by."""
 
 
 def main(words: list[str]) -> int:
@@ -47,22 +49,40 @@ def main(words: list[str]) -> int:
     parser.add_argument("names", nargs="*", help="beginnings of names of jobs")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at once")
     args = parser.parse_args(words)
-    wanted = [
-        job for job in JOBS if not args.names or any(job.name.startswith(n) for n in args.names)
-    ]
-    DATA.mkdir(parents=True, exist_ok=True)
+    wanted = [job for job in JOBS if _is_asked(job.name, args.names)]
+    held = [name for name in HELD if _is_asked(name, args.names)]
+    save("excluded/excluded.json", [asdict(each) for each in EXCLUDED])
     with ThreadPoolExecutor(args.jobs) as pool:
-        found = list(pool.map(_record, wanted))
+        found = [*pool.map(_record, wanted), *pool.map(_hold, held)]
     return 0 if all(found) else 1
 
 
+def _is_asked(name: str, beginnings: list[str]) -> bool:
+    return not beginnings or any(name.startswith(each) for each in beginnings)
+
+
+def _is_installed(name: str, environment: str, program: str = "") -> bool:
+    python = python_of(environment)
+    if python.exists() and (not program or shutil.which(program) is not None):
+        return True
+    print(f"{name}: not installed; `make simulators` makes {python}", flush=True)
+    return False
+
+
+def _hold(name: str) -> bool:
+    environment, act = HELD[name]
+    if _is_installed(name, environment):
+        act()
+        print(f"{name}: done", flush=True)
+        return True
+    return False
+
+
 def _record(job: Job) -> bool:
-    python = Path(sys.executable) if not job.environment else _python(job.environment)
-    if not python.exists() or (job.program and shutil.which(job.program) is None):
-        print(f"{job.name}: not installed; `make simulators` makes {python}", flush=True)
+    if not _is_installed(job.name, job.environment, job.program):
         return False
     began = time.perf_counter()
-    simulator = Program(f"{python} {HERE / 'adapters' / job.adapter}", LIMIT)
+    simulator = adapter_of(job.adapter, job.environment)
     material = Isotropic(E, NU, "solid", DENSITY)
     judged = judge_simulator(simulator, material, job.settings, law=job.law, probed=job.probed)
     record = {
@@ -72,20 +92,20 @@ def _record(job: Job) -> bool:
         "settings": dict(job.settings),
         "draft": job.draft,
         "upstream": list(job.upstream),
-        "date": datetime.now(UTC).date().isoformat(),
-        "adapter": {"file": job.adapter, "sha256": _digest(HERE / "adapters" / job.adapter)},
-        "packages": packages(job.environment),
+        "masses": job.masses,
+        **pins(job.adapter, job.environment),
         **record_of(judged),
     }
+    if job.one_cell:
+        explain_by_one_cell(simulator, dict(job.settings), judged, record)
     if job.curve:
         known = judged.reading
         if job.weighed is not None:
             known = probe(simulator, material, settings=job.weighed)
         record["curve"] = [_point(simulator, job, nu, known) for nu in CURVE]
-    text = text_of(record) + "\n"
-    exchange.replace_file(DATA / f"{job.name}.json", text.encode)
-    print(f"{job.name}: {judged.state}, {time.perf_counter() - began:.0f} s", flush=True)
-    for line in (*judged.causes, *judged.notes):
+    save(f"{job.name}.json", record)
+    print(f"{job.name}: {record['state']}, {time.perf_counter() - began:.0f} s", flush=True)
+    for line in (*record["causes"], *judged.notes):
         print(f"  {line}", flush=True)
     return True
 
@@ -104,30 +124,6 @@ def _point(simulator: Program, job: Job, nu: float, known: Reading | None) -> di
     except (CannotRepresent, SolverError, ProblemError) as error:
         return point | {"probe": None, "because": str(error)}
     return point | {"probe": probe_record(reading)}
-
-
-def _python(environment: str) -> Path:
-    folder = os.environ.get("MSVALIDATE_ENVIRONMENTS")
-    if folder:
-        return Path(folder) / f"v_{environment}" / "bin" / "python"
-    return ROOT / f".venv-{environment}" / "bin" / "python"
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def packages(environment: str) -> dict[str, str]:
-    """Pinned packages -> checksum of the wheel, from the requirement file."""
-    if not environment:
-        return {}
-    found = {}
-    text = (HERE / "requirements" / f"{environment}.txt").read_text(encoding="utf-8")
-    for line in text.replace("\\\n", " ").splitlines():
-        name, _, digest = line.partition("--hash=sha256:")
-        if digest:
-            found[name.strip()] = digest.split()[0]
-    return found
 
 
 if __name__ == "__main__":

@@ -188,6 +188,14 @@ def _simple_corrected(F: Array, mu: float, lam: float) -> Array:
     return _simple(F, mu, lam + mu)
 
 
+def _split(F: Array, mu: float, lam: float) -> Array:
+    """W = mu/2 (J^(-2/3) I - 3) + K/2 (J - 1)², K the bulk modulus: shape and volume apart."""
+    J = np.asarray(np.linalg.det(F))
+    stretch = (F * F).sum(axis=(-2, -1))
+    shape = F - _times(stretch / 3 / J, _cofactor(F))
+    return _times(mu * J ** (-2 / 3), shape) + _times((lam + 2 * mu / 3) * (J - 1), _cofactor(F))
+
+
 def _squares_and_volume(F: Array, mu: float, lam: float) -> Array:
     """W = mu/2 (I - 3)² + lam/2 (J - 1)²: the compliances 1/mu, 1/lam of two constraints."""
     stretch = (F * F).sum(axis=(-2, -1)) - 3
@@ -226,6 +234,11 @@ LAWS: dict[str, Law] = {
             _simple_corrected,
             f"{NEWTON}/vbd/particle_vbd_kernels.py:184, "
             "evaluate_volumetric_neo_hookean_force_and_hessian",
+        ),
+        Law(
+            "neo-Hookean of shape and volume apart",
+            _split,
+            "felupe, constitution/hyperelasticity/_neo_hooke_nearly_incompressible.py",
         ),
         Law(
             "two constraints, I - 3 and J - 1",

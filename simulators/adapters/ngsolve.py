@@ -8,8 +8,10 @@ Settings: ``order`` of the elements (3), at rest. A motion of one step is answer
 elements of order 1, -K u: theirs are the nodes.
 
 Elements of order 1 take forces and weight on the nodes. Those of higher order take the weight as
-density times gravity, and the forces as a traction: the one, linear on faces whose corners all
-bear force, that does the same work on linear fields. A force on no such face stays at its node.
+density times gravity, and each component of the forces as a traction: the one, linear on faces
+whose corners all bear that component, that does the same work on linear fields. Where these faces
+meet at an edge it is one value there for both, so that a component that differs between two sides
+is not what was meant. A force on no such face stays at its node.
 
 Traps: a component is held on faces whose corners all are; where a held node is on no such face, it
 alone is held, which elements of high order feel less the finer they are: the notes count these.
@@ -67,10 +69,11 @@ def answer(request):
     order = 1 if moving else order
     faces = outer_faces(request)
     held = [np.all(request.held[faces, a], axis=1) for a in range(3)]
-    pulled = np.all(request.force[faces].any(axis=2), axis=1)
-    names = [
-        "".join("h" if h[i] else "-" for h in held) + "-p"[int(p)] for i, p in enumerate(pulled)
-    ]
+    pulled = [np.all(request.force[faces, a], axis=1) for a in range(3)]
+    marks = np.array(
+        [*(np.where(h, "h", "-") for h in held), *(np.where(p, "p", "-") for p in pulled)]
+    )
+    names = ["".join(column) for column in marks.T]
     mesh = built(request, faces, names)
     space, stiffness = elasticity(request, mesh, order)
     shift = GridFunction(space)
@@ -146,6 +149,19 @@ def elasticity(request, mesh, order):
     return space, BilinearForm(InnerProduct(stress, Grad(v)) * dx, symmetric=True).Assemble()
 
 
+def spread(mesh, on, nodes, force):
+    """The linear field on some faces that does the work of forces at their nodes."""
+    space = H1(mesh, order=1, definedon=on)
+    t, w = space.TnT()
+    mass = BilinearForm(t * w * ds(definedon=on)).Assemble()
+    field = GridFunction(space)
+    at_nodes = field.vec.CreateVector()
+    at_nodes[:] = 0.0
+    at_nodes.FV().NumPy()[nodes] = force
+    field.vec.data = mass.mat.Inverse(space.FreeDofs(), "sparsecholesky") * at_nodes
+    return field
+
+
 def loaded(request, mesh, space, dofs, order):
     """The load vector."""
     v = space.TestFunction()
@@ -154,21 +170,13 @@ def loaded(request, mesh, space, dofs, order):
     if order > 1:
         density = request.material.density
         form += InnerProduct(CoefficientFunction(tuple(density * request.gravity)), v) * dx
-        on = mesh.Boundaries("...p")
-        linear = H1(mesh, order=1, definedon=on)
-        t, w = linear.TnT()
-        mass = BilinearForm(t * w * ds(definedon=on)).Assemble()
-        spread = [GridFunction(linear) for _ in range(3)]
         at_nodes = request.force.copy()
-        nodes = sorted({v.nr for element in on.Elements() for v in element.vertices})
-        for a, part in enumerate(spread if nodes else []):
-            form_of_nodes = part.vec.CreateVector()
-            form_of_nodes[:] = 0.0
-            form_of_nodes.FV().NumPy()[nodes] = request.force[nodes, a]
-            part.vec.data = mass.mat.Inverse(linear.FreeDofs(), "sparsecholesky") * form_of_nodes
-        if nodes:
-            form += InnerProduct(CoefficientFunction(tuple(spread)), v) * ds(definedon=on)
-            at_nodes[nodes] = 0.0
+        for a in range(3):
+            on = mesh.Boundaries("." * (3 + a) + "p.*")
+            nodes = sorted({v.nr for element in on.Elements() for v in element.vertices})
+            if nodes:
+                form += spread(mesh, on, nodes, request.force[nodes, a]) * v[a] * ds(definedon=on)
+                at_nodes[nodes, a] = 0.0
     form.Assemble()
     form.vec.FV().NumPy()[dofs] += at_nodes
     return form.vec

@@ -18,7 +18,7 @@ import pandas as pd
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 
 from .curve_drawing import curve as drawing
-from .gaps import fill_gaps, with_none
+from .gaps import ASKED_RATIO, fill_gaps, with_none
 from .recorded import records
 
 TOLERANCES = (
@@ -34,7 +34,7 @@ TOLERANCES = (
 )  # fmt: skip
 COLUMNS = {
     "name": "of the record",
-    "asked_ratio": "Poisson's ratio asked for",
+    "asked_ratio": ASKED_RATIO,
     "predicted_modulus": "over the asked, by the documented law to first order",
     "predicted_ratio": "the same for the ratio",
     "read_modulus": "over the asked, as the probe reads it",

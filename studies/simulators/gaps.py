@@ -9,6 +9,9 @@ import pandas as pd
 NONE = "none"
 """Stands in a table where there is no number."""
 
+ASKED_RATIO = f'Poisson\'s ratio asked for; "{NONE}" where there is no number'
+"""Meaning of a column of several tables, one of which has rows without."""
+
 
 def fill_gaps(table: pd.DataFrame) -> pd.DataFrame:
     """The table with `NONE` where a number is missing."""

@@ -22,7 +22,7 @@ from msvalidate.simulators.probe import probe
 from msvalidate.simulators.protocol import Request
 from msvalidate.simulators.tetrahedra import Stress, tetrahedra
 
-from .gaps import fill_gaps, with_none
+from .gaps import ASKED_RATIO, fill_gaps, with_none
 from .synthetic import OWN_LAW
 
 E = 1e7
@@ -45,7 +45,7 @@ COLUMNS = {
     "law": "as `msvalidate.simulators.laws` names it",
     "source": "where it is documented",
     "steps": "explicit or implicit",
-    "asked_ratio": "Poisson's ratio asked for",
+    "asked_ratio": ASKED_RATIO,
     "predicted_modulus": "over the asked, by the documented law to first order",
     "predicted_ratio": "the same for the ratio",
     "read_modulus": "over the asked, as the probe reads it",

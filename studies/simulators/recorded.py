@@ -25,11 +25,12 @@ from msvalidate.simulators.causes import NOT_EXPLAINED
 from msvalidate.simulators.gate import STOPPED
 
 from . import judged
-from .gaps import fill_gaps, with_none
+from .gaps import ASKED_RATIO, fill_gaps, with_none
 
 DATA = Path(__file__).parent / "data"
 CONTROLS = ("calculix", "ngsolve-1", "felupe-linear")
 NEWEST = "newest.json"
+EXCLUDED = DATA / "excluded" / "excluded.json"
 STIFFER = 0.01
 BEHIND = 2
 """Minor releases."""
@@ -52,18 +53,18 @@ COLUMNS = {
     "simulator": "program, version",
     "law_and_settings": "the law as its documents or source have it, and the settings",
     "asked_modulus": "Pa",
-    "asked_ratio": "Poisson's ratio asked for",
+    "asked_ratio": ASKED_RATIO,
     "predicted_modulus": "over the asked, by the documented law to first order",
     "predicted_ratio": "the same for the ratio",
     "probed_modulus": "over the asked, as read",
     "probed_ratio": "the same for the ratio",
-    "mass": "whose masses its nodes have, as measured",
+    "mass": "whose masses its nodes have, as measured; as documented where it answers by forces",
     "gate": "what stopped it; empty where nothing did",
     "rest": "largest part of a displacement that may still change, as stated",
     "large_strain": "largest principal strain of a body that is held against its own law (1)",
     "large_strain_apart": "from elements of the documented law there, over the displacement (1)",
     "linear_apart": "from linear elements there: how much of the law there was to be seen",
-    "state_of_record": "agrees, differs with cause, not explained, gate; stale: before it if old",
+    "state_of_record": "agrees, differs with cause, not explained, gate, excluded; stale: old",
     "cause": "the first",
     "known_upstream": "issues that its authors have, their state, and when that was looked at",
     "draft": "yes until its author has been told",
@@ -72,8 +73,8 @@ COLUMNS = {
 
 
 NUMBERS = (
-    "predicted_modulus", "predicted_ratio", "probed_modulus", "probed_ratio", "rest",
-    "large_strain", "large_strain_apart", "linear_apart",
+    "asked_modulus", "predicted_modulus", "predicted_ratio", "probed_modulus", "probed_ratio",
+    "rest", "large_strain", "large_strain_apart", "linear_apart",
 )  # fmt: skip
 """Columns that may have gaps."""
 BODY_COLUMNS = {"name": COLUMNS["name"]} | {
@@ -98,7 +99,9 @@ def run() -> Evidence:
     """The tables of records and of their bodies."""
     found = records()
     newest = json.loads((DATA / NEWEST).read_text(encoding="utf-8"))
-    table = pd.DataFrame([_row(each, newest) for each in found], columns=[*COLUMNS])
+    others = json.loads(EXCLUDED.read_text(encoding="utf-8"))
+    rows = [*(_row(each, newest) for each in found), *map(_excluded_row, others)]
+    table = pd.DataFrame(rows, columns=[*COLUMNS])
     bodies = pd.DataFrame(
         [_body_row(each["name"], body) for each in found for body in each["bodies"]],
         columns=[*BODY_COLUMNS],
@@ -157,7 +160,7 @@ def _row(record: dict[str, Any], newest: dict[str, Any]) -> dict[str, object]:
         _number(law.get("nu")),
         _over(probed.get("E"), asked["E"]),
         _number(probed.get("nu")),
-        (probed.get("mass") or {}).get("pattern", ""),
+        (probed.get("mass") or {}).get("pattern", "") or record.get("masses", ""),
         "; ".join(stops),
         max(rest, default=math.nan),
         _number(large.get("strain")),
@@ -189,6 +192,19 @@ def _body_row(name: str, body: dict[str, Any]) -> dict[str, object]:
         *(_number(factors.get(each)) for each in judged.FACTORS),
     )  # fmt: skip
     return dict(zip(BODY_COLUMNS, values, strict=True))
+
+
+def _excluded_row(other: dict[str, Any]) -> dict[str, object]:
+    """What is not run, and why: no numbers."""
+    row: dict[str, object] = dict.fromkeys(COLUMNS, "")
+    row |= dict.fromkeys((*NUMBERS, "asked_ratio"), math.nan)
+    return row | {
+        "simulator": other["simulator"],
+        "law_and_settings": other["law"],
+        "state_of_record": f"excluded: {'permanent' if other['permanent'] else 'work to do'}",
+        "cause": other["because"],
+        "draft": "no",
+    }
 
 
 def _number(value: float | None) -> float:

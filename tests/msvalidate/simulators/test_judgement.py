@@ -85,7 +85,7 @@ def test_a_law_of_the_same_first_order_is_told_apart_at_large_strain():
 
 
 def test_ratios_for_which_no_elasticity_is_known_are_refused_before_anything_is_asked():
-    with pytest.raises(ProblemError, match="give one from 0 to 0.45"):
+    with pytest.raises(ProblemError, match=r"give one from 0 to 0.45"):
         judge_simulator(None, Isotropic(1e7, 0.49, "solid"))
 
 

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""Where simulators are installed, what of them is pinned, and where records are left."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from msvalidate.simulators.program import Program
+from msvalidate.simulators.record import text_of
+from msvalidate_check import exchange
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+DATA = ROOT / "studies" / "simulators" / "data"
+LIMIT = 600.0
+"""Seconds that a simulator may take for one question."""
+
+
+def python_of(environment: str) -> Path:
+    """The Python of `.venv-NAME`, or of `v_NAME` in $MSVALIDATE_ENVIRONMENTS; "" is our own."""
+    if not environment:
+        return Path(sys.executable)
+    folder = os.environ.get("MSVALIDATE_ENVIRONMENTS")
+    if folder:
+        return Path(folder) / f"v_{environment}" / "bin" / "python"
+    return ROOT / f".venv-{environment}" / "bin" / "python"
+
+
+def adapter_of(file: str, environment: str) -> Program:
+    """An adapter in its environment."""
+    return Program(f"{python_of(environment)} {HERE / 'adapters' / file}", LIMIT)
+
+
+def pins(file: str, environment: str) -> dict[str, Any]:
+    """Date, checksum of an adapter, and those of the wheels that its environment has."""
+    digest = hashlib.sha256((HERE / "adapters" / file).read_bytes()).hexdigest()
+    return {
+        "date": datetime.now(UTC).date().isoformat(),
+        "adapter": {"file": file, "sha256": digest},
+        "packages": packages(environment),
+    }
+
+
+def save(name: str, record: Any) -> None:
+    """Write a record, which JSON can hold, to a file of the study's data."""
+    path = DATA / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    exchange.replace_file(path, (text_of(record) + "\n").encode)
+
+
+def packages(environment: str) -> dict[str, str]:
+    """Pinned packages -> checksum of the wheel, from the requirement file."""
+    if not environment:
+        return {}
+    found = {}
+    text = (HERE / "requirements" / f"{environment}.txt").read_text(encoding="utf-8")
+    for line in text.replace("\\\n", " ").splitlines():
+        name, _, digest = line.partition("--hash=sha256:")
+        if digest:
+            found[name.strip()] = digest.split()[0]
+    return found
