@@ -1,15 +1,15 @@
-"""Controls of the protocol: a slab is the plane, one cell is one cell, and records are looked at."""
+"""Controls of the protocol: a slab is the plane, one cell is one cell, and records are read."""
 
 import json
 from dataclasses import asdict
 
 import numpy as np
 import pytest
+from msvalidate.studies.simulators import held as question
+from msvalidate.studies.simulators.recorded import EXCLUDED as WRITTEN
 
 from msvalidate.problem import SHAPES, Isotropic, ProblemError
 from msvalidate.simulators.blocks import frozen_case, request_of
-from msvalidate.studies.simulators import held as question
-from msvalidate.studies.simulators.recorded import EXCLUDED as WRITTEN
 from simulators import held
 from simulators.jobs import EXCLUDED, JOBS
 from simulators.one_cell import PLACES, one_cell
