@@ -1,4 +1,4 @@
-"""Controls of the protocol: a slab is the plane, one cell is one, records are looked at."""
+"""Controls of the protocol: a slab is the plane, one cell is one cell, and records are read."""
 
 import json
 from dataclasses import asdict
