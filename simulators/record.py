@@ -3,6 +3,7 @@
 
     python -m simulators.record            all that JOBS lists and that is installed
     python -m simulators.record drake      those whose name begins so
+    python -m simulators.record --iterations drake    only their rest states over dt and iterations
 
 Each is run by its adapter in its own environment (`make simulators` makes these), a new process for
 every question. What comes of it is written to studies/simulators/data, a file each, with versions
@@ -33,6 +34,7 @@ from msvalidate.simulators.reading import Reading
 from msvalidate.simulators.record import probe_record, record_of
 from msvalidate_check import exchange
 from simulators.jobs import JOBS, Job
+from simulators.sweep import rest_states
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -47,34 +49,78 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="simulators.record", description=__doc__)
     parser.add_argument("names", nargs="*", help="beginnings of names of jobs")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at once")
+    parser.add_argument(
+        "--iterations", action="store_true", help="only rest states over dt and iterations"
+    )
     args = parser.parse_args(words)
     wanted = [
         job for job in JOBS if not args.names or any(job.name.startswith(n) for n in args.names)
     ]
     DATA.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor(args.jobs) as pool:
-        found = list(pool.map(_record, wanted))
+        found = list(pool.map(_add_sweeps if args.iterations else _record, wanted))
     return 0 if all(found) else 1
 
 
-def _record(job: Job) -> bool:
+def _simulator(job: Job) -> Program | None:
+    """The job's program; None, and a line that says so, where it is not installed."""
     python = Path(sys.executable) if not job.environment else _python(job.environment)
     if not python.exists() or (job.program and shutil.which(job.program) is None):
         print(f"{job.name}: not installed; `make simulators` makes {python}", flush=True)
+        return None
+    return Program(f"{python} {HERE / 'adapters' / job.adapter}", LIMIT)
+
+
+def _add_sweeps(job: Job) -> bool:
+    """Rest states over dt and iterations put into the record that there is."""
+    simulator, path = _simulator(job), DATA / f"{job.name}.json"
+    if simulator is None or not job.sweeps:
+        return simulator is not None
+    if not path.exists():
+        print(f"{job.name}: no record to add to; make it without --iterations", flush=True)
+        return False
+    record = json.loads(path.read_text(encoding="utf-8"))
+    record["iterations"] = _sweeps(simulator, job)
+    record["iterations_date"] = datetime.now(UTC).date().isoformat()
+    _write(path, record)
+    print(f"{job.name}: {len(record['iterations'])} rest states", flush=True)
+    return True
+
+
+def _sweeps(simulator: Program, job: Job) -> list[dict[str, Any]]:
+    material = Isotropic(E, NU, "solid", DENSITY)
+    return [
+        row for sweep in job.sweeps for row in rest_states(simulator, material, job.settings, sweep)
+    ]
+
+
+def _write(path: Path, record: dict[str, Any]) -> None:
+    text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
+    exchange.replace_file(path, (text + "\n").encode())
+
+
+def _record(job: Job) -> bool:
+    simulator = _simulator(job)
+    if simulator is None:
         return False
     began = time.perf_counter()
-    simulator = Program(f"{python} {HERE / 'adapters' / job.adapter}", LIMIT)
     material = Isotropic(E, NU, "solid", DENSITY)
     law = predicted(job.law, E, NU) if job.law else None
     expected = None if law is None or law.E is None or law.nu is None else (law.E, law.nu)
     judged = judge_simulator(
-        simulator, material, job.settings, predicted=expected, probed=job.probed
+        simulator,
+        material,
+        job.settings,
+        predicted=expected,
+        converged=job.converged,
+        probed=job.probed,
     )
     record = {
         "name": job.name,
         "law": job.law,
         "source": job.source,
         "settings": dict(job.settings),
+        "converged": None if job.converged is None else dict(job.converged),
         "draft": job.draft,
         "upstream": list(job.upstream),
         "date": datetime.now(UTC).date().isoformat(),

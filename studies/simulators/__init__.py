@@ -9,6 +9,7 @@ differs is taken apart into law, mass, solver and resolution. One question a fil
 - `faults`: simulators with one known fault each: is every one named, and none on a clean one?
 - `recorded`: simulators that people use, from what their adapters left (`make simulators`);
 - `curve`: effective modulus and ratio over the ratio asked for, of laws of one of them;
+- `iterations`: states at rest over time step and iterations, of programs that iterate;
 - `hanging`: a published comparison of soft-body solvers with finite elements, predicted.
 
 No ranking and no score: documented laws differ on purpose. Not affiliated with any of the programs.
@@ -30,7 +31,7 @@ from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.simulators.protocol import Simulator
 
-from . import curve, faults, hanging, judged, laws, recorded
+from . import curve, faults, hanging, iterations, judged, laws, recorded
 from .synthetic import clean, controls
 
 FAULTS: dict[str, dict[str, Any]] = {
@@ -56,6 +57,7 @@ def run(
         "faults": partial(faults.run, setting),
         "recorded": recorded.run,
         "curve": curve.run,
+        "iterations": iterations.run,
         "hanging": hanging.run,
     }
     return gather_evidence(asked, questions)
