@@ -13,19 +13,15 @@ SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
 SIMPLE = "neo-Hookean without logarithm, Lamé's constants as they stand"
 VOLUMETRIC = "neo-Hookean without logarithm, lam + mu"
 STVK = "Saint Venant-Kirchhoff"
-LAME_4409 = (
-    "bulletphysics/bullet3#4409 (open in a copy, looked at 2026-11-24): what mu and lambda mean"
-)
-HOW_4520 = (
-    "bulletphysics/bullet3#4520 (open in a copy, looked at 2026-11-24): how accurate its FEM is"
-)
+LAME_4409 = "bulletphysics/bullet3#4409 (open in a copy, 2026-11-24): what mu and lambda mean"
+HOW_4520 = "bulletphysics/bullet3#4520 (open in a copy, 2026-11-24): how accurate its FEM is"
 MASSES_2901 = (
-    "newton-physics/newton#2901 (open in a copy, looked at 2026-11-24): tests of VBD's neo-Hookean "
+    "newton-physics/newton#2901 (open in a copy, 2026-11-24): tests of VBD's neo-Hookean "
     "law, whose lambda is lambda + mu; its grid helper puts a full cell's mass on every node"
 )
-XPBD_49 = "newton-physics/newton#49 (open in a copy, looked at 2026-11-24): tetrahedra collapse under XPBD"
+XPBD_49 = "newton-physics/newton#49 (open in a copy, 2026-11-24): tetrahedra collapse under XPBD"
 XPBD_2933 = (
-    "newton-physics/newton#2933 (open in a copy, looked at 2026-11-24): multipliers of XPBD's "
+    "newton-physics/newton#2933 (open in a copy, 2026-11-24): multipliers of XPBD's "
     "constraints are lost between iterations; in the source of 1.8.0 those of tetrahedra are kept"
 )
 
@@ -58,7 +54,7 @@ class Job:
     draft
         Whether its author has still to be told.
     upstream
-        Known issues, their state and when that was looked at; copies may be older.
+        Known issues, their state and when that was looked at; copies of the web may be older.
     sweeps
         Rest states at several dt and iterations.
     """

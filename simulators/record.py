@@ -96,7 +96,7 @@ def _sweeps(simulator: Program, job: Job) -> list[dict[str, Any]]:
 
 def _write(path: Path, record: dict[str, Any]) -> None:
     text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
-    exchange.replace_file(path, (text + "\n").encode())
+    exchange.replace_file(path, (text + "\n").encode)
 
 
 def _record(job: Job) -> bool:
