@@ -8,13 +8,15 @@ weight (10 m/s² if E is 1e7 Pa and the density 1000 kg/m³), which all programs
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from msvalidate.problem import Array, Isotropic, SolverError
+from msvalidate.simulators.blocks import linear_law
 from msvalidate.simulators.gate_block import hanging_block
 from msvalidate.simulators.laws import LAWS, lame
 from msvalidate.simulators.masses import patterns
@@ -24,6 +26,8 @@ from msvalidate.simulators.rest import stated_unrest
 from msvalidate.simulators.tetrahedra import at_rest, tetrahedra_of
 
 OWN_SHARE = "each node's own share"
+LENT = (1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
+"""Parts of Hooke's law, with the asked constants, that lead a law without a stiffness to rest."""
 EQUAL = "equal masses, as a full cell's mass on each node of a grid"
 
 
@@ -108,8 +112,27 @@ def _elements(block: Request, sweep: Sweep) -> Array:
     mu, lam = lame(block.material.E, block.material.nu)
     pattern = patterns(Block(block.mesh, block.material))[sweep.masses]
     weighed = replace(block, mass=pattern * (block.mass.sum() / pattern.sum()))
-    law = LAWS[sweep.law].stress
-    return at_rest(tetrahedra_of(block.mesh), weighed, lambda F: law(F, mu, lam))[0]
+    body, law = tetrahedra_of(block.mesh), LAWS[sweep.law].stress
+    hooke = linear_law(block.material.E, block.material.nu)
+    try:
+        return at_rest(body, weighed, lambda F: law(F, mu, lam))[0]
+    except SolverError:  # it has no stiffness where it begins: less and less of another's is lent
+        move = None
+        for part in LENT:
+            lent = partial(_sum_of, law, hooke, (mu, lam, part))
+            move = at_rest(body, weighed, lent, move)[0]
+        return at_rest(body, weighed, lambda F: law(F, mu, lam), move)[0]
+
+
+def _sum_of(
+    law: Callable[[Array, float, float], Array],
+    hooke: Callable[[Array], Array],
+    numbers: tuple[float, float, float],
+    F: Array,
+) -> Array:
+    """A law's stress of F, and a part of Hooke's."""
+    mu, lam, part = numbers
+    return law(F, mu, lam) + part * hooke(F)
 
 
 def _change(answer: Answer, before: Answer | None, size: float) -> float | None:

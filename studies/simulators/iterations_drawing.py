@@ -22,7 +22,7 @@ def iterations(tables: Tables) -> Figure:
     for place, (name, rows) in enumerate(table.groupby("name", sort=False)):
         steps = sorted(rows["time_step"].unique(), reverse=True)
         for step, line in zip(steps, LINES, strict=False):
-            drawn = rows[rows["time_step"] == step].sort_values("iterations")
+            drawn = rows[rows["time_step"] == step].sort_values("iterations", kind="stable")
             axes[0].loglog(
                 drawn["iterations"], drawn["rest_error"], line,
                 label=f"{name}, {1e3 * step:g} ms", **figures.series_style(place),
