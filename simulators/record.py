@@ -3,6 +3,7 @@
 
     python -m simulators.record            all that JOBS lists and that is installed
     python -m simulators.record drake      those whose name begins so; `held` is the study's `held`
+    python -m simulators.record --iterations drake    only their rest states over dt and iterations
 
 Each is run by its adapter in its own environment (`make simulators` makes these), a new process for
 every question. What comes of it is written to studies/simulators/data, a file each, with versions
@@ -12,6 +13,7 @@ and checksums of the adapter and of the pinned packages. Nothing there is typed 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import shutil
 import sys
@@ -19,6 +21,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
+from datetime import UTC, datetime
 from typing import Any
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
@@ -29,10 +32,11 @@ from msvalidate.simulators.program import Program
 from msvalidate.simulators.protocol import CannotRepresent
 from msvalidate.simulators.reading import Reading
 from msvalidate.simulators.record import probe_record, record_of
-from simulators.environments import adapter_of, pins, python_of, save
+from simulators.environments import DATA, adapter_of, pins, python_of, save
 from simulators.held import record_elements, record_springs
 from simulators.jobs import EXCLUDED, JOBS, Job
 from simulators.one_cell import explain_by_one_cell
+from simulators.sweep import rest_states
 
 E, NU, DENSITY = 1e7, 0.3, 1000.0
 CURVE = (0.1, 0.2, 0.25, 0.3, 0.4, 0.45, 0.49)
@@ -48,12 +52,19 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="simulators.record", description=__doc__)
     parser.add_argument("names", nargs="*", help="beginnings of names of jobs")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at once")
+    parser.add_argument(
+        "--iterations", action="store_true", help="only rest states over dt and iterations"
+    )
     args = parser.parse_args(words)
     wanted = [job for job in JOBS if _is_asked(job.name, args.names)]
     held = [name for name in HELD if _is_asked(name, args.names)]
     save("excluded/excluded.json", [asdict(each) for each in EXCLUDED])
     with ThreadPoolExecutor(args.jobs) as pool:
-        found = [*pool.map(_record, wanted), *pool.map(_hold, held)]
+        found = (
+            [*pool.map(_add_sweeps, wanted)]
+            if args.iterations
+            else [*pool.map(_record, wanted), *pool.map(_hold, held)]
+        )
     return 0 if all(found) else 1
 
 
@@ -78,18 +89,46 @@ def _hold(name: str) -> bool:
     return False
 
 
+def _add_sweeps(job: Job) -> bool:
+    """Rest states over dt and iterations put into the record that there is."""
+    path = DATA / f"{job.name}.json"
+    if not _is_installed(job.name, job.environment, job.program):
+        return False
+    if not job.sweeps:
+        return True
+    if not path.exists():
+        print(f"{job.name}: no record to add to; make it without --iterations", flush=True)
+        return False
+    record = json.loads(path.read_text(encoding="utf-8"))
+    record["iterations"] = _sweeps(adapter_of(job.adapter, job.environment), job)
+    record["iterations_date"] = datetime.now(UTC).date().isoformat()
+    save(path.name, record)
+    print(f"{job.name}: {len(record['iterations'])} rest states", flush=True)
+    return True
+
+
+def _sweeps(simulator: Program, job: Job) -> list[dict[str, Any]]:
+    material = Isotropic(E, NU, "solid", DENSITY)
+    return [
+        row for sweep in job.sweeps for row in rest_states(simulator, material, job.settings, sweep)
+    ]
+
+
 def _record(job: Job) -> bool:
     if not _is_installed(job.name, job.environment, job.program):
         return False
     began = time.perf_counter()
     simulator = adapter_of(job.adapter, job.environment)
     material = Isotropic(E, NU, "solid", DENSITY)
-    judged = judge_simulator(simulator, material, job.settings, law=job.law, probed=job.probed)
+    judged = judge_simulator(
+        simulator, material, job.settings, law=job.law, converged=job.converged, probed=job.probed
+    )
     record = {
         "name": job.name,
         "law": job.law,
         "source": job.source,
         "settings": dict(job.settings),
+        "converged": None if job.converged is None else dict(job.converged),
         "draft": job.draft,
         "upstream": list(job.upstream),
         "masses": job.masses,
@@ -98,6 +137,9 @@ def _record(job: Job) -> bool:
     }
     if job.one_cell:
         explain_by_one_cell(simulator, dict(job.settings), judged, record)
+    if job.sweeps:
+        record["iterations"] = _sweeps(simulator, job)
+        record["iterations_date"] = record["date"]
     if job.curve:
         known = judged.reading
         if job.weighed is not None:

@@ -120,8 +120,12 @@ def tetrahedra(law_of: LawOf, name: str = "linear tetrahedra") -> Callable[[Requ
     return simulate
 
 
-def at_rest(body: Tetrahedra, request: Request, stress: Stress) -> tuple[Array, float]:
+def at_rest(
+    body: Tetrahedra, request: Request, stress: Stress, start: Array | None = None
+) -> tuple[Array, float]:
     """Displacement (n, 3) at rest under a request's loads, and the residual (N) that is left.
+
+    Newton's method begins at `start` (n, 3) m, a displacement; by default at none.
 
     Raises
     ------
@@ -131,7 +135,7 @@ def at_rest(body: Tetrahedra, request: Request, stress: Stress) -> tuple[Array, 
     points = request.mesh.points
     outer = request.force + request.mass[:, None] * request.gravity
     free = ~request.held.ravel()
-    x = points + np.where(request.held, request.value, 0.0)
+    x = points + np.where(request.held, request.value, 0.0 if start is None else start)
 
     def residual(at: Array) -> Array:
         return np.asarray((forces_on_nodes(body, at, stress) + outer).ravel()[free])

@@ -26,7 +26,8 @@ Mass: density volume / 4 of each tetrahedron to each of its nodes (sim/builder.p
 Traps: particles repel each other unless their radius is 0 (default .1 m) and the model has no grid;
 with a radius and without a grid XPBD raises. Held nodes are those of mass 0: whole ones alone.
 vbd and xpbd begin a step at x + dt v + dt^2 g and relax from there: what few iterations leave of
-that way is a displacement at rest that shrinks with dt^2 and with more iterations.
+that way is a displacement at rest that shrinks with dt^2 and with more iterations. Much shorter
+steps move points by less than positions resolve, so that they seem to be at rest before they are.
 Positions resolve 6e-8 of the largest coordinate, which bounds how small displacements may be.
 """
 
@@ -135,10 +136,11 @@ def answer(request):
     how = {"still": 1e-6, "floor": floor, "limit": limit}
     about, arrays = move(request, body, **how)
     settings = {"solver": solver, "iterations": iterations, "relaxation": relaxation}
+    units = {name: [value, ""] for name, value in settings.items()} | {"dt": [dt, "s"]}
     about |= {"simulator": "newton", "version": newton.__version__, "dt": dt}
     about |= {"law": "constraints" if solver == "xpbd" else "neo-Hookean", "mass": "lumped"}
     about |= {"precision": "float32", "forces_at": "start" if explicit else "end"}
-    return {**about, "settings": {name: [v, ""] for name, v in settings.items()}}, arrays
+    return {**about, "settings": units}, arrays
 
 
 run(answer)

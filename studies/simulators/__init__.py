@@ -10,6 +10,7 @@ differs is taken apart into law, mass, solver and resolution. One question a fil
 - `recorded`: simulators that people use, from what their adapters left (`make simulators`);
 - `curve`: effective modulus and ratio over the ratio asked for, of laws of one of them;
 - `held`: elements of high order beside elasticity, and bonds of another program beside our springs;
+- `iterations`: states at rest over time step and iterations, of programs that iterate;
 - `hanging`: a published comparison of soft-body solvers with finite elements, predicted.
 
 No ranking and no score: documented laws differ on purpose. Not affiliated with any of the programs.
@@ -31,7 +32,7 @@ from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
 from msvalidate.simulators.protocol import Simulator
 
-from . import curve, faults, hanging, held, judged, laws, recorded
+from . import curve, faults, hanging, held, iterations, judged, laws, recorded
 from .synthetic import clean, controls
 
 FAULTS: dict[str, dict[str, Any]] = {
@@ -58,6 +59,7 @@ def run(
         "recorded": recorded.run,
         "curve": curve.run,
         "held": held.run,
+        "iterations": iterations.run,
         "hanging": hanging.run,
     }
     return gather_evidence(asked, questions)

@@ -120,7 +120,8 @@ def _finding(table: pd.DataFrame, newest: dict[str, Any]) -> str:
     states = table["state_of_record"].value_counts().sort_index()
     told = ", ".join(f"{state} {count}" for state, count in states.items())
     return (
-        f"{(table['name'] != '').sum()} records of simulators and laws: {told}. Rows marked draft are not final. "
+        f"{(table['name'] != '').sum()} records of simulators and laws: {told}. "
+        "Rows marked draft are not final. "
         f"Newer versions were looked for on {newest['looked_at']}."
     )
 

@@ -27,6 +27,7 @@ BY_HAND = {
     "as rigid as possible": (MU, 0.0),
     "Saint Venant-Kirchhoff": (MU, LAM),
     "neo-Hookean, log J": (MU, LAM),
+    "neo-Hookean of shape and volume apart": (MU, LAM),
     f"{SMITH}, Lamé's constants as they stand": (3 * MU / 4, LAM - 5 * MU / 8),
     f"{SMITH}, constants of small strain": (MU, LAM),
     f"{SIMPLE}, Lamé's constants as they stand": (MU, LAM - MU),

@@ -1,0 +1,33 @@
+"""Figure of the error at rest against iterations, a line for each program and time step."""
+
+from __future__ import annotations
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from msvalidate.judging.evidence import Tables
+from msvalidate.output import figures
+
+LINES = ("-", "--", "-.", ":")
+"""Of time steps, the longest first."""
+
+
+def iterations(tables: Tables) -> Figure:
+    """Error over iterations; colour and mark are the program's, the kind of line the step's."""
+    table = tables["iterations"]
+    numbers = ["iterations", "time_step", "rest_error"]
+    table = table.assign(**{name: pd.to_numeric(table[name], errors="coerce") for name in numbers})
+    table = table.dropna(subset=numbers)
+    figure, axes = figures.new_figure(size=(6.4, 3.6))
+    for place, (name, rows) in enumerate(table.groupby("sweep", sort=False)):
+        steps = sorted(rows["time_step"].unique(), reverse=True)
+        for step, line in zip(steps, LINES, strict=False):
+            drawn = rows[rows["time_step"] == step].sort_values("iterations", kind="stable")
+            axes[0].loglog(
+                drawn["iterations"], drawn["rest_error"], line,
+                label=f"{name}, {1e3 * step:g} ms", **figures.series_style(place),
+            )  # fmt: skip
+    axes[0].set(xlabel="iterations in a step", ylabel="error at rest over the displacement")
+    figure.suptitle("Hanging block: what iterations and steps leave")
+    figures.add_shared_legend(figure, axes, columns=2)
+    return figure
