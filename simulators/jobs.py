@@ -103,7 +103,7 @@ JOBS = (
         "manual, XMLreference, flexcomp elasticity", {"law": "stvk"},
         sweeps=(
             Sweep(law=STVK, masses=EQUAL, label="Euler"),
-            Sweep((0.02, 0.01), (25, 50, 100, 200, 400), STVK, EQUAL,
+            Sweep((0.02, 0.01), (3, 6, 12, 25, 50, 100, 200, 400), STVK, EQUAL,
                   {"integrator": "discrete", "tolerance": 1e-12}, "discrete"),
         )),
     Job("mujoco-stvk-asked_masses", "mujoco.py", "mujoco", "Saint Venant-Kirchhoff",

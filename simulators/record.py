@@ -72,7 +72,7 @@ def _simulator(job: Job) -> Program | None:
 
 
 def _add_sweeps(job: Job) -> bool:
-    """Rest states over dt and iterations put into the record that there is."""
+    """Rest states over dt and iterations, and known issues, put into the record that there is."""
     simulator, path = _simulator(job), DATA / f"{job.name}.json"
     if simulator is None or not job.sweeps:
         return simulator is not None
@@ -82,6 +82,7 @@ def _add_sweeps(job: Job) -> bool:
     record = json.loads(path.read_text(encoding="utf-8"))
     record["iterations"] = _sweeps(simulator, job)
     record["iterations_date"] = datetime.now(UTC).date().isoformat()
+    record["upstream"] = list(job.upstream)
     _write(path, record)
     print(f"{job.name}: {len(record['iterations'])} rest states", flush=True)
     return True
@@ -133,8 +134,10 @@ def _record(job: Job) -> bool:
         if job.weighed is not None:
             known = probe(simulator, material, settings=job.weighed)
         record["curve"] = [_point(simulator, job, nu, known) for nu in CURVE]
-    text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
-    exchange.replace_file(DATA / f"{job.name}.json", (text + "\n").encode)
+    if job.sweeps:
+        record["iterations"] = _sweeps(simulator, job)
+        record["iterations_date"] = record["date"]
+    _write(DATA / f"{job.name}.json", record)
     print(f"{job.name}: {judged.state}, {time.perf_counter() - began:.0f} s", flush=True)
     for line in (*judged.causes, *judged.notes):
         print(f"  {line}", flush=True)
