@@ -90,7 +90,7 @@ def _hold(name: str) -> bool:
 
 
 def _add_sweeps(job: Job) -> bool:
-    """Rest states over dt and iterations put into the record that there is."""
+    """Rest states over dt and iterations, and known issues, put into the record that there is."""
     path = DATA / f"{job.name}.json"
     if not _is_installed(job.name, job.environment, job.program):
         return False
@@ -102,6 +102,7 @@ def _add_sweeps(job: Job) -> bool:
     record = json.loads(path.read_text(encoding="utf-8"))
     record["iterations"] = _sweeps(adapter_of(job.adapter, job.environment), job)
     record["iterations_date"] = datetime.now(UTC).date().isoformat()
+    record["upstream"] = list(job.upstream)
     save(path.name, record)
     print(f"{job.name}: {len(record['iterations'])} rest states", flush=True)
     return True

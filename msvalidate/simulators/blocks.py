@@ -84,9 +84,9 @@ def request_of(
     case: ElasticCase,
     material: Isotropic,
     settings: Mapping[str, Any] | None = None,
-    sign: float = 1.0,
+    times: float = 1.0,
 ) -> Request:
-    """A frozen case as a request to come to rest, of another material, its loads times a sign.
+    """A frozen case as a request to come to rest, of another material, its loads multiplied.
 
     Forces go with the modulus, and gravity with the modulus over the density, so that every
     material of a ratio is strained alike.
@@ -101,10 +101,10 @@ def request_of(
         Mesh(case.points, case.cells, shape),
         material,
         mass=heavier * case.mass,
-        gravity=sign * stiffer / heavier * gravity,
-        force=none if weight else sign * stiffer * case.force,
+        gravity=times * stiffer / heavier * gravity,
+        force=none if weight else times * stiffer * case.force,
         held=case.held.astype(bool),
-        value=sign * case.value,
+        value=times * case.value,
         settings=settings or {},
         name=f"{case.name}, {case.mesh}",
     )
@@ -116,8 +116,11 @@ def at_rest_both_ways(
     mesh: str,
     material: Isotropic,
     settings: Mapping[str, Any] | None = None,
+    times: float = 1.0,
 ) -> AtRest:
     """A body of the set brought to rest under its loads and under their opposites.
+
+    With `times` under so many times the loads, and what it moves is divided by that.
 
     Raises
     ------
@@ -126,12 +129,12 @@ def at_rest_both_ways(
     """
     case = frozen_case(name, mesh, material.nu)
     there = request_of(case, material, settings)
-    answer = ask(simulator, there)
-    other = ask(simulator, request_of(case, material, settings, -1.0))
+    answer = ask(simulator, request_of(case, material, settings, times))
+    other = ask(simulator, request_of(case, material, settings, -times))
     assert answer.displacement is not None  # noqa: S101  as `ask` sees to
     assert other.displacement is not None  # noqa: S101
-    move = (answer.displacement - other.displacement) / 2
-    sum_of_both = (answer.displacement + other.displacement) / 2
+    move = (answer.displacement - other.displacement) / 2 / times
+    sum_of_both = (answer.displacement + other.displacement) / 2 / times
     even = _largest(sum_of_both) / (_largest(move) or 1.0)
     return AtRest(case, there, move, even, answer.about)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,8 @@ BODIES: Mapping[str, tuple[str, ...]] = {
     "bent": (blocks.BENT["bent"],),
 }
 """What a body is asked for -> cases of the set, the first that a program can represent counts."""
+MORE, SHRINKS = 8.0, 2.0
+"""Times the loads, so that rounding is an eighth of what moves; it is known to a factor of two."""
 LOADED = ("pulled", "sheared")
 """Bodies that answer for law and masses; the bent one is judged under "resolution" alone."""
 
@@ -54,6 +56,9 @@ class BodyRow:
         Causes, multiplied; None where the law is not known.
     shape
         What else would explain what is left: points swapped, axes, signs; "" if nothing.
+    loaded_more
+        What is left under `MORE` times the loads, over the largest displacement then; NaN where
+        that was not asked.
     """
 
     body: str
@@ -64,6 +69,22 @@ class BodyRow:
     rest: float
     factors: Factors | None
     shape: str = ""
+    loaded_more: float = math.nan
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether its causes explain it."""
+        return self.factors is not None and self.factors.is_explained
+
+    @property
+    def is_rounded(self) -> bool:
+        """Whether what is left is rounding of positions: of a fixed size, whatever the loads.
+
+        An error of law, masses or mesh stays the same part of what moves.
+        """
+        if self.factors is None or not math.isfinite(self.loaded_more):
+            return False
+        return self.loaded_more <= min(UNEXPLAINED, self.factors.apart * SHRINKS / MORE)
 
 
 def bring_to_rest(
@@ -143,6 +164,33 @@ def body_row(
         if not taken.is_explained:
             shape = _shape(found, linear_elements(request, *law, mass))
     return BodyRow(body, case.name, case.mesh, error, on_mesh, rest, taken, shape)
+
+
+def load_more(
+    simulator: Simulator,
+    row: BodyRow,
+    found: AtRest,
+    law: tuple[float, float],
+    mass: Array | None,
+) -> BodyRow:
+    """The row of a body, with what is left of it under more load where it is in single precision.
+
+    Positions in single precision are steps of 6e-8 of a coordinate. A point stays where it is until
+    a force moves it by half of that against its own cells; a whole body gives way to so small
+    forces far more than a cell does.
+    """
+    single = found.about.get("precision") == "float32"
+    if row.is_explained or not single or row.body not in LOADED:
+        return row
+    request = found.request
+    try:
+        more = at_rest_both_ways(
+            simulator, row.case, row.mesh, request.material, request.settings, MORE
+        )
+    except (CannotRepresent, SolverError):
+        return row
+    weighed = linear_elements(request, *law, mass)
+    return replace(row, loaded_more=_largest(more.move - weighed) / _largest(weighed))
 
 
 def _shape(found: AtRest, expected: Array) -> str:

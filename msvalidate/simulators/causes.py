@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.bodies import LOADED, BodyRow
+from msvalidate.simulators.bodies import LOADED, MORE, BodyRow
 from msvalidate.simulators.large_strain import AtLargeStrain
 from msvalidate.simulators.moduli import SHOWN
 from msvalidate.simulators.reading import Reading
@@ -28,7 +30,8 @@ def state_and_causes(
     """One of `STATES` and the causes in words, from what differs from what was asked."""
     causes = [*_law_causes(material, reading, law), *_factor_causes(rows)]
     loaded = [row for row in rows if row.body in LOADED] or list(rows)
-    open_rows = [row for row in loaded if row.factors is None or not row.factors.is_explained]
+    open_rows = [row for row in loaded if not row.is_explained and not row.is_rounded]
+    causes += [_rounded_words(row) for row in loaded if row.is_rounded]
     unread = reading is not None and not reading.is_valid
     off = predicted is not None and law is not None and not _alike(law, predicted)
     if off and predicted is not None and law is not None:
@@ -46,6 +49,15 @@ def state_and_causes(
         causes += [_open_words(row) for row in open_rows]
         return NOT_EXPLAINED, tuple(dict.fromkeys(causes))
     return (CAUSE if causes else AGREES), tuple(dict.fromkeys(causes))
+
+
+def _rounded_words(row: BodyRow) -> str:
+    """What is said of a body whose positions are too coarse for what it moves."""
+    apart = math.nan if row.factors is None else row.factors.apart
+    return (
+        f"solver: positions in float32, {apart:.2g} of the displacement of {row.case} on "
+        f"{row.mesh}, {row.loaded_more:.2g} under {MORE:g} times the loads"
+    )
 
 
 def _open_words(row: BodyRow) -> str:

@@ -21,6 +21,7 @@ from msvalidate.simulators.bodies import (
     body_row,
     bring_further,
     bring_to_rest,
+    load_more,
     masses_on,
 )
 from msvalidate.simulators.causes import BAND, STOPPED, state_and_causes
@@ -129,6 +130,11 @@ def judge_simulator(
     settled = bring_further(simulator, own, converged, found)
     read, total = _law(reading, found, predicted, (material.E, material.nu))
     rows = tuple(body_row(body, each, read, reading, total, settled) for body, each in found)
+    if read is not None:
+        rows = tuple(
+            load_more(simulator, row, each, read, masses_on(each.request, reading, total))
+            for row, (_, each) in zip(rows, found, strict=True)
+        )
     large = _large(simulator, material, law, own, (reading, total), notes) if law else None
     state, causes = state_and_causes(material, predicted, reading, read, rows, large)
     return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes), large)

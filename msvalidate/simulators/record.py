@@ -85,6 +85,7 @@ def _body(row: BodyRow) -> dict[str, Any]:
         "rest": _number(row.rest),
         "factors": factors,
         "shape": row.shape,
+        "loaded_more": _number(row.loaded_more),
     }
 
 

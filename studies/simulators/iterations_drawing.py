@@ -18,7 +18,7 @@ def iterations(tables: Tables) -> Figure:
     numbers = ["iterations", "time_step", "rest_error"]
     table = table.assign(**{name: pd.to_numeric(table[name], errors="coerce") for name in numbers})
     table = table.dropna(subset=numbers)
-    figure, axes = figures.new_figure(size=(6.4, 3.6))
+    figure, axes = figures.new_figure(size=(6.4, 4.4))
     for place, (name, rows) in enumerate(table.groupby("sweep", sort=False)):
         steps = sorted(rows["time_step"].unique(), reverse=True)
         for step, line in zip(steps, LINES, strict=False):
@@ -27,7 +27,7 @@ def iterations(tables: Tables) -> Figure:
                 drawn["iterations"], drawn["rest_error"], line,
                 label=f"{name}, {1e3 * step:g} ms", **figures.series_style(place),
             )  # fmt: skip
-    axes[0].set(xlabel="iterations in a step", ylabel="error at rest over the displacement")
+    axes[0].set(xlabel="iterations in a step", ylabel="error over the displacement")
     figure.suptitle("Hanging block: what iterations and steps leave")
     figures.add_shared_legend(figure, axes, columns=2)
     return figure

@@ -96,3 +96,22 @@ def test_a_law_whose_ratio_is_below_those_known_is_explained():
     found = judge_simulator(simulator_of(law), material, law=law, meshes=("tet4",))
     assert found.state == "differs with cause"
     assert all(row.factors.is_explained for row in found.bodies)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_coarse_positions_are_a_cause_of_single_precision_alone(precision):
+    """An end that stays two hundredths of what the loads move aside, whatever the loads."""
+
+    def simulate(request: Request) -> Answer:
+        found = simulator_of("linear")(request)
+        if request.task != "rest" or not request.name.startswith("block_pull_space"):
+            return found
+        move = found.displacement.copy()
+        move[-1] += 1e-5 * np.sign(request.force.sum())
+        return Answer(displacement=move, about={**found.about, "precision": precision})
+
+    found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
+    rounded = [cause for cause in found.causes if cause.startswith("solver: positions in float32")]
+    assert (found.state, len(rounded)) == (
+        ("differs with cause", 1) if precision == "float32" else ("not explained", 0)
+    )
