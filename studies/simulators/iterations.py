@@ -48,9 +48,9 @@ TOLERANCES = (
     Tolerance("iterations: sweeps without a number", 0, "1", "each is asked for because it runs"),
 )  # fmt: skip
 COLUMNS = {
-    "name": "of the record, and of the sweep where there are some",
+    "name": "of the record",
     "law_beside": "law of the elements that it is held against",
-    "iterations": "in a step",
+    "iterations": "in a step, as asked for",
     "time_step": "s",
     "rest_error": "largest difference from these elements, over their largest displacement",
     "stated_rest": "part of the displacement that may still change, as the program says",
