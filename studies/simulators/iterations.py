@@ -115,12 +115,12 @@ def _iterative(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
 
 
 def _added(rows: pd.DataFrame) -> float:
-    """Largest error at `TIMES` as many iterations, less that before; 0 where none grows."""
-    errors = rows.set_index("iterations")["rest_error"]
-    each = [
-        errors[TIMES * count] - errors[count] for count in errors.index if TIMES * count in errors
-    ]
-    return max([0.0, *each])
+    """Most by which `TIMES` as many iterations add to an error, beyond what both say; 0 if none."""
+    by_count = rows.set_index("iterations")
+    errors, stated = by_count["rest_error"], by_count["stated_rest"].fillna(0.0)
+    later = [(count, TIMES * count) for count in errors.index if TIMES * count in errors.index]
+    added = [float(errors[b] - errors[a] - stated[a] - stated[b]) for a, b in later]
+    return max([0.0, *added])
 
 
 def _beyond(rows: pd.DataFrame) -> float:
