@@ -48,9 +48,9 @@ TOLERANCES = (
     Tolerance("iterations: sweeps without a number", 0, "1", "each is asked for because it runs"),
 )  # fmt: skip
 COLUMNS = {
-    "sweep": "name of the record, and of the sweep where there are some",
+    "name": "of the record",
     "law_beside": "law of the elements that it is held against",
-    "iterations": "in a step",
+    "iterations": "in a step, as asked for",
     "time_step": "s",
     "rest_error": "largest difference from these elements, over their largest displacement",
     "stated_rest": "part of the displacement that may still change, as the program says",
@@ -99,10 +99,10 @@ def _number(value: float | None) -> float:
 
 def _observed(table: pd.DataFrame) -> list[Observed]:
     plain = table[table["iterations"].isna()]
-    nothing = table.groupby("sweep")["rest_error"].apply(lambda errors: errors.isna().all())
+    nothing = table.groupby("name")["rest_error"].apply(lambda errors: errors.isna().all())
     return [
         Observed(max((_added(rows) for _, rows in _iterative(table)), default=math.inf)),
-        Observed(max((_beyond(rows) for _, rows in plain.groupby("sweep")), default=math.inf)),
+        Observed(max((_beyond(rows) for _, rows in plain.groupby("name")), default=math.inf)),
         Observed(float(plain["rest_error"].max())),
         Observed(float(nothing.sum())),
     ]
@@ -111,16 +111,16 @@ def _observed(table: pd.DataFrame) -> list[Observed]:
 def _iterative(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
     """Rows of each step of programs whose own law they are held against."""
     known = table[table["iterations"].notna() & (table["law_beside"] != ASKED)]
-    return [(str(key[0]), rows) for key, rows in known.groupby(["sweep", "time_step"])]
+    return [(str(key[0]), rows) for key, rows in known.groupby(["name", "time_step"])]
 
 
 def _added(rows: pd.DataFrame) -> float:
-    """Largest error at `TIMES` as many iterations, less that before; 0 where none grows."""
-    errors = rows.set_index("iterations")["rest_error"]
-    each = [
-        errors[TIMES * count] - errors[count] for count in errors.index if TIMES * count in errors
-    ]
-    return float(max([0.0, *each]))
+    """Most by which `TIMES` as many iterations add to an error, beyond what both say; 0 if none."""
+    by_count = rows.set_index("iterations")
+    errors, stated = by_count["rest_error"], by_count["stated_rest"].fillna(0.0)
+    later = [(count, TIMES * count) for count in errors.index if TIMES * count in errors.index]
+    added = [float(errors[b] - errors[a] - stated[a] - stated[b]) for a, b in later]
+    return max([0.0, *added])
 
 
 def _beyond(rows: pd.DataFrame) -> float:
@@ -133,7 +133,7 @@ def _beyond(rows: pd.DataFrame) -> float:
 def _findings(table: pd.DataFrame) -> list[str]:
     """Of each iterative program, what it began with and came to."""
     found = []
-    for name, rows in table[table["iterations"].notna()].groupby("sweep", sort=False):
+    for name, rows in table[table["iterations"].notna()].groupby("name", sort=False):
         known = rows.dropna(subset="rest_error").sort_values(["time_step", "iterations"])
         if known.empty:
             continue

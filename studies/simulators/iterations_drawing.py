@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import pandas as pd
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from msvalidate.judging.evidence import Tables
 from msvalidate.output import figures
 
-LINES = ("-", "--", "-.", ":")
-"""Of time steps, the longest first."""
+LINES = (("-", 1.0), ("--", 0.0), (":", 0.5), ("-.", 0.25))
+"""Kind of line and how full its marks are, of time steps, the longest first."""
+
+
+def mix(colour: str, full: float) -> tuple[float, float, float]:
+    """A colour on white: none of it at 0, it alone at 1."""
+    red, green, blue = (1 - full * (1 - part) for part in to_rgb(colour))
+    return red, green, blue
 
 
 def iterations(tables: Tables) -> Figure:
@@ -19,13 +26,15 @@ def iterations(tables: Tables) -> Figure:
     table = table.assign(**{name: pd.to_numeric(table[name], errors="coerce") for name in numbers})
     table = table.dropna(subset=numbers)
     figure, axes = figures.new_figure(size=(6.4, 4.4))
-    for place, (name, rows) in enumerate(table.groupby("sweep", sort=False)):
+    for place, (name, rows) in enumerate(table.groupby("name", sort=False)):
         steps = sorted(rows["time_step"].unique(), reverse=True)
-        for step, line in zip(steps, LINES, strict=False):
+        style = figures.series_style(place)
+        for step, (line, full) in zip(steps, LINES, strict=False):
             drawn = rows[rows["time_step"] == step].sort_values("iterations", kind="stable")
             axes[0].loglog(
                 drawn["iterations"], drawn["rest_error"], line,
-                label=f"{name}, {1e3 * step:g} ms", **figures.series_style(place),
+                label=f"{name}, {1e3 * step:g} ms", **style,
+                markerfacecolor=mix(style["color"], full),
             )  # fmt: skip
     axes[0].set(xlabel="iterations in a step", ylabel="error over the displacement")
     figure.suptitle("Hanging block: what iterations and steps leave")
