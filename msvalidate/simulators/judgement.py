@@ -135,7 +135,8 @@ def judge_simulator(
             load_more(simulator, row, each, read, masses_on(each.request, reading, total))
             for row, (_, each) in zip(rows, found, strict=True)
         )
-    large = _large(simulator, material, law, own, (reading, total), notes) if law else None
+    furthest = own | dict(converged or {})
+    large = _large(simulator, material, law, furthest, (reading, total), notes) if law else None
     state, causes = state_and_causes(material, predicted, reading, read, rows, large)
     return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes), large)
 
