@@ -84,8 +84,8 @@ def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> 
         tables.append(_law_table(found))
     if found.bodies:
         tables.append(_bodies_table(found))
-    failed = [each for each in asked.failures if not any(c in each for c in _reasons(found.causes))]
-    seen = [each for each in (*found.causes, *failed) if UNASKED not in each]
+    plain = [each for each in found.causes if not any(_why(each) in f for f in asked.failures)]
+    seen = [each for each in (*plain, *asked.failures) if UNASKED not in each]
     return Sheet(
         word=_word(found, asked, parts),
         who=_who(asked),
@@ -96,9 +96,10 @@ def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> 
     )
 
 
-def _reasons(causes: Iterable[str]) -> list[str]:
-    """What stands behind the colon of each cause."""
-    return [each.partition(": ")[2] for each in causes if ": " in each]
+def _why(said: str) -> str:
+    """What stands behind the first colon, or all of it."""
+    what, colon, why = said.partition(": ")
+    return why if colon else what
 
 
 def _by_reason(notes: Iterable[str]) -> tuple[str, ...]:
