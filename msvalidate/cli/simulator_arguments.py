@@ -12,6 +12,8 @@ from msvalidate.cli.arguments import PROGRAM, USAGE
 
 FOLDER = Path("reports/simulators")
 SHAPES = ("tetra", "hexahedron", "triangle", "quad")
+PARTS = ("gate", "probe", "bodies")
+"""Of a check, as `simulators.judgement` has them: this module imports nothing heavy."""
 SAID = {
     "simulate": "Ask a simulator for a case through its adapter, and judge what it answers.",
     "adapter": "Adapters: programs that run a simulator, as ADAPTER CASE_DIR OUT_DIR.",
@@ -23,13 +25,13 @@ exit codes:
                                       4  it cannot represent the case
 """
 CHECK = """\
-Ask a simulator fifty to two hundred small questions: does it pass the gate, which law does one step
+Ask a simulator ten to two hundred small questions: does it pass the gate, which law does one step
 of it show, and what of its bodies at rest has no cause? Nothing is installed for it.
 """
 CHECK_CODES = """\
 exit codes:
   0  the solid asked for             2  wrong usage or bad input
-  1  another solid, not explained,   3  no answer at all, or not in time
+  1  another solid, not explained,   3  a question crashed it, had no answer, or not in time
      or stopped at the gate          4  it can represent nothing that was asked
 """
 
@@ -124,7 +126,21 @@ def _add_check(parser: argparse.ArgumentParser) -> None:
     _add_set(add, "--set", "a setting of the simulator, handed on; again for another")
     _add_set(add, "--probe-set", "a setting for the steps alone from which the law is read")
     _add_limit(add)
+    add(
+        "--only",
+        action="append",
+        choices=PARTS,
+        metavar="PART",
+        help="gate, probe or bodies alone; again for another (default: all three)",
+    )
     add("--json", type=Path, metavar="FILE", help="all of it as a file too")
+    add(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="a page in a folder of its own there, and beside it the latest question and answer",
+    )
+    add("--no-plots", dest="plots", action="store_false", help="no picture in the page")
     add("-q", "--quiet", action="store_true", help="say failures only")
     add("-v", "--verbose", action="store_true", help="tracebacks of crashes")
 

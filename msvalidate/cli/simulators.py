@@ -66,7 +66,7 @@ def _new(args: argparse.Namespace) -> int:
     if not path.parent.is_dir():
         raise ProblemError(f"adapter new: no folder {path.parent}; make it first")
     exchange.replace_file(path, lambda: adapter_template(name).encode())
-    tell(f"{path} written; it runs as it is: {PROGRAM} simulate CASE --with {path}")
+    tell(f"{path} written; it runs as it is: {PROGRAM} adapter check {path}")
     return HELD
 
 

@@ -24,10 +24,14 @@ def state_and_causes(
     predicted: tuple[float, float] | None,
     reading: Reading | None,
     law: tuple[float, float] | None,
-    rows: tuple[BodyRow, ...],
+    rows: tuple[BodyRow, ...] | None,
     large: AtLargeStrain | None,
 ) -> tuple[str, tuple[str, ...]]:
-    """One of `STATES` and the causes in words, from what differs from what was asked."""
+    """One of `STATES` and the causes in words, from what differs from what was asked.
+
+    `rows` are None where no body was asked for, and empty where none could be represented.
+    """
+    missing, rows = rows == (), rows or ()
     causes = [*_law_causes(material, reading, law), *_factor_causes(rows)]
     loaded = [row for row in rows if row.body in LOADED] or list(rows)
     open_rows = [row for row in loaded if not row.is_explained and not row.is_rounded]
@@ -45,8 +49,9 @@ def state_and_causes(
             f"law: at {large.strain:.2g} strain {large.apart:.2g} of the displacement from "
             "elements of its documented law"
         )
-    if open_rows or unread or off or other or not rows:
+    if open_rows or unread or off or other or missing:
         causes += [_open_words(row) for row in open_rows]
+        causes += ["bodies at rest: it could represent none of them"] if missing else []
         return NOT_EXPLAINED, tuple(dict.fromkeys(causes))
     return (CAUSE if causes else AGREES), tuple(dict.fromkeys(causes))
 

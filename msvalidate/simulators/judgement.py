@@ -8,7 +8,8 @@ they do not is told as not explained.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,6 +36,9 @@ from msvalidate.simulators.protocol import (
 )
 from msvalidate.simulators.reading import Reading
 
+PARTS = ("gate", "probe", "bodies")
+"""What a simulator is asked, in this order."""
+
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
@@ -47,7 +51,8 @@ class Judgement:
     predicted
         Modulus (Pa) and ratio that its documented law is to first order; None if not known.
     gate, reading
-        What it passed, and what the probe read; None where it could not be probed.
+        What it passed, without rows where it was not asked; what the probe read, None where it was
+        not or could not be probed.
     bodies
         At rest.
     large
@@ -81,6 +86,7 @@ def judge_simulator(
     converged: Mapping[str, Any] | None = None,
     meshes: tuple[str, ...] = MESHES,
     probed: Mapping[str, Any] | None = None,
+    parts: Collection[str] = PARTS,
 ) -> Judgement:
     """Judge a simulator.
 
@@ -104,29 +110,27 @@ def judge_simulator(
         Of the bodies, tetrahedra.
     probed
         Settings of the probe's steps beside the others.
+    parts
+        Those of `PARTS` that it is asked; what is said is of them alone.
 
     Raises
     ------
     ProblemError
         For another material, or a law that is not there.
     """
-    low, high = blocks.RATIOS
-    if material.state != "solid":
-        raise ProblemError(f"judge_simulator: state {material.state}; give a solid")
-    if not low <= material.nu <= high:
-        raise ProblemError(
-            f"judge_simulator: ratio {material.nu:g}; give one from {low:g} to {high:g}, for which "
-            "elasticity is known"
-        )
+    _refuse_material(material)
     own = dict(settings or {})
     predicted = predicted or _first_order(law, material)
-    gated = gate(simulator, material, own)
-    if not gated.passed:
+    gated = gate(simulator, material, own) if "gate" in parts else Gate(())
+    if "gate" in parts and not gated.passed:
         causes = tuple(f"{row.name}: {row.because}" for row in gated.stops) or ("nothing passed",)
         return Judgement(material, predicted, gated, None, (), STOPPED, causes, ())
     notes: list[str] = []
-    reading = _probed(simulator, material, own | dict(probed or {}), notes)
-    found = bring_to_rest(simulator, material, own, meshes, notes)
+    reading = None
+    if "probe" in parts:
+        reading = _probed(simulator, material, own | dict(probed or {}), notes)
+    bodies = "bodies" in parts
+    found = bring_to_rest(simulator, material, own, meshes, notes) if bodies else []
     settled = bring_further(simulator, own, converged, found)
     read, total = _law(reading, found, predicted, (material.E, material.nu))
     rows = tuple(body_row(body, each, read, reading, total, settled) for body, each in found)
@@ -135,10 +139,25 @@ def judge_simulator(
             load_more(simulator, row, each, read, masses_on(each.request, reading, total))
             for row, (_, each) in zip(rows, found, strict=True)
         )
-    furthest = own | dict(converged or {})
-    large = _large(simulator, material, law, furthest, (reading, total), notes) if law else None
-    state, causes = state_and_causes(material, predicted, reading, read, rows, large)
+    large = None
+    if law and bodies:
+        furthest = own | dict(converged or {})
+        large = _large(simulator, material, law, furthest, (reading, total), notes)
+    state, causes = state_and_causes(
+        material, predicted, reading, read, rows if bodies else None, large
+    )
     return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes), large)
+
+
+def _refuse_material(material: Isotropic) -> None:
+    low, high = blocks.RATIOS
+    if material.state != "solid":
+        raise ProblemError(f"judge_simulator: state {material.state}; give a solid")
+    if not low <= material.nu <= high:
+        raise ProblemError(
+            f"judge_simulator: ratio {material.nu:g}; give one from {low:g} to {high:g}, for which "
+            "elasticity is known"
+        )
 
 
 def _first_order(law: str, material: Isotropic) -> tuple[float, float] | None:
@@ -191,13 +210,15 @@ def _law(
     """Modulus (Pa) and ratio of the law, and the body's mass over what is asked.
 
     The probe sees E over mass alone. A body pulled by forces sees E alone. So their quotient is the
-    mass; it is taken for 1 where it is so within `BAND`.
+    mass; it is taken for 1 where it is so within `BAND`. Where nothing was probed the law is the
+    documented one, or else what the finest pulled body is the elements of: the other bodies are
+    then held against it.
     """
-    if reading is None:  # held against what it is documented to be, else against what was asked
-        return predicted or asked, 1.0
+    pulled = [each for body, each in found if body == "pulled" and each.case.driven == "loads"]
+    if reading is None:
+        return predicted or _law_of(pulled) or asked, 1.0
     if reading.E is None or reading.nu is None:
         return predicted, 1.0
-    pulled = [each for body, each in found if body == "pulled" and each.case.driven == "loads"]
     if not pulled or reading.masses is None:
         return (reading.E, reading.nu), 1.0
     near = blocks.effective_on_mesh(pulled[-1])
@@ -205,3 +226,12 @@ def _law(
     if near.left > BAND or not total > 0 or abs(total - 1) <= BAND:
         return (reading.E, reading.nu), 1.0
     return (reading.E * total, reading.nu), total
+
+
+def _law_of(pulled: list[AtRest]) -> tuple[float, float] | None:
+    """Modulus (Pa) and ratio of the elements that the last body is; None if it is none's."""
+    if not pulled:
+        return None
+    near = blocks.effective_on_mesh(pulled[-1])
+    known = near.left <= BAND and math.isfinite(near.E) and math.isfinite(near.nu)
+    return (near.E, near.nu) if known else None

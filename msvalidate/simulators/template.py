@@ -5,7 +5,7 @@ from __future__ import annotations
 TEMPLATE = '''\
 """Adapter NAME: run as `python NAME.py CASE_DIR OUT_DIR`. Replace what is marked HERE by yours.
 
-As it is, it solves linear elasticity on triangles or tetrahedra by conjugate gradients.
+As it is, linear elasticity by conjugate gradients; `msvalidate adapter check NAME.py` judges it.
 """
 import json, sys, time  # noqa: E401
 from pathlib import Path
@@ -25,7 +25,7 @@ def table(name):
     return np.loadtxt(CASE / name, delimiter=",", skiprows=1, ndmin=2)[:, 1:]
 
 
-# 1. What is asked. All in SI units: m, kg, s, N, Pa.
+# 1. What is asked, in SI units: m, kg, s, N, Pa. Leave it; what is not for you, do not use.
 request = json.loads((CASE / "request.json").read_text())
 d, material = request["dimension"], request["material"]
 X, cells, nodal = table("points.csv"), table("cells.csv").astype(int), table("nodal.csv")
@@ -34,7 +34,7 @@ force = nodal[:, 1 : 1 + d] + mass[:, None] * request["gravity"]
 held, value = nodal[:, 1 + d : 1 + 2 * d] == 1, nodal[:, 1 + 2 * d :]
 settings = request["settings"]  # from --set NAME=VALUE: law, iterations, dt ... as you like
 
-# 2. HERE: your program in place of the rest of this part. Say what it cannot represent.
+# 2. HERE: your program in place of this part: rest, motion or both. Say what it cannot represent.
 if request["cells"] not in ("triangle", "tetra"):
     cannot(f"cells {request['cells']}; triangles and tetrahedra only")
 if request["task"] == "motion" and request["steps"] > 1:
@@ -62,8 +62,11 @@ def inner(u):
 
 began, answer, steps, rest = time.perf_counter(), {}, 0, {}
 if request["task"] == "motion":
+    # HERE, motion: from start.csv, at no velocity, `steps` steps of `dt` under `gravity` alone: no
+    # supports, forces, damping, contact. "position" and "velocity" (n, d), or of a static program
     answer["force"] = -inner(table("start.csv") - X)
 else:
+    # HERE, rest: under `force`, with `value` where `held`, until nothing moves; `rest` says so.
     u = np.where(held, value, 0.0)
     r = np.where(held, 0.0, force - inner(u))
     p, first = r, np.abs(r).max()
@@ -72,23 +75,22 @@ else:
         a, before = (r * r).sum() / (p * Kp).sum(), (r * r).sum()
         u, r, steps = u + a * p, r - a * Kp, steps + 1
         p = r + (r * r).sum() / before * p
-    left = np.abs(np.where(held, 0.0, force - inner(u))).max()
-    answer["displacement"], rest = u, {"residual": float(left)}
+    left = float(np.abs(np.where(held, 0.0, force - inner(u))).max())
+    answer["displacement"], rest = u, {"residual": left}
 
-# 3. The answer: arrays in the order of points.csv, and what you can say of them.
+# 3. The answer: arrays in the order of points.csv, and HERE what is true of your program.
 np.savez(OUT / "result.npz", **answer)
 about = {
     "simulator": "NAME",
     "version": "0",
     "law": "linear elasticity, toy solver of the template",
     "precision": "float64",  # or "float32"
-    "settings": {"iterations": [settings.get("iterations", 10000), "at most"]},
+    "settings": {"iterations": [settings.get("iterations", 10000), "at most"]},  # [value, unit]
     "steps": steps,  # that it took; "dt" (s) where it moves in time
-    "mass": "lumped",
-    "forces_at": "start",
+    "mass": "lumped",  # or "consistent", or "one point"
+    "forces_at": "start",  # of a step, where forces act that change velocities; implicit: "end"
     "at_rest": rest,  # or {"largest_speed": m/s}, {"change_when_twice_as_long": m}, {} if unknown
     "seconds": time.perf_counter() - began,
-    "notes": "",
 }
 (OUT / "result.json").write_text(json.dumps(about, indent=2))
 '''

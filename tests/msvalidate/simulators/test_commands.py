@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import signal
+import subprocess
+import time
 from pathlib import Path
 
 import pytest
 
 from tests.table import table
-from tests.test_command_line import run
+from tests.test_command_line import PROGRAM, run
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -101,38 +105,77 @@ def test_what_goes_wrong_is_one_line_and_a_code(place, words, code, told):
         assert done.stderr.count("\n") == 1
 
 
+# Check --------------------------------------------------------------------------------------------
+
+LAW = "mu, lam = E / (2 + 2 * nu), E * nu / ((1 + nu) * (1 - 2 * nu))"
+MOVES = 'if request["task"] == "motion" and request["steps"] > 1:'
+VARIANTS = {
+    "lame": (LAW, f"{LAW[:-1]}) - E / (2 + 2 * nu)"),
+    "deaf": ('material["E"],', "2e7,"),
+    "rest": (MOVES, 'if request["task"] == "motion":'),
+    "fails": ('answer["displacement"], rest', 'raise SystemExit("it diverged")\n    u, rest'),
+    "hangs": ('answer["displacement"], rest', "time.sleep(60)\n    u, rest"),
+}
+"""Name of an adapter -> what of the template is another in it, and what stands there."""
+
+
+@pytest.fixture(scope="module")
+def adapters(place):
+    """The template with one change each."""
+    text = (place / "toy.py").read_text(encoding="utf-8")
+    for name, (old, new) in VARIANTS.items():
+        assert text.count(old) == 1, name
+        (place / f"{name}.py").write_text(text.replace(old, new), encoding="utf-8")
+    return place
+
+
+CHECKS = [
+    ("toy", ("--only", "gate", "--only", "probe"), 0, "toy: agrees, of gate and probe alone\n"),
+    ("lame", ("--only", "probe"), 1, "law: E 0.8974 times the asked, nu 0.1667 for 0.3\n"),
+    ("lame", ("--only", "probe", "--law", "linear"), 1, "its documents say 1e+07 Pa, 0.3\n"),
+    ("deaf", (), 1, "stopped  twice the modulus"),
+    ("rest", ("--only", "gate", "--only", "bodies"), 0, "of the pulled body  1e+07"),
+    ("fails", (), 3, "fails: no answer to 1 of 7 questions\n"),
+    ("hangs", ("--limit", "1"), 3, "question 7, rest: adapter: not done after"),
+]
+
+
 @pytest.mark.slow
-def test_an_adapter_is_checked(place):
-    done = run("adapter", "check", "toy.py", "--law", "linear", "--json", "toy.json", cwd=place)
+@table("name, words, code, said", CHECKS)
+def test_what_is_said_of_adapters(adapters, name, words, code, said):
+    done = run("adapter", "check", f"{name}.py", *words, cwd=adapters)
+    assert (done.returncode, said in done.stdout, done.stderr) == (code, True, ""), done.stdout
+    assert "\nnext: " in done.stdout
+
+
+@pytest.mark.slow
+def test_an_adapter_is_checked_and_leaves_a_page(adapters):
+    words = ("--law", "linear", "--json", "toy.json", "--out", "checked", "--E", "2e5")
+    done = run("adapter", "check", "toy.py", *words, "--density", "900", cwd=adapters)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("toy: agrees\n")
-    assert "read        E 1e+07 ± " in done.stdout
-    found = json.loads((place / "toy.json").read_text(encoding="utf-8"))
+    assert done.stdout.startswith("toy: agrees\n  toy 0, linear elasticity, toy solver of the ")
+    found = json.loads((adapters / "toy.json").read_text(encoding="utf-8"))
     assert found["large"]["apart"] < 1e-8
-
-
-def test_an_adapter_that_the_gate_stops(place):
-    text = (place / "toy.py").read_text(encoding="utf-8").replace('material["E"],', "2e7,")
-    (place / "deaf.py").write_text(text, encoding="utf-8")
-    done = run("adapter", "check", "deaf.py", cwd=place)
-    assert done.returncode == 1
-    assert "stopped  twice the modulus" in done.stdout
+    assert found["probe"]["E"] == pytest.approx(2e5, rel=1e-6)
+    folder = adapters / "checked" / "toy-check"
+    assert json.loads((folder / "check.json").read_text(encoding="utf-8")) == found
+    page = (folder / "check.html").read_text(encoding="utf-8")
+    assert page.count("<td") > 60
+    assert "data:image/svg+xml" in page
+    assert str(adapters) not in page
 
 
 @table(
     "text, words, code, said",
     [
-        (
-            "raise SystemExit('no licence')",
-            (),
-            3,
-            "3 questions and no answer: adapter: exit code 1",
-        ),
+        ("raise SystemExit('no licence')", (), 3, "question 1, motion: adapter: exit code 1: no l"),
         ("import time; time.sleep(60)", ("--limit", "0.5"), 3, "question 1, motion: adapter: not"),
         ("import sys; sys.exit(print('hair', file=sys.stderr) or 77)", (), 4, "represent: hair"),
         ("", ("--law", "jelly"), 2, "--law 'jelly': not known; see adapter laws"),
+        ("", ("--only", "page"), 2, "invalid choice: 'page'"),
         ("", ("--nu", "0.49"), 2, "ratio 0.49; give one from 0 to 0.45"),
         ("", ("--json", "no/x.json"), 2, "no folder no; make it first"),
+        ("", ("--out", "box.toml"), 2, "box.toml"),
     ],
 )
 def test_adapters_that_cannot_be_checked(place, text, words, code, said):
@@ -141,3 +184,23 @@ def test_adapters_that_cannot_be_checked(place, text, words, code, said):
     assert (done.returncode, done.stdout) == (code, "")
     assert said in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="asks the system for processes")
+def test_an_interrupt_ends_a_check_in_one_line(place):
+    text = "import os, time; open('../../pid', 'w').write(str(os.getpid())); time.sleep(60)"
+    (place / "slow.py").write_text(text, encoding="utf-8")
+    command = [*PROGRAM, "adapter", "check", "slow.py", "--out", "."]
+    told = place / "pid"
+    with subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True) as ours:
+        for _ in range(300):
+            if told.exists() and told.read_text(encoding="utf-8"):
+                break
+            time.sleep(0.1)
+        ours.send_signal(signal.SIGINT)
+        _, said = ours.communicate(timeout=20)
+    assert ours.returncode == 130
+    assert said.count("\n") == 1
+    assert said.endswith("interrupted; results are as they were\n")
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(told.read_text(encoding="utf-8")), 0)
