@@ -226,11 +226,12 @@ def test_the_checker_needs_numpy_only():
 
 LOAD_ALL = """
 import importlib, pkgutil, sys
+BOTH = ("studies", "__main__", "case", "cases", "simulators", "adapter_check")
 def load(name):
     package = importlib.import_module(name)
     for module in pkgutil.iter_modules(getattr(package, "__path__", ())):
         # Cases compare both sides, as studies do.
-        if module.name not in ("studies", "__main__", "case", "cases", "simulators", "adapter_check"):
+        if module.name not in BOTH:
             load(f"{name}.{module.name}")
     return package
 package = load(sys.argv[1])
