@@ -230,7 +230,8 @@ def load(name):
     package = importlib.import_module(name)
     for module in pkgutil.iter_modules(getattr(package, "__path__", ())):
         # Cases compare both sides, as studies do.
-        if module.name not in ("studies", "__main__", "case", "cases", "simulators"):
+        both = ("case", "cases", "simulators", "adapter_check")
+        if module.name not in ("studies", "__main__", *both):
             load(f"{name}.{module.name}")
     return package
 package = load(sys.argv[1])
