@@ -10,6 +10,7 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import ArrayLike
 
+from msvalidate_check.beside import longest
 from msvalidate_check.case_set import ElasticCase, case_facts, elastic_case
 from msvalidate_check.diagnosis import NOTICED, Explanation, Field, explain, split
 from msvalidate_check.errors import CheckError
@@ -150,41 +151,26 @@ def check(
     """
     if not isinstance(case, ElasticCase):
         raise CheckError(f"case: {str(case)[:40]!r}; give what elastic_case returns")
-    d = case.points.shape[1]
-    move = vectors("displacement", displacement, d)
-    number, places, notes = matched(case, points, move)
-    found = move[number >= 0]
-    order = number[number >= 0]
-    wanted = case.wanted[order]
-    size = float(np.linalg.norm(wanted, axis=1).max())
-    if not size:
-        raise CheckError(f"{case}: elasticity does not move at these points; give others too")
-    at = case.points[order]
-    given = None if places is None else places[number >= 0]
-    precision = _precision(found, given, size, accuracy)
+    given = _matched(case, points, displacement, accuracy)
     rest = math.nan if at_rest is None else positive("at_rest", at_rest)
     positive("band", band)
-    known = case.uncertainty * float(np.linalg.norm(case.wanted, axis=1).max())
-    doubt = known / size + precision
-    field_ = _field(case, order, at, found, wanted, doubt)
-    error = field_.left(found)
-    word = agreement(error, doubt, band, 0.0 if math.isnan(rest) else rest)
-    causes = explain(field_)
-    if rest >= error > NOTICED * doubt:
-        still = Explanation("rest", "not at rest: it may still change by as much", 0.0, rest)
-        causes = (still, *causes)
-    parts = {
-        name: float(np.linalg.norm(part, axis=1).max()) / size
-        for name, part in split(field_).items()
-    }
-    rows = _rows(case, {} if quantities is None else quantities, band)
-    material = nearest_material(case, order, found, doubt * size)
-    if error > NOTICED * doubt and not any(each.name in OF_MATERIAL for each in causes):
-        material = Material(math.nan, math.nan, math.nan, math.nan, material.left)
+    error = given.field.left(given.field.found)
+    causes = _causes(given, error, rest)
     return Verdict(
-        case.name, case.nu, word, error, doubt, band, parts, causes, material, rest, precision,
-        rows, notes,
-    )  # fmt: skip
+        case.name,
+        case.nu,
+        agreement(error, given.field.doubt, band, 0.0 if math.isnan(rest) else rest),
+        error,
+        given.field.doubt,
+        band,
+        {name: longest(part) / given.field.size for name, part in split(given.field).items()},
+        causes,
+        _material(case, given, error, causes),
+        rest,
+        given.precision,
+        _rows(case, {} if quantities is None else quantities, band),
+        given.notes,
+    )
 
 
 def assert_elastic(
@@ -206,6 +192,69 @@ def assert_elastic(
 
 
 # Numbers ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Matched:
+    """Displacements at nodes of a case.
+
+    Parameters
+    ----------
+    order
+        (m,) nodes.
+    field
+        What is found and wanted there.
+    precision
+        Of the numbers given, over the largest displacement wanted.
+    notes
+        On points that are missing or doubled.
+    """
+
+    order: Array
+    field: Field
+    precision: float
+    notes: tuple[str, ...]
+
+
+def _matched(
+    case: ElasticCase,
+    points: ArrayLike | None,
+    displacement: ArrayLike,
+    accuracy: float | None,
+) -> _Matched:
+    """What was given at nodes of the case, in their order; raises `CheckError` as `check`."""
+    move = vectors("displacement", displacement, case.points.shape[1])
+    number, places, notes = matched(case, points, move)
+    order, found = number[number >= 0], move[number >= 0]
+    wanted = case.wanted[order]
+    size = longest(wanted)
+    if not size:
+        raise CheckError(f"{case}: elasticity does not move at these points; give others too")
+    precision = _precision(found, None if places is None else places[number >= 0], size, accuracy)
+    doubt = case.uncertainty * longest(case.wanted) / size + precision
+    field_ = _field(case, order, case.points[order], found, wanted, doubt)
+    return _Matched(order, field_, precision, notes)
+
+
+def _causes(given: _Matched, error: float, rest: float) -> tuple[Explanation, ...]:
+    """All that explain the difference; that it is not at rest comes first, where that may do."""
+    causes = explain(given.field)
+    if rest >= error > NOTICED * given.field.doubt:
+        still = Explanation("rest", "not at rest: it may still change by as much", 0.0, rest)
+        return (still, *causes)
+    return causes
+
+
+def _material(
+    case: ElasticCase, given: _Matched, error: float, causes: tuple[Explanation, ...]
+) -> Material:
+    """The material that is nearest; NaN where there is a difference that is of no material."""
+    near = nearest_material(
+        case, given.order, given.field.found, given.field.doubt * given.field.size
+    )
+    if error > NOTICED * given.field.doubt and not any(each.name in OF_MATERIAL for each in causes):
+        return Material(math.nan, math.nan, math.nan, math.nan, near.left)
+    return near
 
 
 def _precision(found: Array, places: Array | None, size: float, accuracy: float | None) -> float:

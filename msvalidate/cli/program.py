@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import difflib
 import gc
 import os
 import sys
@@ -31,6 +30,7 @@ from msvalidate.cli.arguments import (
 )
 from msvalidate.cli.case_arguments import parse_case
 from msvalidate.cli.simulator_arguments import parse_simulators
+from msvalidate.cli.tables import refuse_unknown_tables, refuse_unmade_tables, said_of
 from msvalidate.cli.terminal import (
     announce_compilation,
     ending,
@@ -38,9 +38,7 @@ from msvalidate.cli.terminal import (
     failure_lines,
     nowhere,
     print_lines,
-    summary_lines,
     suspect_line,
-    table_lines,
     tell,
     tell_error,
 )
@@ -159,7 +157,7 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
         baseline.check_home(args.baseline)
     if args.update:
         baseline.reason_entry(args.baseline, args.form, args.reason)  # refuses before the work
-    _refuse_unknown_tables(args)
+    refuse_unknown_tables(args)
     for name in args.studies:
         catalogue.load(name)
     if args.candidate:
@@ -173,8 +171,8 @@ def _run(args: argparse.Namespace, arguments: Sequence[str]) -> int:
     codes += told
     _write(outcomes, args)
     results = [outcome.result for outcome in outcomes if outcome.result]
-    codes.append(print_lines([line for result in results for line in _lines(result, args)]))
-    codes += _tables_there(results, args)
+    codes.append(print_lines([line for result in results for line in said_of(result, args)]))
+    codes += refuse_unmade_tables(results, args)
     failed = [outcome.name for outcome in outcomes if not outcome.held]
     if args.update:
         codes.append(_update(results, args, failed))
@@ -321,16 +319,6 @@ def _update(results: list[Result], args: argparse.Namespace, failed: list[str]) 
     return HELD
 
 
-def _lines(result: Result, args: argparse.Namespace) -> list[str]:
-    """What stdout says of a study: its findings, or the tables asked for."""
-    if args.quiet or args.verb == "check":
-        return []
-    if args.tables:
-        return table_lines(result, args.tables)
-    tables = [*table_lines(result, ()), ""] if args.verbose else []
-    return [*tables, *summary_lines(result)]
-
-
 def _say(study: Stored | Outcome, args: argparse.Namespace) -> None:
     """What a study missed, and how it ended, to stderr."""
     for line in failure_lines(study, f"{args.out / study.name}{os.sep}verdict.csv"):
@@ -341,41 +329,6 @@ def _say(study: Stored | Outcome, args: argparse.Namespace) -> None:
             tell(line)
     if not args.quiet:
         tell(ending(study))
-
-
-def _refuse_unknown_tables(args: argparse.Namespace) -> None:
-    """Raise `ProblemError`, before the work, for a table that none of the studies makes.
-
-    What they may make is in their baseline, or named in their sources.
-    """
-    if not args.tables:
-        return
-    from msvalidate.judging.foreign import TABLE
-    from msvalidate.output import baseline
-    from msvalidate.problem import ProblemError
-    from msvalidate.problem.checks import format_value
-
-    known = {"verdict"}.union(*map(baseline.tables, args.studies))
-    if args.candidate:
-        known.add(TABLE)
-    elif len(known) == 1:
-        return  # nothing to go by
-    words = known.union(*map(catalogue.words, args.studies))
-    for name in args.tables:
-        if name not in words:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"choose from {', '.join(sorted(known))}"
-            raise ProblemError(f"--table {format_value(name)}: no such table; {hint}")
-
-
-def _tables_there(results: list[Result], args: argparse.Namespace) -> list[int]:
-    """An exit code if a table was asked for that no study made; which, is said."""
-    made = {"verdict"}.union(*(result.evidence.tables for result in results))
-    unknown = [name for name in args.tables if name not in made]
-    if not (results and unknown):
-        return []
-    known = ", ".join(sorted(made))
-    return [tell_error(f"--table {unknown[0]}: no such table; choose from {known}", USAGE)]
 
 
 def _prepare_streams() -> None:

@@ -82,10 +82,28 @@ def raise_flags(
 ) -> tuple[Flag, ...]:
     """All flags of a reading. Asks the simulator some ten times more."""
     largest = float(np.abs(C).max())
-    unit = strain * largest
     odd = [((a.stress - b.stress) / 2, (a.force - b.force) / 2) for a, b in pairs]
-    strength = max(float(np.abs(f).max()) for _, f in odd)
-    seen = [
+    forces = [f for _, f in odd]
+    strength = max(float(np.abs(f).max()) for f in forces)
+    return (
+        *_balance(odd, C, strain),
+        *_at_rest(rest, largest, strength),
+        _one_sided(curvature, strain),
+        _infinitesimal_turn(station, strain, strain * largest),
+        _finite_turn(station, rest, largest),
+        _inner(station, forces, strain, largest),
+        _other_step(station, C, strain),
+        *([] if masses is None else [_free_fall(station, rest, strain)]),
+        *_of_masses(masses, station.consistent),
+        _repeat(station, rest, pairs[0][0], strain, strength),
+    )
+
+
+def _balance(odd: Sequence[tuple[Array, Array]], C: Array, strain: float) -> list[Flag]:
+    """Forces without resultant, and symmetry of the mean stress and of C."""
+    largest = float(np.abs(C).max())
+    skew = max(float(np.abs(P - P.T).max()) for P, _ in odd)
+    return [
         Flag(
             "net force",
             _resultant([f for _, f in odd]),
@@ -93,10 +111,7 @@ def raise_flags(
             "forces between nodes have no resultant; another comes from outside, or masses are off",
         ),
         Flag(
-            "symmetry of P",
-            max(float(np.abs(P - P.T).max()) for P, _ in odd) / unit,
-            EXACT,
-            "forces between nodes turn nothing",
+            "symmetry of P", skew / (strain * largest), EXACT, "forces between nodes turn nothing"
         ),
         Flag(
             "symmetry of C",
@@ -104,6 +119,12 @@ def raise_flags(
             EXACT,
             "a law with an energy is symmetric",
         ),
+    ]
+
+
+def _at_rest(rest: Push, largest: float, strength: float) -> list[Flag]:
+    """Stress and forces of the body as it was given."""
+    return [
         Flag(
             "stress at rest",
             float(np.abs(rest.stress).max()) / largest,
@@ -116,23 +137,12 @@ def raise_flags(
             IDLE,
             "over forces of strained states; contact, weight or what is left of other runs",
         ),
-        Flag(
-            "second-order part",
-            curvature / strain,
-            SMOOTH,
-            "over the strain; a law with a kink, or contact, pushes one way",
-        ),
-        _infinitesimal_turn(station, strain, unit),
     ]
-    return (
-        *seen,
-        _finite_turn(station, rest, largest),
-        _inner(station, [f for _, f in odd], strain, largest),
-        _other_step(station, C, strain),
-        *([] if masses is None else [_free_fall(station, rest, strain)]),
-        *_of_masses(masses, station.consistent),
-        _repeat(station, rest, pairs[0][0], strain, strength),
-    )
+
+
+def _one_sided(curvature: float, strain: float) -> Flag:
+    because = "over the strain; a law with a kink, or contact, pushes one way"
+    return Flag("second-order part", curvature / strain, SMOOTH, because)
 
 
 def _resultant(forces: Sequence[Array]) -> float:

@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msvalidate.problem import Array, Index
+from msvalidate.lattice.edges import mesh_lattice
+from msvalidate.network import internal_force, spring_network
 from msvalidate.simulators.laws import LAWS, lame
 from msvalidate.simulators.program import Program
 from msvalidate.simulators.protocol import Answer, Request, Simulator, SimulatorError
 from msvalidate.simulators.tetrahedra import Stress, tetrahedra
+from msvalidate.statics.equilibrium import equilibrium
 
 OWN_LAW = "neo-Hookean, log J"
 SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
@@ -110,58 +112,29 @@ def _swapped(request: Request) -> Answer:
 
 def _springs(request: Request) -> Answer:
     """A spring k = E h on each edge, h the mean edge, as forums advise: at rest, or in motion."""
-    edges = np.unique(np.sort(_pairs(request.mesh.cells), axis=1), axis=0)
-    length = np.linalg.norm(
-        request.mesh.points[edges[:, 1]] - request.mesh.points[edges[:, 0]], axis=1
+    points, edges = request.mesh.points, mesh_lattice(request.mesh).springs
+    length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
+    network = spring_network(
+        points,
+        edges,
+        request.material.E * float(length.mean()),
+        mass=request.mass,
+        held=request.held,
+        displacement=request.value,
+        force=request.force + request.mass[:, None] * request.gravity,
     )
-    stiffness = np.full(len(edges), request.material.E * float(length.mean()))
     about = {
         "simulator": "synthetic, springs", "version": "1", "precision": "float64",
         "mass": "lumped", "forces_at": "start",
     }  # fmt: skip
-    if request.task == "motion":
-        assert request.start is not None  # noqa: S101
-        x, v, dt = request.start.copy(), np.zeros_like(request.start), float(request.dt or 0)
-        for _ in range(request.steps):
-            pull = _spring_forces(edges, length, stiffness, x)
-            v = v + dt * (pull / request.mass[:, None] + request.gravity)
-            x = x + dt * v
-        return Answer(position=x, velocity=v, about=about)
-    return Answer(displacement=_springs_at_rest(request, edges, length, stiffness), about=about)
-
-
-def _pairs(cells: Index) -> Index:
-    ends = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
-    return np.concatenate([cells[:, list(pair)] for pair in ends])
-
-
-def _spring_forces(edges: Index, length: Array, stiffness: Array, x: Array) -> Array:
-    away = x[edges[:, 1]] - x[edges[:, 0]]
-    now = np.linalg.norm(away, axis=1)
-    pull = (stiffness * (now - length) / now)[:, None] * away
-    force = np.zeros_like(x)
-    np.add.at(force, edges[:, 0], pull)
-    np.add.at(force, edges[:, 1], -pull)
-    return force
-
-
-def _springs_at_rest(request: Request, edges: Index, length: Array, stiffness: Array) -> Array:
-    """To first order: small strains, so that no step is needed twice."""
-    n, d = request.mesh.points.shape
-    along = (request.mesh.points[edges[:, 1]] - request.mesh.points[edges[:, 0]]) / length[:, None]
-    K = np.zeros((n, d, n, d))
-    each = stiffness[:, None, None] * along[:, :, None] * along[:, None, :]
-    for (a, b), k in zip(edges, each, strict=True):
-        K[a, :, a] += k
-        K[b, :, b] += k
-        K[a, :, b] -= k
-        K[b, :, a] -= k
-    free = ~request.held.ravel()
-    outer = (request.force + request.mass[:, None] * request.gravity).ravel()
-    u = np.where(request.held, request.value, 0.0).ravel()
-    flat = K.reshape(n * d, n * d)
-    u[free] = np.linalg.solve(flat[free][:, free], (outer - flat @ u)[free])
-    return u.reshape(n, d)
+    if request.task == "rest":  # to first order: strains are small
+        return Answer(displacement=equilibrium(network).displacement, about=about)
+    assert request.start is not None  # noqa: S101  as the request checks
+    x, v, dt = request.start.copy(), np.zeros_like(request.start), float(request.dt or 0)
+    for _ in range(request.steps):
+        v = v + dt * (internal_force(network, x) / request.mass[:, None] + request.gravity)
+        x = x + dt * v
+    return Answer(position=x, velocity=v, about=about)
 
 
 def _crashing(request: Request) -> Answer:
