@@ -302,8 +302,8 @@ def _changed(
         said = f"what both say of their rest ({limit - noise:.2g}), and {ROUNDINGS} roundings"
     row = _judged("", away, "of u", limit, said)
     if row.verdict == STOPPED and not math.isnan(stated):
-        told = f"says it is at rest within {stated:.2g}, and moves by {away:.2g}"
-        return replace(row, because=f"{told} with {name} {wanted:g}: lies about rest")
+        told = f"its rest is stated to {stated:.2g}, and it moves by {away:.2g}"
+        return replace(row, because=f"{told} with {name} {wanted:g}")
     return row
 
 

@@ -57,7 +57,7 @@ COLUMNS = {
     "by_iterations": "largest change from the row with fewer iterations, over the same",
     "by_time_step": "largest change from the row with the next longer step, over the same",
     "seconds": "that the program took",
-    "failure": "why there is no state; empty where there is one",
+    "because": "why there is no state; empty where there is one",
 }
 GAPS = ("iterations", "rest_error", "stated_rest", "by_iterations", "by_time_step", "seconds")
 

@@ -178,7 +178,7 @@ def synthetic_faults() -> Mapping[str, Faulty]:
         "points swapped": Faulty(_swapped, ("not explained", "other nodes")),
         "1 % too stiff": Faulty(_stiffer, ("differs with cause", "law: E 1.01 ")),
         "k = E h on each edge": Faulty(_springs, ("not explained", "of no one solid")),
-        "lies about rest": Faulty(_lying, ("gate", "lies about rest")),
+        "states a rest that it is not at": Faulty(_lying, ("gate", "its rest is stated to 0,")),
         "crashes": Faulty(_crashing, ("gate", "signal 11")),
         "hangs": Faulty(hanging, ("gate", "limit")),
         "state survives": Faulty(_Forgetful(), ("gate", "the same again")),

@@ -145,12 +145,10 @@ def test_a_fault_is_stopped_at_its_row(simulator, stopped):
     assert not found.passed
 
 
-def test_who_lies_about_rest_is_told_so():
+def test_a_rest_that_it_is_not_at_is_told():
     lying = Linear(at_rest={"change_when_twice_as_long": 0.0}, left=lambda s: 1 / s["iterations"])
     (row,) = gate(lying, SOFT).stops
-    assert row.because == (
-        "says it is at rest within 0, and moves by 0.056 with iterations 20: lies about rest"
-    )
+    assert row.because == ("its rest is stated to 0, and it moves by 0.056 with iterations 20")
 
 
 def test_nothing_that_could_be_tried_is_no_pass():
