@@ -140,7 +140,8 @@ def _findings(table: pd.DataFrame) -> list[str]:
         first = known[known["time_step"] == known["time_step"].max()].iloc[0]
         last = known[known["time_step"] == known["time_step"].min()].iloc[-1]
         beside = "the asked solid" if first["law_beside"] == ASKED else "its own law"
-        found.append(f"{name}: beside {beside} off by {_state(first)}, and by {_state(last)} (a draft).")
+        states = f"{_state(first)}, and by {_state(last)}"
+        found.append(f"{name}: beside {beside} off by {states} (a draft).")
     return found
 
 
