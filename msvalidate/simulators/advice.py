@@ -48,7 +48,9 @@ def _of_cause(found: Judgement) -> str:
     if any(each.startswith("mass") for each in found.causes) and masses is not None:
         return "give it the masses of nodal.csv, or say in its documents whose masses it takes"
     if found.predicted is None:
-        return "if its documents have such a law, name it by --law; `adapter laws` lists them"
+        return (
+            "see how its source takes E and nu; a documented law is named by --law (`adapter laws`)"
+        )
     return (
         "it is the law that its documents have, and not the E and nu that it is asked for: say so"
     )

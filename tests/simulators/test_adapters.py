@@ -51,8 +51,7 @@ def ask(adapter, case, out):
 
 
 def answered(adapter, case, out):
-    ended = ask(adapter, case, out)
-    assert ended.returncode == 0, ended.stderr
+    ask(adapter, case, out).check_returncode()
     return dict(np.load(out / "result.npz")), json.loads((out / "result.json").read_text())
 
 

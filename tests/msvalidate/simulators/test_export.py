@@ -45,6 +45,12 @@ def block(nu=0.25, dim=3, loads=(), **options):
     return Case(Problem(box, material, held, tuple(loads)), **options)
 
 
+def outline(corners, material, load, **options):
+    """A polygon held along its side from (0, 0) to (1, 0)."""
+    held = Support(Segment((0.0, 0.0), (1.0, 0.0)), (0.0, 0.0))
+    return Case(Problem(Polygon(corners), material, (held,), (load,)), **options)
+
+
 BOX = block(dim=2).problem.domain
 PULLED = (
     Traction(Region((2.0, (0.25, 0.75))), (30.0, -4.0)),
@@ -96,10 +102,9 @@ def test_a_mesh_file_is_asked_for_by_linear_cells(name):
 
 
 def test_an_outline_has_nodes_where_its_loads_end():
-    shape = Polygon(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.4, 1.0), (0.0, 0.5)))
+    corners = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.4, 1.0), (0.0, 0.5))
     pulled = Traction(Segment((1.0, 0.31), (1.0, 0.77)), (5.0, 0.0))
-    held = Support(Segment((0.0, 0.0), (1.0, 0.0)), (0.0, 0.0))
-    case = Case(Problem(shape, Isotropic(1.0, 0.3), (held,), (pulled,)))
+    case = outline(corners, Isotropic(1.0, 0.3), pulled)
     asked = export_case(case)
     assert asked.force.sum(axis=0) == pytest.approx([5 * 0.46, 0])
     with pytest.raises(ProblemError, match="an outline is cut into triangles"):
@@ -129,9 +134,8 @@ def test_the_network_is_our_own(tmp_path, nu, dim):
 
 
 def test_springs_of_a_body_cut_to_its_outline_are_our_own():
-    shape = Polygon(((0.0, 0.0), (1.0, 0.0), (0.8, 1.0), (0.0, 1.0)))
-    held = Support(Segment((0.0, 0.0), (1.0, 0.0)), (0.0, 0.0))
-    case = Case(Problem(shape, Isotropic(1e5, 1 / 3), (held,), (Weight(G),)), cells=8)
+    corners = ((0.0, 0.0), (1.0, 0.0), (0.8, 1.0), (0.0, 1.0))
+    case = outline(corners, Isotropic(1e5, 1 / 3), Weight(G), cells=8)
     asked = export_case(case, springs=True)
     network = solve_springs(case, spacing_of(case)).network
     assert np.array_equal(asked.springs.stiffness, network.stiffness)
