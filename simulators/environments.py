@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from msvalidate import __version__
 from msvalidate.simulators.program import Program
 from msvalidate.simulators.record import text_of
 from msvalidate_check import exchange
@@ -17,6 +18,8 @@ from msvalidate_check import exchange
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 DATA = ROOT / "studies" / "simulators" / "data"
+SHARED = ("exchange.py", "moving.py")
+"""Of the adapters: how folders are read, and how programs that only move are brought to rest."""
 LIMIT = 600.0
 """Seconds that a simulator may take for one question."""
 
@@ -38,12 +41,17 @@ def adapter_of(file: str, environment: str) -> Program:
 
 def pins(file: str, environment: str) -> dict[str, Any]:
     """Date, checksum of an adapter, and those of the wheels that its environment has."""
-    digest = hashlib.sha256((HERE / "adapters" / file).read_bytes()).hexdigest()
     return {
         "date": datetime.now(UTC).date().isoformat(),
-        "adapter": {"file": file, "sha256": digest},
+        "adapter": {"file": file, "sha256": _digest(file)},
+        "shared": {name: _digest(name) for name in SHARED},
+        "judged_by": f"msvalidate {__version__}",
         "packages": packages(environment),
     }
+
+
+def _digest(file: str) -> str:
+    return hashlib.sha256((HERE / "adapters" / file).read_bytes()).hexdigest()
 
 
 def save(name: str, record: Any) -> None:

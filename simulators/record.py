@@ -21,7 +21,6 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
-from datetime import UTC, datetime
 from typing import Any
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
@@ -101,7 +100,7 @@ def _add_sweeps(job: Job) -> bool:
         return False
     record = json.loads(path.read_text(encoding="utf-8"))
     record["iterations"] = _sweeps(adapter_of(job.adapter, job.environment), job)
-    record["iterations_date"] = datetime.now(UTC).date().isoformat()
+    record["iterations_by"] = pins(job.adapter, job.environment)
     record["upstream"] = list(job.upstream)
     save(path.name, record)
     print(f"{job.name}: {len(record['iterations'])} rest states", flush=True)
@@ -140,7 +139,6 @@ def _record(job: Job) -> bool:
         explain_by_one_cell(simulator, dict(job.settings), judged, record)
     if job.sweeps:
         record["iterations"] = _sweeps(simulator, job)
-        record["iterations_date"] = record["date"]
     if job.curve:
         known = judged.reading
         if job.weighed is not None:

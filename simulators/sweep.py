@@ -28,7 +28,7 @@ from msvalidate.simulators.tetrahedra import at_rest, tetrahedra_of
 OWN_SHARE = "each node's own share"
 LENT = (1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 """Parts of Hooke's law, with the asked constants, that lead a law without a stiffness to rest."""
-EQUAL = "equal masses, as a full cell's mass on each node of a grid"
+EQUAL = "equal masses on all nodes"
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from msvalidate.problem import Array, Isotropic, Mesh, ProblemError
-from msvalidate.simulators.protocol import Request, Simulator, ask
+from msvalidate.simulators.protocol import Request, Simulator, SimulatorError, ask
 from msvalidate.simulators.tetrahedra import Stress, at_rest, tetrahedra_of
 from msvalidate_check import ElasticCase, elastic_case
 from msvalidate_check.case_set import case_facts
@@ -117,10 +117,12 @@ def at_rest_both_ways(
     material: Isotropic,
     settings: Mapping[str, Any] | None = None,
     times: float = 1.0,
+    away: float = 0.0,
 ) -> AtRest:
     """A body of the set brought to rest under its loads and under their opposites.
 
-    With `times` under so many times the loads, and what it moves is divided by that.
+    With `times` under so many times the loads, and what it moves is divided by that; `away` (m)
+    from its place along each axis.
 
     Raises
     ------
@@ -129,14 +131,26 @@ def at_rest_both_ways(
     """
     case = frozen_case(name, mesh, material.nu)
     there = request_of(case, material, settings)
-    answer = ask(simulator, request_of(case, material, settings, times))
-    other = ask(simulator, request_of(case, material, settings, -times))
+    answer, other = (
+        ask(simulator, _moved(request_of(case, material, settings, sign * times), away))
+        for sign in (1, -1)
+    )
     assert answer.displacement is not None  # noqa: S101  as `ask` sees to
     assert other.displacement is not None  # noqa: S101
     move = (answer.displacement - other.displacement) / 2 / times
     sum_of_both = (answer.displacement + other.displacement) / 2 / times
-    even = _largest(sum_of_both) / (_largest(move) or 1.0)
+    if not _largest(move):
+        raise SimulatorError(f"answer: {case.name} does not move under its loads")
+    even = _largest(sum_of_both) / _largest(move)
     return AtRest(case, there, move, even, answer.about)
+
+
+def _moved(request: Request, away: float) -> Request:
+    """A request whose body is elsewhere, along each axis."""
+    if not away:
+        return request
+    mesh = request.mesh
+    return replace(request, mesh=Mesh(mesh.points + away, mesh.cells, mesh.shape))
 
 
 def frozen_case(name: str, mesh: str, nu: float) -> ElasticCase:

@@ -32,10 +32,15 @@ BODIES: Mapping[str, tuple[str, ...]] = {
     "bent": (blocks.BENT["bent"],),
 }
 """What a body is asked for -> cases of the set, the first that a program can represent counts."""
+EVEN = 0.1
+"""Part of the displacement that may go the same way under opposite loads: the second order of what
+turns by 0.02 and strains by 0.01, with a factor of three."""
+AWAY = 4.0
+"""m, to where floats are spaced eight times as widely and more."""
 MORE, SHRINKS = 8.0, 2.0
 """Times the loads, so that rounding is an eighth of what moves; it is known to a factor of two."""
 LOADED = ("pulled", "sheared")
-"""Bodies that answer for law and masses; the bent one is judged under "resolution" alone."""
+"""Bodies whose error elements on their mesh hardly add to; of the bent one most is resolution."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,9 +61,16 @@ class BodyRow:
         Causes, multiplied; None where the law is not known.
     shape
         What else would explain what is left: points swapped, axes, signs; "" if nothing.
+    even
+        Half the sum of what it moves by loads and by their opposites, over the displacement.
+    finer
+        Whether it is nearer to elasticity of the law than half of what linear elements on its mesh
+        are: elements of another kind.
     loaded_more
         What is left under `MORE` times the loads, over the largest displacement then; NaN where
         that was not asked.
+    far_away
+        The same, moved by `AWAY`, where positions in floats are coarser.
     """
 
     body: str
@@ -69,22 +81,28 @@ class BodyRow:
     rest: float
     factors: Factors | None
     shape: str = ""
+    even: float = 0.0
+    finer: bool = False
     loaded_more: float = math.nan
+    far_away: float = math.nan
 
     @property
     def is_explained(self) -> bool:
-        """Whether its causes explain it."""
-        return self.factors is not None and self.factors.is_explained
+        """Whether its causes, or better elements, explain it, and both ways alike."""
+        causes = self.factors is not None and (self.factors.is_explained or self.finer)
+        return causes and self.even <= EVEN
 
     @property
     def is_rounded(self) -> bool:
         """Whether what is left is rounding of positions: of a fixed size, whatever the loads.
 
-        An error of law, masses or mesh stays the same part of what moves.
+        An error of law, masses or mesh stays the same part of what moves, and one of any other kind
+        does not grow where positions are coarser.
         """
-        if self.factors is None or not math.isfinite(self.loaded_more):
+        if self.factors is None or not math.isfinite(self.far_away):
             return False
-        return self.loaded_more <= min(UNEXPLAINED, self.factors.apart * SHRINKS / MORE)
+        shrinks = self.loaded_more <= min(UNEXPLAINED, self.factors.apart * SHRINKS / MORE)
+        return shrinks and self.far_away >= SHRINKS * self.loaded_more and self.even <= EVEN
 
 
 def bring_to_rest(
@@ -157,13 +175,26 @@ def body_row(
     error = _largest(found.move[case.named] - wanted) / _largest(wanted)
     rest = stated_unrest(request, Answer(displacement=found.move, about=found.about))
     on_mesh = blocks.effective_on_mesh(found)
-    taken, shape = None, ""
-    if law is not None:
-        mass = masses_on(request, reading, total)
-        taken = factors(found, law, mass, settled.get((case.name, case.mesh)))
-        if not taken.is_explained:
-            shape = _shape(found, linear_elements(request, *law, mass))
-    return BodyRow(body, case.name, case.mesh, error, on_mesh, rest, taken, shape)
+    row = BodyRow(body, case.name, case.mesh, error, on_mesh, rest, None, even=found.even)
+    if law is None:
+        return row
+    mass = masses_on(request, reading, total)
+    row = replace(row, factors=factors(found, law, mass, settled.get((case.name, case.mesh))))
+    if row.is_explained:
+        return row
+    expected = linear_elements(request, *law, mass)
+    return replace(row, shape=_shape(found, expected), finer=_is_finer(found, law, expected))
+
+
+def _is_finer(found: AtRest, law: tuple[float, float], on_mesh: Array) -> bool:
+    """Whether it is nearer to elasticity of the law than half of what linear elements are."""
+    named = found.case.named
+    E, nu = law
+    low, high = found.case.ratios
+    if not low <= nu <= high:
+        return False
+    elastic = blocks.elasticity_at(found.case, E / found.request.material.E, nu)
+    return _largest(found.move[named] - elastic) <= _largest(on_mesh[named] - elastic) / 2
 
 
 def load_more(
@@ -172,6 +203,7 @@ def load_more(
     found: AtRest,
     law: tuple[float, float],
     mass: Array | None,
+    settings: Mapping[str, Any],
 ) -> BodyRow:
     """The row of a body, with what is left of it under more load where it is in single precision.
 
@@ -182,15 +214,14 @@ def load_more(
     single = found.about.get("precision") == "float32"
     if row.is_explained or not single or row.body not in LOADED:
         return row
-    request = found.request
+    weighed = linear_elements(found.request, *law, mass)
+    asked = (simulator, row.case, row.mesh, found.request.material, settings, MORE)
     try:
-        more = at_rest_both_ways(
-            simulator, row.case, row.mesh, request.material, request.settings, MORE
-        )
+        near, far = at_rest_both_ways(*asked), at_rest_both_ways(*asked, away=AWAY)
     except (CannotRepresent, SolverError):
         return row
-    weighed = linear_elements(request, *law, mass)
-    return replace(row, loaded_more=_largest(more.move - weighed) / _largest(weighed))
+    each = [_largest(one.move - weighed) / _largest(weighed) for one in (near, far)]
+    return replace(row, loaded_more=each[0], far_away=each[1])
 
 
 def _shape(found: AtRest, expected: Array) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.bodies import LOADED, MORE, BodyRow
+from msvalidate.simulators.bodies import EVEN, MORE, BodyRow
 from msvalidate.simulators.large_strain import AtLargeStrain
 from msvalidate.simulators.moduli import SHOWN
 from msvalidate.simulators.reading import Reading
@@ -33,9 +33,8 @@ def state_and_causes(
     """
     missing, rows = rows == (), rows or ()
     causes = [*_law_causes(material, reading, law), *_factor_causes(rows)]
-    loaded = [row for row in rows if row.body in LOADED] or list(rows)
-    open_rows = [row for row in loaded if not row.is_explained and not row.is_rounded]
-    causes += [_rounded_words(row) for row in loaded if row.is_rounded]
+    open_rows = [row for row in rows if not row.is_explained and not row.is_rounded]
+    causes += [_rounded_words(row) for row in rows if row.is_rounded]
     unread = reading is not None and not reading.is_valid
     off = predicted is not None and law is not None and not _alike(law, predicted)
     if off and predicted is not None and law is not None:
@@ -70,6 +69,8 @@ def _open_words(row: BodyRow) -> str:
     where = f"{row.case} on {row.mesh}"
     if row.factors is None:
         return f"{where}: no law to hold it against"
+    if row.even > EVEN:
+        return f"{where}: {row.even:.2g} of the displacement goes one way, whatever the loads"
     shape = f": {row.shape}" if row.shape else ""
     return f"{where}: {row.factors.apart:.2g} of the displacement not explained{shape}"
 
@@ -80,6 +81,8 @@ def _law_causes(
     found = []
     if reading is not None and not reading.is_valid:
         found.append(f"law: {'; '.join(reading.refusals())}")
+    elif reading is not None and reading.E is None:
+        found.append(f"law: no solid at rest; {reading.elastic.because}")
     if reading is not None and reading.is_bound:
         found.append("law: uniform strain pulls at inner nodes, so it is of no one solid")
     if law is not None and not _alike(law, (material.E, material.nu), SHOWN):
@@ -94,6 +97,9 @@ def _law_causes(
 def _factor_causes(rows: tuple[BodyRow, ...]) -> list[str]:
     """Mass and solver, where they do more than the band in a body that forces or weight load."""
     found = []
+    stated = max((row.rest for row in rows if math.isfinite(row.rest)), default=0.0)
+    if stated > BAND:
+        found.append(f"solver: {stated:.2g} of a displacement may still change, as it states")
     for name in ("mass", "solver"):
         each = [getattr(row.factors, name) for row in rows if row.factors is not None]
         worst = max(each, key=lambda one: abs(one - 1), default=1.0)

@@ -51,14 +51,6 @@ class Factors:
         """Whether what is left, in size and in shape, is small."""
         return self.apart <= UNEXPLAINED
 
-    @property
-    def main_cause(self) -> str:
-        """The cause that does most; "" where none does more than a hundredth."""
-        each = {"law": self.law, "resolution": self.resolution, "mass": self.mass}
-        each |= {"solver": self.solver, "not explained": self.left}
-        name = max(each, key=lambda one: abs(np.log(max(each[one], 1e-300))))
-        return name if abs(each[name] - 1) > UNEXPLAINED else ""
-
 
 def factors(
     found: AtRest,
@@ -100,7 +92,7 @@ def factors(
         size(wanted), size(own_law), size(on_mesh[named]), size(weighed[named]),
         size(rest.move[named]), size(found.move[named]),
     ]  # fmt: skip
-    steps = [after / before for before, after in pairwise(sizes)]
+    steps = [after / before if before else np.inf for before, after in pairwise(sizes)]
     away = np.linalg.norm(rest.move - weighed, axis=1).max()
     apart = float(away / np.linalg.norm(weighed, axis=1).max())
     return Factors(sizes[-1], steps[0], steps[1], steps[2], steps[4], steps[3], apart)
@@ -109,13 +101,14 @@ def factors(
 def _elasticity_of(found: AtRest, law: tuple[float, float], on_mesh: Array) -> Array:
     """(p, 3) m of elasticity of a law.
 
-    Beyond the ratios of the set what it is to the nearest of them, elements are on the same mesh:
-    what that is off by goes from "law" to "resolution", and nothing of it into what is left.
+    Below the ratios of the set what it is to the nearest of them, elements are on the same mesh;
+    above them it is that of the nearest, as elements lock there. What that is off by goes from
+    "law" to "resolution", and nothing of it into what is left.
     """
     case, asked = found.case, found.request.material
     E, nu = law
     near = float(np.clip(nu, *case.ratios))
     known = elasticity_at(case, E / asked.E, near)
-    if near == nu:
+    if near <= nu:
         return known
     return np.asarray(known + (on_mesh - linear_elements(found.request, E, near))[case.named])

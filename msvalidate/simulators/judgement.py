@@ -13,7 +13,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from msvalidate.problem import Isotropic, ProblemError, SolverError
+import numpy as np
+
+from msvalidate.problem import Array, Isotropic, ProblemError, SolverError
 from msvalidate.simulators import blocks, laws
 from msvalidate.simulators.blocks import AtRest
 from msvalidate.simulators.bodies import (
@@ -26,7 +28,7 @@ from msvalidate.simulators.bodies import (
     masses_on,
 )
 from msvalidate.simulators.causes import BAND, STOPPED, state_and_causes
-from msvalidate.simulators.gate import Gate, gate
+from msvalidate.simulators.gate import Gate, GateRow, gate
 from msvalidate.simulators.large_strain import AtLargeStrain, at_large_strain
 from msvalidate.simulators.probe import probe
 from msvalidate.simulators.protocol import (
@@ -123,7 +125,7 @@ def judge_simulator(
     predicted = predicted or _first_order(law, material)
     gated = gate(simulator, material, own) if "gate" in parts else Gate(())
     if "gate" in parts and not gated.passed:
-        causes = tuple(f"{row.name}: {row.because}" for row in gated.stops) or ("nothing passed",)
+        causes = tuple(map(_stop_words, gated.stops)) or ("nothing passed",)
         return Judgement(material, predicted, gated, None, (), STOPPED, causes, ())
     notes: list[str] = []
     reading = None
@@ -131,22 +133,34 @@ def judge_simulator(
         reading = _probed(simulator, material, own | dict(probed or {}), notes)
     bodies = "bodies" in parts
     found = bring_to_rest(simulator, material, own, meshes, notes) if bodies else []
-    settled = bring_further(simulator, own, converged, found)
+    settled = _further(simulator, own, converged, found, notes)
     read, total = _law(reading, found, predicted, (material.E, material.nu))
+    furthest = own | dict(converged or {})
     rows = tuple(body_row(body, each, read, reading, total, settled) for body, each in found)
     if read is not None:
         rows = tuple(
-            load_more(simulator, row, each, read, masses_on(each.request, reading, total))
+            load_more(simulator, row, each, read, masses_on(each.request, reading, total), furthest)
             for row, (_, each) in zip(rows, found, strict=True)
         )
     large = None
-    if law and bodies:
-        furthest = own | dict(converged or {})
+    if law and bodies and all(map(_is_of_linear_elements, rows)):
         large = _large(simulator, material, law, furthest, (reading, total), notes)
     state, causes = state_and_causes(
         material, predicted, reading, read, rows if bodies else None, large
     )
     return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes), large)
+
+
+def _is_of_linear_elements(row: BodyRow) -> bool:
+    """Whether elements of its law at small strain are what it is, so that those at large may be."""
+    return row.is_rounded or (row.is_explained and not row.finer)
+
+
+def _stop_words(row: GateRow) -> str:
+    """What stopped it, and by how much."""
+    if not row.unit:
+        return f"{row.name}: {row.because}"
+    return f"{row.name}: {row.value:.2g} {row.unit}, at most {row.limit:.2g}; {row.because}"
 
 
 def _refuse_material(material: Isotropic) -> None:
@@ -158,6 +172,21 @@ def _refuse_material(material: Isotropic) -> None:
             f"judge_simulator: ratio {material.nu:g}; give one from {low:g} to {high:g}, for which "
             "elasticity is known"
         )
+
+
+def _further(
+    simulator: Simulator,
+    settings: Mapping[str, Any],
+    converged: Mapping[str, Any] | None,
+    found: list[tuple[str, AtRest]],
+    notes: list[str],
+) -> Mapping[tuple[str, str], AtRest]:
+    """Bodies brought further to rest; none where that fails, which is told."""
+    try:
+        return bring_further(simulator, settings, converged, found)
+    except (CannotRepresent, SolverError) as error:
+        notes.append(f"brought further to rest: {error}")
+        return {}
 
 
 def _first_order(law: str, material: Isotropic) -> tuple[float, float] | None:
@@ -225,7 +254,20 @@ def _law(
     total = near.E / reading.E
     if near.left > BAND or not total > 0 or abs(total - 1) <= BAND:
         return (reading.E, reading.nu), 1.0
-    return (reading.E * total, reading.nu), total
+    # A body that is heavier by this and stiffer by this hangs as it did: if it does not, its pulled
+    # one is not where its law puts it, and its mass is not known.
+    law = (reading.E * total, reading.nu)
+    weighed = [each for _, each in found if each.case.driven == "weight"]
+    if any(_apart(each, law, masses_on(each.request, reading, total)) > BAND for each in weighed):
+        return (reading.E, reading.nu), 1.0
+    return law, total
+
+
+def _apart(found: AtRest, law: tuple[float, float], mass: Array | None) -> float:
+    """Largest difference from linear elements of a law, over their largest displacement."""
+    expected = blocks.linear_elements(found.request, *law, mass)
+    size = np.linalg.norm(expected, axis=1).max()
+    return float(np.linalg.norm(found.move - expected, axis=1).max() / size)
 
 
 def _law_of(pulled: list[AtRest]) -> tuple[float, float] | None:

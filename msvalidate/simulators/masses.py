@@ -156,7 +156,7 @@ def patterns(block: Block) -> dict[str, Array]:
         last[cell] = volume
     return {
         "each node's own share": block.lumped,
-        "equal masses, as a full cell's mass on each node of a grid": np.ones(n),
+        "equal masses on all nodes": np.ones(n),
         "a share for each cell at a node, whatever its size": counted,
         "the last cell's mass alone": last,
     }

@@ -85,7 +85,10 @@ def _body(row: BodyRow) -> dict[str, Any]:
         "rest": _number(row.rest),
         "factors": factors,
         "shape": row.shape,
+        "even": _number(row.even),
+        "finer": row.finer,
         "loaded_more": _number(row.loaded_more),
+        "far_away": _number(row.far_away),
     }
 
 

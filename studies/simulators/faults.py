@@ -22,7 +22,7 @@ ASKED = Isotropic(1e7, 0.3, "solid", 1000.0)
 MESH = ("tet4",)
 TOLERANCES = (
     Tolerance("faults that are not named", 0, "1", "each changes what a gate or a body shows"),
-    Tolerance("clean simulators that are blamed", 0, "1", "nothing of them differs"),
+    Tolerance("clean simulators that are named", 0, "1", "nothing of them differs"),
 )
 COLUMNS = {
     "fault": "what was put in",
@@ -59,7 +59,7 @@ def _finding(missed: pd.Series, free: pd.Series) -> str:
     named, blamed = int((~missed & ~free).sum()), int((missed & free).sum())
     return (
         f"Of {faulty} simulators with a fault {named} are named by it; of {clean_ones} clean ones "
-        f"{blamed} are blamed."
+        f"{blamed} are named."
     )
 
 

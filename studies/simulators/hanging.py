@@ -8,7 +8,7 @@ Candidate  Linear tetrahedra with the law that the explicit solver's source has,
 Reference  The published tips (AustrianTradingMachine/Newton, figures/hanging_bar_report.txt, 2026;
            settings: common/params.py).
 Expected   The explicit solver's tip is predicted within 5 %: mass times 833/576, law times 1.32.
-           The other two are 1.45 times too heavy as well; what is left of them is not explained
+           The other two are 1.45 times as heavy as well; what is left of them is not explained
            here: one law has no shear stiffness at rest, the other had not converged, as its own
            authors say.
 

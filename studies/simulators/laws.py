@@ -5,7 +5,7 @@ Question   Laws of soft-body simulators, as their documents or sources have them
            step of a simulator of that law show it?
 Candidate  Linear tetrahedra of each law by explicit steps, of one by implicit ones too.
 Reference  The derivative of the law's stress at rest, by a complex step.
-Expected   The two are one: 1e-6 of the largest component of C. Four laws of eleven are another
+Expected   The two are one: 1e-6 of the largest component of C. Three laws of twelve are another
            solid than the E and nu that they take.
 """
 

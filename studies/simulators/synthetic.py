@@ -83,6 +83,26 @@ def _full_cells(request: Request) -> Answer:
     return clean(replace(request, mass=np.full(len(request.mass), each)))
 
 
+def _full_cells_at_rest(request: Request) -> Answer:
+    """The same where it comes to rest alone, so that no motion shows it."""
+    return _full_cells(request) if request.task == "rest" else clean(request)
+
+
+def _half_weight(request: Request) -> Answer:
+    """Half the gravity at rest."""
+    rest = request.task == "rest"
+    return clean(replace(request, gravity=request.gravity / 2) if rest else request)
+
+
+def _one_way(request: Request) -> Answer:
+    """Three tenths more one way than the other, as by a contact or a load that is always there."""
+    answer = clean(request)
+    if answer.displacement is None:
+        return answer
+    sign = np.sign((request.force + request.gravity).sum())
+    return replace(answer, displacement=(1 + 0.3 * sign) * answer.displacement)
+
+
 def _half_done(request: Request) -> Answer:
     answer = clean(request)
     if answer.displacement is None:
@@ -174,6 +194,13 @@ def synthetic_faults() -> Mapping[str, Faulty]:
         "a full cell's mass on each node": Faulty(
             _full_cells, ("differs with cause", "mass: equal")
         ),
+        "a full cell's mass, at rest alone": Faulty(
+            _full_cells_at_rest, ("not explained", "cantilever_gravity_space")
+        ),
+        "half the weight at rest": Faulty(
+            _half_weight, ("not explained", "cantilever_gravity_space")
+        ),
+        "one way more than the other": Faulty(_one_way, ("not explained", "goes one way")),
         "0.9 converged": Faulty(_half_done, ("gate", "twice the iterations")),
         "points swapped": Faulty(_swapped, ("not explained", "other nodes")),
         "1 % too stiff": Faulty(_stiffer, ("differs with cause", "law: E 1.01 ")),

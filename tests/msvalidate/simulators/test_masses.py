@@ -41,7 +41,7 @@ def test_right_masses_are_found_within_what_is_told(kind, implicit):
 @table("kind", ["float64", "float32"])
 def test_a_full_cell_on_every_node_is_named(kind):
     found = measured(kind, masses=np.full(len(OWN), 0.1))
-    assert "a full cell's mass on each node" in found.pattern
+    assert "equal masses on all nodes" in found.pattern
     assert found.values == pytest.approx(np.full(len(OWN), OWN.sum() / len(OWN)), rel=1e-4)
     assert found.off > 0.5
 

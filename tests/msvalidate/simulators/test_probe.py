@@ -207,7 +207,7 @@ def test_wrong_masses_leave_the_law_as_it_is():
     reading = read(linear(isotropic(MU, LAM)), masses=equal)
     assert reading.is_valid
     assert pytest.approx(E0, rel=1e-6) == reading.E
-    assert "full cell" in "\n".join(reading.lines())
+    assert "equal masses on all nodes" in "\n".join(reading.lines())
     assert [flag.name for flag in reading.flags if not flag.holds] == ["turn by 30°", "masses"]
 
 
