@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -75,7 +76,10 @@ def check_adapter(args: argparse.Namespace) -> int:
 def _folders(args: argparse.Namespace, name: str) -> tuple[Path | None, Path | None]:
     """Where the page goes and where the latest question stays; refuses what cannot be."""
     if args.law and args.law not in LAWS:
-        raise ProblemError(f"--law {format_value(args.law)}: not known; see adapter laws")
+        near = [name for name in LAWS if args.law.lower() in name.lower()]
+        near = near or difflib.get_close_matches(args.law, LAWS, n=1, cutoff=0.5)
+        meant = f" (meant: {' | '.join(near)}?)" if near else ""
+        raise ProblemError(f"--law {format_value(args.law)}: not known; see adapter laws{meant}")
     if args.json is not None and not args.json.parent.is_dir():
         raise ProblemError(f"--json {args.json}: no folder {args.json.parent}; make it first")
     if args.out is None:

@@ -32,6 +32,8 @@ BODIES: Mapping[str, tuple[str, ...]] = {
     "bent": (blocks.BENT["bent"],),
 }
 """What a body is asked for -> cases of the set, the first that a program can represent counts."""
+BAND = 0.01
+"""Of masses and displacements: what is off by less agrees. Of a law's prediction too."""
 EVEN = 0.1
 """Part of the displacement that may go the same way under opposite loads: the second order of what
 turns by 0.02 and strains by 0.01, with a factor of three."""
@@ -178,12 +180,27 @@ def body_row(
     row = BodyRow(body, case.name, case.mesh, error, on_mesh, rest, None, even=found.even)
     if law is None:
         return row
-    mass = masses_on(request, reading, total)
+    mass = _weighed(found, law, reading, masses_on(request, reading, total))
     row = replace(row, factors=factors(found, law, mass, settled.get((case.name, case.mesh))))
     if row.is_explained:
         return row
     expected = linear_elements(request, *law, mass)
     return replace(row, shape=_shape(found, expected), finer=_is_finer(found, law, expected))
+
+
+def _weighed(
+    found: AtRest, law: tuple[float, float], reading: Reading | None, mass: Array | None
+) -> Array | None:
+    """(n,) kg of a body under its weight, by what it moves where masses are not each node's share.
+
+    How heavy such a body is in all goes by how many nodes a mesh has.
+    """
+    other = reading is not None and reading.masses is not None and reading.masses.off > BAND
+    if not other or found.case.driven != "weight":
+        return mass
+    given = found.request.mass if mass is None else mass
+    expected = linear_elements(found.request, *law, given)
+    return np.asarray(given * float((found.move * expected).sum() / (expected**2).sum()))
 
 
 def _is_finer(found: AtRest, law: tuple[float, float], on_mesh: Array) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.bodies import EVEN, MORE, BodyRow
+from msvalidate.simulators.bodies import BAND, EVEN, MORE, BodyRow
 from msvalidate.simulators.large_strain import AtLargeStrain
 from msvalidate.simulators.moduli import SHOWN
 from msvalidate.simulators.reading import Reading
@@ -15,8 +15,6 @@ CAUSE = "differs with cause"
 NOT_EXPLAINED = "not explained"
 STOPPED = "gate"
 STATES = (AGREES, CAUSE, NOT_EXPLAINED, STOPPED)
-BAND = 0.01
-"""Of masses and displacements: what is off by less agrees. Of a law's prediction too."""
 
 
 def state_and_causes(

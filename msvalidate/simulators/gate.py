@@ -286,7 +286,7 @@ def _changed(
     """The same with another setting, where the answer names it and takes another."""
     before = _named(first, name)
     if before is None:
-        return _no_way("", f"its answer names no {name}")
+        return _no_way("", f"its settings name no {name}, so that it cannot be changed")
     wanted: float = before * times if name == "dt" else round(before * times)
     other = replace(block, settings={**block.settings, name: wanted})
     answer = ask(simulator, other)

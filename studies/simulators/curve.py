@@ -16,10 +16,11 @@ from typing import Any
 import pandas as pd
 
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.simulators.causes import STOPPED
 
 from .curve_drawing import curve as drawing
 from .gaps import ASKED_RATIO, fill_gaps, with_none
-from .recorded import records
+from .recorded import DRAFT, STATE, draft_of, records
 
 TOLERANCES = (
     Tolerance(
@@ -30,7 +31,7 @@ TOLERANCES = (
         "curve: largest difference of the modulus as read and as predicted, over the asked", 0.01,
         "1", "as the ratio",
     ),
-    Tolerance("curve: points that were not read", 0, "1", "each law is a solid at each ratio"),
+    Tolerance("curve: ratios that were not read", 0, "1", "each law is a solid at each of them"),
 )  # fmt: skip
 COLUMNS = {
     "name": "of the record",
@@ -39,6 +40,8 @@ COLUMNS = {
     "predicted_ratio": "the same for the ratio",
     "read_modulus": "over the asked, as the probe reads it",
     "read_ratio": "the same for the ratio",
+    "state_of_record": STATE,
+    "draft": DRAFT,
 }
 
 
@@ -61,16 +64,31 @@ def run() -> Evidence:
             ],
         ),
         tolerances=TOLERANCES,
-        columns=with_none(COLUMNS, *list(COLUMNS)[2:]),
+        columns=with_none(COLUMNS, *list(COLUMNS)[2:6]),
+        findings=tuple(_findings(table)),
         figures={"curve": drawing},
     )
+
+
+def _findings(table: pd.DataFrame) -> list[str]:
+    """Points whose modulus is not known as well as numbers are shown, and what was stopped."""
+    found = []
+    for name, rows in table.groupby("name", sort=False):
+        unknown = rows[rows["predicted_modulus"].notna() & rows["read_modulus"].isna()]
+        stopped = "; its bodies were not asked, as the gate stopped it" * (
+            rows["state_of_record"].iloc[0] == STOPPED
+        )
+        if len(unknown):
+            ratios = ", ".join(f"{nu:g}" for nu in unknown["asked_ratio"])
+            found.append(f"{name}: no modulus is known to 0.5 % at {ratios}{stopped} (a draft).")
+    return found
 
 
 def _row(record: dict[str, Any], point: dict[str, Any]) -> dict[str, object]:
     E, law, probed = record["asked"]["E"], point["predicted"], point["probe"] or {}
     values = (
         record["name"], point["nu"], _number(law["E"]) / E, _number(law["nu"]),
-        _number(probed.get("E")) / E, _number(probed.get("nu")),
+        _number(probed.get("E")) / E, _number(probed.get("nu")), record["state"], draft_of(record),
     )  # fmt: skip
     return dict(zip(COLUMNS, values, strict=True))
 

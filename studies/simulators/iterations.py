@@ -24,7 +24,7 @@ from msvalidate.simulators.gate_block import STRAIN
 
 from .gaps import NONE, fill_gaps, with_none
 from .iterations_drawing import iterations as drawing
-from .recorded import records
+from .recorded import DRAFT, draft_of, records
 
 ROUNDINGS = 100
 """Of a position, that a rest state in its floats may be off by; as many as the gate allows."""
@@ -53,9 +53,10 @@ COLUMNS = {
     "iterations": "in a step, as asked for",
     "time_step": "s",
     "rest_error": "largest difference from these elements, over their largest displacement",
-    "stated_rest": "part of the displacement that may still change, as the program says",
+    "stated_rest": "part of the displacement that may still change, as its adapter says",
     "by_iterations": "largest change from the row with fewer iterations, over the same",
     "by_time_step": "largest change from the row with the next longer step, over the same",
+    "draft": DRAFT,
     "seconds": "that the program took",
     "because": "why there is no state; empty where there is one",
 }
@@ -86,7 +87,7 @@ def _rows(record: dict[str, Any]) -> list[dict[str, object]]:
             f"{record['name']} {state['label']}".strip(), state["beside"],
             _number(state["iterations"]), state["dt"], _number(state["error"]),
             _number(state["rest"]), _number(state["by_iterations"]), _number(state["by_dt"]),
-            _number(state["seconds"]), state["because"],
+            draft_of(record), _number(state["seconds"]), state["because"],
             ROUNDINGS * float(np.finfo(np.float32 if single else np.float64).eps) / STRAIN,
         )  # fmt: skip
         rows.append(dict(zip([*COLUMNS, "rounding"], values, strict=True)))

@@ -16,7 +16,7 @@ import pandas as pd
 
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.problem import Isotropic
-from msvalidate.simulators.causes import BAND
+from msvalidate.simulators.bodies import BAND
 from msvalidate.simulators.judgement import Judgement, judge_simulator
 from msvalidate.simulators.moduli import SHOWN
 from msvalidate.simulators.protocol import Simulator

@@ -32,8 +32,12 @@ CONTROLS = ("calculix", "ngsolve-1", "felupe-linear")
 NEWEST = "newest.json"
 EXCLUDED = DATA / "excluded" / "excluded.json"
 STIFFER = 0.01
+YEARS = 1000
+"""Major versions from here on are years."""
 BEHIND = 2
 """Minor releases."""
+DRAFT = "yes until its author has been told; control: of a program that others are held beside"
+STATE = "agrees, differs with cause, not explained, gate, excluded; stale: old"
 TOLERANCES = (
     Tolerance(
         "recorded: largest error of the controls' modulus, over the asked", 1e-5, "1",
@@ -60,14 +64,14 @@ COLUMNS = {
     "probed_ratio": "the same for the ratio",
     "mass": "whose masses its nodes have, as measured; as documented where it answers by forces",
     "gate": "what stopped it; empty where nothing did",
-    "rest": "largest part of a displacement that may still change, as stated",
+    "rest": "largest part of a displacement that may still change, as its adapter states",
     "large_strain": "largest principal strain of a body that is held against its own law (1)",
     "large_strain_apart": "from elements of the documented law there, over the displacement (1)",
     "linear_apart": "from linear elements there: how much of the law there was to be seen",
-    "state_of_record": "agrees, differs with cause, not explained, gate, excluded; stale: old",
+    "state_of_record": STATE,
     "cause": "the first",
     "known_upstream": "issues that its authors have, their state, and when that was looked at",
-    "draft": "yes until its author has been told",
+    "draft": DRAFT,
     "date": "of the record; after six months it is to be made again",
 }
 
@@ -83,7 +87,7 @@ BODY_COLUMNS = {"name": COLUMNS["name"]} | {
         "body", "case", "mesh", "error", "law_factor", "resolution_factor", "mass_factor",
         "solver_factor", "not_explained_factor", "apart",
     )
-}  # fmt: skip
+} | {"draft": DRAFT}  # fmt: skip
 OLD = 183
 """Days after which a record is stale; it is too where its program is two minor releases ahead."""
 
@@ -103,7 +107,7 @@ def run() -> Evidence:
     rows = [*(_row(each, newest) for each in found), *map(_excluded_row, others)]
     table = pd.DataFrame(rows, columns=[*COLUMNS])
     bodies = pd.DataFrame(
-        [_body_row(each["name"], body) for each in found for body in each["bodies"]],
+        [_body_row(each, body) for each in found for body in each["bodies"]],
         columns=[*BODY_COLUMNS],
     )
     return Evidence(
@@ -111,7 +115,7 @@ def run() -> Evidence:
         observed=by_quantity(TOLERANCES, _observed(found)),
         tolerances=TOLERANCES,
         findings=(_finding(table, newest),),
-        columns=with_none(COLUMNS | BODY_COLUMNS, *NUMBERS, *list(BODY_COLUMNS)[5:]),
+        columns=with_none(COLUMNS | BODY_COLUMNS, *NUMBERS, *list(BODY_COLUMNS)[5:-1]),
     )
 
 
@@ -129,7 +133,7 @@ def _finding(table: pd.DataFrame, newest: dict[str, Any]) -> str:
 def is_stale(record: dict[str, Any], newest: dict[str, Any]) -> bool:
     """Whether a record is half a year older than the last look, or two minor releases behind.
 
-    Of a program with dates for versions each month counts as one.
+    Of a program whose versions are years and months each month counts as one.
     """
     looked, made = (date.fromisoformat(each) for each in (newest["looked_at"], record["date"]))
     if (looked - made).days > OLD:
@@ -137,10 +141,12 @@ def is_stale(record: dict[str, Any], newest: dict[str, Any]) -> bool:
     pinned = dict(key.split("==") for key in record["packages"])
     for name in pinned.keys() & newest["programs"].keys():
         (old, minor), (new, newest_minor) = (
-            [int(part) for part in re.findall(r"\d+", version)[:2]]
+            [int(part) for part in [*re.findall(r"\d+", version), "0"][:2]]
             for version in (pinned[name], newest["programs"][name])
         )
-        if new > old or newest_minor - minor >= BEHIND:
+        if old >= YEARS:  # months, then
+            newest_minor, new = newest_minor + 12 * (new - old), old
+        if new > old or (new == old and newest_minor - minor >= BEHIND):
             return True
     return False
 
@@ -170,7 +176,7 @@ def _row(record: dict[str, Any], newest: dict[str, Any]) -> dict[str, object]:
         f"{'stale: ' if is_stale(record, newest) else ''}{record['state']}",
         record["causes"][0] if record["causes"] else "",
         "; ".join(record["upstream"]),
-        "yes" if record["draft"] else "no",
+        draft_of(record),
         record["date"],
     )
     return dict(zip(COLUMNS, values, strict=True))
@@ -186,11 +192,16 @@ def _program(record: dict[str, Any]) -> str:
     return f"{name} {pinned.get(name, '')}".strip()
 
 
-def _body_row(name: str, body: dict[str, Any]) -> dict[str, object]:
+def draft_of(record: dict[str, Any]) -> str:
+    """What is shown in the column `draft`."""
+    return "yes" if record["draft"] else "control"
+
+
+def _body_row(record: dict[str, Any], body: dict[str, Any]) -> dict[str, object]:
     factors = body["factors"] or {}
     values = (
-        name, body["body"], body["case"], body["mesh"], _number(body["error"]),
-        *(_number(factors.get(each)) for each in judged.FACTORS),
+        record["name"], body["body"], body["case"], body["mesh"], _number(body["error"]),
+        *(_number(factors.get(each)) for each in judged.FACTORS), draft_of(record),
     )  # fmt: skip
     return dict(zip(BODY_COLUMNS, values, strict=True))
 
@@ -204,7 +215,7 @@ def _excluded_row(other: dict[str, Any]) -> dict[str, object]:
         "law_and_settings": other["law"],
         "state_of_record": f"excluded: {'permanent' if other['permanent'] else 'work to do'}",
         "cause": other["because"],
-        "draft": "no",
+        "draft": "",
     }
 
 

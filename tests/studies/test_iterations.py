@@ -11,9 +11,13 @@ def state(dt, error, *, count=None, rest=0.0, by_dt=None, beside="corotated"):
     return {**numbers, **words, "by_iterations": None, "seconds": 1.0}
 
 
-def observed(monkeypatch, *states):
-    record = {"name": "mine", "iterations": list(states)}
-    plain = {"name": "plain", "iterations": [state(0.1, 0.0), state(0.05, 0.0, by_dt=0.0)]}
+def observed(monkeypatch, *given):
+    record = {"name": "mine", "draft": True, "iterations": list(given)}
+    plain = {
+        "name": "plain",
+        "draft": True,
+        "iterations": [state(0.1, 0.0), state(0.05, 0.0, by_dt=0.0)],
+    }
     monkeypatch.setattr(iterations, "records", lambda: [record, plain])
     found = iterations.run().observed
     return [found[tolerance.quantity].value for tolerance in iterations.TOLERANCES]
