@@ -214,6 +214,17 @@ def _is_finer(found: AtRest, law: tuple[float, float], on_mesh: Array) -> bool:
     return _largest(found.move[named] - elastic) <= _largest(on_mesh[named] - elastic) / 2
 
 
+def of_one_kind(rows: tuple[BodyRow, ...]) -> tuple[BodyRow, ...]:
+    """The rows, none of other elements where one shows that they are linear ones, mesh and all."""
+    linear = any(
+        row.factors is not None
+        and row.factors.is_explained
+        and abs(row.factors.resolution - 1) > BAND
+        for row in rows
+    )
+    return tuple(replace(row, finer=False) for row in rows) if linear else rows
+
+
 def load_more(
     simulator: Simulator,
     row: BodyRow,

@@ -25,6 +25,7 @@ from msvalidate.simulators.bodies import (
     bring_to_rest,
     load_more,
     masses_on,
+    of_one_kind,
 )
 from msvalidate.simulators.causes import STOPPED, state_and_causes
 from msvalidate.simulators.gate import Gate, GateRow, gate
@@ -135,7 +136,9 @@ def judge_simulator(
     settled = _further(simulator, own, converged, found, notes)
     read, total = _law(reading, found, predicted, (material.E, material.nu))
     furthest = own | dict(converged or {})
-    rows = tuple(body_row(body, each, read, reading, total, settled) for body, each in found)
+    rows = of_one_kind(
+        tuple(body_row(body, each, read, reading, total, settled) for body, each in found)
+    )
     if read is not None:
         rows = tuple(
             load_more(simulator, row, each, read, masses_on(each.request, reading, total), furthest)
