@@ -187,3 +187,21 @@ def test_better_elements_are_not_taken_for_another_law():
 
     found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
     assert (found.state, found.causes) == ("agrees", ())
+
+
+def test_what_is_linear_elements_elsewhere_is_no_better_element():
+    """A pulled block halfway from linear elements to elasticity, whose cantilever is as they are."""
+
+    def simulate(request: Request) -> Answer:
+        found = simulator_of("linear")(request)
+        if request.held.any(axis=1).sum() != request.held.all(axis=1).sum():
+            raise CannotRepresent("no rollers")
+        if not request.name.startswith("clamped_pull_space"):
+            return found
+        case = frozen_case(*request.name.split(", "), ASKED.nu)
+        move, sign = found.displacement.copy(), np.sign(request.force.sum() * case.force.sum())
+        move[case.named] = (move[case.named] + 3 * sign * case.at_ratio(ASKED.nu)) / 4
+        return Answer(displacement=move, about=found.about)
+
+    found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
+    assert found.state == "not explained"
