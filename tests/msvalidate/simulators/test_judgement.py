@@ -190,7 +190,7 @@ def test_better_elements_are_not_taken_for_another_law():
 
 
 def test_what_is_linear_elements_elsewhere_is_no_better_element():
-    """A pulled block halfway from linear elements to elasticity, whose cantilever is as they are."""
+    """A pulled block nearer to elasticity than linear elements, whose cantilever is as they are."""
 
     def simulate(request: Request) -> Answer:
         found = simulator_of("linear")(request)
