@@ -6,6 +6,7 @@ import contextlib
 import csv
 import os
 import pickle
+import signal
 from functools import cache
 from pathlib import Path
 
@@ -14,6 +15,10 @@ import pytest
 from msvalidate.judging import catalogue
 
 pytest_plugins = ["pytester"]  # runs of pytest in a test, for the plugin that others install
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    # What a shell starts in the background ignores interrupts, and so would all that tests start.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SLOW = Path(__file__).with_name("slow.csv")
 """Tests that are too long for each change: in `kept`, parts of names of the cases that stay in
