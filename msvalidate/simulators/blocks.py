@@ -203,14 +203,6 @@ def effective_on_mesh(found: AtRest) -> Effective:
     return nearest_material(found.move, by_ratio, E, nu, (-0.95, 0.4999))
 
 
-def effective(found: AtRest) -> Effective:
-    """Modulus and ratio of the elasticity that is nearest to an answer, mesh and all."""
-    case, E = found.case, found.request.material.E
-    named = found.move[case.named]
-    start = float(np.clip(found.request.material.nu, *case.ratios))
-    return nearest_material(named, lambda nu: elasticity_at(case, 1.0, nu), E, start, case.ratios)
-
-
 def nearest_material(
     found: Array,
     by_ratio: Callable[[float], Array],

@@ -42,7 +42,7 @@ AWAY = 4.0
 MORE, SHRINKS = 8.0, 2.0
 """Times the loads, so that rounding is an eighth of what moves; it is known to a factor of two."""
 LOADED = ("pulled", "sheared")
-"""Bodies whose error elements on their mesh hardly add to; of the bent one most is resolution."""
+"""Bodies that strain so little that eight times the loads leave their second order small."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +180,7 @@ def body_row(
     row = BodyRow(body, case.name, case.mesh, error, on_mesh, rest, None, even=found.even)
     if law is None:
         return row
-    mass = _weighed(found, law, reading, masses_on(request, reading, total))
+    mass = masses_of(found, law, reading, total)
     row = replace(row, factors=factors(found, law, mass, settled.get((case.name, case.mesh))))
     if row.is_explained:
         return row
@@ -188,13 +188,15 @@ def body_row(
     return replace(row, shape=_shape(found, expected), finer=_is_finer(found, law, expected))
 
 
-def _weighed(
-    found: AtRest, law: tuple[float, float], reading: Reading | None, mass: Array | None
+def masses_of(
+    found: AtRest, law: tuple[float, float], reading: Reading | None, total: float
 ) -> Array | None:
-    """(n,) kg of a body under its weight, by what it moves where masses are not each node's share.
+    """(n,) kg of a body, by the pattern that the probe measured; None if as asked.
 
-    How heavy such a body is in all goes by how many nodes a mesh has.
+    Where masses are not each node's share, how heavy a body is in all goes by how many nodes a mesh
+    has: one under its weight then shows it by what it moves.
     """
+    mass = masses_on(found.request, reading, total)
     other = reading is not None and reading.masses is not None and reading.masses.off > BAND
     if not other or found.case.driven != "weight":
         return mass
@@ -229,26 +231,24 @@ def load_more(
     simulator: Simulator,
     row: BodyRow,
     found: AtRest,
-    law: tuple[float, float],
-    mass: Array | None,
+    expected: Array,
     settings: Mapping[str, Any],
 ) -> BodyRow:
     """The row of a body, with what is left of it under more load where it is in single precision.
 
     Positions in single precision are steps of 6e-8 of a coordinate. A point stays where it is until
     a force moves it by half of that against its own cells; a whole body gives way to so small
-    forces far more than a cell does.
+    forces far more than a cell does. `expected` (n, 3) m are the elements that it should be.
     """
     single = found.about.get("precision") == "float32"
     if row.is_explained or not single or row.body not in LOADED:
         return row
-    weighed = linear_elements(found.request, *law, mass)
     asked = (simulator, row.case, row.mesh, found.request.material, settings, MORE)
     try:
         near, far = at_rest_both_ways(*asked), at_rest_both_ways(*asked, away=AWAY)
     except (CannotRepresent, SolverError):
         return row
-    each = [_largest(one.move - weighed) / _largest(weighed) for one in (near, far)]
+    each = [_largest(one.move - expected) / _largest(expected) for one in (near, far)]
     return replace(row, loaded_more=each[0], far_away=each[1])
 
 

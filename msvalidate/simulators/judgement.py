@@ -15,7 +15,7 @@ from typing import Any
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
 from msvalidate.simulators import blocks, laws
-from msvalidate.simulators.blocks import AtRest
+from msvalidate.simulators.blocks import AtRest, linear_elements
 from msvalidate.simulators.bodies import (
     BAND,
     MESHES,
@@ -24,6 +24,7 @@ from msvalidate.simulators.bodies import (
     bring_further,
     bring_to_rest,
     load_more,
+    masses_of,
     masses_on,
     of_one_kind,
 )
@@ -140,10 +141,7 @@ def judge_simulator(
         tuple(body_row(body, each, read, reading, total, settled) for body, each in found)
     )
     if read is not None:
-        rows = tuple(
-            load_more(simulator, row, each, read, masses_on(each.request, reading, total), furthest)
-            for row, (_, each) in zip(rows, found, strict=True)
-        )
+        rows = _loaded_more(simulator, rows, found, (read, reading, total), furthest)
     large = None
     if law and bodies and all(map(_is_of_linear_elements, rows)):
         large = _large(simulator, material, law, furthest, (reading, total), notes)
@@ -151,6 +149,22 @@ def judge_simulator(
         material, predicted, reading, read, rows if bodies else None, large
     )
     return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes), large)
+
+
+def _loaded_more(
+    simulator: Simulator,
+    rows: tuple[BodyRow, ...],
+    found: list[tuple[str, AtRest]],
+    known: tuple[tuple[float, float], Reading | None, float],
+    settings: Mapping[str, Any],
+) -> tuple[BodyRow, ...]:
+    """The rows, those in single precision under more load too."""
+    law, reading, total = known
+    each = []
+    for row, (_, body) in zip(rows, found, strict=True):
+        expected = linear_elements(body.request, *law, masses_of(body, law, reading, total))
+        each.append(load_more(simulator, row, body, expected, settings))
+    return tuple(each)
 
 
 def _is_of_linear_elements(row: BodyRow) -> bool:
@@ -242,9 +256,8 @@ def _law(
 
     The probe sees E over mass alone. A body pulled by forces sees E alone. So their quotient is the
     mass; it is taken for 1 where it is so within `BAND`, or where the probe alone reads the law
-    that was meant. Where nothing was probed the law is the
-    documented one, or else what the finest pulled body is the elements of: the other bodies are
-    then held against it.
+    that was meant. Where nothing was probed the law is the documented one, or else what the finest
+    pulled body is the elements of: the other bodies are then held against it.
     """
     pulled = [each for body, each in found if body == "pulled" and each.case.driven == "loads"]
     if reading is None:
