@@ -24,6 +24,7 @@ from dataclasses import asdict
 from typing import Any
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
+from msvalidate.simulators.blocks import linear_elements
 from msvalidate.simulators.judgement import judge_simulator
 from msvalidate.simulators.laws import predicted
 from msvalidate.simulators.probe import probe
@@ -34,7 +35,7 @@ from msvalidate.simulators.record import probe_record, record_of
 from simulators.environments import DATA, adapter_of, pins, python_of, save
 from simulators.held import record_elements, record_springs
 from simulators.jobs import EXCLUDED, JOBS, Job
-from simulators.one_cell import explain_by_one_cell
+from simulators.one_cell import one_cell
 from simulators.sweep import rest_states
 
 E, NU, DENSITY = 1e7, 0.3, 1000.0
@@ -121,7 +122,13 @@ def _record(job: Job) -> bool:
     simulator = adapter_of(job.adapter, job.environment)
     material = Isotropic(E, NU, "solid", DENSITY)
     judged = judge_simulator(
-        simulator, material, job.settings, law=job.law, converged=job.converged, probed=job.probed
+        simulator,
+        material,
+        job.settings,
+        law=job.law,
+        converged=job.converged,
+        probed=job.probed,
+        elements=one_cell if job.one_cell else linear_elements,
     )
     record = {
         "name": job.name,
@@ -135,8 +142,6 @@ def _record(job: Job) -> bool:
         **pins(job.adapter, job.environment),
         **record_of(judged),
     }
-    if job.one_cell:
-        explain_by_one_cell(simulator, dict(job.settings), judged, record)
     if job.sweeps:
         record["iterations"] = _sweeps(simulator, job)
     if job.curve:

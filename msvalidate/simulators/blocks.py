@@ -37,6 +37,10 @@ SHOWS = 1e-3
 ratio by 1 has to make for it to show."""
 
 
+Elements = Callable[[Request, float, float, Array | None], Array]
+"""Displacement (n, 3) m of a request's body by elements of E (Pa), nu, and masses (n,) kg."""
+
+
 @dataclass(frozen=True)
 class Effective:
     """The material that a displacement is nearest to.
@@ -55,6 +59,24 @@ class Effective:
     left: float
 
 
+def linear_law(E: float, nu: float) -> Stress:
+    """Hooke's law of the small strain, as a stress of the deformation gradient."""
+    shear, lame = E / 2 / (1 + nu), E * nu / (1 + nu) / (1 - 2 * nu)
+
+    def stress(F: Array) -> Array:
+        strain = (F + np.swapaxes(F, -1, -2)) / 2 - np.eye(3)
+        spread = np.trace(strain, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
+        return np.asarray(2 * shear * strain + lame * spread)
+
+    return stress
+
+
+def linear_elements(request: Request, E: float, nu: float, mass: Array | None = None) -> Array:
+    """(n, 3) m of linear tetrahedra of a material on a request's own mesh, with other masses."""
+    own = request if mass is None else replace(request, mass=mass)
+    return at_rest(tetrahedra_of(request.mesh), own, linear_law(E, nu))[0]
+
+
 @dataclass(frozen=True, eq=False)
 class AtRest:
     """What a simulator left of one body on one mesh.
@@ -71,6 +93,8 @@ class AtRest:
         Largest half sum of the two over the largest displacement: the second-order part.
     about
         What the simulator says of the first.
+    elements
+        What its program should be on this mesh.
     """
 
     case: ElasticCase
@@ -78,6 +102,11 @@ class AtRest:
     move: Array
     even: float
     about: Mapping[str, Any]
+    elements: Elements = linear_elements
+
+    def of_elements(self, E: float, nu: float, mass: Array | None = None) -> Array:
+        """(n, 3) m of its elements of a material (Pa, 1), with other masses (n,) kg."""
+        return self.elements(self.request, E, nu, mass)
 
 
 def request_of(
@@ -118,6 +147,7 @@ def at_rest_both_ways(
     settings: Mapping[str, Any] | None = None,
     times: float = 1.0,
     away: float = 0.0,
+    elements: Elements = linear_elements,
 ) -> AtRest:
     """A body of the set brought to rest under its loads and under their opposites.
 
@@ -142,7 +172,7 @@ def at_rest_both_ways(
     if not _largest(move):
         raise SimulatorError(f"answer: {case.name} does not move under its loads")
     even = _largest(sum_of_both) / _largest(move)
-    return AtRest(case, there, move, even, answer.about)
+    return AtRest(case, there, move, even, answer.about, elements)
 
 
 def _moved(request: Request, away: float) -> Request:
@@ -175,32 +205,12 @@ def elasticity_at(case: ElasticCase, times: float, nu: float) -> Array:
     return case.at_ratio(nu) / times
 
 
-def linear_law(E: float, nu: float) -> Stress:
-    """Hooke's law of the small strain, as a stress of the deformation gradient."""
-    shear, lame = E / 2 / (1 + nu), E * nu / (1 + nu) / (1 - 2 * nu)
-
-    def stress(F: Array) -> Array:
-        strain = (F + np.swapaxes(F, -1, -2)) / 2 - np.eye(3)
-        spread = np.trace(strain, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
-        return np.asarray(2 * shear * strain + lame * spread)
-
-    return stress
-
-
-def linear_elements(request: Request, E: float, nu: float, mass: Array | None = None) -> Array:
-    """(n, 3) m of linear tetrahedra of a material on a request's own mesh, with other masses."""
-    own = request if mass is None else replace(request, mass=mass)
-    return at_rest(tetrahedra_of(request.mesh), own, linear_law(E, nu))[0]
-
-
 def effective_on_mesh(found: AtRest) -> Effective:
-    """Modulus and ratio of the linear elements on the same mesh that are nearest to an answer."""
+    """Modulus and ratio of the elements on the same mesh that are nearest to an answer."""
     E, nu = found.request.material.E, found.request.material.nu
-
-    def by_ratio(ratio: float) -> Array:
-        return linear_elements(found.request, E, ratio)
-
-    return nearest_material(found.move, by_ratio, E, nu, (-0.95, 0.4999))
+    return nearest_material(
+        found.move, lambda ratio: found.of_elements(E, ratio), E, nu, (-0.95, 0.4999)
+    )
 
 
 def nearest_material(

@@ -11,7 +11,7 @@ import numpy as np
 
 from msvalidate.problem import Array, Isotropic, SolverError
 from msvalidate.simulators import blocks
-from msvalidate.simulators.blocks import AtRest, Effective, at_rest_both_ways, linear_elements
+from msvalidate.simulators.blocks import AtRest, Effective, Elements, at_rest_both_ways
 from msvalidate.simulators.factors import UNEXPLAINED, Factors, factors
 from msvalidate.simulators.masses import patterns
 from msvalidate.simulators.probe_mesh import Block
@@ -56,7 +56,7 @@ class BodyRow:
     error
         Largest difference from elasticity as asked, over the largest displacement.
     on_mesh
-        The material that it is the linear elements of, on its own mesh.
+        The material that it is the elements of, on its own mesh.
     rest
         Part of the displacement that may still change, as stated; NaN if nobody says.
     factors
@@ -113,6 +113,7 @@ def bring_to_rest(
     settings: Mapping[str, Any],
     meshes: tuple[str, ...],
     notes: list[str],
+    elements: Elements,
 ) -> list[tuple[str, AtRest]]:
     """Each body at rest, by the first of its cases that the program can represent."""
     found: list[tuple[str, AtRest]] = []
@@ -120,13 +121,13 @@ def bring_to_rest(
         for case in cases:
             try:
                 each = [
-                    (body, at_rest_both_ways(simulator, case, mesh, material, settings))
+                    at_rest_both_ways(simulator, case, mesh, material, settings, elements=elements)
                     for mesh in meshes
                 ]
             except (CannotRepresent, SolverError) as error:
                 notes.append(f"{case}: {error}")
                 continue
-            found += each
+            found += [(body, one) for one in each]
             break
     return found
 
@@ -184,7 +185,7 @@ def body_row(
     row = replace(row, factors=factors(found, law, mass, settled.get((case.name, case.mesh))))
     if row.is_explained:
         return row
-    expected = linear_elements(request, *law, mass)
+    expected = found.of_elements(*law, mass)
     return replace(row, shape=_shape(found, expected), finer=_is_finer(found, law, expected))
 
 
@@ -201,7 +202,7 @@ def masses_of(
     if not other or found.case.driven != "weight":
         return mass
     given = found.request.mass if mass is None else mass
-    expected = linear_elements(found.request, *law, given)
+    expected = found.of_elements(*law, given)
     return np.asarray(given * float((found.move * expected).sum() / (expected**2).sum()))
 
 

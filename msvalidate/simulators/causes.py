@@ -24,13 +24,16 @@ def state_and_causes(
     law: tuple[float, float] | None,
     rows: tuple[BodyRow, ...] | None,
     large: AtLargeStrain | None,
+    *,
+    linear: bool = True,
 ) -> tuple[str, tuple[str, ...]]:
     """One of `STATES` and the causes in words, from what differs from what was asked.
 
-    `rows` are None where no body was asked for, and empty where none could be represented.
+    `rows` are None where no body was asked for, and empty where none could be represented. Of
+    elements that are not `linear` what they are off by is told: it is by design, and no mesh's.
     """
     missing, rows = rows == (), rows or ()
-    causes = [*_law_causes(material, reading, law), *_factor_causes(rows)]
+    causes = [*_law_causes(material, reading, law), *_factor_causes(rows, linear=linear)]
     open_rows = [row for row in rows if not row.is_explained and not row.is_rounded]
     causes += [_rounded_words(row) for row in rows if row.is_rounded]
     unread = reading is not None and not reading.is_valid
@@ -92,13 +95,13 @@ def _law_causes(
     return found
 
 
-def _factor_causes(rows: tuple[BodyRow, ...]) -> list[str]:
-    """Mass and solver, where they do more than the band in a body that forces or weight load."""
+def _factor_causes(rows: tuple[BodyRow, ...], *, linear: bool) -> list[str]:
+    """Mass, solver, and elements by design, where they do more than the band in a body."""
     found = []
     stated = max((row.rest for row in rows if math.isfinite(row.rest)), default=0.0)
     if stated > BAND:
         found.append(f"solver: {stated:.2g} of a displacement may still change, as it states")
-    for name in ("mass", "solver"):
+    for name in ("mass", "solver") if linear else ("mass", "solver", "resolution"):
         each = [getattr(row.factors, name) for row in rows if row.factors is not None]
         worst = max(each, key=lambda one: abs(one - 1), default=1.0)
         if abs(worst - 1) > BAND:

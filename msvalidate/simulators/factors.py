@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from msvalidate.problem import Array
-from msvalidate.simulators.blocks import AtRest, elasticity_at, linear_elements
+from msvalidate.simulators.blocks import AtRest, elasticity_at
 
 UNEXPLAINED = 0.01
 """Part of the displacement that may be left where causes explain an answer."""
@@ -80,9 +80,9 @@ def factors(
     case, asked = found.case, found.request.material
     named = case.named
     wanted = elasticity_at(case, 1.0, asked.nu)
-    on_mesh = linear_elements(found.request, *law)
+    on_mesh = found.of_elements(*law)
     own_law = _elasticity_of(found, law, on_mesh)
-    weighed = on_mesh if mass is None else linear_elements(found.request, *law, mass)
+    weighed = on_mesh if mass is None else found.of_elements(*law, mass)
     rest = found if settled is None else settled
 
     def size(move: Array) -> float:
@@ -111,4 +111,4 @@ def _elasticity_of(found: AtRest, law: tuple[float, float], on_mesh: Array) -> A
     known = elasticity_at(case, E / asked.E, near)
     if near <= nu:
         return known
-    return np.asarray(known + (on_mesh - linear_elements(found.request, E, near))[case.named])
+    return np.asarray(known + (on_mesh - found.of_elements(E, near))[case.named])

@@ -15,7 +15,7 @@ from typing import Any
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
 from msvalidate.simulators import blocks, laws
-from msvalidate.simulators.blocks import AtRest, linear_elements
+from msvalidate.simulators.blocks import AtRest, Elements, linear_elements
 from msvalidate.simulators.bodies import (
     BAND,
     MESHES,
@@ -90,6 +90,7 @@ def judge_simulator(
     meshes: tuple[str, ...] = MESHES,
     probed: Mapping[str, Any] | None = None,
     parts: Collection[str] = PARTS,
+    elements: Elements = linear_elements,
 ) -> Judgement:
     """Judge a simulator.
 
@@ -115,6 +116,8 @@ def judge_simulator(
         Settings of the probe's steps beside the others.
     parts
         Those of `PARTS` that it is asked; what is said is of them alone.
+    elements
+        What its bodies should be on their meshes; only linear ones are asked at large strain.
 
     Raises
     ------
@@ -133,7 +136,7 @@ def judge_simulator(
     if "probe" in parts:
         reading = _probed(simulator, material, own | dict(probed or {}), notes)
     bodies = "bodies" in parts
-    found = bring_to_rest(simulator, material, own, meshes, notes) if bodies else []
+    found = bring_to_rest(simulator, material, own, meshes, notes, elements) if bodies else []
     settled = _further(simulator, own, converged, found, notes)
     read, total = _law(reading, found, predicted, (material.E, material.nu))
     furthest = own | dict(converged or {})
@@ -143,10 +146,11 @@ def judge_simulator(
     if read is not None:
         rows = _loaded_more(simulator, rows, found, (read, reading, total), furthest)
     large = None
-    if law and bodies and all(map(_is_of_linear_elements, rows)):
+    linear = elements is linear_elements
+    if law and bodies and linear and all(map(_is_of_linear_elements, rows)):
         large = _large(simulator, material, law, furthest, (reading, total), notes)
     state, causes = state_and_causes(
-        material, predicted, reading, read, rows if bodies else None, large
+        material, predicted, reading, read, rows if bodies else None, large, linear=linear
     )
     return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes), large)
 
@@ -162,7 +166,7 @@ def _loaded_more(
     law, reading, total = known
     each = []
     for row, (_, body) in zip(rows, found, strict=True):
-        expected = linear_elements(body.request, *law, masses_of(body, law, reading, total))
+        expected = body.of_elements(*law, masses_of(body, law, reading, total))
         each.append(load_more(simulator, row, body, expected, settings))
     return tuple(each)
 
