@@ -1,8 +1,7 @@
-"""The first screen of the page: what springs are good for, from the studies' own tables."""
+"""The first screen of the page: the source report in a table, and what springs are good for."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,14 +15,11 @@ from msvalidate_check.words import AGREES, DIFFERS
 OVERVIEW, ROWS = "overview", "good_for"
 FIGURE = "overview/part.svg"
 LEDGER, SENTENCES = "claims", "ledger"
-PLURAL = {
-    "holds": "hold",
-    "holds only": "hold only on a condition",
-    "does not hold": "do not hold",
-    "not judged yet": "are not judged yet",
-}
-"""Verdicts of the ledger -> how their count is told."""
 COMMITTED = "the committed baseline"
+TOPIC = ("topic", "says", "found", "studies")
+ROUNDING = 1e-9
+"""A number of the ledger below this is shown as 0."""
+MEASURED = ("number", "unit", "side", "bound", "measure")
 COLUMNS = (
     *("body", "springs", "across_coarse", "error_coarse", "error_at_20", "across_fine"),
     *("error_fine", "verdict", "condition", "cells_over_linear", "study", "table"),
@@ -49,12 +45,34 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Topic:
+    """What the source report says of a topic, what was found, and by which studies."""
+
+    topic: str
+    says: str
+    found: str
+    studies: str
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A sentence of the source report in the ledger, as words."""
+
+    sentence: str
+    verdict: str
+    number: str
+    study: str
+    table: str
+
+
+@dataclass(frozen=True)
 class Front:
-    """The first screen: advice, rows, where they come from, and the count of ledger's verdicts."""
+    """The first screen: the report's topics, advice and rows, and where they come from."""
 
     lines: tuple[Line, ...]
     advice: str
     source: str
+    topics: tuple[Topic, ...]
     sentences: str
     judged_from: str
 
@@ -62,12 +80,36 @@ class Front:
 def first_screen(studies: Sequence[Stored]) -> Front:
     """The rows that were stored, else those of the committed baseline, else none."""
     rows, source = _table(studies, OVERVIEW, ROWS, set(COLUMNS))
-    ledger, judged_from = _table(studies, LEDGER, SENTENCES, {"verdict"})
+    topics, judged_from = _table(studies, LEDGER, "topics", set(TOPIC))
+    verdicts, _ = _table(studies, LEDGER, "verdicts", {"verdict", "sentences"})
     told = rows.reindex(columns=[*COLUMNS, TIMES], fill_value=NOT_ASKED)
     lines = tuple(_line(*map(str, row)) for row in told.to_numpy())
-    counts = Counter(str(verdict).partition(" if ")[0] for verdict in ledger.get("verdict", []))
-    said = ", ".join(f"{counts[verdict]} {word}" for verdict, word in PLURAL.items() if counts)
-    return Front(lines, _advice(lines), source, said, judged_from)
+    heads = tuple(Topic(*row) for row in topics.reindex(columns=TOPIC).to_numpy())
+    counts = [f"{n} {verdict}" for n, verdict in verdicts.to_numpy()[:, ::-1]]
+    sentences = ", ".join(counts).replace("true if", "true if other things are meant")
+    return Front(lines, _advice(lines), source, heads, sentences, judged_from)
+
+
+def ledger(table: pd.DataFrame) -> tuple[Entry, ...]:
+    """The ledger's sentences in four columns: sentence, verdict, number, where it comes from."""
+    return tuple(
+        Entry(
+            sentence=f"{row['sentence']}. {row['phrase']}",
+            verdict=row["verdict"],
+            number=_measured(**{name: row[name] for name in MEASURED}),
+            study=row["study"],
+            table=row["table"],
+        )
+        for row in table.astype(str).to_dict("records")
+    )
+
+
+def _measured(number: str, unit: str, side: str, bound: str, measure: str) -> str:
+    """What was measured and its bound; rounding, which differs between machines, is 0."""
+    if not _is_number(number):
+        return ""
+    value = "0" if abs(float(number)) < ROUNDING else f"{float(number):.3g}"
+    return f"{value}{'' if unit == '1' else ' ' + unit}: {measure} ({side} {float(bound):g})"
 
 
 def _advice(lines: Sequence[Line]) -> str:

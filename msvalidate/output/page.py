@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from msvalidate.judging.evidence import OPEN, is_missed
-from msvalidate.output.front import FIGURE, first_screen
+from msvalidate.output.front import FIGURE, SENTENCES, first_screen, ledger
 from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.output.rendering import Block, paragraphs_and_lists, render_template
 from msvalidate.output.stored import NUMBERS, Stored
@@ -31,11 +31,11 @@ LAYERS = {
     "baseline": "the values of the committed tables",
 }
 """Layer of judgement -> what it holds values to, in the order of the page."""
-WHOLE = ("good_for", "ledger")
+WHOLE = ("good_for", "topics", "ledger")
 """Tables of which every row is shown."""
 SUMMARISED = "baseline"
 """Of this layer, only what failed is listed: it holds every number of every table."""
-TABLES_FIRST = ("good_for", "ledger", "summary", "cases")
+TABLES_FIRST = ("good_for", "summary", "cases")
 """Tables that a reader wants first: above the others, and open."""
 MANY_COLUMNS = 10
 """Tables with more columns are printed on pages that lie on their side."""
@@ -161,6 +161,7 @@ def render_page(studies: Sequence[Stored]) -> str:
         # What our own springs are good for is no part of what is said of somebody else's.
         front=None if sections and all(s.candidate for s in sections) else first_screen(studies),
         picture=next((p for s in sections for p in s.pictures if p.file == FIGURE), None),
+        ledger=next((ledger(s.tables[SENTENCES]) for s in studies if SENTENCES in s.tables), ()),
         there={section.name: section.anchor for section in sections},
         # An unfinished study's rows are of the run before: they say nothing about this one.
         failed=[row for s in sections if not s.error for row in s.failed],

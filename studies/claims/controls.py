@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
 from typing import Any
 
 import pandas as pd
 
 from msvalidate.output.results import Results
 
-from .record import Check, Claim
-from .sentences import CLAIMS
+from .record import SENTENCES, TRUE, Check, Sentence
 
-AS_IT_STANDS, CONDITION = "as it stands", "condition"
-Change = Callable[[pd.DataFrame], pd.DataFrame]
+Numbers = Mapping[int, tuple[list[float], list[float]]]
+"""Sentence -> its numbers as said, and under its condition."""
 
 
 @dataclass(frozen=True)
 class Alteration:
-    """A change to one table of one study."""
+    """A change to one table, "study/table"."""
 
-    study: str
-    name: str
-    change: Change
+    table: str
+    change: Callable[[pd.DataFrame], pd.DataFrame]
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class AlteredResults(Results):
     def table(self, study: str, name: str) -> pd.DataFrame:
         """A table, changed if it is the one."""
         table = super().table(study, name)
-        if self.alter and (study, name) == (self.alter.study, self.alter.name):
+        if self.alter and f"{study}/{name}" == self.alter.table:
             return self.alter.change(table)
         return table
 
@@ -47,114 +45,105 @@ def altered(results: Results, alter: Alteration | None) -> Results:
     return AlteredResults(results.form, results.run, results.folder, alter)
 
 
-def move_past_bounds(
-    claims: Sequence[Claim], plain: Mapping[int, float], under: Mapping[int, float]
-) -> pd.DataFrame:
-    """Each number of judged sentences reflected in its bound, and the verdict with it.
+def moves(checks: Sequence[Check], numbers: Sequence[float]) -> Iterator[list[float]]:
+    """Numbers reflected in their bounds so that what they decide together is another.
 
-    A condition counts where the sentence does not hold as it stands.
+    Each alone where all keep to their bounds; else all that do not, at once.
     """
-    found = []
-    for claim in claims:
-        if claim.check is None:
-            continue
-        number, other = plain[claim.number], under.get(claim.number)
-        before = claim.decide(number, other)
-        after = claim.decide(claim.check.moved(number), other)
-        found.append(moved_row(claim, AS_IT_STANDS, claim.check, number, (before, after)))
-        if claim.conditional and other is not None and not claim.check.holds(number):
-            after = claim.decide(number, claim.conditional.moved(other))
-            found.append(moved_row(claim, CONDITION, claim.conditional, other, (before, after)))
-    return pd.DataFrame(found)
+    pairs = list(zip(checks, numbers, strict=True))
+    missed = {place for place, (check, number) in enumerate(pairs) if not check.holds(number)}
+    for turned in [missed] if missed else [{place} for place in range(len(pairs))]:
+        yield [
+            check.moved(number) if place in turned else number
+            for place, (check, number) in enumerate(pairs)
+        ]
+
+
+def move_past_bounds(sentences: Sequence[Sentence], found: Numbers) -> pd.DataFrame:
+    """Numbers of judged sentences reflected in their bounds, and the verdict with them.
+
+    A condition counts where the sentence is not true as said.
+    """
+    rows = []
+    for sentence in sentences:
+        said, under = found[sentence.number]
+        before = sentence.decide(said, under)
+        if sentence.said:
+            rows += [
+                moved_row(sentence, "as said", (said, other), before, sentence.decide(other, under))
+                for other in moves(sentence.said, said)
+            ]
+        if sentence.under and before != TRUE:
+            rows += [
+                moved_row(sentence, "under", (under, other), before, sentence.decide(said, other))
+                for other in moves(sentence.under, under)
+            ]
+    return pd.DataFrame(rows)
 
 
 def moved_row(
-    claim: Claim, part: str, check: Check, number: float, verdicts: tuple[str, str]
+    sentence: Sentence,
+    part: str,
+    numbers: tuple[Sequence[float], Sequence[float]],
+    before: str,
+    after: str,
 ) -> dict[str, object]:
-    """Verdict of a sentence before and after one of its numbers is moved."""
-    before, after = verdicts
+    """Verdict of a sentence before and after some of its numbers are moved."""
     return {
-        "sentence": claim.number,
+        "sentence": sentence.number,
         "part": part,
-        "number": number,
-        "bound": float(check.bound),
-        "side": check.side,
-        "moved": check.moved(number),
+        "moved": sum(old != new for old, new in zip(*numbers, strict=True)),
         "verdict": before,
         "verdict_moved": after,
         "flips": "yes" if before != after else "no",
     }
 
 
-class TypedClaim(Claim):
+class TypedSentence(Sentence):
     """A sentence whose verdict is written down instead of computed."""
 
-    def decide(self, plain: float, under_condition: float | None) -> str:  # noqa: ARG002
+    def decide(self, said: Sequence[float], under: Sequence[float]) -> str:  # noqa: ARG002
         """The verdict that is expected, whatever the numbers."""
         return self.expected
 
 
-def cells_ratio(table: pd.DataFrame) -> pd.DataFrame:
-    """The ratio of one cell in blocks of every size."""
-    return table.assign(nu_springs=table["nu_cell_formula"])
+TYPED = tuple(
+    TypedSentence(**{field.name: getattr(each, field.name) for field in fields(Sentence)})
+    for each in SENTENCES
+)
 
 
-def half_misfits(table: pd.DataFrame) -> pd.DataFrame:
+def alteration(table: str, **columns: Any) -> dict[str, Alteration]:
+    """Arguments of `run` under which columns of a table are others."""
+    return {"alter": Alteration(table, lambda found: found.assign(**columns))}
+
+
+def halved(table: pd.DataFrame) -> pd.Series:
     """Half of every misfit to a curve."""
-    misfit = table["measured"] == "rms misfit over height"
-    bodies = ("in_springs", "in_homogenised")
-    return table.assign(**{body: table[body].mask(misfit, table[body] / 2) for body in bodies})
+    return table["in_springs"].mask(table["figure"] == 7, table["in_springs"] / 2)
 
 
-def no_difference(table: pd.DataFrame) -> pd.DataFrame:
-    """Printed schemes that differ from nothing."""
-    return table.assign(difference=0.0)
-
-
-def of_plane(table: pd.DataFrame) -> pd.DataFrame:
-    """The plane's charge at every depth."""
-    return table.assign(as_report_over_plane=1.0)
-
-
-def turned_about(table: pd.DataFrame) -> pd.DataFrame:
-    """Steps of the strongest damping in the place of the weakest, body by body."""
-    steps = table.groupby("body")["steps"].transform(lambda s: s.to_numpy()[::-1])
-    return table.assign(steps=steps)
-
-
-def folded_overdamped(table: pd.DataFrame) -> pd.DataFrame:
+def folded(table: pd.DataFrame) -> pd.Series:
     """Folded cells in overdamped runs as well."""
-    over = table["c_over_critical"] >= 2
-    stable = table["cells_inverted"] != "grows"
-    return table.assign(cells_inverted=table["cells_inverted"].mask(over & stable, 1.0))
-
-
-def typed(claims: Sequence[Claim]) -> tuple[Claim, ...]:
-    """Sentences whose verdicts are written down."""
-    names = Claim.__dataclass_fields__
-    return tuple(TypedClaim(**{name: getattr(claim, name) for name in names}) for claim in claims)
+    over = (table["c_over_critical"] >= 2) & (table["cells_inverted"] != "grows")
+    return table["cells_inverted"].mask(over, 1.0)
 
 
 FAULTS: dict[str, dict[str, Any]] = {
-    "the cell's ratio in blocks of every size": {
-        "alter": Alteration("poisson", "finite_size", cells_ratio)
-    },
-    "half of every misfit to a curve": {
-        "alter": Alteration("displacement", "statements", half_misfits)
-    },
-    "printed Verlet follows the motion": {
-        "alter": Alteration("stability", "misprints", no_difference)
-    },
-    "the plane's charge at every depth": {
-        "alter": Alteration("electrostatics", "depths", of_plane)
-    },
-    "too much damping costs what too little does": {
-        "alter": Alteration("damping", "advice", turned_about)
-    },
-    "overdamped particles pass each other": {
-        "alter": Alteration("stability", "passing", folded_overdamped)
-    },
-    "a sentence left out": {"claims": CLAIMS[:-1]},
-    "verdicts written down": {"claims": typed(CLAIMS)},
+    "the cell's ratio in blocks of every size": alteration(
+        "poisson/finite_size", nu_springs=lambda table: table["nu_cell_formula"]
+    ),
+    "half of every misfit to a curve": alteration(
+        "displacement/statements", in_springs=halved, in_homogenised=halved
+    ),
+    "printed Verlet follows the motion": alteration("stability/misprints", difference=0.0),
+    "the plane's charge at every depth": alteration(
+        "electrostatics/depths", as_report_over_plane=1.0
+    ),
+    "every damping costs the same": alteration("damping/advice", steps=7.0, price=1.0),
+    "overdamped particles pass each other": alteration("stability/passing", cells_inverted=folded),
+    "the report's block as good as any": alteration("displacement/cases", total=0.0),
+    "a sentence twice": {"sentences": (*SENTENCES, SENTENCES[0])},
+    "verdicts written down": {"sentences": TYPED},
 }
 """Negative controls: arguments of `run` under which a tolerance must fail."""

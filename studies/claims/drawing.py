@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import pandas as pd
+from collections import Counter
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
@@ -10,7 +11,7 @@ from matplotlib.patches import Patch, Rectangle
 from msvalidate.judging.evidence import Tables
 from msvalidate.output.figures import COLOURS, new_figure
 
-from .record import FAILS, HOLDS, NOT_YET, ONLY_IF, kind
+from .record import BACKGROUND, FALSE, IF, NOT_YET, TRUE, WHERE
 
 SECTIONS = {
     "1": "1 background",
@@ -27,16 +28,18 @@ SECTIONS = {
 }
 """Section of the report -> its name."""
 LOOKS = {
-    HOLDS: (COLOURS[2], "yes", "holds"),
-    ONLY_IF: (COLOURS[5], "if", "holds only on a condition"),
-    FAILS: (COLOURS[1], "no", "does not hold"),
-    NOT_YET: ("#ffffff", "–", "not judged yet"),
+    TRUE: (COLOURS[2], "yes"),
+    WHERE: (COLOURS[4], "there"),
+    IF: (COLOURS[5], "if"),
+    FALSE: (COLOURS[1], "no"),
+    NOT_YET: ("#ffffff", "–"),
+    BACKGROUND: ("#e8e8e8", ""),
 }
-"""Verdict -> colour, word in the box, words of the legend."""
+"""Verdict -> colour, and word in the box."""
 
 
 def section(place: str) -> str:
-    """Section of a place, as finely as it is told apart."""
+    """Section of a place, as finely as `SECTIONS` divides them."""
     number = place.partition(",")[0].partition(" ")[0]
     return number if number in SECTIONS else number.partition(".")[0]
 
@@ -45,46 +48,34 @@ def draw(tables: Tables) -> Figure:
     """Each sentence with its number and verdict, section by section."""
     ledger = tables["ledger"]
     figure, (axis,) = new_figure(size=(7.2, 4.9))
-    for line, (_, sentences) in enumerate(by_section(ledger)):
-        for place, (number, verdict) in enumerate(
-            zip(sentences["sentence"], sentences["verdict"].map(kind), strict=True)
-        ):
-            draw_box(axis, place, line, int(number), str(verdict))
-    longest = max(len(sentences) for _, sentences in by_section(ledger))
-    names = [SECTIONS[name] for name, _ in by_section(ledger)]
-    axis.set(xlim=(0, longest), ylim=(len(names), 0), yticks=[i + 0.5 for i in range(len(names))])
-    axis.set(yticklabels=names, xticks=[], ylabel="section of the report")
-    axis.set_xlabel("its sentences, by their number in the ledger")
+    lines: dict[str, list[tuple[int, str]]] = {name: [] for name in SECTIONS}
+    for number, place, words in ledger[["sentence", "place", "verdict"]].to_numpy():
+        verdict = IF if words.startswith(IF) else words
+        lines[section(place)].append((int(number), verdict))
+    for line, boxes in enumerate(lines.values()):
+        for place, (number, verdict) in enumerate(boxes):
+            draw_box(axis, place, line, number, verdict)
+    axis.set(xlim=(0, max(map(len, lines.values()))), ylim=(len(lines), 0), xticks=[])
+    axis.set_yticks([line + 0.5 for line in range(len(lines))], SECTIONS.values())
+    axis.set(ylabel="section of the report", xlabel="its sentences, by their number in the ledger")
     axis.grid(visible=False)
     axis.spines[:].set_visible(False)
     axis.tick_params(length=0)
-    counts = ledger["verdict"].map(kind).value_counts()
-    figure.suptitle(f"The source report's {len(ledger)} checkable sentences", fontsize=9)
-    figure.legend(handles=legend(counts), loc="outside lower center", ncols=2)
+    counts = Counter(verdict for boxes in lines.values() for _, verdict in boxes)
+    figure.suptitle(f"The source report's {len(ledger)} sentences", fontsize=9)
+    handles = [
+        Patch(facecolor=colour, edgecolor="#666666", label=f"{verdict}: {counts[verdict]}")
+        for verdict, (colour, _) in LOOKS.items()
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
-
-
-def by_section(ledger: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
-    """Sections with their rows, in the report's order."""
-    of = ledger["place"].map(section)
-    return [(name, ledger[of == name]) for name in SECTIONS if (of == name).any()]
 
 
 def draw_box(axis: Axes, place: int, line: int, number: int, verdict: str) -> None:
     """A sentence's box with its number and its verdict in a word."""
-    colour, word, _ = LOOKS[verdict]
+    colour, word = LOOKS[verdict]
     axis.add_patch(
         Rectangle((place + 0.04, line + 0.06), 0.92, 0.88, facecolor=colour, edgecolor="#666666")
     )
     axis.text(place + 0.5, line + 0.34, str(number), ha="center", va="center", fontsize=8)
     axis.text(place + 0.5, line + 0.71, word, ha="center", va="center", fontsize=8)
-
-
-def legend(counts: pd.Series) -> list[Patch]:
-    """What colours and words say, with how many there are of each."""
-    return [
-        Patch(
-            facecolor=colour, edgecolor="#666666", label=f"{word}: {said}, {counts.get(verdict, 0)}"
-        )
-        for verdict, (colour, word, said) in LOOKS.items()
-    ]

@@ -5,61 +5,41 @@ A verdict is computed from numbers and bounds, and stands nowhere as a word of i
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import tomllib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
-
-import numpy as np
-import pandas as pd
+from pathlib import Path
+from typing import Any
 
 from msvalidate.output.results import Results
-from msvalidate.problem import Array, ProblemError
+from msvalidate.problem import ProblemError
 
-HOLDS, ONLY_IF, FAILS = "holds", "holds only if", "does not hold"
-NOT_YET = "not judged yet"
-VERDICTS = (HOLDS, ONLY_IF, FAILS, NOT_YET)
+from .reading import Query, read
+
+TRUE, WHERE, IF, FALSE = "true", "true where the source says", "false as said, true if", "false"
+NOT_YET, BACKGROUND = "not judged yet", "background"
+VERDICTS = (TRUE, WHERE, IF, FALSE, NOT_YET, BACKGROUND)
 NONE = "none"
 """Where there is no number, and where no study's table is named."""
-Reading = Callable[[Results], float]
-Side = Literal["at most", "at least"]
-AT_MOST: Side = "at most"
-AT_LEAST: Side = "at least"
+LEDGER = tomllib.loads((Path(__file__).parent / "ledger.toml").read_text(encoding="utf-8"))
+AT_MOST, AT_LEAST = "at most", "at least"
 
 
 @dataclass(frozen=True)
 class Check:
-    """A number that studies found, and the bound within which a sentence holds.
+    """A number that studies found, and the bound that it has to keep to."""
 
-    Parameters
-    ----------
-    study, table
-        Where the number comes from.
-    measure, unit
-        What it says.
-    read
-        Takes it from the studies' results.
-    side, bound
-        It holds if it is at most, or at least, so much.
-    because
-        Why that bound.
-    """
-
-    study: str
-    table: str
+    query: Query
     measure: str
     unit: str
-    read: Reading
-    side: Side
+    side: str
     bound: float
     because: str
 
-    def number(self, results: Results, sentence: int) -> float:
-        """What is read; raises ProblemError, naming the sentence, if a table does not have it."""
-        try:
-            return float(self.read(results))
-        except (ProblemError, LookupError, ValueError) as error:
-            place = f"sentence {sentence}, from {self.study}/{self.table}"
-            raise ProblemError(f"{place}: {error}") from error
+    @property
+    def table(self) -> str:
+        """Where the number comes from: "study/table"."""
+        return str(self.query["from"])
 
     def holds(self, number: float) -> bool:
         """Whether a number is on the right side of the bound, or on it."""
@@ -77,112 +57,93 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Claim:
+class Sentence:
     """A sentence of the report.
 
     Parameters
     ----------
-    number, place, statement
-        Its number in the ledger, where it stands, and what it says, in our words.
-    check
-        Under which it holds as it stands; None where nothing judges it yet.
-    condition, conditional
-        Words for a condition, and the check under which the sentence holds on it.
+    number, place, phrase
+        Its number in the ledger, where it stands, and what it says, quoted.
     expected, theory
-        The verdict that theory lets expect and why, so that a moved result is noticed; of a
-        sentence that is not judged, `theory` says why not.
+        The verdict that theory lets expect, and why; where nothing is judged, why not.
+    said
+        Checks under all of which it is true as said.
+    condition, under
+        In words, and the checks under all of which it is true on that condition.
+    stated
+        Whether the source itself names the condition.
+    misprint
+        Whether it cannot be evaluated as printed, and so is false as said.
     """
 
     number: int
     place: str
-    statement: str
+    phrase: str
     expected: str
     theory: str
-    check: Check | None = None
+    said: tuple[Check, ...] = ()
     condition: str = ""
-    conditional: Check | None = None
+    under: tuple[Check, ...] = ()
+    stated: bool = False
+    misprint: bool = False
 
-    def decide(self, plain: float, under_condition: float | None) -> str:
-        """Verdict from the number of the sentence as it stands, and from that of its condition."""
-        if self.check is None:
-            return NOT_YET
-        if self.check.holds(plain):
-            return HOLDS
-        if self.conditional is None or under_condition is None:
-            return FAILS
-        if not self.conditional.holds(under_condition):
-            return FAILS
-        return f"{ONLY_IF} {self.condition}"
+    @property
+    def judged(self) -> bool:
+        """Whether there is a number to judge by."""
+        return bool(self.said or self.under)
 
+    def decide(self, said: Sequence[float], under: Sequence[float]) -> str:
+        """Verdict, one of `VERDICTS`, from the numbers of the two kinds of checks."""
+        if not self.judged:
+            return self.expected if self.expected in (NOT_YET, BACKGROUND) else NOT_YET
+        if not self.misprint and holds(self.said, said):
+            return TRUE
+        if not self.under or not holds(self.under, under):
+            return FALSE
+        return WHERE if self.stated else IF
 
-def kind(verdict: str) -> str:
-    """A verdict without its condition."""
-    return ONLY_IF if verdict.startswith(ONLY_IF) else verdict
+    def words(self, verdict: str) -> str:
+        """A verdict with the condition that goes with it."""
+        return f"{verdict} {self.condition}" if verdict == IF else verdict
 
-
-def rows(results: Results, place: str, **where: Any) -> pd.DataFrame:
-    """Rows of a table, named "study/table", whose columns have these values.
-
-    Raises
-    ------
-    ProblemError
-        If there is no such table, column or row.
-    """
-    study, _, name = place.partition("/")
-    table = results.table(study, name)
-    for column, value in where.items():
-        if column not in table:
-            raise ProblemError(f"{place}: no column {column}; run {study} again")
-        table = table[table[column] == value]
-    if table.empty:
-        asked = ", ".join(f"{column} = {value}" for column, value in where.items())
-        raise ProblemError(f"{place}: no row with {asked}; run {study} again")
-    return table
+    def numbers(self, results: Results) -> tuple[list[float], list[float]]:
+        """Of both kinds of checks; raises ProblemError, naming the sentence, if one is missing."""
+        found: tuple[list[float], list[float]] = ([], [])
+        for kept, checks in zip(found, (self.said, self.under), strict=True):
+            for check in checks:
+                try:
+                    kept.append(read(results, check.query))
+                except (ProblemError, LookupError, ValueError) as error:
+                    place = f"sentence {self.number}, from {check.table}"
+                    raise ProblemError(f"{place}: {error}") from error
+        return found
 
 
-def numbers(table: pd.DataFrame, column: str, word: str = "") -> Array:
-    """A column (n,) as numbers; values that are `word` are left out.
-
-    Raises
-    ------
-    ProblemError
-        If there is no such column, none is left, or another word stands among them.
-    """
-    if column not in table:
-        raise ProblemError(f"no column {column} among {', '.join(map(str, table))}")
-    kept = [value for value in table[column] if not (word and value == word)]
-    if not kept or any(isinstance(value, str) for value in kept):
-        raise ProblemError(f"column {column}: {kept[:3]} are no numbers to judge by")
-    return np.array(kept, dtype=float)
+def holds(checks: Sequence[Check], numbers: Sequence[float]) -> bool:
+    """Whether every number keeps to its bound."""
+    return all(check.holds(number) for check, number in zip(checks, numbers, strict=True))
 
 
-def column(results: Results, place: str, name: str, word: str = "", **where: Any) -> Array:
-    """Numbers (n,) of a column in the rows of a table that have these values."""
-    return numbers(rows(results, place, **where), name, word)
+def make_check(entry: Mapping[str, Any]) -> Check:
+    """A check from its entry in the ledger, which names one bound."""
+    (side,) = {"at_most", "at_least"} & set(entry)
+    return Check(
+        query=entry,
+        measure=entry["measure"],
+        unit=entry.get("unit", "1"),
+        side=side.replace("_", " "),
+        bound=float(entry[side]),
+        because=entry["because"],
+    )
 
 
-def value(results: Results, place: str, name: str, **where: Any) -> float:
-    """The number of a column in the one row that has these values.
-
-    Raises
-    ------
-    ProblemError
-        If there is no such row, or several.
-    """
-    found = column(results, place, name, **where)
-    if len(found) > 1:
-        raise ProblemError(f"{place}: {len(found)} rows with {where}; one is asked for")
-    return float(found[0])
+def make_sentence(entry: Mapping[str, Any]) -> Sentence:
+    """A sentence from its entry in the ledger."""
+    words = {key: value for key, value in entry.items() if key not in ("said", "under", "if")}
+    said, under = (tuple(map(make_check, entry.get(kind, ()))) for kind in ("said", "under"))
+    return Sentence(**words, said=said, under=under, condition=entry.get("if", ""))
 
 
-def finest(results: Results, place: str, by: str, **where: Any) -> pd.DataFrame:
-    """Rows of the largest number in the column `by`."""
-    table = rows(results, place, **where)
-    sizes = numbers(table, by)
-    largest: pd.DataFrame = table[sizes == sizes.max()]
-    return largest
-
-
-def unjudged(number: int, place: str, statement: str, reason: str) -> Claim:
-    """A sentence that no table judges, and why."""
-    return Claim(number, place, statement, NOT_YET, reason)
+SENTENCES = tuple(make_sentence(entry) for entry in LEDGER["sentence"])
+TOPICS: tuple[Mapping[str, Any], ...] = tuple(LEDGER["topic"])
+"""The report in eight rows; see `ledger.toml`."""

@@ -2,7 +2,7 @@
 
 import pandas as pd
 import pytest
-from msvalidate.studies.claims.record import AT_LEAST, AT_MOST, FAILS, HOLDS, NOT_YET, Check, Claim
+from msvalidate.studies.claims import reading, record
 
 from msvalidate.judging.sweep import Setting
 from msvalidate.output.baseline import baseline_folder
@@ -12,18 +12,23 @@ from msvalidate.studies import claims
 from tests.table import table
 
 QUICK = Setting(quick=True)
-SMALL = Check("a", "b", "a number", "1", lambda _: 0.0, AT_MOST, 2, "small")
-LARGE = Check("a", "b", "another", "1", lambda _: 0.0, AT_LEAST, 5, "large")
-BOTH = Claim(1, "1", "A sentence.", HOLDS, "theory", SMALL, "it is large", LARGE)
+SMALL = record.Check({"from": "a/b"}, "a number", "1", record.AT_MOST, 2, "small")
+LARGE = record.Check({"from": "a/b"}, "another", "1", record.AT_LEAST, 5, "large")
 FORMS = ("quick", "full")
+ROWS = pd.DataFrame(
+    {"body": ["a", "a", "b", "b"], "cells": [2, 4, 2, 4], "error": [0.4, 0.1, 0.2, -0.3]}
+)
 
 
-def damping(steps):
-    """Results of a run in which every price of damping is as given."""
-    where = baseline_folder("quick") / "damping"
-    found = {path.stem: pd.read_csv(path) for path in where.glob("*.csv")}
-    found["advice"] = found["advice"].assign(steps=steps)
-    return Results("quick", run={"damping": found})
+def sentence(said=(SMALL,), under=(LARGE,), expected=record.TRUE, **words):
+    return record.Sentence(1, "1", "A phrase.", expected, "theory", said, "large", under, **words)
+
+
+def results(study, **tables):
+    """Results of a run of one study in its small form, some of its tables others."""
+    where = baseline_folder("quick") / study
+    found = {path.stem: pd.read_csv(path) for path in where.glob("*.csv")} if study else {}
+    return Results("quick", run={study: found | tables})
 
 
 def row(evidence, number):
@@ -32,17 +37,22 @@ def row(evidence, number):
 
 
 @table(
-    ("claim", "plain", "under", "verdict"),
+    ("of", "said", "under", "verdict"),
     [
-        (BOTH, 2, 0, HOLDS),
-        (BOTH, 2.1, 5, "holds only if it is large"),
-        (BOTH, 2.1, 4.9, FAILS),
-        (Claim(1, "1", "A sentence.", HOLDS, "theory", SMALL), 2.1, None, FAILS),
-        (Claim(1, "1", "A sentence.", NOT_YET, "theory"), 0, None, NOT_YET),
+        (sentence(), [2], [0], record.TRUE),
+        (sentence(), [2.1], [5], record.IF),
+        (sentence(stated=True), [2.1], [5], record.WHERE),
+        (sentence(), [2.1], [4.9], record.FALSE),
+        (sentence(under=()), [2.1], [], record.FALSE),
+        (sentence(said=(SMALL, LARGE)), [2, 4], [4], record.FALSE),
+        (sentence(said=(), misprint=True), [], [5], record.IF),
+        (sentence(said=(), misprint=True), [], [4], record.FALSE),
+        (sentence(said=(), under=()), [], [], record.NOT_YET),
+        (sentence(said=(), under=(), expected=record.BACKGROUND), [], [], record.BACKGROUND),
     ],
 )
-def test_verdicts_follow_numbers(claim, plain, under, verdict):
-    assert claim.decide(plain, under) == verdict
+def test_verdicts_follow_numbers(of, said, under, verdict):
+    assert of.decide(said, under) == verdict
 
 
 @table(("check", "number"), [(c, n) for c in (SMALL, LARGE) for n in (-3, 0, 2, 5, 7)])
@@ -50,15 +60,47 @@ def test_a_number_moved_past_its_bound_changes_sides(check, number):
     assert check.holds(check.moved(number)) != check.holds(number)
 
 
-def test_every_sentence_has_one_row_with_a_reason_and_a_table_that_is_there():
-    assert [claim.number for claim in claims.CLAIMS] == list(range(1, 66))
-    for claim in claims.CLAIMS:
-        assert 0 < len(claim.statement.split()) <= 15, claim.number
-        assert len(claim.theory) > 10, claim.number
-        assert bool(claim.condition) == bool(claim.conditional), claim.number
-        for check in filter(None, (claim.check, claim.conditional)):
-            for form in FORMS:
-                assert (baseline_folder(form) / check.study / f"{check.table}.csv").is_file()
+@table(
+    ("query", "number"),
+    [
+        ({"column": "error", "where": {"body": "a", "cells": 4}}, 0.1),
+        ({"column": "error", "last": "cells", "take": "farthest"}, 0.3),
+        ({"column": "error", "without": {"body": "b"}, "less": 0.25, "take": "nearest"}, 0.15),
+        ({"column": "error", "where": {"body": "a"}, "over": {"body": "b"}, "take": "max"}, 2),
+        ({"column": "error", "where": {"body": "a"}, "take": "growth", "by": "cells"}, 0.25),
+        ({"column": "cells", "between": {"error": [0, 1]}, "take": "count", "times": 2}, 6),
+        ({"column": "error", "take": "share", "least": 0.2}, 0.5),
+        ({"column": "body", "where": {"cells": [2, 4]}, "take": "share", "equal": "a"}, 0.5),
+    ],
+)
+def test_a_number_is_read_as_it_is_asked_for(query, number):
+    found = reading.read(results("", rows=ROWS), {"from": "/rows", **query})
+    assert found == pytest.approx(number, rel=1e-12)
+
+
+@table(
+    ("query", "words"),
+    [
+        ({"column": "error"}, "4 numbers"),
+        ({"column": "error", "where": {"body": "c"}}, "no row with"),
+        ({"column": "size"}, "no column size"),
+        ({"column": "body", "take": "max"}, "are no numbers"),
+    ],
+)
+def test_what_cannot_be_read_is_told_in_one_line(query, words):
+    with pytest.raises(ProblemError, match=words) as told:
+        reading.read(results("", rows=ROWS), {"from": "/rows", **query})
+    assert "\n" not in str(told.value)
+
+
+def test_sentences_are_those_of_the_report_each_once_with_its_reasons():
+    numbers = [each.number for each in claims.SENTENCES]
+    assert numbers == [n for n in range(1, 67) if n not in {42, 63}]
+    for each in claims.SENTENCES:
+        assert bool(each.condition) == bool(each.under), each.number
+        assert each.judged == (each.expected not in {record.NOT_YET, record.BACKGROUND})
+        for check in (*each.said, *each.under):
+            assert all((baseline_folder(f) / f"{check.table}.csv").is_file() for f in FORMS)
 
 
 def test_small_and_full_form_come_to_the_same_verdicts():
@@ -67,19 +109,30 @@ def test_small_and_full_form_come_to_the_same_verdicts():
 
 
 def test_numbers_of_this_run_come_before_those_of_the_baseline():
+    advice = pd.read_csv(baseline_folder("quick") / "damping/advice.csv")
     ours = row(claims.run(setting=QUICK), 27)
     assert ours["number"] == pytest.approx(17238 / 8670)  # of the beam, as printed by `damping`
-    theirs = row(claims.run(damping(steps=7.0), setting=QUICK), 27)
-    assert (theirs["number"], theirs["verdict"]) == (1, HOLDS)
+    theirs = row(claims.run(results("damping", advice=advice.assign(steps=7.0)), setting=QUICK), 27)
+    assert (theirs["number"], theirs["verdict"]) == (1, record.TRUE)
     assert theirs["taken_from_here"] == THIS_RUN
 
 
+def test_a_topic_says_nothing_where_a_verdict_of_its_sentences_moved():
+    moved = claims.run(results("convergence", growth_of_factors=factors(3.1)), setting=QUICK)
+    told = moved.tables["topics"].set_index("topic")["found"]
+    assert told["O(n) against O(n⁹)"].startswith("Not as theory lets expect: sentences [2]")
+    assert "6.348 V" in told["the actuator"]
+
+
+def factors(exponent):
+    """Growth of factors with another exponent."""
+    found = pd.read_csv(baseline_folder("quick") / "convergence/growth_of_factors.csv")
+    return found.assign(exponent=exponent)
+
+
 def test_a_missing_row_is_told_in_one_line_with_its_sentence():
-    alone = {"figure3": pd.DataFrame({"scheme": ["leapfrog"], "leaves_at_step": ["x"]})}
-    few = Results("quick", run={"stability": alone})
-    one = [claim for claim in claims.CLAIMS if claim.number == 32]
-    with pytest.raises(
-        ProblemError, match=r"^sentence 32, from stability/figure3: .*no row"
-    ) as told:
-        claims.run(few, setting=QUICK, claims=one)
-    assert "\n" not in str(told.value)
+    alone = pd.DataFrame({"scheme": ["leapfrog"], "leaves_at_step": ["x"], "distance": ["x"]})
+    one = [each for each in claims.SENTENCES if each.number == 32]
+    few = Results("quick", run={"stability": {"figure3": alone}})
+    with pytest.raises(ProblemError, match=r"^sentence 32, from stability/figure3: .*no row"):
+        claims.run(few, setting=QUICK, sentences=one)

@@ -62,8 +62,26 @@ def test_damaged_rows_are_not_shown():
     assert (line.coarse, line.cost) == ("none at 5", "not asked")
 
 
-def test_verdicts_of_the_ledger_are_counted():
-    verdicts = ["holds", "holds only if it rains", "does not hold", "holds", "not judged yet"]
-    ledger = pd.DataFrame({"verdict": verdicts}, dtype=str)
-    said = "2 hold, 1 hold only on a condition, 1 do not hold, 1 are not judged yet"
-    assert front.first_screen([stored("claims", "ledger", ledger)]).sentences == said
+def test_the_reports_topics_and_verdicts_come_from_the_stored_ledger():
+    topics = pd.DataFrame([("a", "b", "c", "poisson")], columns=front.TOPIC, dtype=str)
+    verdicts = ["true", "false as said, true if", "false"]
+    ours = stored("claims", "topics", topics)
+    ours.tables["verdicts"] = pd.DataFrame({"verdict": verdicts, "sentences": [2, 1, 1]}, dtype=str)
+    found = front.first_screen([ours])
+    assert found.topics == (front.Topic("a", "b", "c", "poisson"),)
+    assert found.sentences == "2 true, 1 false as said, true if other things are meant, 1 false"
+    assert len(front.first_screen([]).topics) == 8
+
+
+def test_the_ledger_is_told_in_four_columns():
+    row = {"sentence": "18", "phrase": "k2 = 2k1", "verdict": "false", "study": "s", "table": "t"}
+    judged = row | dict(
+        zip(front.MEASURED, ("0.38888", "1", "at most", "0.01", "off 1/2"), strict=True)
+    )
+    none = row | dict.fromkeys(front.MEASURED, "none")
+    tiny = judged | {"number": "3e-16", "unit": "m"}
+    found = front.ledger(pd.DataFrame([judged, none, tiny]))
+    assert found[0].sentence == "18. k2 = 2k1"
+    assert [entry.number for entry in found] == [
+        "0.389: off 1/2 (at most 0.01)", "", "0 m: off 1/2 (at most 0.01)"
+    ]  # fmt: skip

@@ -1,0 +1,123 @@
+"""Numbers of the ledger, read from studies' tables as `ledger.toml` says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from msvalidate.output.results import Results
+from msvalidate.problem import Array, ProblemError
+
+Query = Mapping[str, Any]
+COMBINE = {"over": np.divide, "less": np.subtract}
+"""What is done with a second number, column, or the same column of other rows, in this order."""
+TAKES = {
+    "only": lambda values: values,
+    "max": np.max,
+    "min": np.min,
+    "farthest": lambda values: np.abs(values).max(),
+    "nearest": lambda values: np.abs(values).min(),
+    "factor": lambda values: np.maximum(values, 1 / values).max(),
+    "count": np.size,
+}
+"""How one number comes of many; beside these "share" of rows, and "growth" from size to size."""
+
+
+def read(results: Results, query: Query) -> float:
+    """The number (in its unit) that a query asks for.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such table, column or row, or not one number.
+    """
+    where = query.get("where", {})
+    table = select(results, query, where)
+    take = query.get("take", "only")
+    if take == "share":
+        return share(table[query["column"]], query)
+    values = numbers(table, query)
+    for word, combine in COMBINE.items():
+        if word in query:
+            values = combine(values, second(results, query, table, query[word]))
+    if take == "growth":
+        means = pd.Series(values).groupby(table[query["by"]].to_numpy(dtype=float)).mean()
+        values, take = means.iloc[[-1]].to_numpy() / means.iloc[0], "only"
+    found = np.ravel(TAKES[take](values)) * query.get("times", 1)
+    if found.size != 1 or not np.isfinite(found).all():
+        raise ProblemError(f"{query['from']}: {found.size} numbers with {dict(where)}, not one")
+    return float(found[0])
+
+
+def select(results: Results, query: Query, where: Mapping[str, Any]) -> pd.DataFrame:
+    """Rows of a table in which columns have some values, of the last size."""
+    study, _, name = query["from"].partition("/")
+    table = results.table(study, name)
+    conditions = [(column, alike, value) for column, value in where.items()]
+    conditions += [(column, within, ends) for column, ends in query.get("between", {}).items()]
+    conditions += [(column, unlike, value) for column, value in query.get("without", {}).items()]
+    for column, test, value in conditions:
+        require(table, column, query)
+        table = table[[test(each, value) for each in table[column]]]
+    for column in np.atleast_1d(query.get("last", [])):
+        require(table, column, query)
+        table = table[table[column] == table[column].max()]
+    if table.empty:
+        raise ProblemError(f"{query['from']}: no row with {dict(where)}; run {study} again")
+    return table
+
+
+def require(table: pd.DataFrame, column: str, query: Query) -> None:
+    """Raise ProblemError if a table lacks a column."""
+    if column not in table:
+        raise ProblemError(f"{query['from']}: no column {column} among {', '.join(table)}")
+
+
+def alike(found: object, value: object) -> bool:
+    """Whether a cell is a value or one of several; numbers to a millionth."""
+    if isinstance(value, list):
+        return any(alike(found, each) for each in value)
+    if isinstance(found, str) or isinstance(value, str):
+        return found == value
+    return bool(np.isclose(found, value, rtol=1e-6, atol=0))  # type: ignore[call-overload]
+
+
+def unlike(found: object, value: object) -> bool:
+    """Whether a cell is another value."""
+    return not alike(found, value)
+
+
+def within(found: Any, ends: list[float]) -> bool:
+    """Whether a number lies between two, or on one of them."""
+    return bool(ends[0] <= found <= ends[1])
+
+
+def numbers(table: pd.DataFrame, query: Query) -> Array:
+    """A column's numbers (n,), or those of several one after another; a word to skip left out."""
+    found = []
+    for column in np.atleast_1d(query["column"]):
+        require(table, column, query)
+        found += [value for value in table[column] if value != query.get("skip")]
+    if not found or any(isinstance(value, str) for value in found):
+        raise ProblemError(f"{query['from']}: {found[:3]} are no numbers to judge by")
+    return np.array(found, dtype=float)
+
+
+def second(results: Results, query: Query, table: pd.DataFrame, other: Any) -> float | Array:
+    """What a column is divided by, or less: a number, a column, or the same column elsewhere."""
+    if isinstance(other, str):
+        return numbers(table, {**query, "column": other})
+    if isinstance(other, Mapping):
+        return numbers(select(results, query, {**query.get("where", {}), **other}), query)
+    return float(other)
+
+
+def share(column: pd.Series, query: Query) -> float:
+    """Part of the cells that are a word, or a number and no less than the `least`."""
+    kept = [value for value in column if value != query.get("skip")]
+    if "equal" in query:
+        return float(np.mean([value == query["equal"] for value in kept]))
+    return float(np.mean(np.array(kept, dtype=float) >= query["least"]))
