@@ -187,9 +187,13 @@ def topic_row(
     asked = [number for number in topic["sentences"] if number in wrong or number not in found]
     words = f"Not as theory lets expect: sentences {asked} of the ledger."
     if not asked:
-        words = topic["found"].format(
-            **{name: topic_number(of, results, found) for name, of in topic["numbers"].items()}
-        ).replace("e-0", "e-")
+        words = (
+            topic["found"]
+            .format(
+                **{name: topic_number(of, results, found) for name, of in topic["numbers"].items()}
+            )
+            .replace("e-0", "e-")
+        )
     row = {name: topic[name] for name in ("topic", "says")}
     return {**row, "found": words, "studies": topic["studies"]}
 
@@ -200,7 +204,7 @@ def topic_number(of: Any, results: Results, found: Numbers) -> float:
         return float(f"{read(results, of):.4g}")
     number, part, *bound = of.split()
     if bound:
-        return next(getattr(s, part)[0].bound for s in SENTENCES if s.number == int(number))
+        return float(next(getattr(s, part)[0].bound for s in SENTENCES if s.number == int(number)))
     return float(f"{found[int(number)][part == 'under'][0]:.4g}")
 
 

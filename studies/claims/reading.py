@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from msvalidate.problem import Array, ProblemError
 Query = Mapping[str, Any]
 COMBINE = {"over": np.divide, "less": np.subtract}
 """What is done with a second number, column, or the same column of other rows, in this order."""
-TAKES = {
+TAKES: Mapping[str, Callable[[Array], Any]] = {
     "only": lambda values: values,
     "max": np.max,
     "min": np.min,
@@ -38,14 +38,14 @@ def read(results: Results, query: Query) -> float:
     table = select(results, query, where)
     take = query.get("take", "only")
     if take == "share":
-        return share(table[query["column"]], query)
+        return share(list(table[query["column"]]), query)
     values = numbers(table, query)
     for word, combine in COMBINE.items():
         if word in query:
             values = combine(values, second(results, query, table, query[word]))
     if take == "growth":
         means = pd.Series(values).groupby(table[query["by"]].to_numpy(dtype=float)).mean()
-        values, take = means.iloc[[-1]].to_numpy() / means.iloc[0], "only"
+        values, take = np.array([means.iloc[-1] / means.iloc[0]]), "only"
     found = np.ravel(TAKES[take](values)) * query.get("times", 1)
     if found.size != 1 or not np.isfinite(found).all():
         raise ProblemError(f"{query['from']}: {found.size} numbers with {dict(where)}, not one")
@@ -56,10 +56,10 @@ def select(results: Results, query: Query, where: Mapping[str, Any]) -> pd.DataF
     """Rows of a table in which columns have some values, of the last size."""
     study, _, name = query["from"].partition("/")
     table = results.table(study, name)
-    conditions = [(column, alike, value) for column, value in where.items()]
-    conditions += [(column, within, ends) for column, ends in query.get("between", {}).items()]
-    conditions += [(column, unlike, value) for column, value in query.get("without", {}).items()]
-    for column, test, value in conditions:
+    tests = (("between", within), ("without", unlike))
+    conditions = [(alike, *each) for each in where.items()]
+    conditions += [(test, *each) for word, test in tests for each in query.get(word, {}).items()]
+    for test, column, value in conditions:
         require(table, column, query)
         table = table[[test(each, value) for each in table[column]]]
     for column in np.atleast_1d(query.get("last", [])):
@@ -73,24 +73,26 @@ def select(results: Results, query: Query, where: Mapping[str, Any]) -> pd.DataF
 def require(table: pd.DataFrame, column: str, query: Query) -> None:
     """Raise ProblemError if a table lacks a column."""
     if column not in table:
-        raise ProblemError(f"{query['from']}: no column {column} among {', '.join(table)}")
+        raise ProblemError(
+            f"{query['from']}: no column {column} among {', '.join(map(str, table))}"
+        )
 
 
-def alike(found: object, value: object) -> bool:
+def alike(found: Any, value: Any) -> bool:
     """Whether a cell is a value or one of several; numbers to a millionth."""
     if isinstance(value, list):
         return any(alike(found, each) for each in value)
     if isinstance(found, str) or isinstance(value, str):
         return found == value
-    return bool(np.isclose(found, value, rtol=1e-6, atol=0))  # type: ignore[call-overload]
+    return bool(np.isclose(found, value, rtol=1e-6, atol=0))
 
 
-def unlike(found: object, value: object) -> bool:
+def unlike(found: Any, value: Any) -> bool:
     """Whether a cell is another value."""
     return not alike(found, value)
 
 
-def within(found: Any, ends: list[float]) -> bool:
+def within(found: Any, ends: Any) -> bool:
     """Whether a number lies between two, or on one of them."""
     return bool(ends[0] <= found <= ends[1])
 
@@ -115,7 +117,7 @@ def second(results: Results, query: Query, table: pd.DataFrame, other: Any) -> f
     return float(other)
 
 
-def share(column: pd.Series, query: Query) -> float:
+def share(column: Sequence[Any], query: Query) -> float:
     """Part of the cells that are a word, or a number and no less than the `least`."""
     kept = [value for value in column if value != query.get("skip")]
     if "equal" in query:
