@@ -83,7 +83,7 @@ def alike(found: Any, value: Any) -> bool:
     if isinstance(value, list):
         return any(alike(found, each) for each in value)
     if isinstance(found, str) or isinstance(value, str):
-        return found == value
+        return str(found) == str(value)
     return bool(np.isclose(found, value, rtol=1e-6, atol=0))
 
 
