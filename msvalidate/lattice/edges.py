@@ -53,12 +53,15 @@ class EdgeLattice(Lattice):
 
     Parameters
     ----------
+    rule
+        What their stiffness goes by.
     gifts
         (c, e) what each cell brings to the factors of its springs.
     of
         (c, e) numbers of these springs.
     """
 
+    rule: str
     gifts: Array
     of: Index
 
@@ -117,6 +120,7 @@ def mesh_lattice(mesh: Mesh, rule: str = "area") -> EdgeLattice:
         point_volume=np.bincount(cells.ravel(), volume.ravel()).astype(float),
         factor=factor,
         regular=False,
+        rule=rule,
         gifts=gifts,
         of=which.reshape(gifts.shape),
     )

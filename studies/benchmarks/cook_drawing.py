@@ -47,6 +47,28 @@ def shape(places: Array, seen: dict[str, tuple[Array, Array]]) -> pd.DataFrame:
     return pd.DataFrame(table)
 
 
+def on_edges(tables: Tables) -> Figure:
+    """Springs on the edges of meshes: differences to the limit, an axis for every rule."""
+    table = tables["cook_edges"]
+    named = table["method"].str.extract(r"edges of (?P<mesh>.*), rule (?P<rule>.*)")
+    meshes = list(dict.fromkeys(named["mesh"]))
+    rules = list(table.groupby(named["rule"], sort=False))
+    figure, axes = figures.new_figure(len(rules), size=(3.3, 3.6), sharex=True, sharey=True)
+    for axis, (rule, rows) in zip(axes, rules, strict=True):
+        for mesh, line in rows.groupby(named["mesh"], sort=False):
+            place = meshes.index(str(mesh))
+            style = {"color": figures.COLOURS[place], "marker": figures.MARKERS[place]}
+            axis.semilogx(line["cells"], 100 * line["against_limit"], label=str(mesh), **style)
+        axis.set(title=f"springs by rule {rule}", xlabel="cells along the width (1)")
+        axis.set_xticks(sorted(set(rows["cells"])), sorted(set(rows["cells"])))
+        axis.minorticks_off()
+        axis.axhspan(-5, 5, color="grey", alpha=0.25, lw=0, label="agrees: within 5 %")
+    axes[0].set_ylabel("difference (%)")
+    figure.suptitle("Cook's membrane by a spring on every edge of a mesh")
+    figures.add_shared_legend(figure, axes, columns=2)
+    return figure
+
+
 def deformed(tables: Tables) -> Figure:
     """The panel moved by its displacements, in the colours of its stress and of the difference."""
     table = tables["cook_shape"]

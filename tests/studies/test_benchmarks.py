@@ -19,6 +19,7 @@ from scipy.integrate import quad
 import reference_fem
 from msvalidate.constants.stiffness import CAUCHY
 from msvalidate.judging.candidate import solve_springs
+from msvalidate.judging.sweep import Setting
 from msvalidate.problem import Isotropic, Mesh, ProblemError
 from reference_fem.elasticity import elastic_tensor
 
@@ -83,7 +84,7 @@ def test_every_method_has_a_family_and_the_worst_quantity_counts():
     assert overview.family("FEM Q2") == "FEM"
     assert overview.family("springs, square") == "springs"
     assert overview.family("springs + volume energy, square") == "springs + volume energy"
-    assert overview.family(patch.PER_EDGE) == overview.family(cook.EDGES[0]) == "springs, edges"
+    assert overview.family(patch.PER_EDGE) == overview.family(cook.EDGES) == "springs, edges"
     other = cases.Quantity("a benchmark", "a stress", "Pa", 1.0, "by hand", 0.3)
     table = pd.DataFrame(
         [*cases.rows(QUANTITY, "FEM Q1", (4,), (2.1,)), *cases.rows(other, "FEM Q1", (4,), (0.9,))]
@@ -204,6 +205,21 @@ def test_cooks_panel_is_the_mapped_square():
     kappa, exponent = (3 - 1 / 3) / (1 + 1 / 3), cook.corner_order() / 2
     left = (kappa + 1) ** 2 / 4 - exponent**2 * np.sin(cook.CORNER) ** 2
     assert left == pytest.approx(kappa * np.sin(exponent * cook.CORNER) ** 2, abs=1e-9)
+
+
+def test_springs_on_cooks_edges_are_named_for_mesh_and_rule(monkeypatch):
+    """Another rule, another name; equal springs are what equilateral triangles give inner edges."""
+    asked = (("triangle", cook.RISING, "equilateral"), ("triangle", cook.EVEN, "area"))
+    monkeypatch.setattr(cook, "ON_EDGES", asked)
+    found = cook.run(setting=Setting(quick=True)).tables["cook_edges"]
+    assert list(dict.fromkeys(found["method"])) == [
+        "springs, edges of triangles, rising diagonals, rule equilateral",
+        "springs, edges of triangles, Delaunay, rule area",
+    ]
+    whole, shared = (cook.on_edges(*asked[0][:2], rule, 4) for rule in ("equal", "equilateral"))
+    ends, cells = shared.springs[:, None], shared.cells
+    borders = (cells[None, :, :, None] == ends[:, :, None]).any(axis=2).all(axis=2).sum(axis=1)
+    assert whole.factor == pytest.approx(shared.factor * 2 / borders)
 
 
 def test_the_reference_in_the_candidates_place_agrees_with_itself():
