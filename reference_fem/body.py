@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import skfem
@@ -32,6 +31,7 @@ from msvalidate.problem import (
     vectors_at,
 )
 from msvalidate.problem.checks import format_value, require_type, shaped
+from msvalidate.problem.records import dataclass
 from reference_fem.elasticity import elastic_tensor, make_solver
 from reference_fem.materials import CellMaterials, Materials, by_material, materials_of, numbers_of
 from reference_fem.mesh.discretisation import Discretisation

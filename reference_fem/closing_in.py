@@ -8,11 +8,10 @@ of all components, serves all of them, but those that close in more slowly.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from msvalidate.problem import Array
+from msvalidate.problem.records import dataclass
 
 SAFETY = 2.0
 """Factor on what the order seen leaves of a value's error. Where corners rule, orders fall on their

@@ -7,7 +7,6 @@ Some questions have none, and corners where materials cross hide how slow they a
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -32,6 +31,7 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
+from msvalidate.problem.records import dataclass
 from reference_fem.body import Solution, nodal_forces, solve_problem
 from reference_fem.closing_in import ROUNDING, TRUSTED_ORDER, Converged, close_in
 from reference_fem.elasticity import stiffness

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, format_value, numbers, whole_number
+from msvalidate.problem.records import dataclass
 
 NEAREST_ORDERS = 0.05
 """Orders closer than this cannot be told apart by three meshes."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from msvalidate.problem import (
     materials_of_cells,
 )
 from msvalidate.problem.checks import require_type
+from msvalidate.problem.records import dataclass
 from reference_fem.mesh.discretisation import Discretisation
 
 

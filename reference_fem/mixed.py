@@ -13,7 +13,6 @@ The pressure is p = λ div u, positive in tension: σ = 2με + p I.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
@@ -32,6 +31,7 @@ from msvalidate.problem import (
     refuse_free_motions,
 )
 from msvalidate.problem.checks import require_one_of, require_type
+from msvalidate.problem.records import dataclass
 from reference_fem.effort import fits_in_memory
 from reference_fem.elasticity import check_arrays, full_tensor, weighted_stiffness
 from reference_fem.materials import Materials, by_material, each_material, numbers_of

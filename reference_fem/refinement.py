@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import format_value, numbers, positive_number, whole_number
+from msvalidate.problem.records import dataclass
 
 SAFETY = 1.25
 """Factor on Richardson's estimate where three meshes show a plausible order [Roache1994]."""

@@ -12,8 +12,6 @@ rim one point more, for a cell there may be cut too.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from msvalidate.lattice.corners import corners_of_cell
@@ -37,6 +35,7 @@ from msvalidate.problem import (
     corners_of,
     vectors_at,
 )
+from msvalidate.problem.records import dataclass
 
 AWAY = 1e-3
 """Part of a cell by which bent facets may lie off the triangles that they are drawn by."""

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +25,7 @@ from msvalidate.linear_algebra.refine import LARGEST_ERROR
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.problem import LONGEST, Array, Index, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite, finite_coordinates, integers, require_type
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.linear_solution import LinearSolution, solve_linear
 from msvalidate.tangent.cycles import Cycles, NotConvergedError
 from msvalidate.tangent.inverse import Solver

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
+from msvalidate.problem.records import dataclass, field
 
 MESH_EDGES = "mesh edges"
 """The lattice that has a spring on each edge of the body's own mesh."""

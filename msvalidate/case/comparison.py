@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,6 +24,7 @@ from msvalidate.problem import (
     SolverError,
     Support,
 )
+from msvalidate.problem.records import dataclass
 from msvalidate.statics.stress import fitted_stress
 from msvalidate_check.words import AGREES, DIFFERS, agreement
 from reference_fem.body import nodal_forces

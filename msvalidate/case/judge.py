@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -16,6 +15,7 @@ from msvalidate.case.comparison import Row, largest
 from msvalidate.case.matching import Matched, match
 from msvalidate.case.results import Result
 from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight
+from msvalidate.problem.records import dataclass, replace
 from msvalidate_check.diagnosis import NOTICED, Driven, Explanation, Field, explain, split
 from msvalidate_check.words import agreement
 from reference_fem.body import solve_problem

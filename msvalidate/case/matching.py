@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -12,6 +11,7 @@ from msvalidate.case.case import Case, compared_points
 from msvalidate.case.results import Result
 from msvalidate.problem import AXES, SHAPES, Array, Index, Mask, ProblemError
 from msvalidate.problem.normals import nearest_on_facets
+from msvalidate.problem.records import dataclass
 from msvalidate.problem.shapes import is_on_any
 from msvalidate_check.precision import spacing_of_numbers
 from reference_fem.mesh.discretisation import Discretisation

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import pandas as pd
 
@@ -18,6 +17,7 @@ from msvalidate.output.pictures import Picture, embed_pictures
 from msvalidate.output.rendering import render_template
 from msvalidate.problem import BodyForce, Mesh, PointForce, Support, Traction, Weight
 from msvalidate.problem.normals import is_faceted
+from msvalidate.problem.records import dataclass
 from msvalidate_check.diagnosis import NOTICED
 from msvalidate_check.words import AGREES, DIFFERS, NOT_AT_REST, NOT_RESOLVED
 from reference_fem.converged import Reference

@@ -7,7 +7,6 @@ import re
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, get_args, get_type_hints
 
@@ -17,6 +16,7 @@ from msvalidate.case.lines import Path, key_lines, line_of
 from msvalidate.case.schema import SCHEMA, CaseFile
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value
+from msvalidate.problem.records import dataclass
 
 LARGEST_FILE = 10_000_000
 """Bytes: a case file names its mesh, it does not hold it."""

@@ -7,7 +7,6 @@ import math
 import re
 import zipfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ import pandas as pd
 from msvalidate.bodies.mesh_file import read_points
 from msvalidate.problem import AXES, Array, Index, ProblemError
 from msvalidate.problem.checks import finite_number, format_value, integers, numbers, shaped
+from msvalidate.problem.records import dataclass
 from msvalidate_check.precision import spacing_of_displacements
 
 LARGEST = 1e100

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -30,6 +29,7 @@ from msvalidate.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, ProblemError, SolverError
+from msvalidate.problem.records import dataclass
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.statics.stress import cell_stress, cell_volume, point_stress
 

@@ -9,7 +9,6 @@ import inspect
 import time
 import traceback
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
@@ -28,6 +27,7 @@ from msvalidate.output.results import Results
 from msvalidate.output.stored import Result
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import require_type
+from msvalidate.problem.records import dataclass, field, replace
 
 Fault = Literal["", "problem", "solver", "crash"]
 """Why a study did not finish: an ill-posed question, no trustworthy answer, anything else."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 from msvalidate.lattice import Constants
 from msvalidate.problem import Array
+from msvalidate.problem.records import dataclass
 
 Verdict = Literal["exact", "first order", "unstable", "not known"]
 

@@ -11,8 +11,6 @@ Where every point is a centre of symmetry F is zero and the affine tensor is exa
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -38,6 +36,7 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.tangent.inverse import SOLVERS
 
 NO_SPRING = 1e-24

@@ -8,7 +8,6 @@ other ratios: honeycomb (k1 + 3 k2)/(k1 + 9 k2), between 1/3 and 1.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares, nnls
@@ -30,6 +29,7 @@ from msvalidate.constants.stiffness import (
 from msvalidate.lattice import Constants, Pattern
 from msvalidate.problem import Array, Isotropic, ProblemError
 from msvalidate.problem.material import State
+from msvalidate.problem.records import dataclass
 
 CLOSED: Mapping[str, Callable[[Isotropic], Constants]] = {
     "square": square_constants,

@@ -9,7 +9,6 @@ strain nu2 = nu/(1 - nu) and E2 = E·t/(1 - nu²).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from msvalidate.problem.checks import (
     require_type,
     rotation_matrix,
 )
+from msvalidate.problem.records import dataclass
 
 CAUCHY = {2: 1 / 3, 3: 1 / 4}
 """Axes -> the only ratio of an isotropic solid of central springs whose points follow the strain:

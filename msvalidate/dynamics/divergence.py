@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from msvalidate.dynamics.spectrum import extreme_frequencies, highest_frequency
 from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network
 from msvalidate.problem import LONGEST, Array, ProblemError, SolverError
+from msvalidate.problem.records import dataclass
 
 SPECTRUM_ERROR = 1e-4
 """Of the squared frequencies from which limits are told: their last digits cost the most."""

@@ -8,10 +8,10 @@ Each scheme says from which velocity it takes it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from msvalidate.problem import Array
+from msvalidate.problem.records import dataclass
 
 Acceleration = Callable[[Array], Array]
 """Acceleration (n, d) in m/s² of springs and loads at positions (n, d) in m."""

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from msvalidate.judging.candidate import Answer, DisplacementSolver, check_displ
 from msvalidate.network import Network
 from msvalidate.problem import Array, Problem, ProblemError
 from msvalidate.problem.checks import finite_number, format_value
+from msvalidate.problem.records import dataclass, field
 
 DOUBLE = float(np.finfo(float).eps)
 """Spacing of double precision at 1 (1)."""

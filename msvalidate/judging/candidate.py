@@ -9,7 +9,6 @@ right shape, finite and in the right unit, or one line that says what it is inst
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
@@ -18,6 +17,7 @@ from msvalidate.dynamics.integrate import State
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Problem, ProblemError, SolverError
 from msvalidate.problem.checks import format_value, numbers, require_one_of, require_type
+from msvalidate.problem.records import dataclass
 from msvalidate.relaxation.relax import algorithm1
 from msvalidate.statics.equilibrium import equilibrium
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -13,6 +12,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value, require_type
+from msvalidate.problem.records import dataclass, field
 from msvalidate_check.words import AGREES, NOT_AT_REST, NOT_RESOLVED
 
 T = TypeVar("T")

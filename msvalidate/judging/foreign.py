@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -22,6 +21,7 @@ from msvalidate.judging.evidence import Evidence, Observed, judge_one
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.network import Network, faults
 from msvalidate.problem import Array, Problem, ProblemError, SolverError
+from msvalidate.problem.records import dataclass, replace
 from msvalidate_check.words import AGREES, DIFFERS, NOT_RESOLVED
 
 Run = Callable[..., Evidence]

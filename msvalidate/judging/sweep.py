@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from tqdm import tqdm
 
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, require_type, whole_number
+from msvalidate.problem.records import dataclass, replace
 
 Case = TypeVar("Case")
 Result = TypeVar("Result")

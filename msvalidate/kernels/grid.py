@@ -9,7 +9,6 @@ anything. When in doubt it is none, and the general path serves it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
@@ -18,6 +17,7 @@ from msvalidate.kernels.lanes import WIDTH
 from msvalidate.kernels.rows import in_rows
 from msvalidate.network import Network
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 
 ROUNDING = 4 * float(np.finfo(float).eps)
 """Of the largest coordinate: a few roundings lie between an ideal place and its coordinates."""

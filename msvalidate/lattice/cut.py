@@ -23,8 +23,6 @@ slit or crack narrower than a cell, it joins them: take cells smaller than the g
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -45,6 +43,7 @@ from msvalidate.problem.checks import (
     require_one_of,
     require_type,
 )
+from msvalidate.problem.records import dataclass, replace
 
 RULES = ("moment", "fraction", "whole")
 """What of a cell's springs counts where the outline cuts it: see the module's text."""

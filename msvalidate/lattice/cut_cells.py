@@ -5,8 +5,6 @@ By the outline in the plane and in prisms along z, by the surface in any other s
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from msvalidate.lattice.corners import corners_of_cell
@@ -15,6 +13,7 @@ from msvalidate.lattice.grid_cut import cell_parts
 from msvalidate.lattice.outline import area_moments, outline, outline_gap
 from msvalidate.problem import Array, Domain, Index, ProblemError
 from msvalidate.problem.checks import refuse_too_many
+from msvalidate.problem.records import dataclass
 
 ROUNDING = 1e-9
 """Part of a cell, or of its side, that is rounding: a cell of which just half or just a sliver is

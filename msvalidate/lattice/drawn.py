@@ -9,12 +9,11 @@ facet then lies Σ 4 d_ij λ_i λ_j from the triangle, the mean of d over its ed
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from msvalidate.problem import Array, Domain, Index, Mask, Mesh, facet_areas
 from msvalidate.problem.checks import refuse_too_many
+from msvalidate.problem.records import dataclass
 from msvalidate.problem.shapes import FACETS, SHAPES, Shape, area_vectors
 
 MOST_TRIANGLES = 2_000_000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import fields
 from itertools import combinations, product
 from typing import TypeVar
 
@@ -22,6 +22,7 @@ from msvalidate.problem.checks import (
     require_one_of,
     require_type,
 )
+from msvalidate.problem.records import dataclass, field
 
 Kind = TypeVar("Kind", bound=np.generic)
 VTK_ORDER = {2: (0, 1, 3, 2), 3: (0, 1, 3, 2, 4, 5, 7, 6)}

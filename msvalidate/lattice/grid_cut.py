@@ -12,11 +12,11 @@ need no care: what is on either side of one weighs the same.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from msvalidate.problem import Array, Index, Mask
+from msvalidate.problem.records import dataclass
 
 PIECES = 60_000
 """Pieces that are looked into at once, about: some 60 MB."""

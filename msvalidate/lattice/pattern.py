@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from itertools import product
 
 import numpy as np
@@ -23,6 +22,7 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
+from msvalidate.problem.records import dataclass, field
 
 Constants = tuple[float, ...]
 """Spring constants (N/m), one for each kind of spring."""

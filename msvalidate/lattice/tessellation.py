@@ -15,7 +15,7 @@ of cells.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from itertools import product
 
 import numpy as np
@@ -34,6 +34,7 @@ from msvalidate.lattice.triangulation import (
 )
 from msvalidate.problem import Array, Box, Index, Mask, ProblemError, SolverError, format_point
 from msvalidate.problem.checks import finite_coordinates, format_value, require_type
+from msvalidate.problem.records import dataclass
 
 NEGLIGIBLE = 1e-14
 """Facets smaller than this part of spacing^(d-1) join no points: a square grid has no diagonals.

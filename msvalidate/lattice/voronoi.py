@@ -7,7 +7,6 @@ the Delaunay triangles and tetrahedra. The report tried it in the plane.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from msvalidate.lattice.tessellation import (
 )
 from msvalidate.problem import Array, Box
 from msvalidate.problem.checks import length_in_metres, require_one_of, require_type, whole_number
+from msvalidate.problem.records import dataclass
 
 STIFFNESS_RULES = ("1", "1/L", "A/L")
 """What the stiffness of a spring is proportional to: nothing, or its length L and facet area A."""

@@ -7,13 +7,13 @@ them. Where they stand depends on the springs alone: found once a network, it se
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import numpy as np
 from scipy.sparse import bsr_array, csr_array
 
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,11 +9,10 @@ places and springs alone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 
 SMALL = 12
 """Points of a piece that is cut no further."""

@@ -6,7 +6,6 @@ import ctypes
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +14,7 @@ from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import splu
 
 from msvalidate.problem import Array, Index, SolverError
+from msvalidate.problem.records import dataclass
 
 SWEEPS = 2
 """Inverse iterations: each shrinks what is not the softest mode by a ratio of eigenvalues, which is

@@ -10,13 +10,13 @@ out ([Anderson1965]; for a linear system it is GMRES preconditioned by the facto
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from msvalidate.linear_algebra.double_double import ROUNDING, Pair, add, as_pair
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.problem import Array, SolverError
+from msvalidate.problem.records import dataclass
 
 LARGEST_ERROR = 1e-6
 """Error of a displacement, over the largest one, above which an answer is refused."""

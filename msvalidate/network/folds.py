@@ -12,11 +12,10 @@ where springs cross, as the diagonals of squares do, this closes on no triangle 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from msvalidate.problem import Array, Index, Mask, format_point
+from msvalidate.problem.records import dataclass
 
 FLATTEST = 0.25
 """Sine of a corner (of three edges: their determinant over their lengths), the largest of a

@@ -7,7 +7,6 @@ later one asks where it was.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +14,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 
 TOGETHER = 4
 """Springs computed side by side: of two points, two of each."""

@@ -11,7 +11,6 @@ This is the plain NumPy form; `msvalidate.kernels` holds the compiled one of spr
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -41,6 +40,7 @@ from msvalidate.problem.checks import (
     integers,
     require_type,
 )
+from msvalidate.problem.records import dataclass, replace
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from urllib.parse import quote
+
+from msvalidate.problem.records import dataclass
 
 WIDE = 460.0
 """Width (pt) beyond which a picture is not shrunk to a phone's screen but scrolls there."""

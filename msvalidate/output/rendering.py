@@ -6,10 +6,11 @@ Everything reaches a template as plain text and is escaped there.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from msvalidate.problem.records import dataclass
 
 _CODE = re.compile(r"``(.+?)``|`([^`]+)`")
 

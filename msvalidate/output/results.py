@@ -10,7 +10,6 @@ import contextlib
 import io
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -21,6 +20,7 @@ from msvalidate.output.baseline import baseline_folder
 from msvalidate.output.stored import csv_bytes, read_csv, read_result
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import require_type
+from msvalidate.problem.records import dataclass, field
 
 THIS_RUN, STORED, BASELINE = "this run", "stored results", "committed baseline"
 

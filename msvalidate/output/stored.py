@@ -13,7 +13,6 @@ import io
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
@@ -26,6 +25,7 @@ from msvalidate.judging.evidence import Evidence, Layer, all_passed
 from msvalidate.output.figures import add_title, figure_style, plain_logarithms
 from msvalidate.output.pictures import shorten_paths
 from msvalidate.problem import ProblemError
+from msvalidate.problem.records import dataclass
 from msvalidate_check.baseline import read_columns
 
 FORMATS = ("png", "svg")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +17,7 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.mesh import Mesh
+from msvalidate.problem.records import dataclass
 from msvalidate.problem.region import Boundary, Part, Region, Segment
 from msvalidate.problem.zone import CellSet, Zone
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from msvalidate.problem.checks import (
     require_type,
 )
 from msvalidate.problem.errors import ProblemError
+from msvalidate.problem.records import dataclass
 from msvalidate.problem.region import Part, Region
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -16,6 +15,7 @@ from msvalidate.problem.checks import (
     require_one_of,
 )
 from msvalidate.problem.errors import ProblemError
+from msvalidate.problem.records import dataclass
 
 State = Literal["plane_stress", "plane_strain", "solid"]
 

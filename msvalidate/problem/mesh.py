@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -28,6 +27,7 @@ from msvalidate.problem.checks import (
     require_one_of,
 )
 from msvalidate.problem.errors import ProblemError
+from msvalidate.problem.records import dataclass, field
 from msvalidate.problem.region import Boundary, Region, Segment
 from msvalidate.problem.shapes import CELLS, SHAPES, Shape, enclosed_volume, is_on_any
 from msvalidate.problem.zone import CellSet

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from msvalidate.problem.arrays import AXES, Array, Mask, Span
 from msvalidate.problem.checks import finite_coordinates, format_value, length_in_metres
 from msvalidate.problem.errors import ProblemError
+from msvalidate.problem.records import dataclass
 from msvalidate.problem.shapes import FACETS, facet_areas, is_on_any
 
 

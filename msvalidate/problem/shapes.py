@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 
@@ -15,6 +14,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from msvalidate.problem.arrays import Array, Index, Mask
+from msvalidate.problem.records import dataclass
 
 GAUSS = {1: 11, 2: 6}
 """Gauss points along each axis of an edge and of a face: what quadratic cells enclose, whose

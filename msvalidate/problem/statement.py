@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from msvalidate.problem.loads import (
 from msvalidate.problem.material import Material
 from msvalidate.problem.mesh import Mesh
 from msvalidate.problem.motions import format_point, refuse_free_motions
+from msvalidate.problem.records import dataclass, field
 from msvalidate.problem.region import Boundary, Part, Region
 from msvalidate.problem.shapes import facet_middles
 from msvalidate.problem.zone import Zone, refuse_other_state

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from msvalidate.problem.checks import (
 )
 from msvalidate.problem.errors import ProblemError
 from msvalidate.problem.material import Isotropic, Material
+from msvalidate.problem.records import dataclass
 from msvalidate.problem.region import Region
 from msvalidate.problem.shapes import CELLS, FACETS, SHAPES, is_on_any
 

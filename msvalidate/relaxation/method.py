@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
+from msvalidate.problem.records import dataclass
 from msvalidate.relaxation.run import LOOK_EVERY, Run
 
 

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +14,7 @@ from msvalidate.dynamics.divergence import SPECTRUM_ERROR
 from msvalidate.dynamics.spectrum import extreme_frequencies
 from msvalidate.network import Network
 from msvalidate.problem import Array, SolverError
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.relaxation.convergence import ConvergenceTest
 from msvalidate.relaxation.state import State
 from msvalidate.statics.equilibrium import Equilibrium

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
+from msvalidate.problem.records import dataclass, field
 from msvalidate.simulators.protocol import (
     Answer,
     CannotRepresent,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 
 from msvalidate.problem import Array
 from msvalidate.problem.checks import require_one_of
+from msvalidate.problem.records import dataclass, field, replace
 from msvalidate.simulators.probe_mesh import Block
 from msvalidate.simulators.protocol import (
     Answer,

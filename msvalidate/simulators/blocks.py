@@ -10,12 +10,12 @@ nearest to it (what a program of linear tetrahedra should be), and of elasticity
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from msvalidate.problem import Array, Isotropic, Mesh, ProblemError
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.protocol import Request, Simulator, SimulatorError, ask
 from msvalidate.simulators.tetrahedra import Stress, at_rest, tetrahedra_of
 from msvalidate_check import ElasticCase, elastic_case

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from msvalidate.problem import Array, Isotropic, SolverError
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators import blocks
 from msvalidate.simulators.blocks import AtRest, Effective, Elements, at_rest_both_ways
 from msvalidate.simulators.factors import UNEXPLAINED, Factors, factors

@@ -9,12 +9,12 @@ follow one another, so all of them multiply to the whole.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from msvalidate.problem import Array
+from msvalidate.problem.records import dataclass
 from msvalidate.simulators.blocks import AtRest, elasticity_at
 
 UNEXPLAINED = 0.01

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from msvalidate.problem import Array, Isotropic
 from msvalidate.problem.checks import require_type
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.gate_block import (
     ACROSS,
     STRAIN,

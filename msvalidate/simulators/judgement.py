@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from msvalidate.problem import Isotropic, ProblemError, SolverError
+from msvalidate.problem.records import dataclass
 from msvalidate.simulators import blocks, laws
 from msvalidate.simulators.blocks import AtRest, Elements, linear_elements
 from msvalidate.simulators.bodies import (

@@ -8,12 +8,12 @@ elasticity is no reference there.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from msvalidate.problem import Array, Isotropic, SolverError
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators import blocks
 from msvalidate.simulators.protocol import CannotRepresent, Request, Simulator, ask
 from msvalidate.simulators.rest import stated_unrest

@@ -10,12 +10,12 @@ of its small strain, the prediction shows it: of [SmithDeGoes2018] with its loga
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from msvalidate.problem import VOIGT, Array, ProblemError
 from msvalidate.problem.checks import finite_number, positive_number, require_one_of
+from msvalidate.problem.records import dataclass
 from msvalidate.simulators.moduli import Elastic, elastic
 
 Stress = Callable[[Array, float, float], Array]

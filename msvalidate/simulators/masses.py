@@ -9,11 +9,10 @@ scaled to the asked total. Where the mass matrix M is not diagonal, its row sums
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 from msvalidate.simulators.bench import Bench
 from msvalidate.simulators.probe_mesh import Block
 from msvalidate.simulators.protocol import SimulatorError

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from msvalidate.problem import Array
+from msvalidate.problem.records import dataclass
 
 SHOWN = 5e-3
 """No number is shown that is not known to this: of E relative, of nu absolute, of a component

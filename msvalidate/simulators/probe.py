@@ -19,13 +19,13 @@ It reads the law, not the answer: locking, convergence and supports are not in i
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from msvalidate.problem import VOIGT, Array, Isotropic
 from msvalidate.problem.checks import positive_number, require_one_of
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.bench import ROUNDING, Bench, Precision
 from msvalidate.simulators.flags import raise_flags, rounding_parts
 from msvalidate.simulators.masses import Masses, measure_masses

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import permutations
 
@@ -11,6 +10,7 @@ from scipy.sparse import csr_array
 
 from msvalidate.problem import Array, Index, Isotropic, Mask, Mesh, ProblemError
 from msvalidate.problem.checks import require_type
+from msvalidate.problem.records import dataclass
 from msvalidate.simulators.tetrahedra import Tetrahedra, tetrahedra_of
 
 SIZE = (0.25, 0.125, 0.125)

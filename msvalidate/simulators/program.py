@@ -16,12 +16,12 @@ import sys
 import tempfile
 import threading
 from collections import deque
-from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, positive_number
+from msvalidate.problem.records import dataclass
 from msvalidate.simulators.folders import read_answer, refuse_foreign, write_request
 from msvalidate.simulators.protocol import (
     CANNOT,

@@ -7,13 +7,13 @@ asked through files (`folders`, `program`); nothing of it is imported here.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
 
 from msvalidate.problem import Array, Index, Isotropic, Mask, Mesh, ProblemError, SolverError
 from msvalidate.problem.checks import positive_number, require_one_of, whole_number
+from msvalidate.problem.records import dataclass, field
 
 FORMAT = 1
 """Of the files. A change that older adapters cannot read makes it 2."""

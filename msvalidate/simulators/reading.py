@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from msvalidate.problem import Array
+from msvalidate.problem.records import dataclass
 from msvalidate.simulators.masses import Masses
 from msvalidate.simulators.moduli import (
     SHOWN,

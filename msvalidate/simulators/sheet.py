@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
 
+from msvalidate.problem.records import dataclass
 from msvalidate.simulators.advice import next_step
 from msvalidate.simulators.asked import UNASKED, Asked
 from msvalidate.simulators.bodies import BodyRow

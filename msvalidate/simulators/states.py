@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from msvalidate.problem import VOIGT, Array
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.simulators.bench import Bench
 from msvalidate.simulators.protocol import SimulatorError
 

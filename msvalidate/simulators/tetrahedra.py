@@ -7,13 +7,13 @@ program's own; beside elasticity, what differs is law, masses and mesh.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
 from msvalidate.problem import Array, Index, Mesh, SolverError
+from msvalidate.problem.records import dataclass
 from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
 
 Stress = Callable[[Array], Array]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -14,6 +13,7 @@ from msvalidate.network import Network
 from msvalidate.network.folds import count_folded, describe_folded, folded_cells
 from msvalidate.problem import Array, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import finite_coordinates, require_one_of, require_type
+from msvalidate.problem.records import dataclass
 from msvalidate.statics.following import PathResult, follow_path, is_prestressed
 from msvalidate.statics.linear_solution import solve_linear
 from msvalidate.statics.path import Path, load_path

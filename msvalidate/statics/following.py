@@ -17,14 +17,13 @@ little of the load, does not return to a.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from msvalidate.linear_algebra.norms import max_abs
 from msvalidate.network import Network, internal_force
 from msvalidate.network.residual import force_roundoff, force_scale
 from msvalidate.problem import Array, SolverError
+from msvalidate.problem.records import dataclass, field
 from msvalidate.statics.path import LoadPath
 from msvalidate.statics.tangents import (
     LARGEST_TURN,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import bsr_array
@@ -21,6 +20,7 @@ from msvalidate.linear_algebra.refine import (
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.network.accurate import State
 from msvalidate.problem import Array, Mask, SolverError
+from msvalidate.problem.records import dataclass
 from msvalidate.tangent.cycles import NotConvergedError
 from msvalidate.tangent.inverse import Choice, Regular, Solver
 from msvalidate.tangent.rounding import explain_rounding, is_unloaded, trial_motion

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from msvalidate.network import Network, internal_force, spring_vectors
 from msvalidate.network.residual import force_roundoff
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, finite_coordinates, format_value
+from msvalidate.problem.records import dataclass, replace
 
 Applied = tuple[Array, Array]
 """Force (n, d) in N on the points, and prescribed displacement (n, d) in m, 0 where nothing is

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.sparse import bsr_array
 
@@ -14,6 +12,7 @@ from msvalidate.network import Network, tangent_blocks
 from msvalidate.network.accurate import State
 from msvalidate.problem import Array, Index, SolverError
 from msvalidate.problem.checks import require_type
+from msvalidate.problem.records import dataclass
 from msvalidate.statics.polish import centre_points
 from msvalidate.tangent.cycles import refuse_mechanism_motion
 from msvalidate.tangent.inverse import Regular, Solver

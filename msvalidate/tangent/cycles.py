@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +10,7 @@ from scipy.sparse import bsr_array
 
 from msvalidate.network import Network
 from msvalidate.problem import Array, Mask, SolverError
+from msvalidate.problem.records import dataclass
 from msvalidate.tangent.mechanism import describe_motion, is_mechanism
 from msvalidate.tangent.multigrid import (
     UNSEEN,

@@ -8,7 +8,6 @@ has no stiffness, and what has negative stiffness: by pivots, or by what a rando
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple
@@ -22,6 +21,7 @@ from msvalidate.linear_algebra.refine import DOUBTFUL, contraction_bound
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.problem import Array, Index, Mask, SolverError
 from msvalidate.problem.checks import require_one_of
+from msvalidate.problem.records import dataclass
 from msvalidate.tangent.cycles import PART, Cycles, NotConvergedError, refuse_mechanism_motion
 from msvalidate.tangent.mechanism import NO_STIFFNESS, describe_motion, relative_stiffness
 from msvalidate.tangent.multigrid import (

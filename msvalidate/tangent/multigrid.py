@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from msvalidate.linear_algebra.double_double import as_pair
 from msvalidate.network import Network, tangent_blocks
 from msvalidate.network.accurate import State
 from msvalidate.problem import Array, Index, Mask, rigid_motions
+from msvalidate.problem.records import dataclass
 from msvalidate.tangent.mechanism import is_mechanism
 
 MOST_CYCLES = 300

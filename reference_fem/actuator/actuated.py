@@ -10,7 +10,6 @@ turns [Anderson1965, WalkerNi2011] take the slow parts out; `stiffness_gains` fi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -18,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite_number, require_one_of, require_type
+from msvalidate.problem.records import dataclass
 from reference_fem.actuator.soft_slab import Electric, SoftSlab
 from reference_fem.actuator.staggered import fixed_point
 from reference_fem.large_strain.equilibrium import LargeStrainSolution, deform

@@ -10,8 +10,6 @@ derivative 0.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
@@ -24,6 +22,7 @@ from msvalidate.problem.checks import (
     positive_number,
     require_type,
 )
+from msvalidate.problem.records import dataclass
 from reference_fem.actuator.actuated import ActuatedSlab, refuse_start, solve_actuated
 from reference_fem.actuator.soft_slab import SoftSlab
 

@@ -16,13 +16,12 @@ thinner the same voltage makes a larger field: past a largest voltage it collaps
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import positive_number, require_one_of
+from msvalidate.problem.records import dataclass
 from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
 
 THINNEST = 0.05

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -17,6 +16,7 @@ from msvalidate.problem.checks import (
     require_type,
     whole_number,
 )
+from msvalidate.problem.records import dataclass
 from reference_fem.electric.charges import solve_charges
 from reference_fem.electric.electrostatics import Dielectric, Potential
 from reference_fem.electric.mesh import SlabMesh, move_air, slab_mesh

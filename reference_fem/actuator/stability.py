@@ -7,7 +7,6 @@ eigenvalues of K_elec v = g K_mech v, are below 1. The largest gives the motion 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -15,6 +14,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import positive_number, require_type, whole_number
+from msvalidate.problem.records import dataclass
 from reference_fem.actuator.actuated import ActuatedSlab, solve_actuated
 from reference_fem.actuator.soft_slab import SoftSlab
 from reference_fem.systems.factor import Apply, signed_factor

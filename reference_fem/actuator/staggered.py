@@ -9,13 +9,13 @@ Source: [Anderson1965]; [WalkerNi2011], equation 2.1.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
 
 from msvalidate.problem import Array, SolverError
 from msvalidate.problem.checks import positive_number, whole_number
+from msvalidate.problem.records import dataclass
 
 SECANTS = 8
 """Differences that are kept: as many slow motions are taken out of the map."""

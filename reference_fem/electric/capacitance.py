@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import length_in_metres, whole_number
+from msvalidate.problem.records import dataclass
 from reference_fem.electric.charges import FAR, solve_charges
 from reference_fem.electric.mesh import GRADING, SlabMesh, slab_mesh
 from reference_fem.electric.slab import Slab

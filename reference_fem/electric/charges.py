@@ -9,7 +9,6 @@ nearer by orders.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -18,6 +17,7 @@ from scipy.spatial import KDTree
 
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import finite, finite_number, require_one_of, require_type
+from msvalidate.problem.records import dataclass
 from reference_fem.electric.electrostatics import Dielectric, Potential, no_nodes
 from reference_fem.electric.mesh import SlabMesh
 

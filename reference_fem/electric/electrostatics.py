@@ -12,7 +12,6 @@ by the very quadrature that W is summed with. No normal and no jump of the field
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +21,7 @@ from scipy.sparse.csgraph import connected_components
 
 from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, format_point
 from msvalidate.problem.checks import boolean_mask, finite, format_value, integers, require_type
+from msvalidate.problem.records import dataclass, field
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.electric.pairs import Fluxes, Pair
 from reference_fem.mesh.assembly import basis_gradients, sum_to_nodes

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +18,7 @@ from msvalidate.problem.checks import (
     shaped,
     whole_number,
 )
+from msvalidate.problem.records import dataclass, replace
 from reference_fem.electric.laplacian import scalar_factor, weighted_laplacian
 from reference_fem.electric.lines import mesh_lines
 from reference_fem.electric.slab import Slab

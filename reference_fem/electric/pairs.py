@@ -8,11 +8,10 @@ that of the cell's first node, which a matrix of rounded entries would not give.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 from reference_fem.mesh.assembly import basis_gradients, sum_to_nodes
 from reference_fem.mesh.discretisation import Discretisation
 

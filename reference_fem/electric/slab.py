@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 from typing import Literal
 
 from msvalidate.problem import PLACEMENT, ProblemError
@@ -15,6 +14,7 @@ from msvalidate.problem.checks import (
     require_one_of,
     require_type,
 )
+from msvalidate.problem.records import dataclass
 
 Side = Literal["top", "bottom"]
 SIDES: tuple[Side, ...] = ("top", "bottom")

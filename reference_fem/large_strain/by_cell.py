@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from msvalidate.problem import Array, Index, Material, Problem, ProblemError
+from msvalidate.problem.records import dataclass
 from reference_fem.large_strain.hyperelastic import Law, neo_hookean
 from reference_fem.materials import CellMaterials, materials_of
 from reference_fem.mesh.discretisation import Discretisation

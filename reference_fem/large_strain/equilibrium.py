@@ -9,13 +9,12 @@ one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import positive_number, require_type, whole_number
+from msvalidate.problem.records import dataclass
 from reference_fem.effort import fits_in_memory
 from reference_fem.large_strain.solid import Solid
 from reference_fem.locking import refuse_locked

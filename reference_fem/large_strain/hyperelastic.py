@@ -15,7 +15,6 @@ plane stress form. All of them have no stress at F = I and do not see a rotation
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -29,6 +28,7 @@ from msvalidate.problem.checks import (
     positive_number,
     require_type,
 )
+from msvalidate.problem.records import dataclass
 from reference_fem.elasticity import elastic_tensor, full_tensor
 
 

@@ -7,7 +7,6 @@ over the undeformed body: the total Lagrangian form.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +14,7 @@ from scipy.sparse import csr_matrix
 
 from msvalidate.problem import VOIGT, Array, Index, Mask, ProblemError, refuse_free_motions
 from msvalidate.problem.checks import positive_number
+from msvalidate.problem.records import dataclass
 from reference_fem.large_strain.by_cell import CellLaws, each_law, stress_by_gradient
 from reference_fem.large_strain.hyperelastic import Law, refuse_other_laws
 from reference_fem.mesh.assembly import sum_to_nodes

@@ -8,13 +8,13 @@ their entries are then rows of plain arrays, which any constant tensor combines 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 
 from msvalidate.problem import Array, Index, Mask
+from msvalidate.problem.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,6 @@ The map from the unit cell is x(ξ) = Σ x_k φ_k(ξ), with the element's own fu
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
@@ -14,6 +13,7 @@ import numpy as np
 from scipy.special import binom, factorial
 
 from msvalidate.problem import Array, Index, Mask, ProblemError
+from msvalidate.problem.records import dataclass
 from reference_fem.mesh.elements import ELEMENTS, Element
 from reference_fem.mesh.maps import determinant
 

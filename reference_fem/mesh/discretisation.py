@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +14,7 @@ from scipy.spatial import KDTree
 
 from msvalidate.problem import Array, Index, Mask, ProblemError
 from msvalidate.problem.checks import finite_coordinates, require_one_of
+from msvalidate.problem.records import dataclass
 from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.assembly import SparsityPattern, gradient_products, sparsity_pattern
 from reference_fem.mesh.checks import (

@@ -6,7 +6,6 @@ of `msvalidate.problem.shapes` where a mesh may consist of its cells.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import permutations
 from typing import Any
@@ -15,6 +14,7 @@ import numpy as np
 import skfem
 
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 
 Rings = tuple[tuple[int, ...], ...]
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import skfem
 
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 from reference_fem.mesh.discretisation import Discretisation
 
 CURVED_ORDER = 19

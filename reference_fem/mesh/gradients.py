@@ -10,11 +10,11 @@ lose nothing.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.maps import determinant
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product
 
 import numpy as np
 
 from msvalidate.problem import Array
+from msvalidate.problem.records import dataclass
 from reference_fem.mesh.elements import ELEMENTS, Element
 
 Map = Callable[[Array, Array], tuple[Array, list[Array]]]

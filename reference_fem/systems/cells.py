@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients_at_points
 from reference_fem.stress import pressure_numbers

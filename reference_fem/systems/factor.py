@@ -6,7 +6,6 @@ Source: [SuperLU]; [CHOLMOD], by [cvxopt].
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from scipy.sparse import csc_matrix, csr_matrix, diags_array
 from scipy.sparse.linalg import splu
 
 from msvalidate.problem import Array, Index, SolverError, format_point
+from msvalidate.problem.records import dataclass
 from reference_fem.effort import fits_in_memory
 from reference_fem.mesh.discretisation import Discretisation
 

@@ -11,12 +11,12 @@ in conjugate gradients with every direction kept [Notay2000].
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
 from msvalidate.problem import Array, Mask
+from msvalidate.problem.records import dataclass
 
 QUICK = 1e-10
 """A first correction this small, relative to the answer, leaves nothing but rounding: no more than

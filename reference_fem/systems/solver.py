@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 from functools import cached_property
 from time import perf_counter
 
@@ -12,6 +11,7 @@ from scipy.sparse import csr_matrix, issparse
 
 from msvalidate.problem import Array, Index, Mask, ProblemError, SolverError, refuse_free_motions
 from msvalidate.problem.checks import format_value, require_one_of, require_type, shaped
+from msvalidate.problem.records import dataclass, field
 from reference_fem.effort import factor_envelope, fits_in_memory
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.gradients import Gradients, gradients_at_points

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +19,7 @@ from msvalidate.problem.checks import (
     require_type,
     shaped,
 )
+from msvalidate.problem.records import dataclass, field
 
 
 @dataclass(frozen=True, eq=False)

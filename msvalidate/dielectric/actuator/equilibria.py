@@ -8,7 +8,6 @@ lower voltage in steps, halved where there is no stable equilibrium near by, so 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from msvalidate.dielectric.actuator.models import charge_actuator
 from msvalidate.dielectric.actuator.ways import WAYS, FrozenCharges, Way
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, require_one_of, require_type
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.following import SMALLEST_INCREMENT
 
 TOLERANCE = 1e-10

@@ -7,7 +7,6 @@ model, write such a function and add a row to `MODELS`: actuators take it by its
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -32,6 +31,7 @@ from msvalidate.dielectric.charges import (
 )
 from msvalidate.network import Network
 from msvalidate.problem import Array, Index, ProblemError
+from msvalidate.problem.records import dataclass
 
 LARGEST_RATIO = 1e6
 """Permittivity ratio in air up to which equilibria are sought: forces are differences of terms so

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from msvalidate.dynamics.step_limits import stability_limit
 from msvalidate.network import Network
 from msvalidate.problem import Array, ProblemError, SolverError
 from msvalidate.problem.checks import finite_number, positive_number, require_type, whole_number
+from msvalidate.problem.records import dataclass
 from msvalidate.relaxation.monitor import DIVERGED
 from msvalidate.relaxation.relax import LOOSEST
 from msvalidate.relaxation.run import LOOK_EVERY, SAFETY, step_limit

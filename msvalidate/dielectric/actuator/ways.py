@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -17,6 +16,7 @@ from msvalidate.dielectric.actuator.balance import (
 from msvalidate.dielectric.actuator.device import Actuator
 from msvalidate.dielectric.actuator.models import Electric, charge_actuator
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 
 Way = Literal["newton", "staggered"]
 ROUNDS = 60

@@ -20,8 +20,6 @@ adds up to nothing to rounding. For ε_r = 1 all this is Galerkin's `Moments`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
@@ -43,6 +41,7 @@ from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.dielectric.kernels import fluxes
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import positive_number, require_type
+from msvalidate.problem.records import dataclass, replace
 
 
 class SlabInAir:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -25,6 +24,7 @@ from msvalidate.problem.checks import (
     require_one_of,
     whole_number,
 )
+from msvalidate.problem.records import dataclass
 
 GRADINGS = ("uniform", "cosine")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -27,6 +26,7 @@ from msvalidate.problem.checks import (
     require_one_of,
     whole_number,
 )
+from msvalidate.problem.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,6 @@ weighting, as that of any set of a logarithmic capacity below 1 is: Cholesky's f
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
@@ -36,6 +35,7 @@ from msvalidate.dielectric.charges.neutral import Neutral, factorise, neutral_gm
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.problem import Array, ProblemError
 from msvalidate.problem.checks import require_one_of, require_type
+from msvalidate.problem.records import dataclass
 
 Weighting = Literal["galerkin", "collocation"]
 WEIGHTINGS: tuple[Weighting, ...] = ("galerkin", "collocation")

@@ -6,7 +6,6 @@ Charges at potentials V are P⁻¹(V - c), and c is such that they add up to not
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, lu_factor, lu_solve
@@ -14,6 +13,7 @@ from scipy.sparse.linalg import LinearOperator, gmres
 
 from msvalidate.dielectric.charges.checks import condition_number, one_norm
 from msvalidate.problem import Array, SolverError
+from msvalidate.problem.records import dataclass
 
 RESTARTS = 3
 """Of GMRES, which stops by the preconditioned residual and then looks at that of the potentials."""

@@ -12,8 +12,6 @@ halve these errors, for twice the time and a closed form that loses its digits o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
@@ -34,6 +32,7 @@ from msvalidate.dielectric.charges.contact import areas, refuse_overlap, refuse_
 from msvalidate.dielectric.kernels import polygons
 from msvalidate.problem import PLACEMENT, Array, Index, ProblemError
 from msvalidate.problem.checks import finite_coordinates, require_type
+from msvalidate.problem.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -10,6 +9,7 @@ from scipy import sparse
 
 from msvalidate.dielectric.charges.electrodes import Electrodes
 from msvalidate.problem import Index
+from msvalidate.problem.records import dataclass
 
 Place = Literal["springs", "nodes"]
 PLACES: tuple[Place, ...] = ("springs", "nodes")

@@ -19,8 +19,6 @@ kernel on springs.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
@@ -41,6 +39,7 @@ from msvalidate.dielectric.charges.pieces import PLACES, Place, pieces
 from msvalidate.dielectric.charges.views import KERNELS, Kernel, Views, views_of
 from msvalidate.problem import Array, Index
 from msvalidate.problem.checks import length_in_metres, require_one_of, require_type
+from msvalidate.problem.records import dataclass
 
 
 class ReportModel:

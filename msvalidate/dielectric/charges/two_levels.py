@@ -8,8 +8,6 @@ The two are added up: an additive Schwarz method.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse import csr_array
@@ -17,6 +15,7 @@ from scipy.sparse import csr_array
 from msvalidate.dielectric.charges.moments import Complex
 from msvalidate.dielectric.kernels import charges as integrals
 from msvalidate.problem import Array, Index
+from msvalidate.problem.records import dataclass
 
 PATCH = 64
 """Most segments of a patch."""

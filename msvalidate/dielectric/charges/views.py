@@ -8,12 +8,12 @@ charge per depth is [J(u+l/2, z) - J(u-l/2, z)]/(4πεl). In the plane J is the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from msvalidate.problem import Array
+from msvalidate.problem.records import dataclass
 
 Kernel = Literal["report", "plane"]
 KERNELS: tuple[Kernel, ...] = ("report", "plane")

@@ -26,7 +26,6 @@ cell of `msvalidate.constants.routes` has no such error.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -35,6 +34,7 @@ from scipy.sparse import csr_array, eye_array, kron
 from msvalidate.network.checks import check_springs
 from msvalidate.problem import LONGEST, VOIGT, Array, Index, ProblemError
 from msvalidate.problem.checks import finite, finite_coordinates, positive_number, require_type
+from msvalidate.problem.records import dataclass
 
 SPAN = 1e-9
 """Least eigenvalue of a point's Σ w DDᵀ, relative to the largest, above which its springs span."""

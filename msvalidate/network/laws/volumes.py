@@ -16,7 +16,6 @@ formula serves all cells. This is the plain NumPy form; `msvalidate.kernels` hol
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import permutations
 
@@ -27,6 +26,7 @@ from scipy.sparse import csr_array
 from msvalidate.network.checks import check_cells
 from msvalidate.problem import Array, Index, ProblemError
 from msvalidate.problem.checks import finite, finite_coordinates, integers, require_type, shaped
+from msvalidate.problem.records import dataclass
 
 _HEXAHEDRON = (
     (0, 3, 2, 1),
