@@ -31,7 +31,6 @@ jittered points come to E 2 % low and 0.29, squares all cut one way into triangl
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -40,6 +39,7 @@ from msvalidate.lattice.corners import corner_volumes, corners_of_cell
 from msvalidate.lattice.filled import VTK_ORDER, Lattice
 from msvalidate.problem import Array, Index, Mesh, ProblemError
 from msvalidate.problem.checks import require_one_of, require_type
+from msvalidate.problem.records import dataclass
 
 EDGE_RULES = ("area", "equilateral", "cotangent")
 """Rules for the stiffness of a mesh's edges: see the module's text."""
