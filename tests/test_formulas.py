@@ -1,0 +1,144 @@
+"""Formulas in README and docs: each as it is printed, beside a number found another way.
+
+What looks like a formula (`MARKS`) and is in no row of `FORMULAS` fails. Pages made from results
+(docs/studies, docs/verification.md) are left out: there a formula stands beside its number.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.integrate import quad
+from scipy.optimize import brentq, minimize_scalar
+
+from msvalidate import homogenise, patterns, spring_network
+from msvalidate.network.laws import volumes
+from msvalidate.network.network import internal_force
+from msvalidate.simulators.laws import LAWS, lame, predicted
+from tests.table import table
+
+ROOT = Path(__file__).resolve().parents[1]
+FULL = ROOT / "reports" / "baseline" / "full"
+PAGES = {p for way in ("*.md", "docs/*.md", "docs/decisions/*.md") for p in ROOT.glob(way)}
+LEFT_OUT = {"CHANGELOG.md", "verification.md"}
+MARKS = re.compile(
+    r"√|[\w)]/\(|\([\w/]+ [-+] \w+\)|\d ?(?:mu|[κλμρω])\b"
+    r"|(?<![\w.`\"/[-])[A-Za-zα-ω]{1,2}\d{0,4}′? = (?![\d.]+e)[\d.]*[A-Za-zα-ω]"
+)
+"""A root; a quotient by a bracket; a bracketed sum; a multiple of a Greek letter; a symbol set
+equal to an expression in another one."""
+SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
+EXACT = 1e-12
+E, NU = 7.0, 0.37
+MU, LAM = lame(E, NU)
+READ = predicted(SMITH, E, NU)
+PRIMED = {"μ′": READ.C[3, 3], "λ′": READ.C[0, 1], "E′": READ.E, "ν′": READ.nu}
+BENT = np.array([[1.1, 0.2, 0.0], [0.0, 0.9, 0.1], [0.0, 0.0, 1.05]])
+
+
+def square(k1, k2):
+    return homogenise(patterns.square(), (k1, k2)).tensor
+
+
+def entries(C):
+    return {"C11": C[0, 0], "C12": C[0, 1], "C44": C[-1, -1], "C66": C[-1, -1], "C1212": C[-1, -1]}
+
+
+def anisotropy(C):
+    """Stiffness of the shear between two axes over that of the shear between their diagonals."""
+    return C[-1, -1] / ((C[0, 0] + C[1, 1] - C[0, 1] - C[1, 0]) / 4)
+
+
+def smith_energy():
+    """Work of the law's stress along a straight path from rest, by Gauss's rule."""
+    H = BENT - np.eye(3)
+    at, weight = np.polynomial.legendre.leggauss(20)
+    steps = [(LAWS[SMITH].stress(np.eye(3) + (1 + t) / 2 * H, MU, LAM) * H).sum() for t in at]
+    at_rest = evaluated("μ/2(3 - 3 - ln(4)) + λ/2(3μ/(4λ))²", {"μ": MU, "λ": LAM})
+    return 0.5 * weight @ steps + at_rest
+
+
+def slowest(c):
+    return np.linalg.eigvals([[0.0, 1.0], [-9.0, -c]]).real.max()
+
+
+def evaluated(printed, values):
+    """A formula's right side as it is printed, at values of its symbols."""
+    code = printed.rpartition(" = ")[2].replace("²", "**2").replace("√", "sqrt")
+    code = re.sub(r"(?<=[\d)])\s*(?=[(A-Za-zα-ω])", "*", code)
+    for symbol in sorted(values, key=len, reverse=True):
+        code = re.sub(rf"\b{symbol}\s*\(", f"{symbol}*(", code)
+    code, names = code.replace("′", "_"), {k.replace("′", "_"): v for k, v in values.items()}
+    return eval(code, {"sqrt": math.sqrt, "ln": math.log} | names)  # noqa: S307  our own docs
+
+
+CELLS = pd.read_csv(FULL / "poisson/finite_size.csv").query("weights == 'equal' and cells == 1")
+WAVES = pd.read_csv(FULL / "damping/wave.csv").query("cells == 400").set_index("sides")["speed_m_s"]
+READING = pd.read_csv(FULL / "poisson/incompressible.csv").set_index("reading")
+CUBIC = homogenise(patterns.cubic18(), (1.0, 2.0)).tensor
+SPRING = spring_network([[0.0, 0.0], [2.0, 0.0]], [[0, 1]], [5.0])
+CELL = volumes.Volumes([[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]], [[0, 1, 2]], [5.0])
+LONGER = np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 1.0]])
+TRIANGULAR = homogenise(patterns.triangular(), (1.0,)).tensor
+FORMULAS = {  # printed -> values of its symbols, what it comes to by another way, relative error
+    "k2/(2k1 + k2)": (CELLS[["k1", "k2"]].to_dict("series"), CELLS["nu_springs"], EXACT),
+    "k2/(k1 + k2)": ({"k1": 2, "k2": 3}, square(2, 3)[0, 1] / square(2, 3)[0, 0], EXACT),
+    "k2 = k1/2": ({"k1": 3}, brentq(lambda k: anisotropy(square(3, k)) - 1, 1, 2), 1e-9),
+    "k2 = 2k1": ({"k1": 1}, float(READING.loc["the report, k2 = 2 k1", "k2_over_k1"]), EXACT),
+    "c = 2ω": ({"ω": 3}, minimize_scalar(slowest, (1, 5, 9), tol=1e-12).x, 1e-6),
+    "√(C11/ρ)": (entries(square(1, 0.5)) | {"ρ": 1}, WAVES["held"], 1e-3),
+    "√(E2/ρ)": ({"E2": 1 / np.linalg.inv(square(1, 0.5))[0, 0], "ρ": 1}, WAVES["free"], 4e-3),
+    "A = 2 C44/(C11 - C12)": (entries(CUBIC), anisotropy(CUBIC), EXACT),
+    "2 C66/(C11 - C12)": (entries(square(1, 2)), anisotropy(square(1, 2)), EXACT),
+    "C1122 = C1212": (entries(TRIANGULAR), TRIANGULAR[0, 1], EXACT),
+    "k (L - L0)": ({"k": 5, "L": 3, "L0": 2}, internal_force(SPRING, LONGER[:2])[0, 0], EXACT),
+    "κ(V/V0 - 1)² V0/2": ({"κ": 5, "V": 1.5, "V0": 1}, volumes.energy(CELL, LONGER), EXACT),
+    "1/(4πεr)": (  # the field of a unit charge is its flux through a sphere
+        {"πεr": math.pi * 2 * 3}, quad(lambda r: 1 / 2 / (4 * math.pi * r**2), 3, np.inf)[0], 1e-9
+    ),
+    "Σσ²/(2ε)": (  # of one face: slope of the energy Q²/2C in the gap d, C = ε/d
+        {"Σσ": 3, "ε": 2}, np.diff([3**2 / (2 * 2 / d) for d in (1, 2)])[0], EXACT
+    ),
+    "lam - 2 mu/3": ({"lam": E / 3 / (1 - 2 * NU), "mu": MU}, LAM, EXACT),  # of a bulk modulus
+    "W = μ/2 (I - 3 - ln(I + 1)) + λ/2 (J - 1 - 3μ/(4λ))²": (
+        {"μ": MU, "λ": LAM, "I": (BENT**2).sum(), "J": np.linalg.det(BENT)}, smith_energy(), EXACT
+    ),
+    "μ′ = 3μ/4": ({"μ": MU}, READ.C[3, 3], EXACT),
+    "λ′ = λ - 5μ/8": ({"μ": MU, "λ": LAM}, READ.C[0, 1], EXACT),
+    "E′/E = 3(54ν - 3)/(4(28ν + 2)(1 + ν))": ({"ν": NU}, READ.E / E, EXACT),
+    "ν′ = (26ν - 5)/(28ν + 2)": ({"ν": NU}, READ.nu, EXACT),
+    "4μ′/3": (PRIMED, MU, EXACT),
+    "λ′ + 5μ′/6": (PRIMED, LAM, EXACT),
+    "ν = (5 + 2ν′)/(26 - 28ν′)": (PRIMED, NU, EXACT),
+    "E = 4E′(1 + ν)/(3(1 + ν′))": (PRIMED | {"ν": NU}, E, EXACT),
+}  # fmt: skip
+
+
+@table("printed", FORMULAS)
+def test_a_formula_is_what_it_says(printed):
+    values, expected, error = FORMULAS[printed]
+    np.testing.assert_allclose(evaluated(printed, values), expected, rtol=error)
+
+
+def left(text):
+    """What looks like a formula in a page and is in no row."""
+    text = re.sub(r"```.*?```|\]\([^)]*\)", " ", text, flags=re.DOTALL)
+    for printed in sorted(FORMULAS, key=len, reverse=True):
+        letters = r"\s*".join(map(re.escape, re.sub(r"\s", "", printed)))
+        text = re.sub(rf"(?<![\w/]){letters}(?![\w/(^²])", "¶", text)
+    return [text[max(0, m.start() - 20) : m.end() + 20] for m in MARKS.finditer(text)]
+
+
+def test_every_formula_in_the_pages_is_in_a_row():
+    found = {
+        page.name: left(page.read_text("utf-8")) for page in PAGES if page.name not in LEFT_OUT
+    }
+    assert {name: lost for name, lost in found.items() if lost} == {}, "give it a row of FORMULAS"
+
+
+def test_a_formula_without_a_row_is_noticed():
+    assert len(left("√2 k; k3/(k1 + k2); c = 3ω; k2 = 2k1/3; but `path=` and E = 70e9 Pa")) == 4
