@@ -193,6 +193,7 @@ def topic_row(
                 **{name: topic_number(of, results, found) for name, of in topic["numbers"].items()}
             )
             .replace("e-0", "e-")
+            .replace("%", " %")
         )
     row = {name: topic[name] for name in ("topic", "says")}
     return {**row, "found": words, "studies": topic["studies"]}
