@@ -135,7 +135,23 @@ def test_a_command_helps_with_its_own_options():
     assert {"--quick", "--seed", "--table"} <= shown["run"] - shown["check"] - shown["list"]
     assert {"--full", "--update", "--junit"} <= shown["check"] - shown["run"] - shown[""]
     assert all(text.isascii() and text.startswith("usage: ") for text in whole.values())
-    assert run("run", "poison").stderr == run("poison").stderr
+    assert run("run", "poison").stderr == run("poison").stderr.replace("y --h", "y run --h")
+
+
+@pytest.mark.parametrize(
+    "name", ["python -m msvalidate", "python -m msvalidate.study", "msvalidate"]
+)
+def test_hints_name_the_program_as_it_was_called(name, tmp_path):
+    script = tmp_path / "msvalidate"  # as pip installs it
+    script.write_text("from msvalidate.cli.program import run\nrun()\n", encoding="utf-8")
+    command = [sys.executable, *name.split()[1:]] if " " in name else [sys.executable, str(script)]
+    for words in ([], ["--help"], ["chek"], ["case", "rnu"], ["adapter", "check", "--help"]):
+        environment = os.environ | {"PYTHONPATH": str(ROOT)}
+        done = subprocess.run(
+            [*command, *words], capture_output=True, text=True, env=environment, check=False
+        )
+        said = re.findall(r"(?:python -m )?msvalidate(?:\.\w+)?(?=[: ])", done.stdout + done.stderr)
+        assert set(said) == {name}, (words, done.stderr)
 
 
 MANY = """
@@ -209,6 +225,11 @@ BAD_COMMANDS = [
     (["poisson", "qqqq"], "unknown study 'qqqq': choose from: "),
     (["POISSON"], "unknown study 'POISSON': did you mean 'poisson'?"),
     (["../poisson"], "unknown study '../poisson': did you mean 'poisson'?"),
+    (["chek"], "unknown study 'chek': did you mean 'check'?"),
+    (["simulat", "x"], "unknown study 'simulat': did you mean 'simulate'?"),
+    (["case", "rnu", "x"], "invalid choice: 'rnu': did you mean 'run'?; see python -m msvalidate"),
+    (["adapter", "qqqq"], "invalid choice: 'qqqq': choose from: new, laws, check; see"),
+    (["-v", "case", "run", "x"], "'case' comes first, and once"),
     (["poisson\u202e"], "unknown study"),  # a mark that turns the writing direction
     (["poisson", "--seed", "-1"], "argument --seed: '-1' is not a whole number, 0 or more"),
     (["poisson", "--seed", "1.5"], "argument --seed: '1.5' is not a whole number, 0 or more"),

@@ -6,12 +6,17 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any, NoReturn
 
 from msvalidate import __version__
 from msvalidate.judging import catalogue
 
 HELD, MISSED, USAGE, FAILED, NOTHING, INTERRUPTED = 0, 1, 2, 3, 4, 130
-PROGRAM = "python -m msvalidate.study"
+DOCUMENTED = "python -m msvalidate.study"
+"""The program's name in files, whose reader may have started it otherwise."""
+CALLS = {"msvalidate": "msvalidate", "__main__": "python -m msvalidate"}
+PROGRAM = CALLS.get(Path(sys.argv[0]).stem, DOCUMENTED)
+"""Its name as it was called, for hints and help."""
 VERBS = {
     "run": "run studies; the word may be left out: `poisson` is `run poisson`",
     "check": "judge studies against theory, agreement bands and the committed baseline",
@@ -65,6 +70,24 @@ examples:
   {PROGRAM} check --jobs 2         every study judged, two at once
 
 {EXIT_CODES}"""
+
+
+class Parser(argparse.ArgumentParser):
+    """One that ends the program with one line for wrong usage, and knows the nearest choice."""
+
+    def __init__(self, **options: Any) -> None:
+        # A report shows the command, and must know where a path is in it: no abbreviations.
+        raw = argparse.RawDescriptionHelpFormatter
+        super().__init__(formatter_class=raw, allow_abbrev=False, **options)
+
+    def error(self, message: str) -> NoReturn:
+        """End the program."""
+        self.exit(USAGE, f"{PROGRAM}: error: {message}; see {self.prog} --help\n")
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            said = f"invalid choice: {value!r}: {catalogue.suggestion(value, [*action.choices])}"
+            raise argparse.ArgumentError(action, said)
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
@@ -130,7 +153,7 @@ def _refuse_mixed(parser: argparse.ArgumentParser, verb: str, names: Sequence[st
         parser.error(f"{verb!r} stands alone; leave the other names out")
     if "all" in names and len(names) > 1:
         parser.error("'all' stands alone; leave the other names out")
-    for word in VERBS:
+    for word in (*OTHERS, *VERBS):
         if word in names and word in {"list", "report"}:
             parser.error(f"{word!r} stands alone; leave the other names out")
         if word in names:
@@ -182,15 +205,13 @@ def _refuse_partial(parser: argparse.ArgumentParser, args: argparse.Namespace) -
 
 def _parser(verb: str) -> argparse.ArgumentParser:
     """What takes all options, and helps with those of one command."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog=f"{PROGRAM} {verb}".strip(),
         description=f"{VERBS[verb]}."
         if verb
         else "Run studies that compare spring networks with "
         "elasticity theory and finite elements, and judge them by their tolerances.",
         epilog=EXIT_CODES if verb in {"run", "check"} else None if verb else EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,  # a report shows the command, and must know where a path is in it
     )
     # Options of other commands are known, so that what is misplaced can be told; help is silent.
     runs, checks = verb in {"", "run"}, verb == "check"
@@ -263,10 +284,6 @@ def _parser(verb: str) -> argparse.ArgumentParser:
     _add_candidate(parser, shown=runs)
     _add_check(parser, shown=checks)
     _add_volume(parser)
-    # One line, without the usage.
-    parser.error = lambda message: parser.exit(  # type: ignore[method-assign]
-        USAGE, f"{PROGRAM}: error: {message}; see --help\n"
-    )
     return parser
 
 
@@ -340,7 +357,7 @@ def as_shown(arguments: Sequence[str]) -> list[str]:
         else:
             plain = (c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in argument)
             words.append("".join(plain))
-    return [*PROGRAM.split(), *words]
+    return [*DOCUMENTED.split(), *words]
 
 
 def _path(text: str) -> Path:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from msvalidate.cli.arguments import PROGRAM, USAGE
+from msvalidate.cli.arguments import PROGRAM, Parser
 from msvalidate.cli.simulator_arguments import add_export
 
 FOLDER = Path("reports/cases")
@@ -35,11 +35,10 @@ def parse_case(words: Sequence[str]) -> argparse.Namespace:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog=f"{PROGRAM} case",
         description="Your own body: from a file to springs, elements, and a verdict.",
         epilog=EXIT_CODES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     each = {
@@ -48,7 +47,6 @@ def _parser() -> argparse.ArgumentParser:
             help=said,
             description=f"{said}.",
             epilog=EXIT_CODES if name in {"run", "judge"} else None,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         for name, said in COMMANDS.items()
     }
@@ -80,10 +78,6 @@ def _parser() -> argparse.ArgumentParser:
     add_export(each["export"])
     for name in ("run", "judge"):
         add_output(each[name])
-    for one in (parser, *each.values()):
-        one.error = lambda message: parser.exit(  # type: ignore[method-assign]
-            USAGE, f"{PROGRAM} case: error: {message}; see --help\n"
-        )
     return parser
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from msvalidate.cli.arguments import PROGRAM, USAGE
+from msvalidate.cli.arguments import PROGRAM, Parser
 
 FOLDER = Path("reports/simulators")
 SHAPES = ("tetra", "hexahedron", "triangle", "quad")
@@ -42,15 +42,10 @@ def parse_simulators(words: Sequence[str]) -> argparse.Namespace:
     Wrong usage ends the program with one line and exit code 2.
     """
     name = words[0]
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog=f"{PROGRAM} {name}",
         description=SAID[name],
         epilog=EXIT_CODES if name == "simulate" else None,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    parser.error = lambda message: parser.exit(  # type: ignore[method-assign]
-        USAGE, f"{PROGRAM} {name}: error: {message}; see --help\n"
     )
     if name == "simulate":
         _add_simulate(parser)
@@ -97,12 +92,8 @@ def _add_adapter(parser: argparse.ArgumentParser) -> None:
         help="which elastic solid does a simulator simulate?",
         description=CHECK,
         epilog=CHECK_CODES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     _add_check(check)
-    for each in (new, check, acts.choices["laws"]):
-        each.error = parser.error  # type: ignore[method-assign]
 
 
 def _add_check(parser: argparse.ArgumentParser) -> None:

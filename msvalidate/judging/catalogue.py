@@ -12,6 +12,7 @@ import importlib.metadata
 import importlib.util
 import os
 import pkgutil
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -20,7 +21,7 @@ from msvalidate import studies
 
 GROUP = "msvalidate.studies"
 """Entry points of this group name a study of another package: ``name = "package.module"``."""
-RESERVED = ("all", "list", "run", "check", "report", "case")
+RESERVED = ("all", "list", "run", "check", "report", "case", "simulate", "adapter")
 """Words of the command line, which no study may be called."""
 ORDER = (
     "overview",
@@ -93,10 +94,11 @@ def is_ours(name: str) -> bool:
     return name in _in_folder(str(studies.OURS))
 
 
-def suggestion(name: str) -> str:
-    """Words that point from an unknown name to the nearest known one, or to all."""
-    near = difflib.get_close_matches(name.lower(), [*names(), "all", "list"], n=1, cutoff=0.5)
-    return f"did you mean {near[0]!r}?" if near else f"choose from: {', '.join(names())}"
+def suggestion(name: str, known: Sequence[str] = ()) -> str:
+    """Words that point from an unknown name to the nearest known one, of a study or a command."""
+    near = difflib.get_close_matches(name.lower(), known or [*names(), *RESERVED], 1, cutoff=0.5)
+    choices = ", ".join(known or names())
+    return f"did you mean {near[0]!r}?" if near else f"choose from: {choices}"
 
 
 def load(name: str) -> ModuleType:
