@@ -21,7 +21,8 @@ BASELINE = HERE.parent / "reports" / "baseline" / "full"
 def page(baseline: Path = BASELINE) -> str:
     """The page as Markdown."""
     made = tomllib.loads((HERE / "verification.toml").read_text(encoding="utf-8"))
-    rows = (row(group, where, baseline) for group in made["group"] for where in group["rows"])
+    groups = [made.get(group.get("like"), {}) | group for group in made["group"]]
+    rows = (row(group, where, baseline) for group in groups for where in group["rows"])
     return "".join([made["head"], *rows])
 
 
@@ -43,7 +44,7 @@ def row(group: dict[str, Any], where: dict[str, Any], baseline: Path) -> str:
     by = str(values.get("method") or values.get("model") or values.get("route") or "springs")
     study = group["table"].partition("/")[0]
     cells = (
-        " ".join(f"[{key}]" for key in group["source"]) or "closed form",
+        " ".join(f"[{key}]" for key in group.get("source", ())) or "closed form",
         group["case"].format(**values) + (f" (worst of {len(found)})" if len(found) > 1 else ""),
         group["quantity"].format(**values),
         group.get("side") or ("elements" if by.startswith(("FEM", "elements")) else "springs"),
