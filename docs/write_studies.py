@@ -3,32 +3,32 @@
     python -m msvalidate.study all        # in the full form, results in reports/latest
     python docs/write_studies.py          # from there; another folder may be named
 
-Each page says what the study asks and finds, what it holds itself to, and what every column of its
-tables means. The picture of README comes from there too.
+Each page says what the study finds and asks, what it holds itself to, and what every column of its
+tables means. Its pictures are drawn by `docs/draw_pictures.py`.
 """
 
 from __future__ import annotations
 
 import inspect
 import sys
+import tomllib
 from pathlib import Path
 
 from msvalidate.output.report import stored_studies
 from msvalidate.output.stored import Stored
 
 HERE = Path(__file__).resolve().parent
-PICTURE = ("overview", "part")
-"""Study and figure that README shows."""
+PICTURED = """## Pictures
+
+Drawn from the committed baseline, which leaves out what depends on the machine."""
 
 
 def main(results: Path) -> None:
-    """Write the pages of all studies that left results, and the picture."""
+    """Write the pages of all studies that left results."""
     studies = [study for study in stored_studies(results) if not study.error]
     (HERE / "studies").mkdir(exist_ok=True)
     for study in studies:
         (HERE / "studies" / f"{study.name}.md").write_text(page(study), encoding="utf-8")
-        if study.name == PICTURE[0]:
-            (HERE / "part.svg").write_bytes(study.pictures[PICTURE[1]][1])
     sys.stdout.write(f"{len(studies)} pages in {HERE / 'studies'}\n")
 
 
@@ -38,15 +38,25 @@ def page(study: Stored) -> str:
     parts = [
         f"# {study.name}: {question}",
         "Made from the study's own results by `docs/write_studies.py`; not to be edited.",
-        about.strip(),
         "## Findings",
         "\n".join(f"- {finding}" for finding in study.findings),
+        *pictures(study),
+        "## What is asked",
+        about.strip(),
         "## What it is held to",
         tolerances(study),
         "## Tables",
         *(table(study, name) for name in study.tables),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def pictures(study: Stored) -> list[str]:
+    """The pictures that `pictures.toml` names, each above what it shows."""
+    names = tomllib.loads((HERE / "pictures.toml").read_text("utf-8")).get(study.name, [])
+    captions = [(name, study.pictures[name][0]) for name in names]
+    shown = [f"![{said}]({study.name}/{name}.svg)\n\n*{said}*" for name, said in captions]
+    return [PICTURED, *shown] if shown else []
 
 
 def tolerances(study: Stored) -> str:
@@ -66,7 +76,8 @@ def table(study: Stored, name: str) -> str:
     """A table's columns and what they mean."""
     columns = [str(column) for column in study.tables[name]]
     said = [f"- `{column}`: {study.columns.get(column, '')}" for column in columns]
-    return "\n".join([f"### {name}", "", *said])
+    folded = f"<details><summary>{len(said)} columns</summary>"
+    return "\n".join([f"### {name}", "", folded, "", *said, "", "</details>"])
 
 
 def unit(text: str) -> str:

@@ -136,7 +136,7 @@ def plain_logarithms(figure: Figure) -> None:
 
 def add_title(figure: Figure, text: str) -> None:
     """What a figure shows, above it, in lines as wide as it is; one that has a title keeps it."""
-    if not figure.get_suptitle():
+    if not figure.get_suptitle() and not any(axes.get_title() for axes in figure.axes):
         wide = int(LETTERS_AN_INCH * figure.get_figwidth())
         figure.suptitle("\n".join(textwrap.wrap(text.rstrip("."), wide)), fontsize=TITLE_SIZE)
 

@@ -35,9 +35,9 @@ LINES = 11
 
 
 def redrawn(tables: Tables) -> Figure:
-    """Both slabs at their highest voltage: equal axes, stretched axes, charge, potential."""
+    """Figure 8's slabs at their highest voltage: equal and stretched axes, charge, potential."""
     cases = list(dict.fromkeys(tables["figure8_slabs"]["covered"]))
-    figure = Figure(figsize=(7.2, 8.6), layout="constrained")
+    figure = Figure(figsize=(7.2, 7.4), layout="constrained")
     axes = figure.subplots(
         4, len(cases), height_ratios=(0.62, 1.5, 1.6, 1.4), sharex="col", sharey="row"
     )
@@ -143,7 +143,7 @@ def draw_potential(
 def ways(tables: Tables) -> Figure:
     """Marginal effect and charge against voltage, three ways, and the faces at the last of each."""
     table, faces = tables["figure8"], tables["figure8_faces"]
-    figure = Figure(figsize=(7.2, 8.2), layout="constrained")
+    figure = Figure(figsize=(7.2, 7.4), layout="constrained")
     axes = figure.subplots(3, 2, sharey="row")
     sources = list(dict.fromkeys(table["way"]))
     for column, (covered, rows) in zip(axes.T, table.groupby("covered", sort=False), strict=True):

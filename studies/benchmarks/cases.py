@@ -38,7 +38,6 @@ LOOKS = {
     "springs, square, cut": ("springs, cut square lattice", 1, "^"),
     "springs, square, cut, quadratic fit": ("springs, cut lattice, quadratic fit", 5, "v"),
     "springs, square, cut, quartic fit": ("springs, cut lattice, quartic fit", 2, "D"),
-    "springs, edges of quadrilaterals": ("springs, edges of quadrilaterals", 3, "v"),
     "springs, edges of triangles": ("springs, edges of triangles", 5, "P"),
     "springs, cut cubic18": ("springs, cut cubic lattice, 18 neighbours", 1, "^"),
 }
@@ -194,16 +193,17 @@ def describe(table: pd.DataFrame) -> str:
 def convergence(name: str, body: str, xlabel: str, tables: Tables) -> Figure:
     """Differences to the limit against cells, an axis for every quantity and Poisson's ratio."""
     panels = list(tables[name].groupby(["quantity", "nu"], sort=False))
-    columns = min(len(panels), 2)
+    columns = min(len(panels), 2 if len(panels) <= 4 else 3)
     lines = -(-len(panels) // columns)
-    size = (4.8, 4.2) if columns == 1 else (3.3, 3.2 if lines <= 2 else 2.5)
+    size = ((4.8, 4.2), (3.3, 3.2), (2.5, 1.85))[columns - 1]
     figure, axes = figures.new_figure(columns, lines, size=size, sharex=True, sharey=True)
     for axis in axes[len(panels) :]:
         axis.remove()
     for axis, ((quantity, nu), rows_here) in zip(axes, panels, strict=False):
         draw(axis, rows_here)
         volume = rows_here["method"].str.contains(VOLUME, regex=False).any()
-        axis.set_title(f"{quantity_words(str(quantity))}\nnu = {nu:.3g}{VOLUME if volume else ''}")
+        words = quantity_words(str(quantity)).replace(" on ", "\non " if columns > 2 else " on ")
+        axis.set_title(f"{words}\nnu = {nu:.3g}{VOLUME if volume else ''}")
         axis.tick_params(labelbottom=True)
     cells = sorted(set(tables[name]["cells"]))
     axes[0].set_xticks(cells, [str(n) for n in cells])

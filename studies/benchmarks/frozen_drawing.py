@@ -23,6 +23,7 @@ APART = 0.14
 """Of marks on one line, in lines."""
 LEAST = 1e-4
 """Error (%) at which what is smaller is drawn."""
+SHOWN = (LEAST, 0.01, 1, 100)
 RATIO = 0.3
 
 
@@ -31,26 +32,29 @@ def frozen_cases(tables: Tables) -> Figure:
     table = tables["frozen_cases"]
     drawn = table[(table["nu"] == RATIO) | (table["nu"] > 0.49)]
     names = list(dict.fromkeys(drawn["case"]))
-    figure, (axis,) = figures.new_figure(size=(5.4, 1.9 + 0.26 * len(names)))
+    half = -(-len(names) // 2)
+    figure, axes = figures.new_figure(2, size=(3.8, 1.7 + 0.26 * half), sharex=True)
     for i, (words, models) in enumerate(MODELS.items()):
         here = drawn[drawn["model"].isin(models)]
         best = finest(here)
-        lines = [names.index(case) + APART * (i - 2) for case in best["case"]]
+        lines = np.array([names.index(case) + APART * (i - 2) for case in best["case"]])
         error = (100 * best["error"]).clip(lower=LEAST)
-        axis.semilogx(error, lines, figures.MARKERS[i], color=figures.COLOURS[i], label=words, ms=5)
-    axis.axvline(LEAST, color="grey", ls=":", label="below a millionth")
-    axis.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
-    axis.set_yticks(np.arange(len(names) + 1) - 0.5, minor=True)
-    axis.grid(visible=False, axis="y")
-    axis.grid(visible=True, axis="y", which="minor")
-    axis.tick_params(axis="y", which="both", length=0)
-    axis.set(
-        xlabel="error over the largest displacement (%)",
-        ylabel="case (nu = 0.3; rubber 0.4999)",
-        ylim=(len(names) - 0.5, -0.5),
-    )
+        style = {"marker": figures.MARKERS[i], "color": figures.COLOURS[i], "ls": "", "ms": 5}
+        for axis in axes:
+            axis.semilogx(error, lines, label=words, **style)
+    for axis, first in zip(axes, (0, half), strict=True):
+        axis.set_xticks(SHOWN, [f"{percent:g}" for percent in SHOWN])
+        axis.axvline(LEAST, color="grey", ls=":", label="below a millionth")
+        axis.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
+        axis.set_yticks(np.arange(len(names) + 1) - 0.5, minor=True)
+        axis.grid(visible=False, axis="y")
+        axis.grid(visible=True, axis="y", which="minor")
+        axis.tick_params(axis="y", which="both", length=0)
+        axis.set_ylim(first + half - 0.5, first - 0.5)
+        axis.set_xlabel("error over the\nlargest displacement (%)")
+    axes[0].set_ylabel("case (nu = 0.3; rubber 0.4999)")
     figure.suptitle("Frozen cases: our springs and elements on their finest meshes")
-    figures.add_shared_legend(figure, [axis], columns=2)
+    figures.add_shared_legend(figure, axes, columns=3)
     return figure
 
 

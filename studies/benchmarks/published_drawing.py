@@ -11,7 +11,7 @@ from msvalidate.output import figures
 
 
 def draw(tables: Tables) -> Figure:
-    """Left: how much too stiff; right: distance from the framed plate."""
+    """How much too stiff a square of springs is, and how far from a plate framed by bars."""
     table = tables["published"]
     cells, elastic = table["cells"], table["stiffness_elastic"]
     figure, (left, right) = figures.new_figure(2, size=(3.3, 4.2))

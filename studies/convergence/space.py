@@ -322,7 +322,7 @@ def draw(tables: Tables) -> Figure:
     table = pd.concat([tables["factors"], multigrid], ignore_index=True)
     figure, axes = figures.new_figure(len(LABELS), size=(3.5, 3.2))
     for axis, (quantity, label) in zip(axes, LABELS.items(), strict=True):
-        for way, part in table.groupby("way", sort=False):
+        for way, part in table.dropna(subset=[quantity]).groupby("way", sort=False):
             edge = part["cells"].to_numpy() + 1.0
             values = part[quantity].to_numpy(dtype=float)
             axis.loglog(edge, values, label=str(way), **DRAWN[str(way)])

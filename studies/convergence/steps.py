@@ -312,6 +312,7 @@ TITLES = {
 
 def _drawn(table: pd.DataFrame, quantity: str) -> Figure:
     tight = table[(table["threshold"] == TIGHT) & (table["outcome"] == "reached")]
+    tight = tight.dropna(subset=[quantity])  # the baseline has not what depends on the machine
     figure, axes = figures.new_figure(len(bodies.SIZES), size=(2.4, 3.9), sharex=True, sharey=True)
     for axis, body in zip(axes, bodies.SIZES, strict=True):
         part = tight[tight["body"] == body]

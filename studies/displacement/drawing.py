@@ -150,7 +150,7 @@ def field(tables: Tables) -> Figure:
     """Where springs and homogenised body differ: length of the difference over the largest |u|."""
     table = tables["field"]
     lattices = list(dict.fromkeys(table["lattice"]))
-    figure = Figure(figsize=(7.2, 8.4), layout="constrained")
+    figure = Figure(figsize=(7.2, 7.4), layout="constrained")
     *blocks, bar = CASES
     layout: list[Any] = [[f"{case}, {lattice}" for case in blocks] for lattice in lattices]
     layout += [[f"{bar}, {lattice}"] * len(blocks) for lattice in lattices]

@@ -92,7 +92,7 @@ def draw(tables: Tables) -> Figure:
     """Potential and field lines, equal axes."""
     table = tables["field"]
     figure, axes = figures.new_figure(1, 2, size=(6.4, 3.2), sharex=True)
-    levels = np.linspace(-0.5, 0.5, 21)
+    levels = np.linspace(-0.5, 0.5, 11)
     for axis, ratio in zip(axes, table["permittivity_ratio"].unique(), strict=True):
         rows = table[table["permittivity_ratio"] == ratio]
         grids = {c: rows.pivot_table(index="y", columns="x", values=c) for c in SHOWN}
@@ -102,7 +102,7 @@ def draw(tables: Tables) -> Figure:
         lines: dict[str, Any] = {"colors": "white", "linewidths": 0.4, "linestyles": "solid"}
         axis.contour(x, y, potential, levels, **lines)
         field = (grids["field_x"], grids["field_y"])
-        axis.streamplot(x, y, *field, color="#444444", linewidth=0.6, arrowsize=0.6)
+        axis.streamplot(x, y, *field, color="#444444", linewidth=0.6, arrowsize=0.6, density=0.5)
         low = (-LENGTH / 2, 0)
         axis.add_patch(
             Rectangle(low, LENGTH, 1, fill=False, ls="--", ec="black", lw=0.9, label="slab")

@@ -225,8 +225,8 @@ FAR_WORDS = {"natural": "no field through it", "floating": "a conductor without 
 """Both kinds of far boundary."""
 SHOWN = (
     ("capacitance_in_air", "capacitance_elements", "capacitance per depth,\nover ε (1)"),
-    ("edge_work", "edge_work_elements", "outward force at an edge of\nthe top, over εV²/(4d) (1)"),
-    ("stretch", "stretch_elements", "outward force on half the\nslab, over εV²/(2d) (1)"),
+    ("edge_work", "edge_work_elements", "outward force at\nan edge of the top,\nover εV²/(4d) (1)"),
+    ("stretch", "stretch_elements", "outward force on\nhalf the slab,\nover εV²/(2d) (1)"),
 )
 """What is drawn: by charges, by elements, and its label."""
 

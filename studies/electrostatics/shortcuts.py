@@ -225,7 +225,7 @@ def findings(faces: pd.DataFrame, points: pd.DataFrame, tips: pd.DataFrame) -> t
 
 
 def draw(tables: Tables) -> Figure:
-    """The three, a panel each."""
+    """Forces by three shortcuts over those of the closed form or the energy, a panel each."""
     faces, points, tips = tables["both_faces"], tables["point_sums"], tables["halves"]
     figure, axes = figures.new_figure(2, 2, size=(3.5, 2.9))
     both, sums, tip_axis = figures.widen_third(figure, axes)

@@ -252,7 +252,7 @@ def draw(tables: Tables) -> Figure:
     table = tables["finite_size"]
     table = table[table["k2"] == K1 / 2]
     figure, axes = figures.new_figure(
-        len(DEFINITIONS), len(LOADINGS), size=(3.5, 2.6), sharex=True, sharey=True
+        len(DEFINITIONS), len(LOADINGS), size=(3.5, 2.4), sharex=True, sharey=True
     )
     panels = product(LOADINGS, DEFINITIONS)
     for axis, (loading, definition) in zip(axes, panels, strict=True):

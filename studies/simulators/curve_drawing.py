@@ -10,12 +10,12 @@ from msvalidate.output import figures
 
 
 def curve(tables: Tables) -> Figure:
-    """Ratio on the left, modulus on the right."""
+    """Poisson's ratio and modulus that two laws answer, against the ratio asked for."""
     table = tables["curve"]
-    figure, axes = figures.new_figure(columns=2, size=(4.2, 3.4))
+    figure, axes = figures.new_figure(columns=2, size=(3.7, 3.4))
     for axis, name, words in (
-        (axes[0], "ratio", "Poisson's ratio answered"),
-        (axes[1], "modulus", "modulus answered over the asked"),
+        (axes[0], "ratio", "Poisson's ratio answered (1)"),
+        (axes[1], "modulus", "modulus answered\nover that asked for (1)"),
     ):
         for i, (law, rows) in enumerate(table.groupby("name", sort=False)):
             colour, label = figures.COLOURS[i], str(law).replace("_", " ")
@@ -29,7 +29,7 @@ def curve(tables: Tables) -> Figure:
                 asked, drawn[f"read_{name}"], figures.MARKERS[i], color=colour,
                 label=f"{label}, read",
             )  # fmt: skip
-        axis.set(xlabel="Poisson's ratio asked for", ylabel=words)
+        axis.set(xlabel="Poisson's ratio asked for (1)", ylabel=words)
     figure.suptitle("Two laws of one program: which solid answers?")
     figures.add_shared_legend(figure, axes, columns=2)
     return figure

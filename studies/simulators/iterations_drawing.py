@@ -36,7 +36,7 @@ def iterations(tables: Tables) -> Figure:
                 label=f"{name}, {1e3 * step:g} ms", **style,
                 markerfacecolor=mix(style["color"], full),
             )  # fmt: skip
-    axes[0].set(xlabel="iterations in a step", ylabel="error over the displacement")
+    axes[0].set(xlabel="iterations in a step (1)", ylabel="error over the displacement (1)")
     figure.suptitle("Hanging block: what iterations and steps leave")
     figures.add_shared_legend(figure, axes, columns=2)
     return figure

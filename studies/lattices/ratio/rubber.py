@@ -231,7 +231,6 @@ def draw(tables: Tables) -> Figure:
             right.loglog(
                 last["cells_through"], last["deflection_difference"].abs(), label=label, **style
             )
-        left.invert_xaxis()
         left.set_xlabel("1 - 2 nu (1)")
         cells = np.array(sorted(set(mine["cells_through"])), dtype=float)
         right.set_xticks(cells, [f"{n:g}" for n in cells])
