@@ -31,6 +31,7 @@ _HOMES = {
         *("triangular", "voronoi", "voronoi_box"),
     ),
     "network": ("spring_network",),
+    "output.body_drawing": ("plot",),
     "problem": (
         *("Anisotropic", "Ball", "BodyForce", "Box", "Isotropic", "Mesh", "PointForce", "Polygon"),
         *("Problem", "ProblemError", "Region", "SolverError", "Support", "Traction"),
@@ -73,6 +74,7 @@ if TYPE_CHECKING:  # the same for readers of types
     from msvalidate.lattice import voronoi as voronoi
     from msvalidate.lattice import voronoi_box as voronoi_box
     from msvalidate.network import spring_network as spring_network
+    from msvalidate.output.body_drawing import plot as plot
     from msvalidate.problem import Anisotropic as Anisotropic
     from msvalidate.problem import Ball as Ball
     from msvalidate.problem import BodyForce as BodyForce

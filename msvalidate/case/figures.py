@@ -10,23 +10,21 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from msvalidate.case.comparison import Comparison
 from msvalidate.case.judge import Judgement
-from msvalidate.output.body_drawing import draw_loads, draw_supports
-from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure, solid_axes
+from msvalidate.output.body_drawing import (
+    ARROW,
+    MOST_ARROWS,
+    SHOWN,
+    UPWARDS,
+    body_axes,
+    draw_held_and_loaded,
+    loaded_points,
+)
+from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure
 from msvalidate.problem import Array, Index, Mask
 from reference_fem.body import Solution, nodal_forces
-
-DEFORMED = 0.1
-"""Of the body's size, how far its largest displacement is drawn."""
-ARROW = 0.12
-"""Of the body's size, the longest arrow of a load."""
-MOST_ARROWS = 40
-UPWARDS = [0, 2, 1]
-"""Axes in the order in which they are drawn in space, the last upwards."""
-WIDE, TALLEST = 6.2, 6.0
 
 
 def figures(
@@ -100,28 +98,6 @@ def draw_matching(found: Judgement) -> Figure:
     return figure
 
 
-def body_axes(points: Array, room: float = 0.0) -> tuple[Figure, Any]:
-    """Figure and axes for a body with points (n, d) in m, in true proportions where they can be."""
-    if points.shape[1] == 3:
-        figure, axes = solid_axes(1, (6.6, 5.4))  # wide: a phone lets it scroll
-        low, high = points.min(axis=0) - room, points.max(axis=0) + room
-        axis = axes[0]
-        axis.set(xlim=(low[0], high[0]), ylim=(low[2], high[2]), zlim=(low[1], high[1]))
-        axis.set_box_aspect((high - low)[UPWARDS], zoom=0.9)
-        parts = (high - low)[UPWARDS] / (high - low).max()
-        for scale, part in zip((axis.xaxis, axis.yaxis, axis.zaxis), parts, strict=True):
-            scale.set_major_locator(MaxNLocator(max(1, round(4 * part)), steps=[1, 2, 5, 10]))
-        return figure, axis
-    size = np.ptp(points, axis=0) + 2 * room
-    height = float(np.clip(WIDE * size[1] / size[0], 1.6, TALLEST))
-    figure, (axis,) = new_figure(size=(WIDE, height + 0.9))
-    low, high = points.min(axis=0) - room, points.max(axis=0) + room
-    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x (m)", ylabel="y (m)")
-    if max(size) < 12 * min(size):
-        axis.set_aspect("equal", adjustable="box")
-    return figure, axis
-
-
 def draw_body(found: Comparison) -> Figure:
     """The undeformed body: surface, particles, supports, loads."""
     solution = found.reference.solutions[0]
@@ -140,28 +116,12 @@ def draw_body(found: Comparison) -> Figure:
             zorder=1,
             rasterized=True,
         )
-        held = found.springs[0].network.held
-        on = held.any(axis=1)
-        draw_supports(axis, lattice.points[on], held[on], 4.0)
-        at, force = _arrows(found)
-        draw_loads(axis, at, force, ARROW * size)
-        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=4)
-        return figure
-    held3 = found.springs[0].network.held.any(axis=1)
-    axis.plot(
-        *lattice.points[held3][:, UPWARDS].T, "s", ms=2.5, mfc="none", color="black", label="held"
-    )
     at, force = _arrows(found)
-    if len(at):
-        length = ARROW * size * force / np.linalg.norm(force, axis=1).max()
-        axis.quiver(
-            *(at - length)[:, UPWARDS].T,
-            *length[:, UPWARDS].T,
-            color=COLOURS[1],
-            lw=1.2,
-            label="load",
-        )
-    axis.legend(loc="upper left")
+    draw_held_and_loaded(
+        axis, lattice.points, found.springs[0].network.held, at, force, ARROW * size
+    )
+    below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 4}
+    axis.legend(**below if x.shape[1] == 2 else {"loc": "upper left"})
     return figure
 
 
@@ -169,8 +129,7 @@ def _arrows(found: Comparison) -> tuple[Array, Array]:
     """Places (k, d) in m and forces (k, d) in N of loads, at most so many of them."""
     body = found.reference.solutions[0].body
     force = nodal_forces(found.case.problem, body)
-    (on,) = np.nonzero(np.linalg.norm(force, axis=1) > 1e-12 * np.abs(force).max(initial=0.0))
-    chosen = on[:: max(1, -(-len(on) // MOST_ARROWS))]
+    chosen = loaded_points(force)
     return np.asarray(body.points[chosen]), np.asarray(force[chosen])
 
 
@@ -182,7 +141,7 @@ def draw_fields(found: Comparison) -> Figure:
     x = solution.body.points
     size = float(np.ptp(x, axis=0).max())
     most = max(found.size, float(np.abs(rest).max())) or 1.0
-    times = DEFORMED * size / most
+    times = SHOWN * size / most
     moved = x + times * solution.displacement
     springs = lattice.points + times * rest
     figure, axis = body_axes(np.concatenate([moved, springs, x]), 0.02 * size)

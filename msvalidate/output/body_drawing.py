@@ -2,17 +2,37 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from numpy.typing import ArrayLike
 
-from msvalidate.output.figures import COLOURS
+from msvalidate.network import Network
+from msvalidate.output.figures import (
+    COLOURS,
+    add_shared_legend,
+    figure_style,
+    new_figure,
+    solid_axes,
+)
 from msvalidate.problem import Array, Index, Mask
+from msvalidate.problem.checks import finite_coordinates, positive_number, require_type
 
 AT_REST = "#d4d4d4"
+SHOWN = 0.1
+"""Of the body's size, how far its largest displacement is drawn."""
+ARROW = 0.12
+"""Of the body's size, the longest arrow of a load."""
+MOST_ARROWS = 40
+UPWARDS = [0, 2, 1]
+"""Axes in the order in which they are drawn in space, the last upwards."""
+WIDE, TALLEST = 6.2, 6.0
 DEFORMED = "#66a9d4"
 ARROW_WIDTH = 0.08
 """Of an arrow's shaft over the length of the longest."""
@@ -25,6 +45,113 @@ BOUNDARY_RULES = {
 }
 """Names in figures of `lattice.filled.WEIGHTS`."""
 HOW = {(True, True): "held", (True, False): "held along x", (False, True): "held along y"}
+
+
+def plot(network: Network, displacement: Any = None, magnification: float | None = None) -> Figure:
+    """Springs at rest in grey and deformed in blue, supports, and the load at some points.
+
+    Parameters
+    ----------
+    network
+        In the plane or in space.
+    displacement
+        (n, d) in m, or an `Equilibrium`; none draws the network as it is given.
+    magnification
+        Of the displacements, as the title states it. By default 1, 2 or 5 times a power of ten, so
+        that the largest shows as at most a tenth of the body; 1 if it is from there to all of it.
+
+    Raises
+    ------
+    ProblemError
+        If the displacement does not fit the network, or the magnification is not above zero.
+    """
+    require_type("network", network, Network)
+    x, dim, title = network.points, network.dim, "as given, without displacements"
+    moved, size = x, float(np.ptp(x, axis=0).max()) or 1.0
+    if displacement is not None:
+        u = getattr(displacement, "displacement", displacement)
+        u = finite_coordinates("displacement", u, *x.shape)
+        most = float(np.linalg.norm(u, axis=1).max())
+        times = _magnification(SHOWN * size, most) if magnification is None else magnification
+        moved = x + positive_number("magnification", times) * u
+        title = f"displacements magnified {times:g} times, the largest is {most:.3g} m"
+    on = loaded_points(network.force, most=8 * (dim - 1) ** 2)
+    with figure_style():
+        figure, axis = body_axes(np.concatenate([x, moved]), 1.3 * ARROW * size)
+        for at, label, colour in ((x, "at rest", "#999999"), (moved, "deformed", COLOURS[0])):
+            if label == "at rest" or displacement is not None:
+                _draw_lines(axis, at, network.springs, label, colour)
+        arrows = moved[on], network.force[on], ARROW * size
+        draw_held_and_loaded(axis, moved, network.held, *arrows)
+        axis.set_title(title, loc="left")
+        add_shared_legend(figure, [axis])
+    return figure
+
+
+def _magnification(shown: float, most: float) -> float:
+    """A round number that shows a displacement (m) as one of `shown` (m), or less."""
+    if most == 0 or shown <= most <= shown / SHOWN:
+        return 1.0
+    decade = 10.0 ** math.floor(math.log10(shown / most))
+    return max(step * decade for step in (1, 2, 5) if step * decade <= shown / most)
+
+
+def body_axes(points: Array, room: float = 0.0) -> tuple[Figure, Any]:
+    """Figure and axes for a body with points (n, d) in m, in true proportions where they can be."""
+    if points.shape[1] == 3:
+        figure, axes = solid_axes(1, (6.6, 5.4))  # wide: a phone lets it scroll
+        low, high = points.min(axis=0) - room, points.max(axis=0) + room
+        axis = axes[0]
+        axis.set(xlim=(low[0], high[0]), ylim=(low[2], high[2]), zlim=(low[1], high[1]))
+        axis.set_box_aspect((high - low)[UPWARDS], zoom=0.9)
+        parts = (high - low)[UPWARDS] / (high - low).max()
+        for scale, part in zip((axis.xaxis, axis.yaxis, axis.zaxis), parts, strict=True):
+            scale.set_major_locator(MaxNLocator(max(1, round(4 * part)), steps=[1, 2, 5, 10]))
+        return figure, axis
+    size = np.ptp(points, axis=0) + 2 * room
+    height = float(np.clip(WIDE * size[1] / size[0], 1.6, TALLEST))
+    figure, (axis,) = new_figure(size=(WIDE, height + 0.9))
+    low, high = points.min(axis=0) - room, points.max(axis=0) + room
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x (m)", ylabel="y (m)")
+    if max(size) < 12 * min(size):
+        axis.set_aspect("equal", adjustable="box")
+    return figure, axis
+
+
+def loaded_points(force: Array, most: int = MOST_ARROWS) -> Index:
+    """Numbers of points with a force (n, d) in N, evenly spread if they are more than `most`."""
+    (on,) = np.nonzero(np.linalg.norm(force, axis=1) > 1e-12 * np.abs(force).max(initial=0.0))
+    return on[:: max(1, -(-len(on) // most))]
+
+
+def draw_held_and_loaded(
+    axis: Any, points: Array, held: Mask, at: Array, force: Array, length: float
+) -> None:
+    """Supports of points (n, d) and forces (k, d) in N at places (k, d), on axes of `body_axes`.
+
+    The longest arrow is `length` m long.
+    """
+    if points.shape[1] == 2:
+        draw_supports(axis, points, held, 4.0)
+        draw_loads(axis, at, force, length)
+        return
+    style: dict[str, Any] = {"ms": 2.5, "mfc": "none", "color": "black", "label": "held"}
+    axis.plot(*points[held.any(axis=1)][:, UPWARDS].T, "s", **style)
+    if len(at):
+        arrow = length * force / np.linalg.norm(force, axis=1).max()
+        ends = (at - arrow)[:, UPWARDS], arrow[:, UPWARDS]
+        axis.quiver(*ends[0].T, *ends[1].T, color=COLOURS[1], lw=1.2, label="load")
+
+
+def _draw_lines(axis: Any, at: Array, springs: Index, label: str, colour: str) -> None:
+    """Springs on axes of `body_axes`, the finer the more there are."""
+    dim = at.shape[1]
+    width = min(0.9, 30 / len(at) ** (1 - 1 / dim))  # about in proportion to gaps between lines
+    style: dict[str, Any] = {"color": colour, "lw": width, "label": label}
+    if dim == 2:
+        axis.add_collection(LineCollection(list(at[springs]), **style))
+    else:
+        axis.add_collection3d(Line3DCollection(at[springs][..., UPWARDS], **style))
 
 
 def draw_springs(axis: Axes, at: Array, springs: Index, label: str, colour: str = DEFORMED) -> None:
@@ -76,5 +203,4 @@ def draw_loads(
 
 def draw_solid_load(axis: Any, at: Array, arrow: Array) -> None:
     """Arrow (3,) in m that starts at a point (3,) in m, on axes of `figures.solid_axes`."""
-    upwards = [0, 2, 1]
-    axis.quiver(*at[upwards], *arrow[upwards], color="black", lw=2, arrow_length_ratio=0.35)
+    axis.quiver(*at[UPWARDS], *arrow[UPWARDS], color="black", lw=2, arrow_length_ratio=0.35)

@@ -22,7 +22,7 @@ else:
     import dataclasses
 
     def dataclass(cls: type | None = None, /, **options: bool) -> Any:
-        """As `dataclasses.dataclass`, with `short_repr` where the class has no repr of its own."""
+        """As the standard one, with `short_repr` where the class has no repr of its own."""
         if cls is None:
             return lambda decorated: dataclass(decorated, **options)
         if "__repr__" not in vars(cls):
@@ -33,7 +33,7 @@ else:
 def short_repr(record: Any) -> str:
     """One line, ``Name(field=value, ...)``, of at most `LONGEST_REPR` letters.
 
-    That of `dataclasses` where it has room. Else fields that are None are left out, arrays and
+    The standard one where it has room. Else fields that are None are left out, arrays and
     tables show their shape, lists their number of items, and records in it their names; as much as
     there is room for, from the first field on, is whole, and real numbers show their range.
     """

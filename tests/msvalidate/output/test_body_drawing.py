@@ -1,0 +1,52 @@
+"""`plot`: what is drawn where, and what its title says of it."""
+
+import re
+
+import numpy as np
+import pytest
+
+import msvalidate as ms
+
+
+def loaded(dim):
+    box = ms.Box((1.0, 2.0, 1.0)[:dim])
+    material = ms.Isotropic(
+        1e5, 1 / 3 if dim == 2 else 1 / 4, "plane_stress" if dim == 2 else "solid"
+    )
+    pull = ms.Traction(box.side("top"), (0.0, 10.0, 0.0)[:dim])
+    held = ms.Support(box.side("bottom"), (0.0,) * dim)
+    lattice = ms.square(box, (2, 4)) if dim == 2 else ms.fill(ms.patterns.cubic18(), box, (2, 4, 2))
+    return ms.lattice_network(ms.Problem(box, material, (held,), (pull,)), lattice)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("given", [None, 7.0])
+def test_springs_are_drawn_at_rest_and_moved_as_the_title_says(dim, given):
+    network = loaded(dim)
+    rest = ms.equilibrium(network)
+    (axis,) = ms.plot(network, rest, given).axes
+    title = axis.get_title(loc="left")
+    times, most = map(float, re.findall(r"magnified (\S+) times, the largest is (\S+) m", title)[0])
+    lengths = np.linalg.norm(rest.displacement, axis=1)
+    assert most == pytest.approx(lengths.max(), rel=5e-3)
+    assert times == given or 0.04 < times * lengths.max() / 2.0 <= 0.1
+    lines = {each.get_label(): each for each in axis.collections}
+    for label, at in (("at rest", network.points), ("deformed", rest.position)):
+        at = network.points + times * (at - network.points)  # noqa: PLW2901
+        drawn = lines[label].get_segments() if dim == 2 else lines[label]._segments3d
+        expected = at[network.springs][..., [0, 2, 1][:dim] if dim == 3 else [0, 1]]
+        assert np.allclose(np.array(drawn), expected)
+    assert {"held", "load"} <= set(axis.get_legend_handles_labels()[1])
+
+
+def test_what_fits_no_network_is_refused_in_a_line():
+    network = loaded(2)
+    (axis,) = ms.plot(network).axes
+    assert {each.get_label() for each in axis.collections}.isdisjoint({"deformed"})
+    for given, said in (
+        ((np.zeros((3, 2)),), r"displacement: shape \(3, 2\); give \(15, 2\)"),
+        ((np.full((15, 2), np.nan),), r"displacement: nan at index \(0, 0\)"),
+        ((np.zeros((15, 2)), 0.0), "magnification: 0.0; it must be above zero"),
+    ):
+        with pytest.raises(ms.ProblemError, match=said):
+            ms.plot(network, *given)
