@@ -87,7 +87,7 @@ def committed(study: str) -> dict[str, pd.DataFrame]:
             Results("full").table(study, path.stem),
             pd.read_csv(path, keep_default_na=False),
         )
-        for name in raw.select_dtypes(exclude="floating"):
+        for name in raw:
             words, numbers = raw[name].astype(object), table[name].astype(object)
             whole = words.astype(str).str.fullmatch(r"-?\d+|True|False")
             table[name] = words.where(whole, numbers).infer_objects()
@@ -112,7 +112,7 @@ def _look_once(marks: re.Match[bytes]) -> bytes:
     looks = set(STYLE.findall(marks[2]))
     if len(looks) > 1:
         return marks[0]
-    return marks[1] + looks.pop() + b">" + STYLE.sub(b"", marks[2])
+    return b"".join([marks[1], looks.pop(), b">", STYLE.sub(b"", marks[2])])
 
 
 def _steps(line: re.Match[bytes]) -> bytes:

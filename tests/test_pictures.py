@@ -15,8 +15,8 @@ PICTURES = tomllib.loads((ROOT / "docs" / "pictures.toml").read_text("utf-8"))
 PAGES = sorted(page.stem for page in STUDIES.glob("*.md"))
 DRAWING = runpy.run_path(str(ROOT / "docs" / "draw_pictures.py"))
 LARGEST, TOGETHER = 80_000, 3_000_000
-WIDE, HIGH = 7.6 * 72, 7.5 * 72
-"""Points: as wide as a page, as high as a screen."""
+WIDE, HIGH = 550, 540
+"""Points (1/72 inch): as wide as a page, as high as a screen."""
 WITHOUT = {"claims", "cost", "overview"}
 """The ledger is its own picture, and times, which the others show, are in no baseline."""
 FOUND = {path.relative_to(STUDIES).as_posix(): path for path in STUDIES.rglob("*.svg")}

@@ -193,23 +193,24 @@ def describe(table: pd.DataFrame) -> str:
 def convergence(name: str, body: str, xlabel: str, tables: Tables) -> Figure:
     """Differences to the limit against cells, an axis for every quantity and Poisson's ratio."""
     panels = list(tables[name].groupby(["quantity", "nu"], sort=False))
-    columns = min(len(panels), 2 if len(panels) <= 4 else 3)
+    columns = min(len(panels), 2)
     lines = -(-len(panels) // columns)
-    size = ((4.8, 4.2), (3.3, 3.2), (2.5, 1.85))[columns - 1]
+    few = lines <= 2
+    size = (4.8, 4.2) if columns == 1 else (3.3, 3.2) if few else (3.8, 7.5 / lines)
     figure, axes = figures.new_figure(columns, lines, size=size, sharex=True, sharey=True)
     for axis in axes[len(panels) :]:
         axis.remove()
     for axis, ((quantity, nu), rows_here) in zip(axes, panels, strict=False):
         draw(axis, rows_here)
         volume = rows_here["method"].str.contains(VOLUME, regex=False).any()
-        words = quantity_words(str(quantity)).replace(" on ", "\non " if columns > 2 else " on ")
-        axis.set_title(f"{words}\nnu = {nu:.3g}{VOLUME if volume else ''}")
-        axis.tick_params(labelbottom=True)
+        words = [quantity_words(str(quantity)), f"nu = {nu:.3g}{VOLUME if volume else ''}"]
+        axis.set_title(("\n" if few else ", ").join(words), fontsize=9 if few else 8)
+        axis.tick_params(labelbottom=few or axis in axes[len(panels) - columns :])
     cells = sorted(set(tables[name]["cells"]))
     axes[0].set_xticks(cells, [str(n) for n in cells])
     for axis in axes[len(panels) - columns : len(panels)]:  # the lowest of every column
         axis.set_xlabel(xlabel)
-    for axis in axes[::columns]:
+    for axis in axes[:: columns * max(1, lines // 2)]:
         axis.set_ylabel("difference (%)")
     figure.suptitle(f"{body}: differences to the limit")
     figures.add_shared_legend(figure, axes[: len(panels)], columns=columns)
