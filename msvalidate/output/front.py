@@ -22,8 +22,18 @@ ROUNDING = 1e-9
 MEASURED = ("number", "unit", "side", "bound", "measure")
 COLUMNS = (
     *("body", "springs", "across_coarse", "error_coarse", "error_at_20", "across_fine"),
-    *("error_fine", "verdict", "condition", "cells_over_linear", "study", "table"),
+    *(
+        "error_fine",
+        "doubt_fine",
+        "verdict",
+        "condition",
+        "cells_over_linear",
+        "study",
+        "table",
+    ),
 )
+ELEMENTS = "use elements"
+"""How a condition begins where springs may be the material, but elements are better."""
 TIMES = "time_over_linear_here"
 """A column that the committed baseline does not have."""
 
@@ -113,14 +123,17 @@ def _measured(number: str, unit: str, side: str, bound: str, measure: str) -> st
 
 
 def _advice(lines: Sequence[Line]) -> str:
-    """The first row and those that differ, in a few words."""
+    """The first row, those that differ, and bodies for elements, in a few words."""
     if not lines or lines[0].verdict != AGREES:
         return ""
     best = lines[0]
-    avoided = dict.fromkeys(line.springs for line in lines if line.verdict == DIFFERS)
+    differing = [line for line in lines if line.verdict == DIFFERS]
+    elements = [line.body for line in differing if line.condition.startswith(ELEMENTS)]
+    avoided = dict.fromkeys(line.springs for line in differing if line.body not in elements)
     cells = best.cost.replace(" times", " times the cells of linear elements (Q1)", 1)
     cost = f" For 1 % they take {cells}." if cells != best.cost else ""
     never = f" Do not use: {'; '.join(avoided)}." if avoided else ""
+    never += f" Use elements for a {'; a '.join(elements)}." if elements else ""
     return (
         f"For the {best.body}: {best.springs} ({best.condition}), {best.middle} off at 20 cells "
         f"across.{cost}{never}"
@@ -151,6 +164,7 @@ def _line(
     middle: str,
     fine: str,
     last: str,
+    doubt: str,
     verdict: str,
     condition: str,
     cost: str,
@@ -164,13 +178,19 @@ def _line(
         springs=springs,
         coarse=f"{percent(first)} at {coarse}",
         middle=percent(middle),
-        fine=f"{percent(last)} at {fine}",
+        fine=f"{percent(last)}{_beside(last, doubt)} at {fine}",
         verdict=verdict,
         condition=condition,
         cost=times(cost) + (f" ({times(time)} the time)" if _is_number(time) else ""),
         study=study,
         table=table,
     )
+
+
+def _beside(error: str, doubt: str) -> str:
+    """The reference's own error, where it is a tenth or more of one that is shown."""
+    known = _is_number(error) and _is_number(doubt) and float(doubt) >= 0.1 * float(error)
+    return f" ± {percent(doubt)}" if known else ""
 
 
 def percent(text: str) -> str:

@@ -10,7 +10,7 @@ from msvalidate.output.stored import Stored, nothing_judged
 
 ROW = (
     *("a block", "square", "5", "0.0775", "0.011", "80", "0.00169"),
-    *("agrees", "half", "0.92", "poisson", "t"),
+    *("0.0001", "agrees", "half", "0.92", "poisson", "t"),
 )
 
 
@@ -31,11 +31,14 @@ def test_stored_rows_are_told_in_per_cent():
 
 
 def test_advice_is_the_first_row_and_those_that_differ():
-    bad = ("another", "mesh edges", *ROW[2:7], "differs", *ROW[8:])
-    said = front.first_screen([stored("overview", "good_for", rows(ROW, bad))]).advice
+    bad = ("another", "mesh edges", *ROW[2:8], "differs", *ROW[9:])
+    thin = ("bracket", "cubic", *ROW[2:7], "0.00017", "differs", "use elements: thin", *ROW[10:])
+    found = front.first_screen([stored("overview", "good_for", rows(ROW, bad, thin))])
+    said = found.advice
+    assert found.lines[2].fine == "0.17 % ± 0.017 % at 80", "a tenth of it is the reference's own"
     assert "a block: square (half), 1.1 % off at 20 cells across" in said
     assert "For 1 % they take 0.92 times the cells of linear elements (Q1)." in said
-    assert said.endswith("Do not use: mesh edges.")
+    assert said.endswith("Do not use: mesh edges. Use elements for a bracket.")
     assert not front.first_screen([stored("overview", "good_for", rows(bad))]).advice
 
 
@@ -50,14 +53,14 @@ def test_advice_is_the_first_row_and_those_that_differ():
 def test_what_is_not_there_comes_from_the_committed_baseline(study):
     found = front.first_screen([study] if study else [])
     assert found.source.startswith("the committed baseline")
-    assert len(found.lines) == 8
+    assert len(found.lines) == 10
 
 
 def test_damaged_rows_are_not_shown():
     damaged = rows(ROW).drop(columns="condition")
     found = front.first_screen([stored("overview", "good_for", damaged)])
     assert found.source == "the committed baseline, as what overview left is not whole"
-    words = (*ROW[:3], "none", *ROW[4:9], "not asked", *ROW[10:])
+    words = (*ROW[:3], "none", *ROW[4:10], "not asked", *ROW[11:])
     (line,) = front.first_screen([stored("overview", "good_for", rows(words))]).lines
     assert (line.coarse, line.cost) == ("none at 5", "not asked")
 
