@@ -1,6 +1,7 @@
 """What are springs good for, and where must they not be used?
 
-- `good_for`: eight rows to choose by, from the tables of the other studies;
+- `good_for`: ten rows to choose by, from the tables of the other studies;
+- `ordinary`: parts as `case run` finds them, a plate with two holes and a bracket in space;
 - `part`: one part by every spring model and by elements, error against springs and against time.
 
 It runs after the others and reads what they found; what has not run is read from the committed
@@ -25,7 +26,7 @@ from msvalidate.network import Network, faults
 from msvalidate.output.results import Results, check_results
 from msvalidate.problem import Array, Problem
 
-from . import good_for, part
+from . import good_for, ordinary, part
 
 READS_RESULTS = True
 
@@ -65,9 +66,14 @@ def run(
     springs: DisplacementSolver = solve_springs,
     questions: tuple[str, ...] | None = None,
 ) -> Evidence:
-    """Both questions, or the one named."""
+    """All questions, or those named."""
     results = check_results(candidate, quick=setting.quick)
     own = cache(partial(part.run, check_displacements(springs), setting))
     return gather_evidence(
-        {"good_for": lambda: good_for.run(results, own().tables), "part": own}, questions
+        {
+            "good_for": lambda: good_for.run(results, {**own().tables, **ordinary.run().tables}),
+            "part": own,
+            "ordinary": ordinary.run,
+        },
+        questions,
     )

@@ -1,11 +1,14 @@
-"""What springs are good for: at most eight rows to choose by.
+"""What springs are good for: at most ten rows to choose by.
 
 Question   For the bodies that the studies look at: which lattice and rule is best, how far is it
            from elasticity at a coarse and a fine spacing, and on what condition?
 Candidate  What the other studies found, and the part of this one.
 Reference  As in those studies.
-Expected   Springs whose solid is the material agree, better with every refinement. Springs whose
-           solid is another one differ, however fine they are.
+Expected   Springs whose solid is the material agree, better with every refinement, where the part
+           is not thin for its cells. Springs whose solid is another one differ, however fine they
+           are.
+
+What is named as springs is made of the names that their tables carry: of what ran.
 """
 
 from __future__ import annotations
@@ -22,14 +25,15 @@ from msvalidate.output.results import Results
 from msvalidate.problem import SolverError
 from msvalidate_check.words import AGREES, NOT_RESOLVED, agreement
 
-from . import part
+from ..benchmarks import cook
+from ..lattices.ratio import rubber
+from . import models, ordinary, part
 
 BAND = 0.05
 """What an engineer takes for agreement of displacements, as in the study `displacement`."""
 ONE_PERCENT, TWENTY = 0.01, 20
 NEGLIGIBLE = 1e-3
 """A thousandth of the displacement: references are known to that."""
-HALF = "half springs on the boundary"
 TOLERANCES = (
     Tolerance(
         "springs that are the material: error at the finest spacing, worst body", BAND, "1",
@@ -47,15 +51,18 @@ TOLERANCES = (
     ),
 )  # fmt: skip
 COLUMNS = {
-    "body": "what was loaded, or the question",
-    "springs": "the best lattice and rule that were tried for it, or the usual ones where it warns",
-    "material": 'whether the springs\' solid is the material: "yes" or "no"',
+    "body": ordinary.COLUMNS["body"],
+    "springs": "lattice and rule, as their table names them: the best that were tried, or, where "
+    "it warns, the worst or usual ones",
+    "material": 'whether the springs\' solid is the material: "yes", "no", "near" where it is not '
+    'but within the band, or "too coarse" where it is but the part has few cells through a wall',
     "across_coarse": "cells or spacings across, few (1)",
     "error_coarse": "difference from linear elasticity at that, over the displacement (1)",
     "error_at_20": "the same at 20 across, on the line of errors in logarithms, or "
     '"not asked" beyond its ends (1)',
     "across_fine": "cells or spacings across, many (1)",
     "error_fine": "difference from linear elasticity at that, over the displacement (1)",
+    "doubt_fine": "how far the reference may be off there, on the same scale (1)",
     "rises": "refinements at which the error rises, beyond a thousandth (1)",
     "verdict": f'"agrees" within {BAND:g} at the fine spacing, else "differs"',
     "condition": "what must hold for it",
@@ -72,21 +79,25 @@ LINEAR_PARTS = ("boundary", "discretisation", "model_form")
 """Of the budget of errors in `displacement`."""
 Line = dict[float, float]
 """Cells across -> error, positive."""
+Tables = Mapping[str, pd.DataFrame]
+YES, NEAR, NO, COARSE = "yes", "near", "no", "too coarse"
 
 
 @dataclass(frozen=True)
 class Question:
-    """A row: where its errors are; of linear elements on the same body, and who was timed."""
+    """A row: where its errors are; of linear elements on the same body, and whether both are timed.
+
+    `told` finds in a table what `tell` makes; a condition may say a number of the tables.
+    """
 
     body: str
-    springs: str
-    material: bool
-    condition: str
+    material: str
+    condition: str | Callable[[Tables], str]
     study: str
     table: str
-    errors: Callable[[pd.DataFrame], Line]
-    linear: Callable[[pd.DataFrame], Line] | None = None
-    model: str | None = None
+    told: Callable[[pd.DataFrame], pd.DataFrame]
+    linear: Callable[[pd.DataFrame], pd.DataFrame] | None = None
+    timed: bool = False
 
 
 def run(results: Results, own: Mapping[str, pd.DataFrame]) -> Evidence:
@@ -102,6 +113,7 @@ def run(results: Results, own: Mapping[str, pd.DataFrame]) -> Evidence:
             "error_at_20": 1e-7,
             "error_coarse": 1e-7,
             "error_fine": 1e-7,
+            "doubt_fine": 1e-7,
             "cells_over_linear": 1e-5,
         },
     )
@@ -111,24 +123,31 @@ def row(question: Question, results: Results, own: Mapping[str, pd.DataFrame]) -
     """One row of the table."""
     mine = question.study == "overview"
     found = own[question.table] if mine else results.table(question.study, question.table)
-    errors = dict(sorted(question.errors(found).items()))
+    told = question.told(found)
+    springs = " or ".join(dict.fromkeys(told["springs"]))
+    errors = line_of(told)
     if len(errors) < 2:
-        raise SolverError(f"{question.study}/{question.table}: too few sizes of {question.springs}")
+        raise SolverError(f"{question.study}/{question.table}: too few sizes of {springs}")
     (coarse, first), (fine, last) = list(errors.items())[:: len(errors) - 1]
+    doubt = float(told.loc[told["across"] == fine, "doubt"].max())
+    condition = question.condition
     return {
         "body": question.body,
-        "springs": question.springs,
-        "material": "yes" if question.material else "no",
+        "springs": springs,
+        "material": question.material,
         "across_coarse": int(coarse),
         "error_coarse": first,
         "error_at_20": at_cells(TWENTY, errors),
         "across_fine": int(fine),
         "error_fine": last,
-        "verdict": agreement(last, 0.0, BAND),
+        "doubt_fine": doubt,
+        "verdict": agreement(last, doubt, BAND),
         "rises": rises(errors),
-        "condition": question.condition,
+        "condition": condition
+        if isinstance(condition, str)
+        else condition({**own, question.table: found}),
         "cells_over_linear": over_linear(question, errors, found),
-        "time_over_linear_here": times_over_linear(question, found),
+        "time_over_linear_here": times_over_linear(question, springs, found),
         "study": question.study,
         "table": question.table,
         "taken_from_here": "this run" if mine else results.source(question.study),
@@ -137,17 +156,18 @@ def row(question: Question, results: Results, own: Mapping[str, pd.DataFrame]) -
 
 def over_linear(question: Question, errors: Line, found: pd.DataFrame) -> float | str:
     """Cells across that 1 % takes, over those of linear elements."""
+    needed = cost_of_one_percent(errors, list(errors))
     if question.linear is None:
-        return NOT_ASKED
-    linear = dict(sorted(question.linear(found).items()))
-    return over(*(cost_of_one_percent(line, list(line)) for line in (errors, linear)))
+        return needed if needed == "never" else NOT_ASKED
+    linear = line_of(question.linear(found))
+    return over(needed, cost_of_one_percent(linear, list(linear)))
 
 
-def times_over_linear(question: Question, found: pd.DataFrame) -> float | str:
+def times_over_linear(question: Question, springs: str, found: pd.DataFrame) -> float | str:
     """Seconds that 1 % takes, over those of linear elements, where both were timed."""
-    if question.model is None or "solve_seconds" not in found:
+    if not question.timed or "solve_seconds" not in found:
         return NOT_ASKED
-    parts = (found[found["model"] == name] for name in (question.model, part.LINEAR[1]))
+    parts = (found[found["model"] == name] for name in (springs, part.LINEAR[1]))
     return over(
         *(part.reach(ONE_PERCENT, p["across"], p["error"], p["solve_seconds"]) for p in parts)
     )
@@ -181,92 +201,166 @@ def rises(line: Line) -> int:
     return int((steps > NEGLIGIBLE).sum())
 
 
-def worst(table: pd.DataFrame, across: str, error: str) -> Line:
+def tell(
+    rows: pd.DataFrame, springs: str | list[str], across: str, error: str | pd.Series, doubt: str
+) -> pd.DataFrame:
+    """Rows of a table as what is told of them: springs, cells across, error and doubt, positive."""
+    size = rows[error] if isinstance(error, str) else error
+    numbers = {"across": rows[across], "error": size, "doubt": rows[doubt]}
+    told = pd.DataFrame({name: column.astype(float).abs() for name, column in numbers.items()})
+    return told.assign(springs=springs)
+
+
+def line_of(told: pd.DataFrame) -> Line:
     """Cells across -> largest error of all rows of that many."""
-    sizes = table[error].astype(float).abs().groupby(table[across].astype(float)).max()
+    sizes = told["error"].groupby(told["across"]).max()
     return dict(zip(sizes.index.to_list(), sizes.to_list(), strict=True))
 
 
-def of_part(model: str) -> Callable[[pd.DataFrame], Line]:
-    """Errors of a model of the part."""
-    return lambda table: worst(table[table["model"] == model], "across", "error")
+def of_part(model: object) -> Callable[[pd.DataFrame], pd.DataFrame]:
+    """Rows of a model of the part."""
+
+    def told(table: pd.DataFrame) -> pd.DataFrame:
+        mine = table[table["model"] == str(model)]
+        return tell(mine, mine["model"].to_list(), "across", "error", "reference_error")
+
+    return told
 
 
-def of_cook(method: str) -> Callable[[pd.DataFrame], Line]:
-    """Errors of a method on Cook's membrane."""
-    return lambda table: worst(table[table["method"] == method], "cells", "against_limit")
+def of_cook(family: str) -> Callable[[pd.DataFrame], pd.DataFrame]:
+    """Rows of that method of a family on Cook's membrane which is farthest off in the end."""
+
+    def told(table: pd.DataFrame) -> pd.DataFrame:
+        mine = table[table["method"].str.startswith(family)]
+        mine = mine[mine["method"] == by_error(mine).index[-1]]
+        springs = mine["method"].str.removeprefix("springs, ").to_list()
+        return tell(mine, springs, "cells", "against_limit", "limit_uncertainty")
+
+    return told
 
 
-def of_load_cases(ratio: float, weights: str) -> Callable[[pd.DataFrame], Line]:
-    """Worst probe of the report's load cases on square cells with k2 = `ratio` k1.
+def by_error(table: pd.DataFrame) -> pd.Series:
+    """Error of every method on the most cells, smallest first."""
+    last = table[table["cells"].astype(float) == table["cells"].astype(float).max()]
+    return last.set_index("method")["against_limit"].astype(float).abs().sort_values(kind="stable")
+
+
+def of_load_cases(ratio: float, weights: str) -> Callable[[pd.DataFrame], pd.DataFrame]:
+    """Probes of the report's load cases on square cells with k2 = `ratio` k1.
 
     Of the difference from the target, what linear equilibria have: the part of large displacements
     and of motion left over is another question.
     """
 
-    def errors(table: pd.DataFrame) -> Line:
+    def told(table: pd.DataFrame) -> pd.DataFrame:
         alike = np.isclose(table["k2"].astype(float), ratio * table["k1"].astype(float))
         mine = table[alike & (table["lattice"] == "square") & (table["weights"] == weights)]
-        linear = sum(mine[name].astype(float) for name in LINEAR_PARTS)
-        return worst(mine.assign(linear=linear), "cells_y", "linear")
+        linear = mine[list(LINEAR_PARTS)].astype(float).sum(axis=1)
+        made = mine[["lattice", "k1", "k2", "weights"]].astype({"k1": float, "k2": float})
+        springs = [models.squares_label(*each) for each in made.itertuples(index=False)]
+        return tell(mine, springs, "cells_y", linear, "reference")
 
-    return errors
+    return told
 
 
-def of_rubber(table: pd.DataFrame) -> Line:
+def of_rubber(table: pd.DataFrame) -> pd.DataFrame:
     """Bent block, nearly incompressible, the largest ratio there is."""
     plane = table[(table["state"] == "plane_strain") & (table["model"] == "square")]
     nearest = plane[plane["nu_rubber"] == plane["nu_rubber"].max()]
-    return worst(nearest, "cells_through", "deflection_difference")
+    springs = [rubber.MODELS[name] for name in nearest["model"]]
+    numbers = "cells_through", "deflection_difference", "deflection_uncertainty"
+    return tell(nearest, springs, *numbers)
 
 
-def of_solids(table: pd.DataFrame) -> Line:
-    """Worst case in space of the lattice that is isotropic, of the sizes that every case has."""
+def of_solids(table: pd.DataFrame) -> pd.DataFrame:
+    """Cases in space of the lattice that is isotropic, of the sizes that every case has."""
     mine = table[table["lattice"] == "cubic 18"]
     cases = mine.groupby("cells_high")["case"].nunique()
-    shared = cases[cases == mine["case"].nunique()].index
-    return worst(mine[mine["cells_high"].isin(shared)], "cells_high", "against_own_body")
+    mine = mine[mine["cells_high"].isin(cases[cases == mine["case"].nunique()].index)]
+    springs = mine["lattice"].to_list()
+    return tell(mine, springs, "cells_high", "against_own_body", "fem_uncertainty")
+
+
+def of_ordinary(asked: ordinary.Part) -> Callable[[pd.DataFrame], pd.DataFrame]:
+    """Rows of an ordinary part."""
+
+    def told(table: pd.DataFrame) -> pd.DataFrame:
+        mine = table[table["body"] == asked.body]
+        return tell(mine, mine["lattice"].to_list(), "cells_across", "difference", "doubt")
+
+    return told
+
+
+def other_support(tables: Tables) -> str:
+    """What the same plate does at another support."""
+    held = line_of(of_ordinary(ordinary.BOLTED)(tables["ordinary"]))
+    across, error = max(held.items())
+    return f"held at its bolt hole {percent(error)} at {across:g}: use elements"
+
+
+def other_draws(tables: Tables) -> str:
+    """What the other random network does, and why."""
+    across, error = max(line_of(of_part(models.EVEN)(tables["part"])).items())
+    own = tables["part_orders"].set_index("model")["own_error"]
+    near, far = (percent(own[str(each)]) for each in (models.BLUE, models.EVEN))
+    return (
+        f"not for 1 %: elasticity of their own ratio is {near} off; {models.EVEN}: "
+        f"{percent(error)} at {across:g}, as elasticity of theirs is {far} off"
+    )
+
+
+def other_meshes(tables: Tables) -> str:
+    """What the best mesh does."""
+    best = by_error(tables["cook_edges"])
+    name = str(best.index[0]).removeprefix("springs, ")
+    return f"do not use: the mesh decides the material; {name}: {percent(best.iloc[0])}"
+
+
+def percent(error: object) -> str:
+    """A share in per cent."""
+    return f"{100 * float(str(error)):.2g} %"
 
 
 QUESTIONS = (
     Question(
-        "block of ratio 0.4 in plane strain, clamped and sheared",
-        part.VOLUME, True, f"any ratio below 1/2; {HALF}",
-        "overview", "part", of_part(part.VOLUME), of_part("Q1 elements"), part.VOLUME,
+        "block of ratio 0.4 in plane strain, clamped and sheared", YES, "any ratio below 1/2",
+        "overview", "part", of_part(models.VOLUME), of_part("Q1 elements"), timed=True,
     ),
     Question(
-        "pressure, shear and bending in the plane, ratio 1/3",
-        "square, central springs, k2 = k1/2", True, f"ratio 1/3 only; {HALF}",
+        "pressure, shear and bending in the plane, ratio 1/3", YES, "ratio 1/3 only",
         "displacement", "cases", of_load_cases(0.5, "shared"),
     ),
     Question(
-        "bent rubber block, ratio 0.4999 in plane strain",
-        "square, springs and volume energy", True, f"{HALF}; linear elements lock here",
+        "bent rubber block, ratio 0.4999 in plane strain", YES, "linear elements lock here",
         "lattices", "rubber", of_rubber,
     ),
     Question(
-        "cubes and cantilever in space, ratio 1/4",
-        "cubic with 18 neighbours, central springs", True, "ratio 1/4, or a volume energy beside",
+        "cubes and cantilever in space, ratio 1/4", YES, "ratio 1/4, or a volume energy beside",
         "displacement", "solid", of_solids,
     ),
     Question(
-        "Cook's membrane: a slanted outline that the lattice misses",
-        "square lattice cut to the outline", True, "cut cells counted by their part inside",
-        "benchmarks", "cook", of_cook("springs, square, cut"), of_cook("FEM Q1"),
+        "Cook's membrane: a slanted outline that the lattice misses", YES,
+        "cut cells counted by their part inside",
+        "benchmarks", "cook", of_cook(cook.CUT), of_cook("FEM Q1"),
     ),
     Question(
-        "the same block of ratio 0.4, random points",
-        part.EVEN, False, "do not use: a ratio of its own, and scatter from draw to draw",
-        "overview", "part", of_part(part.EVEN), of_part("Q1 elements"), part.EVEN,
+        ordinary.CLAMPED.body, YES, other_support,
+        "overview", "ordinary", of_ordinary(ordinary.CLAMPED),
     ),
     Question(
-        "Cook's membrane: a spring on every edge of a triangle mesh",
-        "equal springs on mesh edges", False, "do not use: the mesh decides the material",
-        "benchmarks", "cook", of_cook("springs, edges of triangles"), of_cook("FEM Q1"),
+        "the same block of ratio 0.4, points that are drawn", NEAR, other_draws,
+        "overview", "part", of_part(models.BLUE), of_part("Q1 elements"), timed=True,
     ),
     Question(
-        "pressure, shear and bending, asked to be incompressible",
-        "square, k2 = 2 k1, full springs on the boundary", False,
+        ordinary.BRACKET.body, COARSE, "use elements: one cell through a wall at the default",
+        "overview", "ordinary", of_ordinary(ordinary.BRACKET),
+    ),
+    Question(
+        "Cook's membrane: a spring on every edge of a mesh, the worst tried", NO, other_meshes,
+        "benchmarks", "cook_edges", of_cook(cook.EDGES),
+    ),
+    Question(
+        "pressure, shear and bending, asked to be incompressible", NO,
         "do not use: another material, stiffened at its edges",
         "displacement", "cases", of_load_cases(2.0, "equal"),
     ),

@@ -1,0 +1,192 @@
+"""Ordinary parts: what does `case run` say of a plate with two holes and of a bracket in space?
+
+Question   A plate of 120 mm by 40 mm with two holes, held at a straight side or at a hole, and a
+           bracket in space: how far are springs from elasticity at the spacing that `case run`
+           takes by itself, and at half of it?
+Candidate  The springs of `case run`: lattices cut to the outline.
+Reference  Its elements, and the error that they state of themselves.
+Expected   Springs are the material: each halving brings them nearer. But cells are counted across
+           the whole body: where a wall, or the rim that holds the body, has few, they are far off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import pandas as pd
+from scipy.spatial import Delaunay
+
+from msvalidate.case.case import ACROSS, Case
+from msvalidate.case.comparison import Comparison, compare_case, largest
+from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
+from msvalidate.lattice import fill, patterns
+from msvalidate.problem import Box, Isotropic, Mesh, Problem, Region, Support, Traction
+
+BAND = 0.05
+LENGTH, HEIGHT = 120.0, 40.0
+"""Of the plate (mm)."""
+HOLES = ((30.0, 20.0, 10.0), (85.0, 20.0, 12.0))
+"""Centre and radius (mm); the first is the bolt's."""
+SIZE, ROUND = 5.0, 48
+"""Of the plate's triangles (mm), and the number of points on a hole."""
+LEG, WIDE, WALL = 50.0, 40.0, 5.0
+"""Of the bracket: two walls at a right angle (mm)."""
+MM = 1e-3
+PLASTIC = Isotropic(E=2e9, nu=0.4, thickness=4 * MM)
+METAL = Isotropic(E=70e9, nu=0.33, state="solid")
+TOLERANCES = (
+    Tolerance(
+        "ordinary parts: reference's own error over the difference of springs, worst", 0.5, "1",
+        "a difference is resolved where the reference moves it by less than half",
+    ),
+    Tolerance(
+        "ordinary parts: parts whose difference does not fall at half of the spacing", 0, "1",
+        "the springs are the material, and finer ones are nearer",
+    ),
+    Tolerance(
+        "plate with two holes, held at its straight side: difference at the spacing of `case run`",
+        BAND, "1", "the band of displacements; the least ligament, beside a hole, has 4 cells",
+        layer="agreement",
+    ),
+    Tolerance(
+        "parts that elements are advised for: those that agree at half of the spacing", 0, "1",
+        "what springs do well is no case for elements",
+    ),
+)  # fmt: skip
+COLUMNS = {
+    "body": "what was loaded, or the question",
+    "lattice": "of the springs",
+    "cells_across": "of the lattice, across the body's narrowest side; fewest as `case run` takes "
+    "by itself (1)",
+    "spacing": "of the lattice (m)",
+    "difference": "largest difference of the displacement from the elements', at the points of the "
+    "coarser lattice, over the largest displacement (1)",
+    "doubt": "how far the elements' own may be off, on the same scale (1)",
+}
+SIDE = f"plate of {LENGTH:g} mm by {HEIGHT:g} mm with two holes, ratio {PLASTIC.nu:g}"
+
+
+@dataclass(frozen=True)
+class Part:
+    """A body that is made, held and loaded."""
+
+    body: str
+    problem: Callable[[], Problem]
+    elements: bool = False
+    """Whether elements are advised for it."""
+
+
+@cache
+def plate() -> Mesh:
+    """Delaunay's triangles of the plate (m), its bolt's hole named."""
+    lines = [np.linspace(0, size, round(size / SIZE) + 1) for size in (LENGTH, HEIGHT)]
+    points = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
+    turn = 2 * np.pi * np.arange(ROUND) / ROUND
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    for *centre, radius in HOLES:
+        clear = np.linalg.norm(points - centre, axis=1) > radius + SIZE / 2
+        points = np.concatenate([points[clear], centre + radius * circle])
+    cells = Delaunay(points).simplices
+    middle = points[cells].mean(axis=1)
+    for *centre, radius in HOLES:
+        outside = np.linalg.norm(middle - centre, axis=1) > radius * np.cos(np.pi / ROUND)
+        cells, middle = cells[outside], middle[outside]
+    bolt = len(points) - len(HOLES) * ROUND + np.arange(ROUND)  # the first of the circles
+    rim = np.column_stack([bolt, np.roll(bolt, -1)])
+    return Mesh(MM * points, cells, "triangle", {"bolt": rim})
+
+
+def bracket() -> Mesh:
+    """Cubes of a wall's thickness, an L along x and z."""
+    counts = tuple(round(size / WALL) for size in (LEG, WIDE, LEG))
+    whole = fill(patterns.cubic18(), Box(tuple(MM * WALL * n for n in counts)), counts)
+    middle = whole.points[whole.cells].mean(axis=1)
+    cells = whole.cells[(middle[:, [0, 2]] < MM * WALL).any(axis=1)]
+    used, numbered = np.unique(cells, return_inverse=True)
+    return Mesh(whole.points[used], numbered.reshape(cells.shape), "hexahedron")
+
+
+def plate_problem(*, bolted: bool) -> Problem:
+    """A plate that is pulled down at its right side by 1 MPa."""
+    body = plate()
+    held = body.side("bolt") if bolted else Region((0.0, None))
+    down = Traction(Region((MM * LENGTH, None)), (0.0, -1e6))
+    return Problem(body, PLASTIC, (Support(held, (0.0, 0.0)),), (down,))
+
+
+def bracket_problem() -> Problem:
+    """A bracket that is held at its back and pulled down at its front by 1 MPa."""
+    held = Support(Region((0.0, None, None)), (0.0, 0.0, 0.0))
+    down = Traction(Region((MM * LEG, None, None)), (0.0, 0.0, -1e6))
+    return Problem(bracket(), METAL, (held,), (down,))
+
+
+CLAMPED = Part(f"{SIDE}, held at its straight side", lambda: plate_problem(bolted=False))
+BOLTED = Part(f"{SIDE}, held at its bolt hole", lambda: plate_problem(bolted=True), elements=True)
+BRACKET = Part(
+    f"bracket in space, {LEG:g} x {WIDE:g} x {LEG:g} mm with walls of {WALL:g} mm",
+    bracket_problem,
+    elements=True,
+)
+PARTS = (CLAMPED, BOLTED, BRACKET)
+
+
+def run() -> Evidence:
+    """Differences of all parts, at two spacings each."""
+    table = pd.DataFrame([row for part in PARTS for row in rows(part)])
+    return Evidence(
+        tables={"ordinary": table},
+        observed=by_quantity(TOLERANCES, observe(table)),
+        tolerances=TOLERANCES,
+        columns=COLUMNS,
+        findings=(finding(table),),
+        rounding={"difference": 1e-8, "doubt": 1e-8},
+    )
+
+
+@cache
+def compared(part: Part) -> Comparison:
+    """What `case run` compares, displacements alone."""
+    return compare_case(Case(part.problem(), quantities=("displacement",)))
+
+
+def rows(part: Part) -> list[dict[str, object]]:
+    """A part at the spacing of `case run`, and at half of it."""
+    found = compared(part)
+    wanted, doubt = found.reference.displacement.value, found.rows[0].doubt
+    told = []
+    for times, springs in zip((1, 2), found.springs, strict=False):
+        away = largest(springs.at(found.points) - wanted) / largest(wanted)
+        told.append({
+            "body": part.body,
+            "lattice": springs.lattice.name,
+            "cells_across": times * ACROSS[found.case.problem.domain.dim],
+            "spacing": springs.spacing,
+            "difference": away,
+            "doubt": doubt,
+        })  # fmt: skip
+    return told
+
+
+def observe(table: pd.DataFrame) -> list[Observed]:
+    """What the tolerances judge, in their order."""
+    coarse, fine = (table.groupby("body", sort=False).nth(k).set_index("body") for k in (0, 1))
+    advised = fine.loc[[part.body for part in PARTS if part.elements]]
+    return [
+        Observed(float((table["doubt"] / table["difference"]).max())),
+        Observed(float((fine["difference"] >= coarse["difference"]).sum())),
+        Observed(float(coarse["difference"][CLAMPED.body])),
+        Observed(float((advised["difference"] <= BAND).sum())),
+    ]
+
+
+def finding(table: pd.DataFrame) -> str:
+    """How far off each part is."""
+    said = "; ".join(
+        f"{row['body']}: {100 * row['difference']:.2g} % ± {100 * row['doubt']:.2g} %"
+        for row in table.groupby("body", sort=False).head(1).to_dict("records")
+    )
+    return f"Springs of `case run` beside elements, at the spacing that it takes by itself: {said}."

@@ -1,0 +1,70 @@
+"""The study `overview`: labels are of what ran, and say a number where they claim one."""
+
+import math
+from dataclasses import replace
+from functools import partial
+
+import pandas as pd
+import pytest
+from msvalidate.studies.benchmarks import cases, cook
+from msvalidate.studies.overview import good_for, models, ordinary, part
+
+from msvalidate.judging.candidate import solve_springs
+from msvalidate.output import front
+from msvalidate.output.results import Results
+from tests.table import table
+
+LIMIT = cases.Quantity("Cook's membrane", "u_y", "m", 24.0, "by hand", 1 / 3)
+ROWS = {question.table: question for question in good_for.QUESTIONS}
+
+
+@table(
+    "made, said",
+    [
+        (models.REPORT, "square, k2 = 2 k1, full springs on the boundary"),
+        (replace(models.REPORT, weights="shared"),
+         "square, k2 = 2 k1, half springs on the boundary"),
+        (replace(models.REPORT, constants=(2.0, 3.0), weights="per_cell"),
+         "square, k2 = 1.5 k1, weights 'per_cell'"),
+        (models.VOLUME, "square, k2 = 0.5 k1, volume energy, half springs on the boundary"),
+        (models.Random("jittered", "1/L"), "jittered, springs as 1/L"),
+    ],
+)  # fmt: skip
+def test_springs_are_labelled_by_what_they_are_made_with(made, said):
+    assert str(made) == said
+    found = part.measure(
+        str(made), partial(part.solve_springs, solve_springs, made.network), 4,
+        part.reference(quick=True), 1,
+    )  # fmt: skip
+    told = good_for.of_part(made)(pd.DataFrame([found]))
+    assert told["springs"].to_list() == [said]
+
+
+@pytest.mark.parametrize("rule", ["area", "equilateral"])
+def test_another_rule_another_label(rule):
+    """What ran by another rule is told so on the first screen."""
+    asked = "triangle", cook.RISING, rule
+    method = cook.edge_method(cook.on_edges(*asked, 4), cook.RISING)
+    ran = pd.DataFrame(cases.rows(LIMIT, method, (4, 8), (30.0, 36.0)))
+    results = Results("quick", {"benchmarks": {"cook_edges": ran}})
+    row = good_for.row(ROWS["cook_edges"], results, {})
+    assert row["springs"] == f"edges of triangles, rising diagonals, rule {rule}"
+    assert row["condition"].endswith(f"rule {rule}: 50 %")
+    line = pd.DataFrame([row])[list(front.COLUMNS)].astype(str).to_numpy()[0]
+    assert front._line(*line, "not asked").springs == row["springs"]
+
+
+@pytest.mark.parametrize("lattice", ["square, cut", "triangular, cut"])
+def test_another_lattice_another_label(lattice):
+    row = {"lattice": lattice, "cells_across": 8, "difference": 0.4, "doubt": 0.1}
+    told = ROWS["ordinary"].told(pd.DataFrame([{"body": ordinary.BRACKET.body, **row}]))
+    assert told["springs"].to_list() == [lattice]
+
+
+def test_the_plate_has_its_area_and_its_bolts_hole():
+    body, circle = ordinary.plate(), ordinary.ROUND / 2 * math.sin(2 * math.pi / ordinary.ROUND)
+    holes = sum(circle * radius**2 for *_, radius in ordinary.HOLES)
+    assert body.volume == pytest.approx((ordinary.LENGTH * ordinary.HEIGHT - holes) * 1e-6)
+    *centre, radius = ordinary.HOLES[0]
+    rim = body.points[body.boundaries["bolt"][:, 0]] / ordinary.MM - centre
+    assert [math.hypot(*place) for place in rim] == pytest.approx([radius] * ordinary.ROUND)
