@@ -83,10 +83,8 @@ def committed(study: str) -> dict[str, pd.DataFrame]:
     """
     found = {}
     for path in sorted((baseline_folder("full") / study).glob("*.csv")):
-        table, raw = (
-            Results("full").table(study, path.stem),
-            pd.read_csv(path, keep_default_na=False),
-        )
+        table = Results("full").table(study, path.stem)
+        raw = pd.read_csv(path, keep_default_na=False)
         for name in raw:
             words, numbers = raw[name].astype(object), table[name].astype(object)
             whole = words.astype(str).str.fullmatch(r"-?\d+|True|False")
@@ -103,8 +101,6 @@ def compact(svg: bytes) -> bytes:
     svg = PLACE.sub(lambda at: b"%.1f" % float(at[0]), UNREAD.sub(b"", svg))
     svg = svg.replace(b"<svg ", b'<svg font-family="DejaVu Sans, Verdana, sans-serif" ', 1)
     svg = MARKS.sub(_look_once, LINE.sub(_steps, LIKE_NEXT.sub(rb" \2", svg)))
-    for number, name in enumerate(dict.fromkeys(re.findall(rb' id="([mp][0-9a-f]{10})"', svg))):
-        svg = svg.replace(name, b"%c%d" % (name[0], number))
     return re.sub(rb"\n\s*", b"\n", svg)
 
 
