@@ -75,6 +75,7 @@ COLUMNS = {
     "table": "of that study",
     "taken_from_here": "this run, stored results, or the committed baseline",
 }
+ERRORS = ("error_coarse", "error_at_20", "error_fine", "doubt_fine")
 LINEAR_PARTS = ("boundary", "discretisation", "model_form")
 """Of the budget of errors in `displacement`."""
 Line = dict[float, float]
@@ -109,13 +110,7 @@ def run(results: Results, own: Mapping[str, pd.DataFrame]) -> Evidence:
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=findings(table),
-        rounding={
-            "error_at_20": 1e-7,
-            "error_coarse": 1e-7,
-            "error_fine": 1e-7,
-            "doubt_fine": 1e-7,
-            "cells_over_linear": 1e-5,
-        },
+        rounding={**dict.fromkeys(ERRORS, 1e-7), "cells_over_linear": 1e-5},
     )
 
 
@@ -130,7 +125,8 @@ def row(question: Question, results: Results, own: Mapping[str, pd.DataFrame]) -
         raise SolverError(f"{question.study}/{question.table}: too few sizes of {springs}")
     (coarse, first), (fine, last) = list(errors.items())[:: len(errors) - 1]
     doubt = float(told.loc[told["across"] == fine, "doubt"].max())
-    condition = question.condition
+    said = question.condition
+    said = said if isinstance(said, str) else said({**own, question.table: found})
     return {
         "body": question.body,
         "springs": springs,
@@ -143,9 +139,7 @@ def row(question: Question, results: Results, own: Mapping[str, pd.DataFrame]) -
         "doubt_fine": doubt,
         "verdict": agreement(last, doubt, BAND),
         "rises": rises(errors),
-        "condition": condition
-        if isinstance(condition, str)
-        else condition({**own, question.table: found}),
+        "condition": said,
         "cells_over_linear": over_linear(question, errors, found),
         "time_over_linear_here": times_over_linear(question, springs, found),
         "study": question.study,
@@ -233,10 +227,16 @@ def of_cook(family: str) -> Callable[[pd.DataFrame], pd.DataFrame]:
     def told(table: pd.DataFrame) -> pd.DataFrame:
         mine = table[table["method"].str.startswith(family)]
         mine = mine[mine["method"] == by_error(mine).index[-1]]
-        springs = mine["method"].str.removeprefix("springs, ").to_list()
+        springs = [method_label(name) for name in mine["method"]]
         return tell(mine, springs, "cells", "against_limit", "limit_uncertainty")
 
     return told
+
+
+def method_label(name: str) -> str:
+    """A method of Cook's membrane in words."""
+    on_edges = name.replace("springs, edges", "springs on edges")
+    return models.lattice_label(on_edges.removeprefix("springs, "))
 
 
 def by_error(table: pd.DataFrame) -> pd.Series:
@@ -277,7 +277,7 @@ def of_solids(table: pd.DataFrame) -> pd.DataFrame:
     mine = table[table["lattice"] == "cubic 18"]
     cases = mine.groupby("cells_high")["case"].nunique()
     mine = mine[mine["cells_high"].isin(cases[cases == mine["case"].nunique()].index)]
-    springs = mine["lattice"].to_list()
+    springs = [models.lattice_label(name) for name in mine["lattice"]]
     return tell(mine, springs, "cells_high", "against_own_body", "fem_uncertainty")
 
 
@@ -286,7 +286,8 @@ def of_ordinary(asked: ordinary.Part) -> Callable[[pd.DataFrame], pd.DataFrame]:
 
     def told(table: pd.DataFrame) -> pd.DataFrame:
         mine = table[table["body"] == asked.body]
-        return tell(mine, mine["lattice"].to_list(), "cells_across", "difference", "doubt")
+        springs = [models.lattice_label(name) for name in mine["lattice"]]
+        return tell(mine, springs, "cells_across", "difference", "doubt")
 
     return told
 
@@ -312,8 +313,16 @@ def other_draws(tables: Tables) -> str:
 def other_meshes(tables: Tables) -> str:
     """What the best mesh does."""
     best = by_error(tables["cook_edges"])
-    name = str(best.index[0]).removeprefix("springs, ")
-    return f"do not use: the mesh decides the material; {name}: {percent(best.iloc[0])}"
+    name = method_label(str(best.index[0]))
+    return f"do not use: on this mesh another material; {name}: {percent(best.iloc[0])}"
+
+
+def thin_walls(tables: Tables) -> str:
+    """How many cells go through the bracket's walls."""
+    mine = tables["ordinary"]
+    spacings = mine[mine["body"] == ordinary.BRACKET.body]["spacing"]
+    cells = " and ".join(f"{ordinary.MM * ordinary.WALL / h:g}" for h in spacings)
+    return f"use elements: {cells} cells through a wall"
 
 
 def percent(error: object) -> str:
@@ -348,11 +357,11 @@ QUESTIONS = (
         "overview", "ordinary", of_ordinary(ordinary.CLAMPED),
     ),
     Question(
-        "the same block of ratio 0.4, points that are drawn", NEAR, other_draws,
+        "the same block of ratio 0.4, random points", NEAR, other_draws,
         "overview", "part", of_part(models.BLUE), of_part("Q1 elements"), timed=True,
     ),
     Question(
-        ordinary.BRACKET.body, COARSE, "use elements: one cell through a wall at the default",
+        ordinary.BRACKET.body, COARSE, thin_walls,
         "overview", "ordinary", of_ordinary(ordinary.BRACKET),
     ),
     Question(

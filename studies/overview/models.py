@@ -39,6 +39,8 @@ BOUNDARY = {
     "equal": "full springs on the boundary",
 }
 """Rule for the weights of a boundary's springs -> its words; another says its own name."""
+LATTICES = {"cubic 18": "cubic with 18 neighbours", ", cut": ", cut to the outline"}
+"""Part of a lattice's name -> its words."""
 POINTS = {"uniform": "random points", "blue_noise": "spread points"}
 STIFFNESS = {"1": "equal springs", "A/L": "springs as facet over length"}
 
@@ -106,11 +108,18 @@ class Random:
         return random_label(self.points, self.stiffness)
 
 
+def lattice_label(name: str) -> str:
+    """A lattice's name in words."""
+    for short, words in LATTICES.items():
+        name = name.replace(short, words)
+    return name
+
+
 def squares_label(lattice: str, k1: float, k2: float, weights: str, volume: float = 0.0) -> str:
     """Springs on squares: their lattice, diagonals over sides, and what stands at the boundary."""
     energy = ["volume energy"] if volume else []
     boundary = BOUNDARY.get(weights, f"weights {weights!r}")
-    return ", ".join([lattice, f"k2 = {k2 / k1:.3g} k1", *energy, boundary])
+    return ", ".join([lattice_label(lattice), f"k2 = {k2 / k1:.3g} k1", *energy, boundary])
 
 
 def random_label(points: str, stiffness: str) -> str:

@@ -48,7 +48,7 @@ def test_another_rule_another_label(rule):
     ran = pd.DataFrame(cases.rows(LIMIT, method, (4, 8), (30.0, 36.0)))
     results = Results("quick", {"benchmarks": {"cook_edges": ran}})
     row = good_for.row(ROWS["cook_edges"], results, {})
-    assert row["springs"] == f"edges of triangles, rising diagonals, rule {rule}"
+    assert row["springs"] == f"springs on edges of triangles, rising diagonals, rule {rule}"
     assert row["condition"].endswith(f"rule {rule}: 50 %")
     line = pd.DataFrame([row])[list(front.COLUMNS)].astype(str).to_numpy()[0]
     assert front._line(*line, "not asked").springs == row["springs"]
@@ -58,7 +58,7 @@ def test_another_rule_another_label(rule):
 def test_another_lattice_another_label(lattice):
     row = {"lattice": lattice, "cells_across": 8, "difference": 0.4, "doubt": 0.1}
     told = ROWS["ordinary"].told(pd.DataFrame([{"body": ordinary.BRACKET.body, **row}]))
-    assert told["springs"].to_list() == [lattice]
+    assert told["springs"].to_list() == [f"{lattice} to the outline"]
 
 
 def test_the_plate_has_its_area_and_its_bolts_hole():
