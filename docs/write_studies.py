@@ -12,8 +12,11 @@ from __future__ import annotations
 import inspect
 import sys
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 
+from msvalidate.output import front
+from msvalidate.output.front import SENTENCES
 from msvalidate.output.report import stored_studies
 from msvalidate.output.stored import Stored
 
@@ -40,6 +43,7 @@ def page(study: Stored) -> str:
         "Made from the study's own results by `docs/write_studies.py`; not to be edited.",
         "## Findings",
         "\n".join(f"- {finding}" for finding in study.findings),
+        *sentences(study),
         *pictures(study),
         "## What is asked",
         about.strip(),
@@ -49,6 +53,38 @@ def page(study: Stored) -> str:
         *(table(study, name) for name in study.tables),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def sentences(study: Stored) -> list[str]:
+    """The ledger in four columns, and below it the rest, folded."""
+    if SENTENCES not in study.tables:
+        return []
+    ledger = study.tables[SENTENCES]
+    rows = [
+        (
+            entry.sentence,
+            entry.verdict,
+            entry.number,
+            entry.number and f"[{entry.study}/{entry.table}]({entry.study}.md#{entry.table})",
+        )
+        for entry in front.ledger(ledger)
+    ]
+    rest = ledger[["sentence", "place", "theory", "because"]].itertuples(index=False)
+    folded = "<details><summary>where each stands, and why that verdict and that bound</summary>"
+    return [
+        "## The ledger",
+        grid(("sentence", "verdict", "number", "link"), rows),
+        f"{folded}\n\n{grid(('sentence', 'place', 'theory', 'bound'), rest)}\n\n</details>",
+    ]
+
+
+def grid(heads: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """A table of Markdown."""
+    lines = [" | ".join(cell(str(each)) for each in row) for row in rows]
+    heads = list(heads)
+    return "\n".join(
+        f"| {line} |" for line in (" | ".join(heads), " | ".join("---" for _ in heads), *lines)
+    )
 
 
 def pictures(study: Stored) -> list[str]:
@@ -62,13 +98,17 @@ def pictures(study: Stored) -> list[str]:
 def tolerances(study: Stored) -> str:
     """The tolerances of a study, a row each."""
     rows = study.verdict[study.verdict["layer"] != "baseline"].to_dict("records")
-    lines = [
-        f"| {row['layer']} | {cell(row['quantity'])} | {row['limit']:.3g}{unit(row['unit'])} | "
-        f"{cell(row['because'])} |"
-        for row in rows
-    ]
-    return "\n".join(
-        ["| layer | quantity | limit | because |", "| --- | --- | --- | --- |", *lines]
+    return grid(
+        ("layer", "quantity", "limit", "because"),
+        (
+            (
+                row["layer"],
+                row["quantity"],
+                f"{row['limit']:.3g}{unit(row['unit'])}",
+                row["because"],
+            )
+            for row in rows
+        ),
     )
 
 

@@ -7,11 +7,12 @@ import importlib
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 import msvalidate
 from msvalidate.judging import catalogue
-from msvalidate.output.front import first_screen
+from msvalidate.output.front import first_screen, ledger
 from tests.table import table
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -68,6 +69,12 @@ def test_the_reports_topics_are_those_of_the_committed_ledger(page):
     for topic in first_screen([]).topics:
         says = "" if topic.says in topic.topic else f": “{topic.says}”"
         assert f"| **{topic.topic}**{says} | {topic.found} | `{topic.studies}` |" in TEXTS[page]
+
+
+def test_the_ledger_is_that_of_the_committed_baseline():
+    for entry in ledger(pd.read_csv(FULL / "claims" / "ledger.csv")):
+        row = (entry.sentence, entry.verdict, entry.number)
+        assert f"| {' | '.join(row)} |" in TEXTS["docs/studies/claims.md"]
 
 
 def test_readme_is_short():
