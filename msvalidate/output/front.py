@@ -178,7 +178,7 @@ def _line(
         springs=springs,
         coarse=f"{percent(first)} at {coarse}",
         middle=percent(middle),
-        fine=f"{percent(last)}{_beside(last, doubt)} at {fine}",
+        fine=f"{_with_doubt(last, doubt)} at {fine}",
         verdict=verdict,
         condition=condition,
         cost=times(cost) + (f" ({times(time)} the time)" if _is_number(time) else ""),
@@ -187,10 +187,10 @@ def _line(
     )
 
 
-def _beside(error: str, doubt: str) -> str:
-    """The reference's own error, where it is a tenth or more of one that is shown."""
+def _with_doubt(error: str, doubt: str) -> str:
+    """An error, and the reference's own where that is a tenth of it or more."""
     known = _is_number(error) and _is_number(doubt) and float(doubt) >= 0.1 * float(error)
-    return f" ± {percent(doubt)}" if known else ""
+    return percent(error).replace(" %", f" ± {percent(doubt)}") if known else percent(error)
 
 
 def percent(text: str) -> str:

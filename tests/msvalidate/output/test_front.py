@@ -35,7 +35,7 @@ def test_advice_is_the_first_row_and_those_that_differ():
     thin = ("bracket", "cubic", *ROW[2:7], "0.00017", "differs", "use elements: thin", *ROW[10:])
     found = front.first_screen([stored("overview", "good_for", rows(ROW, bad, thin))])
     said = found.advice
-    assert found.lines[2].fine == "0.17 % ± 0.017 % at 80", "a tenth of it is the reference's own"
+    assert found.lines[2].fine == "0.17 ± 0.017 % at 80", "a tenth of it is the reference's own"
     assert "a block: square (half), 1.1 % off at 20 cells across" in said
     assert "For 1 % they take 0.92 times the cells of linear elements (Q1)." in said
     assert said.endswith("Do not use: mesh edges. Use elements for a bracket.")
