@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -36,9 +37,8 @@ VALUED = {*PLACES, "--seed", "--jobs", "--table", "--reason", "--accuracy", "--q
 """Options that take the next word."""
 LATEST, CANDIDATES = Path("reports/latest"), Path("reports/candidate")
 """Where results go: those of a candidate do not take the place of our own."""
-CASE = "your own body: case new, case run, case judge, case export, case schema"
 OTHERS = {
-    "case": CASE,
+    "case": "your own body: case new, case run, case judge, case export, case schema",
     "simulate": "your own simulator on a case, judged",
     "adapter": "your own simulator: adapter new, adapter check, adapter laws",
 }
@@ -161,15 +161,10 @@ def _refuse_mixed(parser: argparse.ArgumentParser, verb: str, names: Sequence[st
 
 
 def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
-    for option, value in (
-        ("--full", args.full),
-        ("--update", args.update),
-        ("--baseline", args.baseline),
-        ("--junit", args.junit),
-    ):
-        of_candidate = option == "--junit" and args.candidate
-        if value and args.verb != "check" and not of_candidate:
-            parser.error(f"{option} goes with 'check' only; leave it out")
+    options = ("full", "update", "baseline", *(() if args.candidate else ("junit",)))
+    given = [option for option in options if getattr(args, option)]
+    if given and args.verb != "check":
+        parser.error(f"--{given[0]} goes with 'check' only; leave it out")
     if args.tables and args.verb != "run":
         parser.error(f"{args.verb} prints no tables; leave --table out")
     solves = args.quick or args.seed or not args.plots or args.jobs > 1
@@ -185,16 +180,13 @@ def _refuse_misplaced(parser: argparse.ArgumentParser, args: argparse.Namespace)
 
 def _refuse_partial(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
     """End the program if a candidate, or some questions, are asked for where they cannot be."""
-    for option, value in (
-        ("--candidate", args.candidate),
-        ("--accuracy", args.accuracy),
-        ("--questions", args.questions),
-    ):
-        if value is not None and args.verb != "run":
-            parser.error(
-                f"{option} goes with 'run' only: check holds our own whole studies to their "
-                "baseline; leave it out"
-            )
+    options = ("candidate", "accuracy", "questions")
+    given = [option for option in options if getattr(args, option) is not None]
+    if given and args.verb != "run":
+        parser.error(
+            f"--{given[0]} goes with 'run' only: check holds our own whole studies to their "
+            "baseline; leave it out"
+        )
     if args.accuracy is not None and args.candidate is None:
         parser.error("--accuracy is that of a candidate; give --candidate too, or leave it out")
     if args.candidate is not None and not args.named:
@@ -281,8 +273,8 @@ def _parser(verb: str) -> argparse.ArgumentParser:
         metavar="TABLE",
         help=told(runs, "print this table alone, and whole; may be given again for another"),
     )
-    _add_candidate(parser, shown=runs)
-    _add_check(parser, shown=checks)
+    _add_candidate(add, partial(told, runs))
+    _add_check(add, partial(told, checks))
     _add_volume(parser)
     return parser
 
@@ -296,11 +288,7 @@ def _add_volume(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--version", action="version", version=f"msvalidate {__version__}")
 
 
-def _add_candidate(parser: argparse.ArgumentParser, *, shown: bool) -> None:
-    def told(text: str) -> str:
-        return text if shown else argparse.SUPPRESS
-
-    add = parser.add_argument
+def _add_candidate(add: Callable[..., Any], told: Callable[[str], str]) -> None:
     add(
         "--candidate",
         type=_line,
@@ -324,11 +312,7 @@ def _add_candidate(parser: argparse.ArgumentParser, *, shown: bool) -> None:
     )
 
 
-def _add_check(parser: argparse.ArgumentParser, *, shown: bool) -> None:
-    def told(text: str) -> str:
-        return text if shown else argparse.SUPPRESS
-
-    add = parser.add_argument
+def _add_check(add: Callable[..., Any], told: Callable[[str], str]) -> None:
     add("--full", action="store_true", help=told("the full form, not the small one"))
     add(
         "--update",
@@ -391,12 +375,8 @@ def _names(text: str) -> tuple[str, ...]:
 
 def _whole(least: int) -> Callable[[str], int]:
     def number(text: str) -> int:
-        try:
-            value = int(text)
-        except ValueError:
-            value = least - 1
-        if value < least:
+        if not text.isdecimal() or int(text) < least:
             raise argparse.ArgumentTypeError(f"{text!r} is not a whole number, {least} or more")
-        return value
+        return int(text)
 
     return number

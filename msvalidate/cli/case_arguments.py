@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from msvalidate.cli.arguments import PROGRAM, Parser
-from msvalidate.cli.simulator_arguments import add_export
+from msvalidate.cli.simulator_arguments import add_export, add_output
 
 FOLDER = Path("reports/cases")
 COMMANDS = {
@@ -77,20 +77,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     add_export(each["export"])
     for name in ("run", "judge"):
-        add_output(each[name])
+        said = "folder in which each case gets a folder of its own (default: %(default)s)"
+        add_output(each[name], said, FOLDER)
     return parser
-
-
-def add_output(parser: argparse.ArgumentParser) -> None:
-    """Add the options of commands that leave pages."""
-    add = parser.add_argument
-    add(
-        "--out",
-        type=Path,
-        default=FOLDER,
-        metavar="DIR",
-        help="folder in which each case gets a folder of its own (default: %(default)s)",
-    )
-    add("--no-plots", dest="plots", action="store_false", help="no pictures")
-    add("-q", "--quiet", action="store_true", help="say failures only")
-    add("-v", "--verbose", action="store_true", help="tracebacks of crashes")

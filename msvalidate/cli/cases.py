@@ -35,26 +35,28 @@ def act(args: argparse.Namespace) -> int:
 
 
 def _new(args: argparse.Namespace) -> int:
-
-    given = Path(args.name)
-    name = given.name.removesuffix(".toml")
+    name = Path(args.name).name.removesuffix(".toml")
     bad = not name.strip(" .") or not name.isprintable() or '"' in name or "\\" in name
-    path = given.parent / f"{name}.toml"
     if bad:
         raise ProblemError(
             f"case new: {format_value(args.name)} is no name; give letters and digits"
         )
-    if path.exists():
-        raise ProblemError(f"case new: {path} is there already; give another name")
-    if not path.parent.is_dir():
-        raise ProblemError(f"case new: no folder {path.parent}; make it first")
+    path = new_path("case new", Path(args.name).parent / f"{name}.toml")
     exchange.replace_file(path, lambda: template(path.name, name).encode())
     tell(f"{path} written; change it, then: {PROGRAM} case run {path}")
     return HELD
 
 
-def _schema(_args: argparse.Namespace) -> int:
+def new_path(said: str, path: Path) -> Path:
+    """The path of a file to be written; raise `ProblemError` if it is taken or has no folder."""
+    if path.exists() or path.is_symlink():
+        raise ProblemError(f"{said}: {path} is there already; give another name")
+    if not path.parent.is_dir():
+        raise ProblemError(f"{said}: no folder {path.parent}; make it first")
+    return path
 
+
+def _schema(_args: argparse.Namespace) -> int:
     return print_lines([json.dumps(json_schema(), indent=2)])
 
 
@@ -156,7 +158,6 @@ def said(file: Path, error: Exception) -> str:
 
 
 def _solve(case: Case, folder: Path, whose: str, args: argparse.Namespace) -> int:
-
     began = time.perf_counter()
     command = ("msvalidate", "case", "run", "FILE")
     show = Progress(case.name, shown=not args.quiet)

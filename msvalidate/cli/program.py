@@ -16,6 +16,7 @@ import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from msvalidate.cli.arguments import (
@@ -53,9 +54,9 @@ if TYPE_CHECKING:
 def main(arguments: Sequence[str]) -> int:
     """Run what the command line asks for; return the exit code."""
     if arguments[:1] == ["case"]:
-        return _case(parse_case(arguments[1:]))
+        return _act("cases", parse_case(arguments[1:]))
     if arguments[:1] in (["simulate"], ["adapter"]):
-        return _simulators(parse_simulators(arguments))
+        return _act("simulators", parse_simulators(arguments))
     args = parse(arguments)
     if args.verb == "list":
         return _guard(_list, args)
@@ -64,22 +65,9 @@ def main(arguments: Sequence[str]) -> int:
     return _guard(lambda: _run(args, arguments), args)
 
 
-def _case(args: argparse.Namespace) -> int:
-    def act() -> int:
-        from msvalidate.cli import cases
-
-        return cases.act(args)
-
-    return _guard(act, args)
-
-
-def _simulators(args: argparse.Namespace) -> int:
-    def act() -> int:
-        from msvalidate.cli import simulators
-
-        return simulators.act(args)
-
-    return _guard(act, args)
+def _act(module: str, args: argparse.Namespace) -> int:
+    """Do what a module of this folder does."""
+    return _guard(lambda: int(import_module(f"msvalidate.cli.{module}").act(args)), args)
 
 
 def _list() -> int:

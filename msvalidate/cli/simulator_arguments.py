@@ -69,17 +69,8 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     )
     add_export(parser)
     _add_limit(add)
-    add(
-        "--out",
-        type=Path,
-        default=FOLDER,
-        metavar="DIR",
-        help="folder in which each case and adapter get a folder of their own "
-        "(default: %(default)s)",
-    )
-    add("--no-plots", dest="plots", action="store_false", help="no pictures")
-    add("-q", "--quiet", action="store_true", help="say failures only")
-    add("-v", "--verbose", action="store_true", help="tracebacks of crashes")
+    said = "folder in which each case and adapter get a folder of their own (default: %(default)s)"
+    add_output(parser, said, FOLDER)
 
 
 def _add_adapter(parser: argparse.ArgumentParser) -> None:
@@ -125,15 +116,9 @@ def _add_check(parser: argparse.ArgumentParser) -> None:
         help="gate, probe or bodies alone; again for another (default: all three)",
     )
     add("--json", type=Path, metavar="FILE", help="all of it as a file too")
-    add(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="a page in a folder of its own there, and beside it the latest question and answer",
+    add_output(
+        parser, "a page in a folder of its own there, and beside it the latest question and answer"
     )
-    add("--no-plots", dest="plots", action="store_false", help="no picture in the page")
-    add("-q", "--quiet", action="store_true", help="say failures only")
-    add("-v", "--verbose", action="store_true", help="tracebacks of crashes")
 
 
 def _add_limit(add: Callable[..., Any]) -> None:
@@ -148,6 +133,15 @@ def _add_limit(add: Callable[..., Any]) -> None:
 
 def _add_set(add: Callable[..., Any], name: str, said: str) -> None:
     add(name, type=_setting, action="append", default=[], metavar="NAME=VALUE", help=said)
+
+
+def add_output(parser: argparse.ArgumentParser, said: str, folder: Path | None = None) -> None:
+    """Add the options of commands that leave pages; `said` is about their folder."""
+    add = parser.add_argument
+    add("--out", type=Path, default=folder, metavar="DIR", help=said)
+    add("--no-plots", dest="plots", action="store_false", help="no pictures")
+    add("-q", "--quiet", action="store_true", help="say failures only")
+    add("-v", "--verbose", action="store_true", help="tracebacks of crashes")
 
 
 def add_export(parser: argparse.ArgumentParser) -> None:

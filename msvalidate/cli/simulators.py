@@ -16,7 +16,7 @@ from msvalidate.case.case import Case
 from msvalidate.case.results import Result
 from msvalidate.cli.adapter_check import check_adapter, tell_laws
 from msvalidate.cli.arguments import FAILED, HELD, NOTHING, PROGRAM, USAGE
-from msvalidate.cli.cases import Progress, said, tell_judged
+from msvalidate.cli.cases import Progress, new_path, said, tell_judged
 from msvalidate.cli.terminal import tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value
@@ -54,17 +54,12 @@ def _check(args: argparse.Namespace) -> int:
 
 
 def _new(args: argparse.Namespace) -> int:
-    given = Path(args.name)
-    name = given.name.removesuffix(".py")
+    name = Path(args.name).name.removesuffix(".py")
     if not name or files.folder_name(name) != name:
         raise ProblemError(
             f"adapter new: {format_value(args.name)} is no name; give letters, digits, - and _"
         )
-    path = given.parent / f"{name}.py"
-    if path.exists() or path.is_symlink():
-        raise ProblemError(f"adapter new: {path} is there already; give another name")
-    if not path.parent.is_dir():
-        raise ProblemError(f"adapter new: no folder {path.parent}; make it first")
+    path = new_path("adapter new", Path(args.name).parent / f"{name}.py")
     exchange.replace_file(path, lambda: adapter_template(name).encode())
     tell(f"{path} written; it runs as it is: {PROGRAM} adapter check {path}")
     return HELD

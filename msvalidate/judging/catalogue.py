@@ -198,20 +198,14 @@ def _runs(source: Path) -> bool:
         tree = ast.parse(_text(source))
     except (SyntaxError, ValueError):  # said when it is run
         return True
-    bound = [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
-    bound += [
-        target.id
-        for node in tree.body
-        if isinstance(node, ast.Assign)
-        for target in node.targets
-        if isinstance(target, ast.Name)
-    ]
-    bound += [
-        alias.asname or alias.name
-        for node in tree.body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-    ]
+    bound: list[str] = []
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            bound.append(node.name)
+        elif isinstance(node, ast.Assign):
+            bound += [target.id for target in node.targets if isinstance(target, ast.Name)]
+        elif isinstance(node, ast.ImportFrom):
+            bound += [alias.asname or alias.name for alias in node.names]
     return "run" in bound
 
 

@@ -80,7 +80,7 @@ def plot(network: Network, displacement: Any = None, magnification: float | None
         figure, axis = body_axes(np.concatenate([x, moved]), 1.3 * ARROW * size)
         for at, label, colour in ((x, "at rest", "#999999"), (moved, "deformed", COLOURS[0])):
             if label == "at rest" or displacement is not None:
-                _draw_lines(axis, at, network.springs, label, colour)
+                draw_springs(axis, at, network.springs, label, colour)
         arrows = moved[on], network.force[on], ARROW * size
         draw_held_and_loaded(axis, moved, network.held, *arrows)
         axis.set_title(title, loc="left")
@@ -139,24 +139,19 @@ def draw_held_and_loaded(
     axis.plot(*points[held.any(axis=1)][:, UPWARDS].T, "s", **style)
     if len(at):
         arrow = length * force / np.linalg.norm(force, axis=1).max()
-        ends = (at - arrow)[:, UPWARDS], arrow[:, UPWARDS]
-        axis.quiver(*ends[0].T, *ends[1].T, color=COLOURS[1], lw=1.2, label="load")
+        start, along = (at - arrow)[:, UPWARDS].T, arrow[:, UPWARDS].T
+        axis.quiver(*start, *along, color=COLOURS[1], lw=1.2, label="load")
 
 
-def _draw_lines(axis: Any, at: Array, springs: Index, label: str, colour: str) -> None:
-    """Springs on axes of `body_axes`, the finer the more there are."""
+def draw_springs(axis: Any, at: Array, springs: Index, label: str, colour: str = DEFORMED) -> None:
+    """Lines between points (n, d) in m that springs (m, 2) join, finer where they are many."""
     dim = at.shape[1]
-    width = min(0.9, 30 / len(at) ** (1 - 1 / dim))  # about in proportion to gaps between lines
+    width = min(0.8, 30 / len(at) ** (1 - 1 / dim))  # about in proportion to gaps between lines
     style: dict[str, Any] = {"color": colour, "lw": width, "label": label}
     if dim == 2:
         axis.add_collection(LineCollection(list(at[springs]), **style))
     else:
         axis.add_collection3d(Line3DCollection(at[springs][..., UPWARDS], **style))
-
-
-def draw_springs(axis: Axes, at: Array, springs: Index, label: str, colour: str = DEFORMED) -> None:
-    """Lines between points (n, 2) in m that springs (m, 2) join."""
-    axis.add_collection(LineCollection(list(at[springs]), color=colour, lw=0.8, label=label))
 
 
 def draw_particles(axis: Axes, at: Array) -> None:

@@ -39,24 +39,18 @@ def short_repr(record: Any) -> str:
     """
     named = {each.name: getattr(record, each.name) for each in fields(record) if each.repr}
     whole = {name: f"{name}={_whole(value)}" for name, value in named.items()}
-    if _room(record, list(whole.values())) >= 0:
-        return _line(record, list(whole.values()))
+    head = f"{type(record).__qualname__}("
+    if len(text := f"{head}{', '.join(whole.values())})") <= LONGEST_REPR:
+        return text
     texts = {name: f"{name}={_brief(of)}" for name, of in named.items() if of is not None}
-    for name, text in texts.items():
-        if len(whole[name]) - len(text) <= _room(record, list(texts.values())):
-            texts[name] = whole[name]
+    for name, brief in texts.items():
+        texts[name] = whole[name]
+        if len(f"{head}{', '.join(texts.values())})") > LONGEST_REPR:
+            texts[name] = brief
     shown = list(texts.values())
-    while _room(record, shown) < 0 and len(shown) > 1:
+    while len(text := f"{head}{', '.join(shown)})") > LONGEST_REPR and len(shown) > 1:
         shown[-2:] = ["..."]
-    return _line(record, shown)
-
-
-def _line(record: Any, texts: list[str]) -> str:
-    return f"{type(record).__qualname__}({', '.join(texts)})"
-
-
-def _room(record: Any, texts: list[str]) -> int:
-    return LONGEST_REPR - len(_line(record, texts))
+    return text
 
 
 def _brief(value: Any) -> str:
@@ -82,7 +76,7 @@ def _whole(value: Any) -> str:
     """A value as `repr` has it; of long arrays the shape and range, of long lists the length."""
     if isinstance(value, np.ndarray) and value.size and value.dtype.kind in "biuf":
         if value.size <= FEW:
-            return " ".join(np.array2string(value, separator=", ", precision=4).split())
+            return " ".join(np.array2string(value, separator=", ").split())
         ends = f"{value.min():g} to {value.max():g}"
         return f"{_brief(value)[:-1]}: {ends}>" if value.dtype.kind == "f" else _brief(value)
     if isinstance(value, dict) and len(value) <= FEW:
