@@ -296,7 +296,7 @@ def other_support(tables: Tables) -> str:
     """What the same plate does at another support."""
     held = line_of(of_ordinary(ordinary.BOLTED)(tables["ordinary"]))
     across, error = max(held.items())
-    return f"held at its bolt hole {percent(error)} at {across:g}: use elements"
+    return f"held at a bolt hole {percent(error)} at {across:g}: use elements"
 
 
 def other_draws(tables: Tables) -> str:
@@ -305,16 +305,16 @@ def other_draws(tables: Tables) -> str:
     own = tables["part_orders"].set_index("model")["own_error"]
     near, far = (percent(own[str(each)]) for each in (models.BLUE, models.EVEN))
     return (
-        f"not for 1 %: elasticity of their own ratio is {near} off; {models.EVEN}: "
-        f"{percent(error)} at {across:g}, as elasticity of theirs is {far} off"
+        f"their own ratio is {near} off; {models.EVEN}: {percent(error)} at {across:g}, as their "
+        f"ratio is {far} off"
     )
 
 
 def other_meshes(tables: Tables) -> str:
     """What the best mesh does."""
     best = by_error(tables["cook_edges"])
-    name = method_label(str(best.index[0]))
-    return f"do not use: on this mesh another material; {name}: {percent(best.iloc[0])}"
+    name = method_label(str(best.index[0])).removeprefix("springs on edges of ")
+    return f"do not use: another material; {name}: {percent(best.iloc[0])}"
 
 
 def thin_walls(tables: Tables) -> str:
@@ -348,7 +348,7 @@ QUESTIONS = (
         "displacement", "solid", of_solids,
     ),
     Question(
-        "Cook's membrane: a slanted outline that the lattice misses", YES,
+        "Cook's membrane, whose outline the lattice misses", YES,
         "cut cells counted by their part inside",
         "benchmarks", "cook", of_cook(cook.CUT), of_cook("FEM Q1"),
     ),
@@ -365,7 +365,7 @@ QUESTIONS = (
         "overview", "ordinary", of_ordinary(ordinary.BRACKET),
     ),
     Question(
-        "Cook's membrane: a spring on every edge of a mesh, the worst tried", NO, other_meshes,
+        "Cook's membrane: the worst mesh tried", NO, other_meshes,
         "benchmarks", "cook_edges", of_cook(cook.EDGES),
     ),
     Question(

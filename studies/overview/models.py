@@ -35,8 +35,8 @@ CENTRAL = Isotropic(E=ALONG, nu=1 / 3)
 SAMPLE = 400
 """Points of the periodic cell that gives the modulus of random springs."""
 BOUNDARY = {
-    "shared": "half springs on the boundary",
-    "equal": "full springs on the boundary",
+    "shared": "half boundary springs",
+    "equal": "whole boundary springs",
 }
 """Rule for the weights of a boundary's springs -> its words; another says its own name."""
 LATTICES = {"cubic 18": "cubic with 18 neighbours", ", cut": ", cut to the outline"}
@@ -119,7 +119,7 @@ def squares_label(lattice: str, k1: float, k2: float, weights: str, volume: floa
     """Springs on squares: their lattice, diagonals over sides, and what stands at the boundary."""
     energy = ["volume energy"] if volume else []
     boundary = BOUNDARY.get(weights, f"weights {weights!r}")
-    return ", ".join([lattice_label(lattice), f"k2 = {k2 / k1:.3g} k1", *energy, boundary])
+    return ", ".join([lattice_label(lattice), f"k2/k1 = {k2 / k1:.3g}", *energy, boundary])
 
 
 def random_label(points: str, stiffness: str) -> str:

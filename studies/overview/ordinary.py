@@ -66,7 +66,7 @@ COLUMNS = {
     "coarser lattice, over the largest displacement (1)",
     "doubt": "how far the elements' own may be off, on the same scale (1)",
 }
-SIDE = f"plate of {LENGTH:g} mm by {HEIGHT:g} mm with two holes, ratio {PLASTIC.nu:g}"
+PLATE = f"plate {LENGTH:g} x {HEIGHT:g} mm with two holes, ratio {PLASTIC.nu:g}"
 
 
 @dataclass(frozen=True)
@@ -124,10 +124,10 @@ def bracket_problem() -> Problem:
     return Problem(bracket(), METAL, (held,), (down,))
 
 
-CLAMPED = Part(f"{SIDE}, held at its straight side", lambda: plate_problem(bolted=False))
-BOLTED = Part(f"{SIDE}, held at its bolt hole", lambda: plate_problem(bolted=True), elements=True)
+CLAMPED = Part(f"{PLATE}, held at a side", lambda: plate_problem(bolted=False))
+BOLTED = Part(f"{PLATE}, held at a bolt hole", lambda: plate_problem(bolted=True), elements=True)
 BRACKET = Part(
-    f"bracket in space, {LEG:g} x {WIDE:g} x {LEG:g} mm with walls of {WALL:g} mm",
+    f"bracket in space, {LEG:g} x {WIDE:g} x {LEG:g} mm, {WALL:g} mm thick",
     bracket_problem,
     elements=True,
 )

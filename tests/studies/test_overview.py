@@ -21,12 +21,12 @@ ROWS = {question.table: question for question in good_for.QUESTIONS}
 @table(
     "made, said",
     [
-        (models.REPORT, "square, k2 = 2 k1, full springs on the boundary"),
+        (models.REPORT, "square, k2/k1 = 2, whole boundary springs"),
         (replace(models.REPORT, weights="shared"),
-         "square, k2 = 2 k1, half springs on the boundary"),
+         "square, k2/k1 = 2, half boundary springs"),
         (replace(models.REPORT, constants=(2.0, 3.0), weights="per_cell"),
-         "square, k2 = 1.5 k1, weights 'per_cell'"),
-        (models.VOLUME, "square, k2 = 0.5 k1, volume energy, half springs on the boundary"),
+         "square, k2/k1 = 1.5, weights 'per_cell'"),
+        (models.VOLUME, "square, k2/k1 = 0.5, volume energy, half boundary springs"),
         (models.Random("jittered", "1/L"), "jittered, springs as 1/L"),
     ],
 )  # fmt: skip
