@@ -30,7 +30,7 @@ $(VENV)/peers: pyproject.toml | $(BIN)/python
 	@touch $@ $(VENV)/runs
 
 poisson: $(VENV)/runs
-	@$(RUN) poisson overview claims
+	@$(RUN) poisson claims
 
 # make check     every study in its small form against theory, bands and the committed baseline
 check: $(VENV)/runs

@@ -16,7 +16,7 @@ QUICK = Setting(quick=True)
 TELLING = {
     "actuator": "no force at the edges",
     "benchmarks": "patch with one spring missing",
-    "claims": "too much damping costs what too little does",
+    "claims": "every damping costs the same",
     "convergence": "a wrong kick: half the force",
     "cost": "a linear solution that is not refined",
     "damping": "forces a fiftieth of a step late",
