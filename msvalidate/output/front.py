@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
@@ -20,18 +20,13 @@ TOPIC = ("topic", "says", "found", "studies")
 ROUNDING = 1e-9
 """A number of the ledger below this is shown as 0."""
 MEASURED = ("number", "unit", "side", "bound", "measure")
-COLUMNS = (
-    *("body", "springs", "across_coarse", "error_coarse", "error_at_20", "across_fine"),
-    *(
-        "error_fine",
-        "doubt_fine",
-        "verdict",
-        "condition",
-        "cells_over_linear",
-        "study",
-        "table",
-    ),
-)
+SHOWN = ("body", "springs", "verdict", "condition", "study", "table")
+"""Columns of the rows that are shown as they are."""
+COLUMNS = {
+    *SHOWN,
+    *("across_coarse", "error_coarse", "error_at_20", "across_fine", "error_fine", "doubt_fine"),
+    "cells_over_linear",
+}
 ELEMENTS = "use elements"
 """How a condition begins where springs may be the material, but elements are better."""
 TIMES = "time_over_linear_here"
@@ -89,11 +84,10 @@ class Front:
 
 def first_screen(studies: Sequence[Stored]) -> Front:
     """The rows that were stored, else those of the committed baseline, else none."""
-    rows, source = _table(studies, OVERVIEW, ROWS, set(COLUMNS))
+    rows, source = _table(studies, OVERVIEW, ROWS, COLUMNS)
     topics, judged_from = _table(studies, LEDGER, "topics", set(TOPIC))
     verdicts, _ = _table(studies, LEDGER, "verdicts", {"verdict", "sentences"})
-    told = rows.reindex(columns=[*COLUMNS, TIMES], fill_value=NOT_ASKED)
-    lines = tuple(_line(*map(str, row)) for row in told.to_numpy())
+    lines = tuple(_line(row) for row in rows.astype(str).to_dict("records"))
     heads = tuple(Topic(*row) for row in topics.reindex(columns=TOPIC).to_numpy())
     counts = [f"{n} {verdict}" for n, verdict in verdicts.to_numpy()[:, ::-1]]
     sentences = ", ".join(counts).replace("true if", "true if other things are meant")
@@ -156,34 +150,15 @@ def _table(
     return (read_csv(path) if path.is_file() else pd.DataFrame()), COMMITTED + why
 
 
-def _line(
-    body: str,
-    springs: str,
-    coarse: str,
-    first: str,
-    middle: str,
-    fine: str,
-    last: str,
-    doubt: str,
-    verdict: str,
-    condition: str,
-    cost: str,
-    study: str,
-    table: str,
-    time: str,
-) -> Line:
+def _line(row: Mapping[Hashable, str]) -> Line:
     """A row in words, from its `COLUMNS` and `TIMES`."""
+    time = row.get(TIMES, NOT_ASKED)
     return Line(
-        body=body,
-        springs=springs,
-        coarse=f"{percent(first)} at {coarse}",
-        middle=percent(middle),
-        fine=f"{_with_doubt(last, doubt)} at {fine}",
-        verdict=verdict,
-        condition=condition,
-        cost=times(cost) + (f" ({times(time)} the time)" if _is_number(time) else ""),
-        study=study,
-        table=table,
+        **{name: row[name] for name in SHOWN},
+        coarse=f"{percent(row['error_coarse'])} at {row['across_coarse']}",
+        middle=percent(row["error_at_20"]),
+        fine=f"{_with_doubt(row['error_fine'], row['doubt_fine'])} at {row['across_fine']}",
+        cost=times(row["cells_over_linear"]) + f" ({times(time)} the time)" * _is_number(time),
     )
 
 

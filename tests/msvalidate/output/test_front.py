@@ -8,10 +8,12 @@ import pytest
 from msvalidate.output import front
 from msvalidate.output.stored import Stored, nothing_judged
 
-ROW = (
-    *("a block", "square", "5", "0.0775", "0.011", "80", "0.00169"),
-    *("0.0001", "agrees", "half", "0.92", "poisson", "t"),
-)
+ROW = {
+    "body": "a block", "springs": "square", "across_coarse": "5", "error_coarse": "0.0775",
+    "error_at_20": "0.011", "across_fine": "80", "error_fine": "0.00169", "doubt_fine": "0.0001",
+    "verdict": "agrees", "condition": "half", "cells_over_linear": "0.92", "study": "poisson",
+    "table": "t",
+}  # fmt: skip
 
 
 def stored(name, table, content, error=""):
@@ -20,7 +22,7 @@ def stored(name, table, content, error=""):
 
 
 def rows(*each):
-    return pd.DataFrame(each, columns=front.COLUMNS, dtype=str)
+    return pd.DataFrame(each, dtype=str)
 
 
 def test_stored_rows_are_told_in_per_cent():
@@ -31,8 +33,8 @@ def test_stored_rows_are_told_in_per_cent():
 
 
 def test_advice_is_the_first_row_and_those_that_differ():
-    bad = ("another", "mesh edges", *ROW[2:8], "differs", *ROW[9:])
-    thin = ("bracket", "cubic", *ROW[2:7], "0.00017", "differs", "use elements: thin", *ROW[10:])
+    bad = ROW | {"body": "another", "springs": "mesh edges", "verdict": "differs"}
+    thin = bad | {"body": "bracket", "doubt_fine": "0.00017", "condition": "use elements: thin"}
     found = front.first_screen([stored("overview", "good_for", rows(ROW, bad, thin))])
     said = found.advice
     assert found.lines[2].fine == "0.17 ± 0.017 % at 80", "a tenth of it is the reference's own"
@@ -60,7 +62,7 @@ def test_damaged_rows_are_not_shown():
     damaged = rows(ROW).drop(columns="condition")
     found = front.first_screen([stored("overview", "good_for", damaged)])
     assert found.source == "the committed baseline, as what overview left is not whole"
-    words = (*ROW[:3], "none", *ROW[4:10], "not asked", *ROW[11:])
+    words = ROW | {"error_coarse": "none", "cells_over_linear": "not asked"}
     (line,) = front.first_screen([stored("overview", "good_for", rows(words))]).lines
     assert (line.coarse, line.cost) == ("none at 5", "not asked")
 
