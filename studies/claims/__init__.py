@@ -31,7 +31,6 @@ from msvalidate.judging.evidence import (
 from msvalidate.judging.sweep import FULL, Setting
 from msvalidate.output.results import Results, check_results
 
-from . import drawing
 from .controls import FAULTS, Alteration, Numbers, altered, move_past_bounds
 from .reading import read
 from .record import IF, NONE, SENTENCES, TOPICS, VERDICTS, Sentence
@@ -131,7 +130,6 @@ def judge_sentences(results: Results, sentences: Sequence[Sentence]) -> Evidence
         tolerances=TOLERANCES,
         columns=COLUMNS,
         findings=findings(counts, topics),
-        figures={"ledger": drawing.draw},
         rounding={"number": ROUNDING},
     )
 
