@@ -68,7 +68,8 @@ def test_the_first_table_is_that_of_the_committed_baseline():
 def test_the_reports_topics_are_those_of_the_committed_ledger(page):
     for topic in first_screen([]).topics:
         says = "" if topic.says in topic.topic else f": “{topic.says}”"
-        assert f"| **{topic.topic}**{says} | {topic.found} | `{topic.studies}` |" in TEXTS[page]
+        commands = ", ".join(f"`{name}`" for name in topic.studies.split())
+        assert f"| **{topic.topic}**{says} | {topic.found} | {commands} |" in TEXTS[page]
 
 
 def test_the_ledger_is_that_of_the_committed_baseline():

@@ -90,7 +90,7 @@ def first_screen(studies: Sequence[Stored]) -> Front:
     lines = tuple(_line(row) for row in rows.astype(str).to_dict("records"))
     heads = tuple(Topic(*row) for row in topics.reindex(columns=TOPIC).to_numpy())
     counts = [f"{n} {verdict}" for n, verdict in verdicts.to_numpy()[:, ::-1]]
-    sentences = ", ".join(counts).replace("true if", "true if other things are meant")
+    sentences = "; ".join(counts).replace(", true if", ", but true if other things are meant")
     return Front(lines, _advice(lines), source, heads, sentences, judged_from)
 
 
@@ -144,7 +144,8 @@ def _table(
             continue
         table = stored.tables.get(name, pd.DataFrame())
         if not stored.error and len(table) and needed <= set(table):
-            return table, f"the run of {stored.origin.get('time', 'unknown time')}"
+            time = stored.origin.get("time", "unknown time").partition(",")[0]
+            return table, f"the run of {time}"
         why = f", as what {study} left is not whole"
     path = baseline_folder("full") / study / f"{name}.csv"
     return (read_csv(path) if path.is_file() else pd.DataFrame()), COMMITTED + why

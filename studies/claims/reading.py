@@ -98,14 +98,15 @@ def within(found: Any, ends: Any) -> bool:
 
 
 def numbers(table: pd.DataFrame, query: Query) -> Array:
-    """A column's numbers (n,), or those of several one after another; a word to skip left out."""
+    """A column's numbers (n,), those of several one after another or their sum; no word to skip."""
     found = []
     for column in np.atleast_1d(query["column"]):
         require(table, column, query)
-        found += [value for value in table[column] if value != query.get("skip")]
-    if not found or any(isinstance(value, str) for value in found):
-        raise ProblemError(f"{query['from']}: {found[:3]} are no numbers to judge by")
-    return np.array(found, dtype=float)
+        found.append([value for value in table[column] if value != query.get("skip")])
+    if not found[0] or any(isinstance(value, str) for values in found for value in values):
+        raise ProblemError(f"{query['from']}: {found[0][:3]} are no numbers to judge by")
+    every = np.array(found, dtype=float)
+    return every.sum(axis=0) if "sum" in query else every.ravel()
 
 
 def second(results: Results, query: Query, table: pd.DataFrame, other: Any) -> float | Array:

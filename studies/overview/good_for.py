@@ -296,7 +296,7 @@ def other_support(tables: Tables) -> str:
     """What the same plate does at another support."""
     held = line_of(of_ordinary(ordinary.BOLTED)(tables["ordinary"]))
     across, error = max(held.items())
-    return f"held at a bolt hole {percent(error)} at {across:g}: use elements"
+    return f"if held at a bolt hole, {percent(error)} at {across:g}: use elements"
 
 
 def other_draws(tables: Tables) -> str:
@@ -304,10 +304,7 @@ def other_draws(tables: Tables) -> str:
     across, error = max(line_of(of_part(models.EVEN)(tables["part"])).items())
     own = tables["part_orders"].set_index("model")["own_error"]
     near, far = (percent(own[str(each)]) for each in (models.BLUE, models.EVEN))
-    return (
-        f"their own ratio is {near} off; {models.EVEN}: {percent(error)} at {across:g}, as their "
-        f"ratio is {far} off"
-    )
+    return f"ratio itself {near} off; of {models.EVEN} {far}, so {percent(error)} at {across:g}"
 
 
 def other_meshes(tables: Tables) -> str:
@@ -332,8 +329,8 @@ def percent(error: object) -> str:
 
 QUESTIONS = (
     Question(
-        "block of ratio 0.4 in plane strain, clamped and sheared", YES, "any ratio below 1/2",
-        "overview", "part", of_part(models.VOLUME), of_part("Q1 elements"), timed=True,
+        "block of Poisson's ratio 0.4, plane strain, clamped and sheared", YES,
+        "any ratio below 1/2", "overview", "part", of_part(models.VOLUME), of_part("Q1 elements"), timed=True,
     ),
     Question(
         "pressure, shear and bending in the plane, ratio 1/3", YES, "ratio 1/3 only",
