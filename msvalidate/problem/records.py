@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import field, fields, replace
+from reprlib import recursive_repr
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +31,7 @@ else:
         return dataclasses.dataclass(cls, **options)
 
 
+@recursive_repr()  # "..." for a record that holds itself
 def short_repr(record: Any) -> str:
     """One line, ``Name(field=value, ...)``, of at most `LONGEST_REPR` letters.
 
@@ -37,7 +39,7 @@ def short_repr(record: Any) -> str:
     tables show their shape, lists their number of items, and records in it their names; as much as
     there is room for, from the first field on, is whole, and real numbers show their range.
     """
-    named = {each.name: getattr(record, each.name) for each in fields(record) if each.repr}
+    named = {each.name: getattr(record, each.name, "?") for each in fields(record) if each.repr}
     whole = {name: f"{name}={_whole(value)}" for name, value in named.items()}
     head = f"{type(record).__qualname__}("
     if len(text := f"{head}{', '.join(whole.values())})") <= LONGEST_REPR:

@@ -96,3 +96,10 @@ class Held:
 )
 def test_what_a_field_shows(thing, shown):
     assert repr(Held(thing)) == f"Held(thing={shown})"
+
+
+def test_a_record_that_holds_itself_or_lacks_a_field_prints():
+    held = Held([])
+    held.thing.append(held)
+    assert repr(held) == "Held(thing=[...])"
+    assert repr(object.__new__(Held)) == "Held(thing='?')"
