@@ -50,8 +50,7 @@ def test_another_rule_another_label(rule):
     row = good_for.row(ROWS["cook_edges"], results, {})
     assert row["springs"] == f"springs on edges of triangles, rising diagonals, rule {rule}"
     assert row["condition"].endswith(f"rule {rule}: 50 %")
-    line = pd.DataFrame([row])[list(front.COLUMNS)].astype(str).to_numpy()[0]
-    assert front._line(*line, "not asked").springs == row["springs"]
+    assert front._line({name: str(value) for name, value in row.items()}).springs == row["springs"]
 
 
 @pytest.mark.parametrize("lattice", ["square, cut", "triangular, cut"])
