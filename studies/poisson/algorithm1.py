@@ -172,7 +172,7 @@ def draw_block(tables: Tables) -> Figure:
     body_drawing.draw_loads(axis, pulled, pull, ARROW, "prescribed displacement")
     axis.set(aspect="equal", xlabel="x (m)", ylabel="y (m)", xlim=(-0.08, 1.4), ylim=(-0.06, 1.06))
     axis.grid(visible=False)
-    title = f"springs alike, k2 = 2 k1, pulled by 1 %;\ndisplacements × {MAGNIFIED}"
+    title = f"Springs alike, k2 = 2 k1, pulled by 1 %;\ndisplacements × {MAGNIFIED}"
     figure.suptitle(title)
     figures.add_shared_legend(figure, [axis], columns=2)
     return figure
