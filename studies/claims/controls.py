@@ -142,7 +142,9 @@ FAULTS: dict[str, dict[str, Any]] = {
     ),
     "every damping costs the same": alteration("damping/advice", steps=7.0, price=1.0),
     "overdamped particles pass each other": alteration("stability/passing", cells_inverted=folded),
-    "the report's block as good as any": alteration("displacement/cases", model_form=0.0),
+    "the report's block as good as any": alteration(
+        "displacement/cases", model_form=0.0, boundary=0.0
+    ),
     "a sentence twice": {"sentences": (*SENTENCES, SENTENCES[0])},
     "verdicts written down": {"sentences": TYPED},
 }
