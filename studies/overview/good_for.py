@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from msvalidate.constants.stiffness import in_plane_moduli
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.output.results import Results
@@ -295,16 +296,17 @@ def of_ordinary(asked: ordinary.Part) -> Callable[[pd.DataFrame], pd.DataFrame]:
 def other_support(tables: Tables) -> str:
     """What the same plate does at another support."""
     held = line_of(of_ordinary(ordinary.BOLTED)(tables["ordinary"]))
-    across, error = max(held.items())
-    return f"if held at a bolt hole, {percent(error)} at {across:g}: use elements"
+    errors = ", ".join(f"{percent(error)} at {across:g}" for across, error in held.items())
+    return f"held at a bolt hole, {errors}: use elements"
 
 
 def other_draws(tables: Tables) -> str:
-    """What the other random network does, and why."""
+    """What the other random network does, and why: both ratios beside the one asked for."""
     across, error = max(line_of(of_part(models.EVEN)(tables["part"])).items())
-    own = tables["part_orders"].set_index("model")["own_error"]
-    near, far = (percent(own[str(each)]) for each in (models.BLUE, models.EVEN))
-    return f"ratio itself {near} off; of {models.EVEN} {far}, so {percent(error)} at {across:g}"
+    own = tables["part_orders"].set_index("model")["own_ratio"]
+    near, far = (f"{float(own[str(each)]):.2f}" for each in (models.BLUE, models.EVEN))
+    ratio = f"in-plane ratio {near}, not {in_plane_moduli(models.MATERIAL)[1]:.2f}"
+    return f"{ratio}; {models.EVEN}: {far}, {percent(error)} off at {across:g}"
 
 
 def other_meshes(tables: Tables) -> str:
@@ -315,11 +317,11 @@ def other_meshes(tables: Tables) -> str:
 
 
 def thin_walls(tables: Tables) -> str:
-    """How many cells go through the bracket's walls."""
+    """How many cells the bracket's walls are thick."""
     mine = tables["ordinary"]
     spacings = mine[mine["body"] == ordinary.BRACKET.body]["spacing"]
     cells = " and ".join(f"{ordinary.MM * ordinary.WALL / h:g}" for h in spacings)
-    return f"use elements: {cells} cells through a wall"
+    return f"use elements: walls {cells} cells thick"
 
 
 def percent(error: object) -> str:
@@ -330,7 +332,8 @@ def percent(error: object) -> str:
 QUESTIONS = (
     Question(
         "block of Poisson's ratio 0.4, plane strain, clamped and sheared", YES,
-        "any ratio below 1/2", "overview", "part", of_part(models.VOLUME), of_part("Q1 elements"), timed=True,
+        "any ratio below 1/2",
+        "overview", "part", of_part(models.VOLUME), of_part("Q1 elements"), timed=True,
     ),
     Question(
         "pressure, shear and bending in the plane, ratio 1/3", YES, "ratio 1/3 only",

@@ -28,6 +28,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 import reference_fem
+from msvalidate.constants.stiffness import isotropic_moduli
 from msvalidate.judging.candidate import DisplacementSolver
 from msvalidate.judging.compare import NOT_ASKED, observed_order
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
@@ -101,6 +102,8 @@ COLUMNS = {
     "order": "of the error in the cells across, over all sizes (1)",
     "own_error": "how far an elastic body of the springs' own endless solid is from the reference, "
     f'as error; "{NOT_ASKED}" of elements (1)',
+    "own_ratio": "Poisson's ratio of that solid in the plane, mean over all directions; "
+    f'"{NOT_ASKED}" of elements (1)',
     "to_one_percent": 'couplings at which the error is 1 %, by its line in logarithms; "never" '
     'where it stops above, "finer" and "coarser" beyond the sizes looked at (1)',
 }
@@ -111,6 +114,7 @@ ROUNDING = {
     "reference_error": 1e-9,
     "order": 1e-5,
     "own_error": 1e-9,
+    "own_ratio": 1e-9,
 }
 """Of a displacement: rounding times the condition of the finest graded mesh, 1e-16 x 1e7."""
 ONE_PERCENT = 0.01
@@ -140,7 +144,7 @@ def run(candidate: DisplacementSolver, setting: Setting) -> Evidence:
             found.append(measure(model, answer, across, truth, repeats))
     table = pd.DataFrame(found)
     lines = table.groupby("model", sort=False)
-    own = {str(each): own_error(each.solid, setting.quick) for each in SPRINGS}
+    own = {str(each): own_solid(each.solid, setting.quick) for each in SPRINGS}
     fitted = pd.DataFrame([fit(str(model), rows, own) for model, rows in lines])
     other = reference(setting.quick, CENTRAL).work / truth.work - 1
     return Evidence(
@@ -258,21 +262,24 @@ def measure(
     }
 
 
-def own_error(solid: Array, quick: bool) -> float:
-    """How far an elastic part of a tensor (3, 3) in N/m is off, at the points of squares."""
+def own_solid(solid: Array, quick: bool) -> dict[str, float]:
+    """How far an elastic part of a tensor (3, 3) in N/m is off, at points of squares; its ratio."""
     law, points = Anisotropic(solid / MATERIAL.thickness), square(BLOCK, QUICK_MESH).points
     points = points[points[:, 0] < INSIDE]
     exact = reference(quick).at(points)
     apart = elements("Q2", QUICK_MESH, GRADING, law).at(points) - exact
-    return float(np.linalg.norm(apart) / np.linalg.norm(exact))
+    error = float(np.linalg.norm(apart) / np.linalg.norm(exact))
+    return {"own_error": error, "own_ratio": isotropic_moduli(solid).nu}
 
 
-def fit(model: str, rows: pd.DataFrame, own: Mapping[str, float]) -> dict[str, object]:
-    """A model's order, how far its own solid is off, and what 1 % takes."""
+def fit(
+    model: str, rows: pd.DataFrame, own: Mapping[str, Mapping[str, float]]
+) -> dict[str, object]:
+    """A model's order, its own solid's error and ratio, and what 1 % takes."""
     order = observed_order(1 / rows["across"], rows["error"])
     needed = reach(ONE_PERCENT, rows["across"], rows["error"], rows["couplings"])
-    away = own.get(model, NOT_ASKED)
-    return {"model": model, "order": order, "own_error": away, "to_one_percent": needed}
+    solid = own.get(model, dict.fromkeys(("own_error", "own_ratio"), NOT_ASKED))
+    return {"model": model, "order": order, **solid, "to_one_percent": needed}
 
 
 def reach(error: float, across: ArrayLike, errors: ArrayLike, costs: ArrayLike) -> float | str:

@@ -53,6 +53,15 @@ def test_another_rule_another_label(rule):
     assert front._line({name: str(value) for name, value in row.items()}).springs == row["springs"]
 
 
+@table("form", ["quick", "full"])
+def test_the_committed_rows_are_made_of_the_committed_tables(form):
+    committed = Results(form)
+    own = {name: committed.table("overview", name) for name in ("part", "part_orders", "ordinary")}
+    made = Results(form, {"overview": good_for.run(committed, own).tables})
+    made, kept = (each.table("overview", "good_for") for each in (made, committed))
+    pd.testing.assert_frame_equal(made[list(kept)], kept, rtol=1e-6, atol=1e-7)
+
+
 @pytest.mark.parametrize("lattice", ["square, cut", "triangular, cut"])
 def test_another_lattice_another_label(lattice):
     row = {"lattice": lattice, "cells_across": 8, "difference": 0.4, "doubt": 0.1}
