@@ -28,6 +28,7 @@ def algorithm1(cells, k2, pull, damping, step, integrator="algorithm1", whole=Fa
     external[-1, :, 0], external[-1, [0, -1], 0] = pull, pull / 2  # a corner has half a face
     free[0, :, 0] = free[:, 0, 1] = 0  # the left and the lower side slide
     springs, (kick, drift) = lattice(cells, k2, whole), INTEGRATORS[integrator]
+    rest = max(1e-11 * pull, 2.2e-16 * cells * max(4, 4 * k2, 0.5 / step))  # k x, x / step round
     for steps in range(50_000):
         force = external - damping * v
         for a, b, k in springs:
@@ -38,10 +39,10 @@ def algorithm1(cells, k2, pull, damping, step, integrator="algorithm1", whole=Fa
         force *= free
         yield x - x0
         left = max(abs(v).max(), abs(force).max())
-        if steps and left < 1e-11 * pull:  # the report looks at v alone, and before the first step
+        if steps and left < rest:  # the report looks at v alone, and before the first step
             return
         if not left < 1e3:
-            break
+            raise ArithmeticError(f"unstable after {steps} steps: {left:.1g} m/s; reduce --step")
         dv = step * kick * force  # m = 1
         x, v = x + step * (v + drift * dv), v + dv
     raise ArithmeticError(f"not at rest after {steps} steps: still {left:.1g} m/s or N")
@@ -59,19 +60,18 @@ def elements(cells, k2, pull, **_):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, usage=argparse.SUPPRESS)
-    for name, usual in NUMBERS.items():
-        parser.add_argument(f"--{name}", type=type(usual), default=usual, help=f"default {usual}")
+    parser = argparse.ArgumentParser(None, argparse.SUPPRESS, __doc__, allow_abbrev=False)
+    for name, n in NUMBERS.items():
+        parser.add_argument(f"--{name}", type=type(n), default=n, help=f"default {n}, at most 20")
     parser.add_argument("--integrator", choices=INTEGRATORS, default="algorithm1")
     parser.add_argument("--whole", action="store_true", help="whole springs on the edge, not half")
     o = vars(parser.parse_args())
     if not all(0.001 <= o[name] <= 20 for name in NUMBERS):
         parser.error(f"{', '.join(NUMBERS)} must be numbers from 0.001 to 20")
     try:
-        *_, (steps, u) = enumerate(algorithm1(**o))
+        k2, elastic, (*_, (steps, u)) = o["k2"], elements(**o), enumerate(algorithm1(**o))
     except ArithmeticError as error:
         parser.exit(3, f"{parser.prog}: {error}\n")
-    k2, elastic = o["k2"], elements(**o)
     nu = [-w[:, -1, 1].mean() / w[-1, :, 0].mean() for w in (u, elastic)]
     strain, difference = elastic.max() / o["cells"], abs(u - elastic).max() / abs(elastic).max()
     sys.stdout.write(f"""at rest after {steps} steps

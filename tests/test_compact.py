@@ -150,7 +150,7 @@ def test_the_page_prints_what_it_prints(row, capsys, monkeypatch):
     code, out, err = started(capsys, monkeypatch, options)
     if steps == "never":
         assert (code, out) == (3, "")
-        assert re.fullmatch(r"compact.py: not at rest after \d+ steps: .*\n", err)
+        assert re.fullmatch(r"compact.py: unstable after \d+ steps: .*; reduce --step\n", err)
     else:
         assert f"ratio of the springs {poisson}, " in out
         assert f"elements: {difference} " in out
@@ -165,6 +165,13 @@ def test_the_page_shows_it_as_it_is(capsys, monkeypatch):
     assert int(steps.search(shown)[0]) == pytest.approx(int(steps.search(out)[0]), rel=SAME_STEPS)
     assert len(PROGRAM.read_text("utf-8").splitlines()) <= 80
     assert len(ROWS) >= 4 * 3
+
+
+@pytest.mark.parametrize("options", ["--k2 20 --step 0.1", "--k2 2 --step 0.02"])
+def test_rounding_of_stiff_springs_and_of_small_steps_is_rest(options, capsys, monkeypatch):
+    code, out, _ = started(capsys, monkeypatch, options)
+    assert code == 0
+    assert float(out.split("beside elements: ")[1].split()[0]) < 1e-3
 
 
 def number(pattern):
@@ -197,7 +204,7 @@ def test_the_page_explains_what_is_so():
 
 @pytest.mark.parametrize(
     "options",
-    ["--k2 nan", "--k2 0", "--cells 2.5", "--cells 21", "--step -1", "--integrator no", "--wide"],
+    ["--k2 nan", "--k2 0", "--cells 2.5", "--cells 21", "--step -1", "--integrator no", "--who"],
 )
 def test_bad_options_take_one_line(options, capsys, monkeypatch):
     code, out, err = started(capsys, monkeypatch, options)
