@@ -42,7 +42,7 @@ def algorithm1(cells, k2, pull, damping, step, integrator="algorithm1", whole=Fa
         if steps and left < rest:  # the report looks at v alone, and before the first step
             return
         if not left < 1e3:
-            raise ArithmeticError(f"unstable after {steps} steps: {left:.1g} m/s; reduce --step")
+            raise ArithmeticError(f"unstable after {steps} steps: reduce --step")
         dv = step * kick * force  # m = 1
         x, v = x + step * (v + drift * dv), v + dv
     raise ArithmeticError(f"not at rest after {steps} steps: still {left:.1g} m/s or N")
