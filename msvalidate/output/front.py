@@ -90,7 +90,7 @@ def first_screen(studies: Sequence[Stored]) -> Front:
     lines = tuple(_line(row) for row in rows.astype(str).to_dict("records"))
     heads = tuple(Topic(*row) for row in topics.reindex(columns=TOPIC).to_numpy())
     counts = [f"{n} {verdict}" for n, verdict in verdicts.to_numpy()[:, ::-1]]
-    sentences = "; ".join(counts).replace(", true if", ", but true if other things are meant")
+    sentences = "; ".join(counts).replace(", true if", ", but true in another reading")
     return Front(lines, _advice(lines), source, heads, sentences, judged_from)
 
 
