@@ -41,7 +41,7 @@ FEWEST, FEWEST_BESIDES = 4, 9
 RIGHT = 0.02
 """Of the largest displacement, what a number that is fitted may leave, unless less is known: as
 much as agrees by default. Bodies that bend by other loads are alike to some 4 %."""
-WHOLE = {"unit", "sign", "axes", "mirrored", "positions", "node order"}
+WHOLE = {"unit", "sign", "axes", "mirrored", "places", "component", "positions", "node order"}
 """Faults without a number to fit: a solver that errs besides has them too."""
 COARSE_KNOWN = 0.005
 """Of the largest displacement, to which linear elements on known meshes are known at any ratio."""
