@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -73,9 +75,8 @@ def _new(args: argparse.Namespace) -> int:
 def _simulate(args: argparse.Namespace) -> int:
     """Ask, judge, and write the page; what the adapter left stays beside it."""
     try:
-        name = f"{files.folder_name(args.file.stem)}-{label_of(args.adapter)}"
-        folder = args.out / files.folder_name(name)
-        whose = f"{args.file.name} and {format_value(args.adapter)}"
+        folder = args.out / _name(args)
+        whose = " ".join([f"{args.file.name} and {format_value(args.adapter)}", *_told(args)])
         files.refuse_foreign(folder, whose)
         kept = folder.with_name(f"{folder.name}{RUN}")
         program = Program(args.adapter, args.limit, kept)
@@ -109,6 +110,22 @@ def _simulate(args: argparse.Namespace) -> int:
     if not args.quiet:
         tell(f"{result.name}: {kept / OUT}")
     return tell_judged(found, folder, quiet=args.quiet)
+
+
+def _told(args: argparse.Namespace) -> list[str]:
+    """Settings as words, in one order."""
+    return [f"{name}={json.dumps(value)}" for name, value in sorted(dict(args.set).items())]
+
+
+def _name(args: argparse.Namespace) -> str:
+    """Of the folder of results, one for each of case, adapter and settings."""
+    name = f"{files.folder_name(args.file.stem)}-{files.folder_name(label_of(args.adapter))}"
+    whole = "-".join([name, *_told(args)]).replace("=", "-").replace('"', "")
+    told = files.folder_name(whole)
+    if told == whole or not args.set:
+        return told
+    mark = hashlib.sha256("\0".join(_told(args)).encode()).hexdigest()[:8]
+    return f"{told[: files.LONGEST_FOLDER - 9]}-{mark}"
 
 
 def _result(request: Request, answer: Answer) -> Result:
