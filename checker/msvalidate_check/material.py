@@ -39,7 +39,7 @@ class Material:
     left
         Largest difference that is left, over the largest displacement.
     G, K, G_doubt, K_doubt
-        In Pa, where they show and E does not: shear modulus, and pressure over the change of volume,
+        In Pa, where they show and E does not: shear modulus, and pressure over change of volume,
         in the plane of area: E/(3(1 - 2nu)), in plane stress E/(2(1 - nu)), in plane strain
         E/(2(1 + nu)(1 - 2nu)).
     """

@@ -6,7 +6,8 @@ import io
 import math
 import re
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +51,9 @@ class Result:
     grid
         Distance between neighbouring numbers of displacements, as far as they were rounded: see
         `msvalidate_check.precision`.
+    known
+        What solvers that are known not to be converged give there, by what they are of: functions
+        of Poisson's ratio, (n, d) in m.
     """
 
     name: str
@@ -58,6 +62,7 @@ class Result:
     id: Index | None
     rest: float
     grid: float
+    known: Mapping[str, Callable[[float], Array]] = field(default_factory=dict)
 
 
 def read_result(path: str | Path, dim: int, field: str | None = None) -> Result:

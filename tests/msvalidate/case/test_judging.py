@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import tracemalloc
+from dataclasses import replace
 
 import meshio
 import numpy as np
@@ -39,6 +40,11 @@ def elastic(nu=0.3, pulled=False):
     return solve_problem(PULLED if pulled else problem(nu), MESH).at(X)
 
 
+def elastic_in_plane_stress(nu=0.3):
+    law = Isotropic(1e5, nu, "plane_stress")
+    return solve_problem(replace(problem(), material=law), MESH).at(X)
+
+
 def judged(tmp_path, points, move, asked=None, **options):
     path = tmp_path / "field.npz"
     np.savez(path, points=points, displacement=move, **options.pop("arrays", {}))
@@ -63,12 +69,17 @@ def rigid(move):
 
 FAULTS = [
     ("clean", lambda u: u, [], None),
-    ("modulus 1 % lower", lambda u: 1.01 * u, ["load", "modulus"], 1.01),
-    ("modulus 1 % higher", lambda u: 0.99 * u, ["load", "modulus"], 0.99),
-    ("twice the load", lambda u: 2 * u, ["load", "modulus"], 2.0),
-    ("millimetres", lambda u: 1e3 * u, ["load", "modulus", "unit"], 1e3),
-    ("inches", lambda u: u / 0.0254, ["load", "modulus", "unit"], 1 / 0.0254),
-    ("millimetres, 2 % too stiff", lambda u: 980 * u, ["load", "modulus", "unit"], 1e3),
+    ("modulus 1 % lower", lambda u: 1.01 * u, ["load", "modulus", "thickness"], 1.01),
+    ("modulus 1 % higher", lambda u: 0.99 * u, ["load", "modulus", "thickness"], 0.99),
+    ("twice the load", lambda u: 2 * u, ["load", "modulus", "thickness"], 2.0),
+    ("millimetres", lambda u: 1e3 * u, ["load", "modulus", "thickness", "unit"], 1e3),
+    ("inches", lambda u: u / 0.0254, ["load", "modulus", "thickness", "unit"], 1 / 0.0254),
+    (
+        "millimetres, 2 % too stiff",
+        lambda u: 980 * u,
+        ["load", "modulus", "thickness", "unit"],
+        1e3,
+    ),
     ("other sign", lambda u: -u, ["sign"], None),
     ("swapped axes", lambda u: u[:, ::-1], ["axes"], None),
     ("one component's sign", lambda u: u * [1, -1], ["sign"], None),
@@ -77,6 +88,8 @@ FAULTS = [
     ("rigid motion", rigid, ["rigid motion"], None),
     ("ratio .25", lambda _: elastic(0.25), ["ratio"], 0.25),
     ("ratio .25 and modulus", lambda _: 1.2 * elastic(0.25), ["scale and ratio"], 0.25),
+    ("plane stress", lambda _: elastic_in_plane_stress(), ["plane state"], None),
+    ("x never written", lambda u: u * [0, 1], ["component"], None),
     ("float32", lambda u: u.astype(np.float32), [], None),
 ]
 
@@ -90,6 +103,33 @@ def test_each_fault_is_named_with_its_size(tmp_path, fault, change, causes, valu
         assert found.explanations[0].value == pytest.approx(value, rel=0.02)
     parts = budget(found).set_index("part")["value"]
     assert parts[["scale", "rigid motion", "shape"]].sum() == pytest.approx(parts["total"])
+
+
+RUBBER = {
+    "ratio 0": (lambda _: elastic(0.0), "ratio", 0.0),
+    "plane stress": (lambda _: elastic_in_plane_stress(0.4999), "plane state", None),
+    "ratio and modulus": (lambda _: 1.3 * elastic(0.3), "scale and ratio", 0.3),
+    "ratio and unit": (lambda _: 1e3 * elastic(0.3), "unit and ratio", 0.3),
+    "ratio": (lambda _: elastic(0.4), "ratio", 0.4),
+    "axes and ratio": (lambda _: elastic(0.3)[:, ::-1], "axes and ratio", 0.3),
+    "modulus": (lambda u: 1.3 * u, "modulus", 1.3),
+    "sign": (lambda u: -u, "sign", None),
+    "x never written": (lambda u: u * [0, 1], "component", None),
+    "x too small": (lambda u: u * [0.5, 1], "", None),
+    "noise": (lambda u: u + 1e-4 * np.random.default_rng(2).normal(size=u.shape), "", None),
+}
+
+
+@pytest.mark.parametrize("fault", RUBBER)
+def test_wrong_fields_of_rubber_are_judged_where_elements_exist(tmp_path, fault):
+    """At ratios of 0, which trials meet, mixed elements have no pressure."""
+    change, cause, value = RUBBER[fault]
+    u = solve_problem(problem(0.4999), MESH, mixed=True).at(X)
+    found = judged(tmp_path, X, change(u), problem(0.4999), accuracy=0.02)
+    assert found.row.verdict == "differs"
+    assert names(found)[:1] == ([cause] if cause else [])
+    if value is not None:
+        assert found.explanations[0].value == pytest.approx(value, abs=0.03)
 
 
 def test_positions_in_float32_are_clean_within_their_digits(tmp_path):
