@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from functools import cached_property
 from itertools import pairwise
+from math import prod
 
 import numpy as np
 
@@ -54,6 +55,9 @@ ACROSS = 3
 """Cells of the first mesh across the narrowest side of a box or an outline."""
 MOST_ALONG = 200
 """Cells of the first mesh along any side: those of slender bodies are longer than wide."""
+COARSER, MOST_THIN = 1.25, 15_000
+"""How many times as large cells of a plate become at a time, till its second mesh has so many
+nodes: thin cells take a factor."""
 NEARLY_INCOMPRESSIBLE = 0.45
 """Ratio from which displacement and pressure are sought together, but in plane stress."""
 
@@ -244,7 +248,7 @@ def converge(
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     positive_number("accuracy", accuracy)
     mixed = _is_nearly_incompressible(problem) if mixed is None else mixed
-    most = MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
+    most = _most_nodes(problem, mixed=mixed)
     if most_nodes is not None:
         most = whole_number("most nodes", most_nodes, 1)
     began = time.perf_counter()
@@ -270,7 +274,13 @@ def first_mesh(problem: Problem) -> Discretisation:
         return _raised(linear)
     if isinstance(domain, Box):
         h = max(min(domain.size) / ACROSS, max(domain.size) / MOST_ALONG)
-        return _laid_grid(domain, grid_lines(problem, h))
+        lines = grid_lines(problem, h)
+        most = _most_nodes(problem, mixed=_is_nearly_incompressible(problem))
+        if _nodes_of_second(lines) > most:  # there would be none, and no error were known
+            while _nodes_of_second(lines) > min(most, MOST_THIN) and h < max(domain.size):
+                h *= COARSER
+                lines = grid_lines(problem, h)
+        return _laid_grid(domain, lines)
     own = mesh_discretisation(domain)
     if own.element.degree > 1:
         return own
@@ -315,6 +325,11 @@ def grid_lines(problem: Problem, h: float, least: int = 2) -> list[Array]:
     return found
 
 
+def _nodes_of_second(lines: list[Array]) -> int:
+    """About how many nodes the second mesh between lines along each axis has."""
+    return prod(4 * len(line) - 2 for line in lines)
+
+
 def _laid_grid(box: Box, lines: list[Array]) -> Discretisation:
     """Quadratic cells between lines (m) along each axis, mid-sides amid."""
     counts = tuple(len(line) - 1 for line in lines)
@@ -324,6 +339,11 @@ def _laid_grid(box: Box, lines: list[Array]) -> Discretisation:
         for x, side, many, line in zip(even.points.T, box.size, counts, lines, strict=True)
     ]
     return make_discretisation(np.column_stack(columns), even.cells, even.element.name)
+
+
+def _most_nodes(problem: Problem, *, mixed: bool) -> int:
+    """Nodes of the finest mesh where nothing is said."""
+    return MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
 
 
 def _is_nearly_incompressible(problem: Problem) -> bool:

@@ -13,7 +13,16 @@ from msvalidate.lattice import EDGE_RULES, CutLattice, Lattice, cut_lattice, fil
 from msvalidate.lattice.cut import joins_corners
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.patterns import all_patterns
-from msvalidate.problem import Array, Box, Domain, Mesh, Problem, ProblemError
+from msvalidate.problem import (
+    Array,
+    Box,
+    Domain,
+    Mesh,
+    PointForce,
+    Problem,
+    ProblemError,
+    Traction,
+)
 from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
@@ -35,6 +44,8 @@ MOST_CELLS = {2: 40_000, 3: 20_000}
 """Cells of a body up to which that is so: slender bodies have fewer across."""
 MOST_ASKED = {2: 1_000_000, 3: 300_000}
 """Cells of a body that may be asked for: minutes, and some GB."""
+LITTLE = 1.25
+"""How many times as large or as small a spacing may be for lines to end where supports do."""
 FITS = 4e-10
 """Of a box's side, what whole cells may miss it by: below half of what `fill` leaves them."""
 BAND = 0.05
@@ -167,9 +178,56 @@ class Case:
 
 
 def spacing_of(case: Case) -> float:
-    """Spacing (m) of the lattice that a case asks for."""
+    """Spacing (m) of the lattice that a case asks for.
+
+    Cells are made a little smaller or larger, where lines of a lattice that is cut would else miss
+    supports, or where these end on a box's side.
+    """
     if case.spacing is not None:
         return float(case.spacing)
+    asked, pattern = spacing_by_cells(case), _pattern(case)
+    if pattern is None or not joins_corners(pattern):
+        return asked
+    return fitting_spacing(case.problem, asked) or asked
+
+
+def fitting_spacing(problem: Problem, asked: float, finer: float = 2.0) -> float | None:
+    """The spacing (m) nearest to one asked for whose lines run through all supports, or None.
+
+    Through their ends inside a box's sides too, where that takes little; of up to so much `finer`.
+    """
+    on, ends = _support_lines(problem)
+    for lengths, most in ((np.append(on, ends), LITTLE), (on, finer)):
+        if not len(lengths):
+            return asked
+        many = np.arange(
+            math.ceil(lengths.min() / (LITTLE * asked)), lengths.min() * most / asked + 1
+        )
+        tried = np.append(asked, lengths.min() / many)
+        missed = np.abs(lengths[:, None] - tried * np.rint(lengths[:, None] / tried))
+        tried = tried[(missed <= problem.domain.tolerance).all(axis=0)]
+        if len(tried):
+            return float(tried[np.abs(np.log(tried / asked)).argmin()])
+    return None
+
+
+def _support_lines(problem: Problem) -> tuple[Array, Array]:
+    """How far (m) from the lattice's origin supports lie, and end inside a box's sides."""
+    span, room = np.array(problem.domain.span), problem.domain.tolerance
+    base = np.append(_origin(problem), span[2:, 0])
+    on, ends = [], []
+    for support in problem.supports:
+        corners = support.region.corners(problem.domain.span)
+        flat = np.ptp(corners, axis=0) <= room
+        on.append(np.abs(corners[0] - base)[flat])
+        inside = ((corners > span[:, 0] + room) & (corners < span[:, 1] - room)) & ~flat
+        ends.append(np.abs(corners - base)[inside & isinstance(problem.domain, Box)])
+    lengths = np.concatenate(on), np.concatenate(ends)
+    return lengths[0][lengths[0] > room], lengths[1][lengths[1] > room]
+
+
+def spacing_by_cells(case: Case) -> float:
+    """Spacing (m) by the number of cells, the case's or the usual one."""
     domain, pattern = case.problem.domain, _pattern(case)
     cell = np.ones(domain.dim) if pattern is None else np.array(pattern.size)
     sides = np.array([high - low for low, high in domain.span])
@@ -188,8 +246,9 @@ def spacing_of(case: Case) -> float:
 def make_lattice(case: Case, spacing: float) -> Lattice:
     """The lattice of a case at a spacing (m).
 
-    A box whose sides are whole numbers of cells is filled; else the lattice is cut to the body's
-    outline, its lines through the supports as far as one origin allows that.
+    A box whose sides, with what is held and loaded of them, are whole numbers of cells is filled;
+    else the lattice is cut to the body's outline, its lines through the supports as far as one
+    origin allows that.
 
     Raises
     ------
@@ -207,9 +266,11 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
             "a larger one"
         )
     cell = spacing * np.array(pattern.size)
+    cuttable = joins_corners(pattern)
     if isinstance(domain, Box) and _divides(cell, domain):
-        return fill(pattern, domain, _counts(cell, domain))
-    if not joins_corners(pattern):
+        if not cuttable or _ends_on_lines(case.problem, spacing):
+            return fill(pattern, domain, _counts(cell, domain))
+    elif not cuttable:
         raise ProblemError(f"lattice {case.lattice}: {_misfit(pattern, spacing, domain)}")
     return cut_lattice(pattern, domain, spacing, origin=_origin(case.problem))
 
@@ -269,7 +330,16 @@ def _divides(cell: Array, box: Box) -> bool:
     )
 
 
-def _origin(problem: Problem) -> tuple[float, ...] | None:
+def _ends_on_lines(problem: Problem, spacing: float) -> bool:
+    """Whether supports and tractions on sides of a box, and point forces, end where cells do."""
+    parts = [each.region for each in problem.supports if each.region.is_facet]
+    parts += [each.region for each in problem.loads if isinstance(each, Traction | PointForce)]
+    span, room = problem.domain.span, problem.domain.tolerance
+    ends = np.concatenate([part.corners(span) for part in parts] or [np.zeros((1, len(span)))])
+    return bool((np.abs(ends - spacing * np.rint(ends / spacing)) <= room).all())
+
+
+def _origin(problem: Problem) -> tuple[float, ...]:
     """A place on the flat supports, along each axis the first that has one; 0 along others."""
     domain = problem.domain
     at = [0.0] * domain.dim

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ from msvalidate.case.case import Case, make_lattice, spacing_of
 from msvalidate.case.lines import key_lines, line_of
 from msvalidate.case.reading import CaseError
 from msvalidate.case.schema import json_schema
+from msvalidate.case.springs import make_network, solve_finer
 from msvalidate.case.template import template
 from msvalidate.problem import (
     Box,
@@ -21,8 +24,10 @@ from msvalidate.problem import (
     Polygon,
     Problem,
     ProblemError,
+    Region,
     Segment,
     Support,
+    Traction,
 )
 from tests.msvalidate.case import mutated
 from tests.table import table
@@ -304,6 +309,55 @@ def test_what_would_fit_is_told(lattice, body, spacing, said):
     with pytest.raises(ProblemError, match=f"^lattice {lattice}: ") as told:
         make_lattice(case, spacing)
     assert said in str(told.value)
+
+
+def plane_box(size, supports, loads=(), **options):
+    held = [Support(Region(at), value) for at, value in supports]
+    pulled = [Traction(Region(at), (1.0, -2.0)) for at in loads]
+    law = Isotropic(1e5, 0.3, "plane_strain")
+    return Case(Problem(Box(size), law, tuple(held), tuple(pulled)), **options)
+
+
+ENDS = [((0.0, None), (0.0, 0.0)), ((5.6, None), (None, 0.1))]
+
+
+def test_lines_of_cells_run_through_supports_and_where_they_end():
+    apart = spacing_of(plane_box((5.6, 1.9), ENDS, cells=8))
+    assert round(5.6 / apart, 9).is_integer()
+    assert apart == pytest.approx(1.9 / 8, rel=0.02)
+    part = spacing_of(plane_box((4.2, 0.8), [((0.0, (0.0, 0.284)), (0.0, 0.0))], cells=8))
+    assert part == pytest.approx(0.284 / 3)
+    told = plane_box((5.6, 1.9), ENDS, spacing=0.25)
+    with pytest.raises(ProblemError, match=r"along x = 5.6 m; .*; cells = 8 \(spacing") as refused:
+        solve_finer(told)
+    many = int(re.search(r"cells = (\d+)", str(refused.value))[1])
+    assert make_network(replace(told, spacing=None, cells=many), apart)
+    assert "origin" not in str(refused.value)
+
+
+def test_a_load_on_part_of_a_side_may_end_in_a_cell():
+    case = plane_box((3.2, 1.6), ENDS[:1], [(3.2, (0.0, 0.64))], cells=8)
+    lattice, network, _ = make_network(case, spacing_of(case))
+    assert lattice.spacing == 0.2
+    np.testing.assert_allclose(network.force.sum(axis=0), [0.64, -1.28], rtol=1e-12)
+    moment = network.force[:, 1] @ lattice.points[:, 0] - network.force[:, 0] @ lattice.points[:, 1]
+    assert moment == pytest.approx(-1.28 * 3.2 - 0.64 * 0.32)
+
+
+@pytest.mark.parametrize("cells", [8, None])
+def test_few_ordinary_boxes_are_refused(cells):
+    draw = np.random.default_rng(7)
+    for number in range(40):
+        a, b = round(draw.uniform(1, 6), 1), round(draw.uniform(0.5, 2), 1)
+        end = round(b * draw.uniform(0.3, 0.8), 3)
+        held = [
+            [((0.0, (0.0, end)), (0.0, 0.0))],
+            [((None, 0.0), (0.0, 0.0)), ((None, b), (0.01, -0.01))],
+            [((0.0, None), (0.0, None)), ((None, 0.0), (None, 0.0))],
+            [((0.0, None), (0.0, 0.0)), ((a, None), (None, 0.01))],
+        ][number % 4]
+        case = plane_box((a, b), held, [(a, (0.0, end))] if number % 4 == 2 else (), cells=cells)
+        make_network(case, spacing_of(case))
 
 
 def test_lines_of_keys():
