@@ -8,6 +8,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from msvalidate.cli.cases import Progress, said, tell_judged
 from msvalidate.cli.terminal import tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value
-from msvalidate.simulators.export import export_case
+from msvalidate.simulators.export import export_case, on_mesh
 from msvalidate.simulators.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
 from msvalidate.simulators.rest import stated_unrest
@@ -133,7 +134,8 @@ def _result(request: Request, answer: Answer) -> Result:
     move, points = np.asarray(answer.displacement), np.array(request.mesh.points)
     name = _line(answer.about.get("simulator", "simulator"))
     grid = spacing_of_displacements(move, points)
-    return Result(name, move, points, None, math.nan, grid)
+    known = {f"linear elements on its {request.mesh.shape} mesh": partial(on_mesh, request)}
+    return Result(name, move, points, None, math.nan, grid, known)
 
 
 def _described(case: Case, request: Request, answer: Answer) -> Case:

@@ -14,7 +14,10 @@ import pytest
 from msvalidate.case.case import Case
 from msvalidate.case.judge import budget, judge_result
 from msvalidate.case.results import read_result
+from msvalidate.cli.simulators import _result as simulated
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
+from msvalidate.simulators.export import export_case, on_mesh
+from msvalidate.simulators.protocol import Answer
 from msvalidate_check.precision import spacing_of_numbers
 from reference_fem import box_discretisation, solve_problem
 from tests.table import table
@@ -130,6 +133,19 @@ def test_wrong_fields_of_rubber_are_judged_where_elements_exist(tmp_path, fault)
     assert names(found)[:1] == ([cause] if cause else [])
     if value is not None:
         assert found.explanations[0].value == pytest.approx(value, abs=0.03)
+
+
+def test_simulate_names_the_linear_elements_of_the_mesh_it_asked_for():
+    case = Case(problem(), accuracy=5e-3)
+    request = export_case(case, cells=3, shape="triangle")
+    move = on_mesh(request, 0.3)
+    found = judge_result(case, simulated(request, Answer(move)))
+    assert found.row.verdict == "differs"
+    assert names(found) == ["coarse mesh"]
+    assert "linear elements on its triangle mesh" in found.explanations[0].said
+    other = judge_result(case, simulated(request, Answer(on_mesh(request, 0.1))))
+    assert names(other) == ["coarse mesh and ratio"]
+    assert other.explanations[0].value == pytest.approx(0.1, abs=1e-3)
 
 
 def test_positions_in_float32_are_clean_within_their_digits(tmp_path):
