@@ -44,8 +44,9 @@ MOST_CELLS = {2: 40_000, 3: 20_000}
 """Cells of a body up to which that is so: slender bodies have fewer across."""
 MOST_ASKED = {2: 1_000_000, 3: 300_000}
 """Cells of a body that may be asked for: minutes, and some GB."""
-LITTLE = 1.25
-"""How many times as large or as small a spacing may be for lines to end where supports do."""
+LITTLE, MUCH = 1.25, 2.0
+"""How many times as large or small cells may be made to end where supports do; as small, to lie on
+them."""
 FITS = 4e-10
 """Of a box's side, what whole cells may miss it by: below half of what `fill` leaves them."""
 BAND = 0.05
@@ -180,35 +181,27 @@ class Case:
 def spacing_of(case: Case) -> float:
     """Spacing (m) of the lattice that a case asks for.
 
-    Cells are made a little smaller or larger, where lines of a lattice that is cut would else miss
-    supports, or where these end on a box's side.
+    Where it is told by cells, the nearest one whose lines run through all supports; through their
+    ends inside a box's sides too, where that takes little.
     """
     if case.spacing is not None:
         return float(case.spacing)
     asked, pattern = spacing_by_cells(case), _pattern(case)
     if pattern is None or not joins_corners(pattern):
         return asked
-    return fitting_spacing(case.problem, asked) or asked
-
-
-def fitting_spacing(problem: Problem, asked: float, finer: float = 2.0) -> float | None:
-    """The spacing (m) nearest to one asked for whose lines run through all supports, or None.
-
-    Through their ends inside a box's sides too, where that takes little; of up to so much `finer`.
-    """
-    on, ends = _support_lines(problem)
-    for lengths, most in ((np.append(on, ends), LITTLE), (on, finer)):
+    on, ends = _support_lines(case.problem)
+    for lengths, most in ((np.append(on, ends), LITTLE), (on, MUCH)):
         if not len(lengths):
-            return asked
+            break
         many = np.arange(
             math.ceil(lengths.min() / (LITTLE * asked)), lengths.min() * most / asked + 1
         )
         tried = np.append(asked, lengths.min() / many)
         missed = np.abs(lengths[:, None] - tried * np.rint(lengths[:, None] / tried))
-        tried = tried[(missed <= problem.domain.tolerance).all(axis=0)]
+        tried = tried[(missed <= case.problem.domain.tolerance).all(axis=0)]
         if len(tried):
             return float(tried[np.abs(np.log(tried / asked)).argmin()])
-    return None
+    return asked
 
 
 def _support_lines(problem: Problem) -> tuple[Array, Array]:
@@ -288,18 +281,11 @@ def _misfit(pattern: Pattern, spacing: float, domain: Domain) -> str:
     if not isinstance(domain, Box):
         return f"only {listed} can be cut to a {domain}; take one of these"
     cell = spacing * np.array(pattern.size)
-    counts = _counts(cell, domain)
-    first = domain.size[0] / pattern.size[0]
-    spacings = [first / many for many in range(1, 2 * counts[0] + 1)]
-    fitting = [each for each in spacings if _divides(each * np.array(pattern.size), domain)]
-    if fitting:
-        remedy = f"spacing {min(fitting, key=lambda each: abs(each - spacing)):.12g} m"
-    else:
-        sides = np.maximum(counts, 1) * cell
-        remedy = f"a box of {' x '.join(f'{side:.12g}' for side in sides)} m"
+    sides = np.maximum(_counts(cell, domain), 1) * cell
     return (
         f"cells of {' x '.join(f'{side:g}' for side in cell)} m do not fill the {domain}; give "
-        f"{remedy}, or a lattice that can be cut: {listed}"
+        f"a box of {' x '.join(f'{side:.12g}' for side in sides)} m, or a lattice that can be cut: "
+        f"{listed}"
     )
 
 
