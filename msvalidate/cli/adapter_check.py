@@ -9,7 +9,7 @@ from pathlib import Path
 
 from msvalidate.case import files
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING
-from msvalidate.cli.cases import Progress
+from msvalidate.cli.steps import Steps
 from msvalidate.cli.terminal import print_lines, tell, tell_error
 from msvalidate.output.provenance import collect_provenance
 from msvalidate.problem import Isotropic, ProblemError
@@ -17,7 +17,7 @@ from msvalidate.problem.checks import format_value
 from msvalidate.simulators.asked import Asked, NoAnswerError
 from msvalidate.simulators.causes import AGREES
 from msvalidate.simulators.judgement import PARTS, Judgement, judge_simulator
-from msvalidate.simulators.laws import LAWS, predicted
+from msvalidate.simulators.laws import LAWS, law_named, predicted
 from msvalidate.simulators.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.record import record_of, text_of
 from msvalidate.simulators.sheet import Sheet, sheet_of
@@ -31,15 +31,15 @@ RUN = "-run"
 
 def tell_laws() -> int:
     """Names that --law takes, each with what it is to first order for E = 1 and nu = 0.3."""
-    width = max(map(len, LAWS))
-    lines = [f"{'law':<{width}}  E over asked  nu for 0.3"]
+    width, wide = max(map(len, LAWS)), max(len(law.key) for law in LAWS.values())
+    lines = [f"{'--law':<{wide}}  {'law':<{width}}  E over asked  nu for 0.3"]
     for name in LAWS:
         law = predicted(name, 1.0, 0.3)
         none = law.E is None or law.nu is None
         E, nu = (
             ("none", "none") if none else (f"{law.E:.4f}", f"{round(law.nu or 0.0, 4) + 0.0:.4f}")
         )
-        lines.append(f"{name:<{width}}  {E:>12}  {nu:>10}")
+        lines.append(f"{LAWS[name].key:<{wide}}  {name:<{width}}  {E:>12}  {nu:>10}")
     return print_lines(lines)
 
 
@@ -55,8 +55,8 @@ def check_adapter(args: argparse.Namespace) -> int:
     folder, kept = _folders(args, name)
     material = Isotropic(args.modulus, args.ratio, "solid", args.density)
     parts = tuple(args.only or PARTS)
-    show = Progress(name, shown=not args.quiet)
-    asked = Asked(Program(args.adapter, args.limit, kept), show)
+    show = Steps(name, shown=not args.quiet, log=_log(folder))
+    asked = Asked(Program(args.adapter, args.limit, kept), show, show.done, parts)
     started = datetime.now(UTC)
     try:
         found = judge_simulator(
@@ -73,8 +73,19 @@ def check_adapter(args: argparse.Namespace) -> int:
     return _tell(args, name, folder, found, sheet, asked)
 
 
+def _log(folder: Path | None) -> Path | None:
+    """A file of steps beside a folder of results, begun anew."""
+    if folder is None:
+        return None
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    log = folder.with_name(f"{folder.name}.log")
+    exchange.replace_file(log, lambda: b"")
+    return log
+
+
 def _folders(args: argparse.Namespace, name: str) -> tuple[Path | None, Path | None]:
     """Where the page goes and where the latest question stays; refuses what cannot be."""
+    args.law = law_named(args.law)
     if args.law and args.law not in LAWS:
         near = [name for name in LAWS if args.law.lower() in name.lower()]
         near = near or difflib.get_close_matches(args.law, LAWS, n=1, cutoff=0.5)
@@ -96,7 +107,7 @@ def _write(
     found: Judgement,
     sheet: Sheet,
     started: datetime,
-    show: Progress,
+    show: Steps,
 ) -> None:
     """The record and the page, where they were asked for."""
     record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}

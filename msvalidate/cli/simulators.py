@@ -6,6 +6,7 @@ import argparse
 import hashlib
 import json
 import math
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -19,7 +20,8 @@ from msvalidate.case.case import Case
 from msvalidate.case.results import Result
 from msvalidate.cli.adapter_check import check_adapter, tell_laws
 from msvalidate.cli.arguments import FAILED, HELD, NOTHING, PROGRAM, USAGE
-from msvalidate.cli.cases import Progress, said, tell_judged
+from msvalidate.cli.cases import said, tell_judged
+from msvalidate.cli.steps import Steps
 from msvalidate.cli.terminal import tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value
@@ -85,9 +87,11 @@ def _simulate(args: argparse.Namespace) -> int:
         request = export_case(
             case, cells=args.cells, shape=args.shape, springs=args.springs, settings=dict(args.set)
         )
-        show = Progress(case.name, shown=not args.quiet)
-        show("simulator")
+        show = Steps(case.name, shown=not args.quiet)
+        show("simulator; judging is left")
+        began = time.perf_counter()
         answer = program(request)
+        show.done(f"simulator, 1 question: {time.perf_counter() - began:.2g} s; judging is left")
         show("judging")
         result, unrest = _result(request, answer), stated_unrest(request, answer)
         found, content = run.judged_files(
