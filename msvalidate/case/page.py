@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 import pandas as pd
 
 from msvalidate.case.budget import COLUMNS
 from msvalidate.case.case import Case, describe_spacing
-from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, Comparison, Row, say_bridged
+from msvalidate.case.comparison import (
+    COARSE,
+    OTHER_MATERIAL,
+    STRESS_BAND,
+    Comparison,
+    Row,
+    say_bridged,
+)
 from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.output.page import Table, table_excerpt
@@ -100,24 +108,33 @@ def shown_tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
 
 def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     """What the springs of a case are good for: one sentence, and those that say why."""
-    row = next((each for each in found.rows if each.verdict != NOT_ASKED), found.rows[0])
     springs = f"Springs ({describe_spacing(found.case)})"
-    head = (
-        f"{springs} are {percent(row.difference)} off elasticity in {row.quantity}, "
-        f"± {percent(row.doubt)}; the band is {percent(found.case.band)}."
-    )
-    if row.verdict == NOT_ASKED:
+    groups = []
+    for word in WORST_FIRST[:-1]:
+        rows = [each for each in found.rows if each.verdict == word]
+        if rows:
+            groups.append(f"{word} in {', '.join(_measured(each) for each in rows)}")
+    head = f"{springs} beside elasticity: {'; '.join(groups)}. {band_words(found.case, found.rows)}."
+    if not groups:
         why = "; ".join(found.notes).replace(": not compared:", ",")
         head = f"{springs} are compared in nothing that was asked: {why}."
-    said = []
-    for word in (DIFFERS, NOT_AT_REST, NOT_RESOLVED):
-        others = [each for each in found.rows if each.verdict == word and each is not row]
-        if others:
-            names = ", ".join(f"{each.quantity} ({percent(each.difference)})" for each in others)
-            said.append(f"{names}: {word}.")
-    said.append(_kind_sentence(found))
-    said.append(_reference_sentence(found.reference))
+    said = [
+        _kind_sentence(found),
+        _reference_sentence(found.reference),
+        _overlap_sentence(found.reference),
+    ]
     return head, tuple(each for each in said if each)
+
+
+def _measured(row: Row) -> str:
+    return f"{row.quantity} ({percent(row.difference)} ± {percent(row.doubt)})"
+
+
+def band_words(case: Case, rows: Sequence[Row]) -> str:
+    """How far apart still agrees."""
+    stress = any(row.quantity.startswith("stress at") for row in rows)
+    own = f", of stress at points {percent(STRESS_BAND * case.band)}" if stress else ""
+    return f"The band is {percent(case.band)}{own}"
 
 
 def _reference_sentence(reference: Reference) -> str:
@@ -145,6 +162,20 @@ def _facet_sentence(reference: Reference) -> str:
     )
 
 
+def _overlap_sentence(reference: Reference) -> str:
+    """Which regions lie over each other, by the middles of cells: the later one counts there."""
+    problem, body = reference.problem, reference.solutions[0].body
+    middles = body.points[body.cells].mean(axis=1)
+    tolerance = problem.domain.tolerance
+    on = [zone.region.select(middles, tolerance) for zone in problem.zones]
+    pairs = [
+        f"region {j} over region {i}"
+        for (i, one), (j, other) in combinations(enumerate(on, 1), 2)
+        if (one & other).any()
+    ]
+    return f"Regions overlap, and the later one counts there: {', '.join(pairs)}." if pairs else ""
+
+
 def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
     """What displacements from a file are: one sentence, and those that say why."""
     row, case = found.row, found.case
@@ -156,6 +187,8 @@ def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
     said = [f"Fits ({percent(each.left)} left): {each.said}" for each in found.explanations]
     if not said and row.difference > NOTICED * row.doubt:
         said.append("No single cause that is known here explains the difference.")
+    if overlap := _overlap_sentence(found.reference):
+        said.append(overlap)
     if math.isnan(found.unrest):
         said.append("Rest unknown: nobody says how much the displacements would still change.")
     else:

@@ -27,10 +27,12 @@ from msvalidate.problem import (
     Polygon,
     Problem,
     ProblemError,
+    Region,
     Segment,
     Support,
     Traction,
     Weight,
+    Zone,
 )
 from reference_fem.converged import converge
 from tests.table import table
@@ -274,6 +276,36 @@ def test_regions_of_another_material_are_known_to_both_sides(tmp_path):
     (material,) = elements.cell_data["material"]
     assert material.mean() == pytest.approx(0.5)
     assert "region 1" in content["case.html"].decode()
+
+
+def test_what_differs_and_what_agrees_stand_in_one_sentence():
+    found = compare_case(beam(cells=10, accuracy=0.01))
+    rows = (*found.rows[:2], replace(found.rows[-1], difference=0.11, verdict="differs"))
+    head, _ = sentences(replace(found, rows=rows))
+    assert "beside elasticity: differs in stress at " in head
+    assert "(11 % ± " in head
+    assert "; agrees in displacement (" in head
+    assert head.endswith("The band is 5 %, of stress at points 10 %.")
+
+
+def test_stress_has_twice_the_band_and_no_more():
+    case = beam(cells=10, accuracy=0.01, quantities=("point stress",))
+    (row,) = compare_case(case).rows
+    for part, agrees in ((0.6, True), (0.4, False)):
+        (again,) = compare_case(replace(case, band=part * row.difference)).rows
+        assert (again.verdict == "agrees") == agrees
+
+
+@table(("start", "said"), [(1.0, ""), (0.9, "region 2 over region 1")])
+def test_regions_that_overlap_are_told(start, said):
+    law = Isotropic(1e6, 0.3)
+    zones = tuple(Zone(Region((span, None)), law) for span in ((0.0, 1.0), (start, 2.0)))
+    case = beam(cells=10, accuracy=0.01, quantities=("displacement",))
+    case = replace(case, problem=replace(case.problem, zones=zones))
+    _, reasons = sentences(compare_case(case))
+    told = [reason for reason in reasons if "overlap" in reason]
+    assert bool(told) == bool(said)
+    assert said in "".join(told)
 
 
 def test_a_foreign_field_of_a_softer_material():
