@@ -498,6 +498,7 @@ def test_results_and_exit_code_without_any_stream(tmp_path):
         (["poisson", "--out", "loop/x"], "--out loop/x: a link that leads back to itself"),
         (["poisson", "--out", "loop"], "--out loop: a link that leads back to itself"),
         (["report", "--out", "loop/x"], "--out loop/x: "),
+        (["poisson", "--studies", "loop"], "--studies loop: no such folder"),
         (["check", "--junit", "loop"], "--junit loop: a link that leads back to itself"),
         (["check", "--junit", "loop/x"], "--junit loop/x: a link that leads back to itself"),
         (["check", "--junit", "pipe"], "--junit pipe: a device or a pipe, which would be lost"),
