@@ -26,7 +26,7 @@ from msvalidate.simulators.tables import read_table
 
 ABOUT = "result.json"
 RESULTS = ("result.npz", "result.csv", "result.vtu")
-NO_NUMBER = re.compile(r"""("\w+"\s*:\s*\[?\s*)-?(NaN|Infinity)\b""")
+NO_NUMBER = re.compile(r'"(\w+)"\s*:\s*\[?\s*(-?NaN|-?Infinity)\b')
 """A key of it whose value Python writes where there is no number, which is no JSON."""
 LARGEST_ABOUT = 1_000_000
 """Bytes of `result.json`."""
@@ -107,7 +107,7 @@ def _read_about(path: Path) -> dict[str, Any]:
         why = " ".join(str(error).split())
         if no_number := NO_NUMBER.search(path.read_text(encoding="utf-8", errors="replace")):
             raise SimulatorError(
-                f"answer: {ABOUT}: {no_number[0].strip(':, []')}; did it diverge?"
+                f"answer: {ABOUT}: {no_number[1]} is {no_number[2]}; did it diverge?"
             ) from error
         known = f"; the keys are {', '.join(About.__struct_fields__)}" if "field" in why else ""
         raise SimulatorError(f"answer: {ABOUT}: {why}{known}") from error

@@ -216,18 +216,22 @@ def _free_fall(simulator: Simulator, block: Request) -> list[GateRow]:
     fallen = float((answer.position - points)[:, -1].mean() / (g[-1] * float(plain.dt or 1) ** 2))
     return [
         _judged("free fall", off, "of g t", limit, because),
-        GateRow("free fall: integrator", fallen, "g dt²", math.nan, _integrator(fallen), TOLD),
+        GateRow(
+            "free fall: integrator", fallen, "g dt²", math.nan, _integrator(fallen, stated), TOLD
+        ),
     ]
 
 
-def _integrator(fallen: float) -> str:
+def _integrator(fallen: float, stated: float) -> str:
     known = {
         STEPS * (STEPS + 1) / 2: "semi-implicit: velocity first, then position by the new one",
         STEPS**2 / 2: "positions exact: by the mean of velocities",
         STEPS * (STEPS - 1) / 2: "position by the old velocity",
     }
     near = min(known, key=lambda each: abs(each - fallen))
-    return known[near] if abs(near - fallen) < 0.1 else "of no kind that is known here"
+    return (
+        known[near] if abs(near - fallen) < 0.1 + stated * near else "of no kind that is known here"
+    )
 
 
 def _small_turn(simulator: Simulator, block: Request) -> list[GateRow]:
