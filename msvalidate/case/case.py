@@ -27,7 +27,6 @@ from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
     finite_number,
-    format_value,
     length_in_metres,
     positive_number,
     require_one_of,
@@ -344,4 +343,4 @@ def describe_spacing(case: Case) -> str:
     """Words for the lattice and its spacing."""
     if case.lattice == MESH_EDGES:
         return "a spring on each edge of the mesh"
-    return f"{case.lattice}, {format_value(spacing_of(case))} m"
+    return f"{case.lattice}, {spacing_of(case):.6g} m"

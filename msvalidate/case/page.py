@@ -103,7 +103,7 @@ def shown_pictures(pictures: Mapping[str, tuple[str, bytes]]) -> tuple[Picture, 
 def shown_tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
     """First rows of each table, as a CSV has them."""
     texts = {name: table.map(_text) for name, table in tables.items()}
-    return tuple(table_excerpt(name, table, COLUMNS) for name, table in texts.items())
+    return tuple(table_excerpt(name, table, COLUMNS[name]) for name, table in texts.items())
 
 
 def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
@@ -114,7 +114,9 @@ def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
         rows = [each for each in found.rows if each.verdict == word]
         if rows:
             groups.append(f"{word} in {', '.join(_measured(each) for each in rows)}")
-    head = f"{springs} beside elasticity: {'; '.join(groups)}. {band_words(found.case, found.rows)}."
+    head = (
+        f"{springs} beside elasticity: {'; '.join(groups)}. {band_words(found.case, found.rows)}."
+    )
     if not groups:
         why = "; ".join(found.notes).replace(": not compared:", ",")
         head = f"{springs} are compared in nothing that was asked: {why}."

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from msvalidate.case import files
-from msvalidate.case.budget import budget
+from msvalidate.case.budget import COLUMNS, budget, tables
 from msvalidate.case.building import read_case
-from msvalidate.case.case import Case
+from msvalidate.case.case import Case, describe_spacing
 from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, compare_case, largest
 from msvalidate.case.page import sentences
 from msvalidate.case.results import read_result
@@ -312,7 +312,7 @@ def test_a_foreign_field_of_a_softer_material():
     case = read_case(EXAMPLES / "bracket.toml")
     result = read_result(EXAMPLES / "softer.vtu", 2)
     found, _ = judged_files(case, result, unit=1e-3, plots=False)
-    assert {each.name for each in found.explanations} == {"load", "modulus"}
+    assert {each.name for each in found.explanations} == {"load", "modulus", "thickness"}
     assert found.explanations[0].value == pytest.approx(1.01, abs=1e-4)
 
 
@@ -324,3 +324,16 @@ def test_every_example_is_known_well_enough(name):
     assert found.reference.resolved
     assert found.rows[0].difference < 0.06
     assert found.kind in {"coarse", "not told"}
+
+
+def test_every_column_of_every_table_is_explained(run_beam):
+    made = tables(run_beam[0])
+    assert {name: set(made[name]) - set(COLUMNS[name]) for name in made} == {n: set() for n in made}
+    assert "lattice" in COLUMNS["lattices"]["springs"]
+    assert "result" in COLUMNS["quantities"]["springs"]
+
+
+def test_lengths_are_told_with_few_digits():
+    case = beam(spacing=1.75e-3 + 2.2e-19)
+    assert f"{case.spacing}" == "0.0017500000000000003"
+    assert describe_spacing(case) == "square, 0.00175 m"
