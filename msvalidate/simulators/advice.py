@@ -15,7 +15,7 @@ AT_GATE = {
     "free fall": "take gravity from request.json at each question, and switch damping off",
     "small turn": "hold no node in a motion, and ask for double precision where there is one",
     "twice the modulus": "hand on E of request.json at each question; where loads move too much "
-    "for small strain, see the units",
+    "for small strain, divide forces by the density too if E is, or see the units",
     "the same again": "start each question from nothing, and make sums in one order",
 }
 """Row of the gate -> what helps."""
