@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import difflib
+import sys
 from datetime import UTC, datetime
 from pathlib import Path
 
 from msvalidate.case import files
 from msvalidate.cli.arguments import FAILED, HELD, MISSED, NOTHING
-from msvalidate.cli.steps import Steps
+from msvalidate.cli.cases import Progress
 from msvalidate.cli.terminal import print_lines, tell, tell_error
 from msvalidate.output.provenance import collect_provenance
 from msvalidate.problem import Isotropic, ProblemError
@@ -27,6 +29,29 @@ from msvalidate_check import exchange
 COMMAND = ("msvalidate", "adapter", "check", "ADAPTER")
 RUN = "-run"
 """End of the name of the folder in which its latest question stays, beside its page."""
+
+
+class Steps(Progress):
+    """Steps of something that takes minutes.
+
+    A terminal shows the one that is taken now, written over; elsewhere each that was done is a line
+    of stderr. `log` holds these lines too.
+    """
+
+    def __init__(self, name: str, *, shown: bool, log: Path | None = None) -> None:
+        super().__init__(name, shown=shown)
+        self._tells = shown and not sys.stderr.isatty()
+        self._log, self._lines = log, list[str]()
+
+    def done(self, said: str) -> None:
+        """Say what was done."""
+        self._lines.append(f"{self._name}: {said}")
+        if self._tells:
+            tell(self._lines[-1])
+        if self._log is not None:
+            text = "\n".join([*self._lines, ""])
+            with contextlib.suppress(OSError):
+                exchange.replace_file(self._log, text.encode)
 
 
 def tell_laws() -> int:
@@ -55,7 +80,8 @@ def check_adapter(args: argparse.Namespace) -> int:
     folder, kept = _folders(args, name)
     material = Isotropic(args.modulus, args.ratio, "solid", args.density)
     parts = tuple(args.only or PARTS)
-    show = Steps(name, shown=not args.quiet, log=_log(folder))
+    log = None if folder is None else folder.with_name(f"{folder.name}.log")
+    show = Steps(name, shown=not args.quiet, log=log)
     asked = Asked(Program(args.adapter, args.limit, kept), show, show.done, parts)
     started = datetime.now(UTC)
     try:
@@ -71,16 +97,6 @@ def check_adapter(args: argparse.Namespace) -> int:
     finally:  # also when we are interrupted
         show.clear()
     return _tell(args, name, folder, found, sheet, asked)
-
-
-def _log(folder: Path | None) -> Path | None:
-    """A file of steps beside a folder of results, begun anew."""
-    if folder is None:
-        return None
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    log = folder.with_name(f"{folder.name}.log")
-    exchange.replace_file(log, lambda: b"")
-    return log
 
 
 def _folders(args: argparse.Namespace, name: str) -> tuple[Path | None, Path | None]:

@@ -18,10 +18,9 @@ import numpy as np
 from msvalidate.case import building, files, run
 from msvalidate.case.case import Case
 from msvalidate.case.results import Result
-from msvalidate.cli.adapter_check import check_adapter, tell_laws
+from msvalidate.cli.adapter_check import Steps, check_adapter, tell_laws
 from msvalidate.cli.arguments import FAILED, HELD, NOTHING, PROGRAM, USAGE
 from msvalidate.cli.cases import said, tell_judged
-from msvalidate.cli.steps import Steps
 from msvalidate.cli.terminal import tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value

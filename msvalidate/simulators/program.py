@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import secrets
 import shlex
 import shutil
 import signal
@@ -17,7 +16,6 @@ import sys
 import tempfile
 import threading
 from collections import deque
-from collections.abc import Iterator
 from pathlib import Path
 from typing import IO
 
@@ -44,8 +42,6 @@ PATIENCE = 2.0
 """Seconds that streams may stay open after the program's end: a process that left its group may
 hold them for ever."""
 CASE, OUT, LOG = "case", "out", "log.txt"
-OWN = ".msvalidate-run-"
-"""How names begin of the folders that runs work in, beside those where they are kept."""
 GUARDED = """\
 exec 3<&0 </dev/null
 ( (read word <&3; kill -KILL 0) >/dev/null 2>&1 & )
@@ -103,7 +99,7 @@ class Program:
                 return self._run(request, Path(name).resolve())
         keep = Path(self.keep).resolve()
         _refuse_others(keep)
-        with _own_folder(keep.parent) as own:
+        with exchange.own_folder(keep.parent) as own:
             try:
                 return self._run(request, own)
             finally:  # also when we are interrupted
@@ -145,37 +141,6 @@ def _refuse_others(keep: Path) -> None:
     )
     if others:
         raise ProblemError(f"folder {keep}: holds what no adapter left there; name another")
-
-
-@contextlib.contextmanager
-def _own_folder(beside: Path) -> Iterator[Path]:
-    """A new folder that is ours while we live; those of runs that were killed are cleared away."""
-    beside.mkdir(parents=True, exist_ok=True)
-    with contextlib.ExitStack() as held:
-        with exchange.alone(beside):
-            for left in beside.glob(f"{OWN}*"):
-                if _is_left(left):
-                    shutil.rmtree(left, ignore_errors=True)
-            own = beside / f"{OWN}{secrets.token_hex(8)}"
-            own.mkdir()
-            held.callback(shutil.rmtree, own, ignore_errors=True)
-            held.enter_context(exchange.alone(own))
-            (own / OWN).mkdir()
-        yield own / OWN
-
-
-def _is_left(own: Path) -> bool:
-    """Whether nobody lives that works in a folder of `_own_folder`."""
-    if exchange.fcntl is None:  # not a Unix
-        return False
-    with contextlib.suppress(OSError):
-        handle = os.open(own, os.O_RDONLY)
-        try:
-            exchange.fcntl.flock(handle, exchange.fcntl.LOCK_EX | exchange.fcntl.LOCK_NB)
-        finally:
-            os.close(handle)
-        return True
-    return False
 
 
 def words_of(command: str) -> list[str]:
