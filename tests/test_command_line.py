@@ -563,7 +563,7 @@ def test_a_full_disk_names_the_file_that_was_wanted(tmp_path):
     body = f"{full}\nos.fsync = no\n" + ENDINGS["tolerance missed"][2]
     done = run(cwd=tmp_path, script=PATCHED.format(body=body))
     assert done.returncode == 2
-    assert "writing results: No space left on device: poisson/t.csv" in done.stderr
+    assert "error: No space left on device: poisson/t.csv" in done.stderr
     assert not [p for p in tmp_path.rglob("*") if p.is_file()], "nothing half-written"
 
 

@@ -24,6 +24,7 @@ from msvalidate.problem import (
     SolverError,
     Support,
 )
+from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
 from msvalidate.statics.stress import fitted_stress
 from msvalidate_check.words import AGREES, DIFFERS, agreement
@@ -151,6 +152,7 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     SolverError
         If there is no trustworthy answer.
     """
+    require_type("compare", case, Case)
     progress("springs")
     answers = solve_finer(case)
     points = compared_points(case, answers[0].lattice)

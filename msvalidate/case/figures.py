@@ -16,13 +16,22 @@ from msvalidate.case.comparison import Comparison
 from msvalidate.case.judge import Judgement
 from msvalidate.output.body_drawing import draw_loads, draw_supports
 from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure, solid_axes
-from msvalidate.problem import Array, Index, Mask
-from reference_fem.body import Solution, nodal_forces
+from msvalidate.problem import (
+    Array,
+    BodyForce,
+    Index,
+    Mask,
+    PointForce,
+    Traction,
+    Weight,
+    vectors_at,
+)
+from reference_fem.body import Solution
 
 DEFORMED = 0.1
 """Of the body's size, how far its largest displacement is drawn."""
 ARROW = 0.12
-"""Of the body's size, the longest arrow of a load."""
+"""Of the body's size, the longest arrow of each kind of load."""
 MOST_ARROWS = 40
 UPWARDS = [0, 2, 1]
 """Axes in the order in which they are drawn in space, the last upwards."""
@@ -152,8 +161,8 @@ def draw_body(found: Comparison) -> Figure:
         *lattice.points[held3][:, UPWARDS].T, "s", ms=2.5, mfc="none", color="black", label="held"
     )
     at, force = _arrows(found)
-    if len(at):
-        length = ARROW * size * force / np.linalg.norm(force, axis=1).max()
+    if force.any():
+        length = ARROW * size * force
         axis.quiver(
             *(at - length)[:, UPWARDS].T,
             *length[:, UPWARDS].T,
@@ -166,12 +175,28 @@ def draw_body(found: Comparison) -> Figure:
 
 
 def _arrows(found: Comparison) -> tuple[Array, Array]:
-    """Places (k, d) in m and forces (k, d) in N of loads, at most so many of them."""
-    body = found.reference.solutions[0].body
-    force = nodal_forces(found.case.problem, body)
-    (on,) = np.nonzero(np.linalg.norm(force, axis=1) > 1e-12 * np.abs(force).max(initial=0.0))
-    chosen = on[:: max(1, -(-len(on) // MOST_ARROWS))]
-    return np.asarray(body.points[chosen]), np.asarray(force[chosen])
+    """Places (k, d) in m and arrows (k, d) of loads; the longest of each kind of load is 1 long.
+
+    Of tractions as they are, not of the forces on nodes, which are uneven where a pressure is even.
+    """
+    problem, x = found.case.problem, found.reference.solutions[0].body.points
+    drawn: dict[type, list[tuple[Array, Array]]] = {}
+    for load in problem.loads:
+        if isinstance(load, PointForce):
+            at, vectors = np.array([load.at]), np.array([load.force], dtype=float)
+        else:
+            on = isinstance(load, Traction)
+            at = x[load.region.select(x, problem.domain.tolerance)] if on else x  # type: ignore[union-attr]
+            at = at[:: max(1, -(-len(at) // MOST_ARROWS))]
+            entry = {Traction: "traction", BodyForce: "force", Weight: "acceleration"}[type(load)]
+            vectors = vectors_at(entry, getattr(load, entry), at)
+        drawn.setdefault(type(load), []).append((at, vectors))
+    places, arrows = [np.empty((0, x.shape[1]))], [np.empty((0, x.shape[1]))]
+    for group in drawn.values():
+        longest = max(float(np.linalg.norm(each, axis=1).max()) for _, each in group)
+        places += [at for at, _ in group]
+        arrows += [each / (longest or 1.0) for _, each in group]
+    return np.concatenate(places), np.concatenate(arrows)
 
 
 def draw_fields(found: Comparison) -> Figure:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import time
 from pathlib import Path
@@ -44,7 +45,7 @@ def _new(args: argparse.Namespace) -> int:
         raise ProblemError(
             f"case new: {format_value(args.name)} is no name; give letters and digits"
         )
-    if path.exists():
+    if os.path.lexists(path):  # a link that leads nowhere too
         raise ProblemError(f"case new: {path} is there already; give another name")
     if not path.parent.is_dir():
         raise ProblemError(f"case new: no folder {path.parent}; make it first")

@@ -12,8 +12,10 @@ import pytest
 
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case, make_lattice, spacing_of
+from msvalidate.case.comparison import compare_case
 from msvalidate.case.lines import key_lines, line_of
 from msvalidate.case.reading import CaseError
+from msvalidate.case.run import case_files, judged_files
 from msvalidate.case.schema import json_schema
 from msvalidate.case.springs import make_network, solve_finer
 from msvalidate.case.template import template
@@ -189,6 +191,22 @@ def test_bad_files_are_told_in_one_line(tmp_path, changes, said):
     assert message.startswith("case beam.toml")
     assert said in message
     assert "\n" not in message
+
+
+def test_a_mesh_may_be_a_link_beside_the_case(tmp_path):
+    folder = tmp_path / "cases"
+    folder.mkdir()
+    path = write(folder, changed((BOX, 'mesh = "part.msh"')))
+    (folder / "part.msh").rename(tmp_path / "4f2a.msh")
+    (folder / "part.msh").symlink_to("../4f2a.msh")
+    assert len(read_case(path).problem.domain.points) == 4
+
+
+@pytest.mark.parametrize("given", [5, None, b"beam.toml", [1]])
+def test_what_is_no_case_is_told_in_one_line(given):
+    for act in (read_case, compare_case, case_files, lambda case: judged_files(case, case)):
+        with pytest.raises(ProblemError, match=r"; give a"):
+            act(given)
 
 
 def test_changed_files_are_read_or_refused():

@@ -12,7 +12,7 @@ import meshio
 import numpy as np
 import pytest
 
-from msvalidate.case import files
+from msvalidate.case import figures, files
 from msvalidate.case.budget import COLUMNS, budget, tables
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case, describe_spacing
@@ -247,6 +247,35 @@ def test_the_commands(tmp_path):
     assert "points.csv: agrees" in judged.stdout
     assert json.loads(program(tmp_path, "schema").stdout)["$ref"]
     assert program(tmp_path).returncode == 2
+
+
+def test_a_new_case_is_not_written_through_a_link(tmp_path):
+    (tmp_path / "k.toml").symlink_to("elsewhere.toml")
+    done = program(tmp_path, "new", "k")
+    assert done.returncode == 2
+    assert "k.toml is there already" in done.stderr
+    assert not (tmp_path / "elsewhere.toml").exists()
+
+
+def test_a_name_that_is_too_long_is_no_fault_of_writing(tmp_path):
+    done = program(tmp_path, "new", 300 * "a")
+    assert done.returncode == 2
+    assert "error: File name too long: " in done.stderr
+    assert len(done.stderr) < 200
+
+
+def test_an_even_pressure_is_drawn_by_arrows_of_one_length():
+    case = beam(cells=4, accuracy=0.05, quantities=("displacement",))
+    loads = (
+        Traction(BEAM.side("top"), (0.0, -10.0)),
+        Traction(BEAM.side("right"), (-5.0, 0.0)),
+        Weight((0.0, -9.81)),
+    )
+    found = compare_case(replace(case, problem=replace(case.problem, loads=loads)))
+    at, arrow = figures._arrows(found)
+    size = np.linalg.norm(arrow, axis=1).round(12)
+    assert sorted(set(size)) == [0.5, 1.0]
+    assert (at[size == 0.5][:, 0] == 2.0).all()
 
 
 def test_folders_of_others_are_left(tmp_path):
