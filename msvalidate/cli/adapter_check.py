@@ -92,8 +92,8 @@ def check_adapter(args: argparse.Namespace) -> int:
         _write(args, name, folder, found, sheet, started, show)
     except NoAnswerError as error:
         show.clear()
-        log = "" if kept is None else f" ({kept / OUT / LOG})"
-        return tell_error(f"{name}: {error}{log}", FAILED)
+        where = "" if kept is None else f" ({kept / OUT / LOG})"
+        return tell_error(f"{name}: {error}{where}", FAILED)
     finally:  # also when we are interrupted
         show.clear()
     return _tell(args, name, folder, found, sheet, asked)
