@@ -12,7 +12,8 @@ from msvalidate.simulators.moduli import SHOWN
 AT_GATE = {
     "rest stays at rest": "in a motion let nothing but the body's own forces act: no damping, "
     "contact, floor or support",
-    "free fall": "take gravity from request.json at each question, and switch damping off",
+    "free fall": "take gravity from request.json at each question, switch damping off, and say in "
+    "solves_to what the solve of a step leaves",
     "small turn": "hold no node in a motion, and ask for double precision where there is one",
     "twice the modulus": "hand on E of request.json at each question; where loads move too much "
     "for small strain, divide forces by the density too if E is, or see the units",

@@ -81,7 +81,8 @@ class Masses:
     def line(self) -> str:
         """What was found, in one line."""
         rounding = f"known to {self.error:.1e}; the total is asked, only ratios are observed"
-        return f"masses: {self.pattern}; {self.spread} ({rounding})"
+        spread = f"; {self.spread}" if self.off > SAME else ""
+        return f"masses: {self.pattern}{spread} ({rounding})"
 
 
 def measure_masses(bench: Bench, seed: int = SEED) -> Masses:
