@@ -48,16 +48,14 @@ from reference_fem.mixed import mixed_forces
 MOST_NODES = {2: 150_000, 3: 60_000}
 """Nodes of the finest mesh, by default, by the number of axes: some 5 s and 30 s."""
 MOST_MIXED = 12_000
-"""The same of mixed elements in space, whose factor fills up: 30,000 nodes take minutes."""
+"""The same of mixed elements in space, whose factor fills up: 30,000 nodes take minutes. And of the
+second mesh of plates, whose thin cells take a factor too."""
 LEVELS = 3
 """Meshes that are always solved, if their nodes are few enough."""
 ACROSS = 3
 """Cells of the first mesh across the narrowest side of a box or an outline."""
 MOST_ALONG = 200
 """Cells of the first mesh along any side: those of slender bodies are longer than wide."""
-COARSER, MOST_THIN = 1.25, 15_000
-"""How many times as large cells of a plate become at a time, till its second mesh has so many
-nodes: thin cells take a factor."""
 NEARLY_INCOMPRESSIBLE = 0.45
 """Ratio from which displacement and pressure are sought together, but in plane stress."""
 
@@ -248,7 +246,7 @@ def converge(
     x = finite_coordinates("points", points, "p", problem.domain.dim)
     positive_number("accuracy", accuracy)
     mixed = _is_nearly_incompressible(problem) if mixed is None else mixed
-    most = _most_nodes(problem, mixed=mixed)
+    most = MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
     if most_nodes is not None:
         most = whole_number("most nodes", most_nodes, 1)
     began = time.perf_counter()
@@ -275,10 +273,9 @@ def first_mesh(problem: Problem) -> Discretisation:
     if isinstance(domain, Box):
         h = max(min(domain.size) / ACROSS, max(domain.size) / MOST_ALONG)
         lines = grid_lines(problem, h)
-        most = _most_nodes(problem, mixed=_is_nearly_incompressible(problem))
-        if _nodes_of_second(lines) > most:  # there would be none, and no error were known
-            while _nodes_of_second(lines) > min(most, MOST_THIN) and h < max(domain.size):
-                h *= COARSER
+        if _nodes_of_second(lines) > MOST_NODES[domain.dim]:  # of a plate: no error were known
+            while _nodes_of_second(lines) > MOST_MIXED and h < max(domain.size):
+                h *= 1.25
                 lines = grid_lines(problem, h)
         return _laid_grid(domain, lines)
     own = mesh_discretisation(domain)
@@ -339,11 +336,6 @@ def _laid_grid(box: Box, lines: list[Array]) -> Discretisation:
         for x, side, many, line in zip(even.points.T, box.size, counts, lines, strict=True)
     ]
     return make_discretisation(np.column_stack(columns), even.cells, even.element.name)
-
-
-def _most_nodes(problem: Problem, *, mixed: bool) -> int:
-    """Nodes of the finest mesh where nothing is said."""
-    return MOST_MIXED if mixed and problem.domain.dim == 3 else MOST_NODES[problem.domain.dim]
 
 
 def _is_nearly_incompressible(problem: Problem) -> bool:

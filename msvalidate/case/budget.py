@@ -175,48 +175,32 @@ def point_table(points: Array, displacement: Array, reference: Reference) -> pd.
     return pd.DataFrame(columns | {"difference": away})
 
 
-_DIFFERENCE = (
-    "of springs, or of the result, and elasticity, over elasticity's largest displacement (1)"
-)
 COLUMNS = {
-    "quantities": {
-        "quantity": "what is compared",
-        "unit": "of the two sizes",
-        "springs": "largest of the springs, or of the result (or root mean square, where said)",
-        "elasticity": "the same of converged elasticity",
-        "difference": "of the two, over elasticity's (1)",
-        "doubt": "how far that may be off (1)",
-        "verdict": "agrees or differs within the band, whatever the doubt; else not resolved",
-    },
-    "budget": {
-        "part": "of the difference, where it is largest",
-        "value": "along the difference there, over the largest displacement (1)",
-        "doubt": "how far that may be off (1)",
-        "meaning": "what the part is",
-    },
-    "causes": {
-        "name": "of the cause",
-        "said": "what the field would be",
-        "left": "largest difference that it leaves, over elasticity's largest displacement (1)",
-        "value": "of what was fitted, if anything was",
-    },
-    "lattices": {
-        "spacing": "side of the lattice's cells (m); 0 is what the lattices close in on",
-        "points": "of the lattice",
-        "springs": "of the lattice",
-        "difference": _DIFFERENCE,
-        "seconds": "that its answer took",
-    },
-    "meshes": {
-        "element": "of the mesh: Q2, P2 in the plane, H2, T2 in space are quadratic",
-        "nodes": "of the mesh",
-        "difference": "of the finest mesh and this one, over the largest displacement (1)",
-    },
-    "points": {
-        **dict.fromkeys(AXES, "place (m)"),
-        **{f"u{axis}": "displacement of the springs, or of the result (m)" for axis in AXES},
-        **{f"elastic_u{axis}": "the same of elasticity (m)" for axis in AXES},
-        "difference": _DIFFERENCE,
-    },
+    "quantity": "what is compared",
+    "unit": "of the two sizes",
+    "springs": "largest of the springs, or of the result (or root mean square, where said)",
+    "elasticity": "the same of converged elasticity",
+    "difference": "of springs, or of the result, and elasticity, over elasticity's (1)",
+    "doubt": "how far it may be off (1)",
+    "verdict": "agrees or differs within the band, whatever the doubt; else not resolved",
+    "part": "of the difference, where it is largest",
+    "value": "along the difference there, over the largest displacement (1)",
+    "meaning": "what the part is",
+    "spacing": "side of the lattice's cells (m); 0 is what the lattices close in on",
+    "points": "of the lattice",
+    "seconds": "that its answer took",
+    "element": "of the mesh: Q2, P2 in the plane, H2, T2 in space are quadratic",
+    "nodes": "of the mesh",
+    **dict.fromkeys(AXES, "place (m)"),
+    **{f"u{axis}": "displacement of the springs, or of the result (m)" for axis in AXES},
+    **{f"elastic_u{axis}": "the same of elasticity (m)" for axis in AXES},
+    "name": "of the cause",
+    "said": "what the field would be",
+    "left": "largest difference that it leaves, over elasticity's largest displacement (1)",
 }
-"""Table -> column -> what it holds."""
+OWN = {
+    "lattices": {"springs": "of the lattice"},
+    "meshes": {"difference": "of this mesh and the finest, over the largest displacement (1)"},
+    "causes": {"value": "of what was fitted, if anything was"},
+}
+"""Table -> columns that hold something else there."""

@@ -16,16 +16,7 @@ from msvalidate.case.comparison import Comparison
 from msvalidate.case.judge import Judgement
 from msvalidate.output.body_drawing import draw_loads, draw_supports
 from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure, solid_axes
-from msvalidate.problem import (
-    Array,
-    BodyForce,
-    Index,
-    Mask,
-    PointForce,
-    Traction,
-    Weight,
-    vectors_at,
-)
+from msvalidate.problem import Array, Index, Mask, PointForce, Traction, vectors_at
 from reference_fem.body import Solution
 
 DEFORMED = 0.1
@@ -180,23 +171,22 @@ def _arrows(found: Comparison) -> tuple[Array, Array]:
     Of tractions as they are, not of the forces on nodes, which are uneven where a pressure is even.
     """
     problem, x = found.case.problem, found.reference.solutions[0].body.points
-    drawn: dict[type, list[tuple[Array, Array]]] = {}
+    d, groups = x.shape[1], dict[type, list[Array]]()
     for load in problem.loads:
+        at = x
         if isinstance(load, PointForce):
-            at, vectors = np.array([load.at]), np.array([load.force], dtype=float)
-        else:
-            on = isinstance(load, Traction)
-            at = x[load.region.select(x, problem.domain.tolerance)] if on else x  # type: ignore[union-attr]
-            at = at[:: max(1, -(-len(at) // MOST_ARROWS))]
-            entry = {Traction: "traction", BodyForce: "force", Weight: "acceleration"}[type(load)]
-            vectors = vectors_at(entry, getattr(load, entry), at)
-        drawn.setdefault(type(load), []).append((at, vectors))
-    places, arrows = [np.empty((0, x.shape[1]))], [np.empty((0, x.shape[1]))]
-    for group in drawn.values():
-        longest = max(float(np.linalg.norm(each, axis=1).max()) for _, each in group)
-        places += [at for at, _ in group]
-        arrows += [each / (longest or 1.0) for _, each in group]
-    return np.concatenate(places), np.concatenate(arrows)
+            at = np.array([load.at])
+        elif isinstance(load, Traction):
+            at = x[load.region.select(x, problem.domain.tolerance)]
+        at = at[:: max(1, -(-len(at) // MOST_ARROWS))]
+        (name,) = (each for each in ("traction", "force", "acceleration") if hasattr(load, each))
+        both = np.hstack([at, vectors_at(name, getattr(load, name), at)])
+        groups.setdefault(type(load), []).append(both)
+    drawn = [np.empty((0, 2 * d)), *map(np.concatenate, groups.values())]
+    for both in drawn[1:]:
+        both[:, d:] /= np.linalg.norm(both[:, d:], axis=1).max() or 1.0
+    arrows = np.concatenate(drawn)
+    return arrows[:, :d], arrows[:, d:]
 
 
 def draw_fields(found: Comparison) -> Figure:

@@ -23,7 +23,7 @@ from msvalidate.problem import (
 )
 from reference_fem import box_discretisation, mesh_discretisation
 from reference_fem.closing_in import close_in
-from reference_fem.converged import MOST_THIN, converge, first_mesh
+from reference_fem.converged import MOST_MIXED, converge, first_mesh
 from reference_fem.mesh.outlines import outline_discretisation
 from reference_fem.mesh.subdivide import subdivide
 from tests.reference_fem.bodies_at_random import bent_mesh, problems
@@ -85,7 +85,7 @@ def test_a_plate_has_room_for_a_second_mesh():
     held = (Support(plate.side("left"), (0.0, 0.0, 0.0)),)
     x = first_mesh(Problem(plate, Isotropic(1e5, 0.3, "solid"), held)).points
     assert len(np.unique(x[:, 2])) == 5  # of two cells
-    assert 8 * len(x) <= MOST_THIN
+    assert 8 * len(x) <= MOST_MIXED
 
 
 def cubic(points):
