@@ -22,8 +22,6 @@ AT_GATE = {
 """Row of the gate -> what helps."""
 SETTLES = ("twice the iterations", "twice the steps", "dt / 2")
 """Rows of the gate that only what is not at rest is stopped by: to be mended first."""
-ITERATES = ("small turn", "twice the modulus")
-"""Rows that few iterations stop too, where forces are those at a step's end."""
 
 
 def next_step(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> str:
@@ -55,8 +53,7 @@ def _at_gate(found: Judgement, asked: Asked) -> str:
         for name in ("iterations", "steps", "dt")
         if isinstance(value := (own.get(name) or [None])[0], int | float)
     }
-    within = SETTLES + (ITERATES if asked.about.get("forces_at") == "end" else ())
-    few = [name for name in within if name in stops]
+    few = [name for name in SETTLES if name in stops]
     if few and further:
         each = " or ".join(f"--set {name}={value:.4g}" for name, value in further.items())
         return (

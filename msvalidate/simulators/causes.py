@@ -53,7 +53,7 @@ def state_and_causes(
             f"law: read as E {law[0]:.4g} Pa, nu {law[1]:.4g}; its documents say "
             f"{predicted[0]:.4g} Pa, {predicted[1]:.4g}"
         )
-    other = large is not None and large.apart > BAND and not moving and not large.may_settle
+    other = large is not None and large.apart > max(BAND, large.rest) and not moving
     if other and large is not None:
         causes.append(
             f"law: at {large.strain:.2g} strain {large.apart:.2g} of the displacement from "

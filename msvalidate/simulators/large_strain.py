@@ -55,11 +55,6 @@ class AtLargeStrain:
     from_linear: float
     rest: float
 
-    @property
-    def may_settle(self) -> bool:
-        """Whether it says that as much may still change as what it is apart."""
-        return self.apart <= self.rest
-
 
 def at_large_strain(
     simulator: Simulator,

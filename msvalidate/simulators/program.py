@@ -133,11 +133,12 @@ class Program:
 
 def _refuse_others(keep: Path) -> None:
     """Raise `ProblemError` where a folder that would be replaced holds more than a run."""
-    others = keep.exists() and (
-        not keep.is_dir()
-        or {path.name for path in keep.iterdir()} - {CASE, OUT}
-        or ((keep / CASE).exists() and not (keep / CASE / REQUEST).is_file())
-        or ((keep / OUT).exists() and not (keep / OUT / LOG).is_file())
+    marks = {CASE: REQUEST, OUT: LOG}
+    others = keep.exists() and not (
+        keep.is_dir()
+        and all(
+            path.name in marks and (path / marks[path.name]).is_file() for path in keep.iterdir()
+        )
     )
     if others:
         raise ProblemError(f"folder {keep}: holds what no adapter left there; name another")

@@ -131,6 +131,10 @@ def test_what_is_kept_is_the_latest_call_and_no_other_peoples_files(tmp_path):
     with pytest.raises(ProblemError, match="what no adapter left there"):
         Program(good, keep=tmp_path / "own")(REQUEST)
     assert (tmp_path / "own" / "out" / "thesis").exists()
+    (keep / "notes").write_text("", encoding="utf-8")
+    with pytest.raises(ProblemError, match="what no adapter left there"):
+        Program(good, keep=keep)(REQUEST)
+    assert (keep / "notes").exists()
 
 
 COMMANDS = [
