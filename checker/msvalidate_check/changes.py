@@ -21,6 +21,8 @@ SAME_IMAGE = 0.1
 """Of the difference: where elasticity differs less from its mirror image, that explains nothing."""
 SAME = 1e-9
 """Of the largest displacement: two orders or signs of components that give the same field."""
+ALONG = 1e-9
+"""Of two fields' sizes: their product, where one may be a number of times the other."""
 MOST_ASKED = 0.1
 """Of the largest displacement: what no explanation leaves."""
 
@@ -128,9 +130,9 @@ def _mirrored(field: Field) -> Iterator[Image]:
         yield Image("places", f"elasticity at places mirrored along {along}", other)
 
 
-def explain_one_change(field: Field) -> Iterator[Explanation]:
-    """Other axes, other signs, a mirror or a coarse mesh, and nothing besides."""
-    itself, *others = images(field)
+def explain_one_change(field: Field, every: list[Image]) -> Iterator[Explanation]:
+    """Other axes, other signs, or another of all `images`, and nothing besides."""
+    itself, *others = every
     for image in others:
         said = f"{image.said}?"
         if image.name == "coarse mesh":
@@ -148,11 +150,10 @@ def explain_one_change(field: Field) -> Iterator[Explanation]:
         yield Explanation(frame.name, said, field.left(frame.of(field.found)))
 
 
-def explain_two_changes(field: Field, most: float) -> Iterator[Explanation]:
+def explain_two_changes(field: Field, every: list[Image], most: float) -> Iterator[Explanation]:
     """Two of another scale, other axes or signs, and another image, that leave at most so much."""
-    every = frames(field.found.shape[1])
-    for image in images(field):
-        for frame in every:
+    for image in every:
+        for frame in frames(field.found.shape[1]):
             if image.name and frame.name:
                 if _least_left(field, image, frame, most, scaled=False) <= most:
                     left = field.left(frame.of(field.found), image.wanted)
@@ -173,7 +174,7 @@ def _least_left(field: Field, image: Image, frame: Frame, most: float, *, scaled
         for k, (a, sign) in enumerate(zip(frame.order, frame.signs, strict=True))
     )
     f, w = float((found**2).sum()), float((wanted**2).sum())
-    if scaled and (both <= 0 or w == 0):
+    if scaled and both <= ALONG * np.sqrt(f * w):
         return most + 1
     scale = both / w if scaled else 1.0
     square = f / scale**2 - 2 * both / scale + w

@@ -113,6 +113,7 @@ class Verdict:
         return "\n".join(_lines(self))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of a cause that would be beyond all numbers
 def check(
     case: ElasticCase,
     points: ArrayLike | None,

@@ -13,7 +13,7 @@ from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
 from msvalidate.case.comparison import Row, largest
 from msvalidate.case.matching import Matched, match
-from msvalidate.case.results import Result
+from msvalidate.case.results import Result, refuse_extreme
 from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight
 from msvalidate.problem.records import dataclass, replace
 from msvalidate_check.beside import MOST_RATIO
@@ -101,6 +101,7 @@ def judge_result(
     SolverError
         If there is no trustworthy reference.
     """
+    refuse_extreme("displacement", result.displacement)
     progress("points")
     body = first_mesh(case.problem)
     matched = match(case, result, unit, body)
