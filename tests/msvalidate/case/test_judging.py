@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+import struct
 import tracemalloc
+import zlib
 from dataclasses import replace
 
 import meshio
@@ -13,7 +15,7 @@ import pytest
 
 from msvalidate.case.case import Case
 from msvalidate.case.judge import budget, judge_result
-from msvalidate.case.results import read_result
+from msvalidate.case.results import Result, read_result
 from msvalidate.cli.simulators import _result as simulated
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
 from msvalidate.simulators.export import export_case, on_mesh
@@ -292,6 +294,67 @@ def test_arrays_that_are_none(tmp_path):
         np.savez(tmp_path / "a.npz", **arrays)
         with pytest.raises(ProblemError, match=said):
             read_result(tmp_path / "a.npz", 2)
+
+
+def blocks(values, size):
+    """An array in blocks as VTK packs them: their number and sizes, then each by zlib."""
+    data = values.tobytes()
+    packed = [zlib.compress(data[k : k + size]) for k in range(0, len(data), size)]
+    head = (len(packed), size, 0, *map(len, packed))
+    return struct.pack(f"<{len(head)}I", *head) + b"".join(packed)
+
+
+def appended(path, points, move, size):
+    """A .vtu of triangles with its arrays behind all tags, as ParaView writes them by default."""
+    cells = np.arange(3)
+    ends, kind = np.array([3]), np.array([5], dtype=np.uint8)
+    arrays = {"Points": points, "displacement": move, "connectivity": cells, "offsets": ends}
+    tags, content = {}, b""
+    for name, values in (arrays | {"types": kind}).items():
+        type_ = {"f": "Float64", "i": "Int64", "u": "UInt8"}[values.dtype.kind]
+        tags[name] = (
+            f'<DataArray type="{type_}" Name="{name}" format="appended" offset="{len(content)}"'
+            f' NumberOfComponents="{values.shape[1] if values.ndim == 2 else 1}"/>'
+        )
+        content += blocks(values, size)
+    topology = "".join(tags[name] for name in ("connectivity", "offsets", "types"))
+    head = (
+        '<VTKFile type="UnstructuredGrid" byte_order="LittleEndian" header_type="UInt32"'
+        ' compressor="vtkZLibDataCompressor"><UnstructuredGrid>'
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="1"><Points>{tags["Points"]}</Points>'
+        f"<Cells>{topology}</Cells><PointData>{tags['displacement']}</PointData></Piece>"
+        '</UnstructuredGrid><AppendedData encoding="raw">_'
+    )
+    path.write_bytes(head.encode() + content + b"\n</AppendedData></VTKFile>")
+
+
+def test_blocks_are_read_and_refused_before_they_take_memory_or_time(tmp_path):
+    path, x = tmp_path / "a.vtu", np.c_[X[:3], np.zeros(3)]
+    u = 1e-3 * np.cos(x) * [1, 1, 0]
+    appended(path, x, u, 7)
+    found = read_result(path, 2)
+    assert np.array_equal(found.points, x[:, :2])
+    assert np.array_equal(found.displacement, u[:, :2])
+    appended(path, np.zeros((5_000_000, 3)), u, 1_000_000)
+    assert path.stat().st_size < 200_000
+    tracemalloc.start()
+    with pytest.raises(ProblemError, match=r"more than 1e\+08 bytes when unpacked"):
+        read_result(path, 2)
+    assert tracemalloc.get_traced_memory()[1] < 6e8
+    tracemalloc.stop()
+    np.savez_compressed(tmp_path / "a.npz", displacement=np.zeros((10_000_000, 2)))
+    tracemalloc.start()
+    with pytest.raises(ProblemError, match=r"1\.6e\+08 bytes when unpacked; the most is"):
+        read_result(tmp_path / "a.npz", 2)
+    assert tracemalloc.get_traced_memory()[1] < 1e7
+    tracemalloc.stop()
+
+
+def test_numbers_whose_squares_are_none_are_refused():
+    for times, words in ((1e-200, "give numbers above 1e-100, or 0"), (1e250, "below 1e\\+100")):
+        field = Result("program", times * np.ones((3, 2)), X[:3], None, np.nan, 0.0)
+        with pytest.raises(ProblemError, match=words):
+            judge_result(Case(problem()), field)
 
 
 def test_the_grid_of_numbers():
