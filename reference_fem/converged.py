@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from functools import cached_property
 from itertools import pairwise
+from math import prod
 
 import numpy as np
 
@@ -47,7 +48,8 @@ from reference_fem.mixed import mixed_forces
 MOST_NODES = {2: 150_000, 3: 60_000}
 """Nodes of the finest mesh, by default, by the number of axes: some 5 s and 30 s."""
 MOST_MIXED = 12_000
-"""The same of mixed elements in space, whose factor fills up: 30,000 nodes take minutes."""
+"""The same of mixed elements in space, whose factor fills up: 30,000 nodes take minutes. And of the
+second mesh of plates, whose thin cells take a factor too."""
 LEVELS = 3
 """Meshes that are always solved, if their nodes are few enough."""
 ACROSS = 3
@@ -270,7 +272,12 @@ def first_mesh(problem: Problem) -> Discretisation:
         return _raised(linear)
     if isinstance(domain, Box):
         h = max(min(domain.size) / ACROSS, max(domain.size) / MOST_ALONG)
-        return _laid_grid(domain, grid_lines(problem, h))
+        lines = grid_lines(problem, h)
+        if _nodes_of_second(lines) > MOST_NODES[domain.dim]:  # of a plate: no error were known
+            while _nodes_of_second(lines) > MOST_MIXED and h < max(domain.size):
+                h *= 1.25
+                lines = grid_lines(problem, h)
+        return _laid_grid(domain, lines)
     own = mesh_discretisation(domain)
     if own.element.degree > 1:
         return own
@@ -313,6 +320,11 @@ def grid_lines(problem: Problem, h: float, least: int = 2) -> list[Array]:
             parts.append(a + (b - a) * np.arange(many) / many)
         found.append(np.append(np.concatenate(parts), high))
     return found
+
+
+def _nodes_of_second(lines: list[Array]) -> int:
+    """About how many nodes the second mesh between lines along each axis has."""
+    return prod(4 * len(line) - 2 for line in lines)
 
 
 def _laid_grid(box: Box, lines: list[Array]) -> Discretisation:

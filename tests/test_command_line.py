@@ -498,6 +498,7 @@ def test_results_and_exit_code_without_any_stream(tmp_path):
         (["poisson", "--out", "loop/x"], "--out loop/x: a link that leads back to itself"),
         (["poisson", "--out", "loop"], "--out loop: a link that leads back to itself"),
         (["report", "--out", "loop/x"], "--out loop/x: "),
+        (["poisson", "--studies", "loop"], "--studies loop: no such folder"),
         (["check", "--junit", "loop"], "--junit loop: a link that leads back to itself"),
         (["check", "--junit", "loop/x"], "--junit loop/x: a link that leads back to itself"),
         (["check", "--junit", "pipe"], "--junit pipe: a device or a pipe, which would be lost"),
@@ -562,7 +563,7 @@ def test_a_full_disk_names_the_file_that_was_wanted(tmp_path):
     body = f"{full}\nos.fsync = no\n" + ENDINGS["tolerance missed"][2]
     done = run(cwd=tmp_path, script=PATCHED.format(body=body))
     assert done.returncode == 2
-    assert "writing results: No space left on device: poisson/t.csv" in done.stderr
+    assert "error: No space left on device: poisson/t.csv" in done.stderr
     assert not [p for p in tmp_path.rglob("*") if p.is_file()], "nothing half-written"
 
 

@@ -48,7 +48,8 @@ class Field:
     what moves the body; `span` its ends (m) along each axis; `ratio` its Poisson's ratio, NaN if it
     has none; `by_ratio` gives elasticity (n, d) of another of `ratios`, None if of no other;
     `elsewhere` gives it at other places (n, d) in m, None where one lies outside the body; `known`
-    are fields (n, d), by ratio, of solvers that are known not to be converged, by what they are of.
+    are fields (n, d), by ratio, of solvers that are known not to be converged, by what they are of;
+    `other_state` gives it in the other plane state, with that state's name.
     """
 
     places: Array
@@ -62,6 +63,7 @@ class Field:
     by_ratio: Callable[[float], Array] | None = None
     elsewhere: Callable[[Array], Array | None] | None = None
     known: Mapping[str, Callable[[float], Array]] = field(default_factory=dict)
+    other_state: Callable[[], tuple[str, Array] | None] = lambda: None
 
     @property
     def size(self) -> float:

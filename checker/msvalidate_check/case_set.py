@@ -31,6 +31,8 @@ HERE = Path(__file__).resolve().parent
 PLANE, SPACE = ("tri3", "quad4"), ("tet4", "hex8")
 STATES = ("plane_stress", "plane_strain", "space")
 SAME_RATIO = 1e-9
+CUBIC = 5e-4
+"""Of the largest displacement, to which elasticity is known between two of the set's ratios."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +106,7 @@ class ElasticCase:
     def at_ratio(self, nu: float) -> Array:
         """Elasticity's displacement (p, d) in m at another of Poisson's ratios.
 
-        Between the ratios of the set a cubic through its values and slopes: within 5e-4 of the
+        Between the ratios of the set a cubic through its values and slopes: within `CUBIC` of the
         largest displacement for ratios from 0 to 0.45, where each of the set's own is predicted
         from the others; beyond them the nearest cubic goes on.
         """
@@ -112,6 +114,14 @@ class ElasticCase:
         u, slope = given[f"{self.name}/displacement"], given[f"{self.name}/by_ratio"]
         grid = _facts(VERSION)[self.name]["ratios"]
         return _cubic(np.array(grid), u, slope.astype(float), nu)
+
+    def doubt_at_ratio(self, nu: float) -> float:
+        """How far `at_ratio` may be off, over the largest displacement: most between two ratios."""
+        grid = np.array(_facts(VERSION)[self.name]["ratios"])
+        known = float(np.interp(nu, grid, _data(VERSION)[f"{self.name}/uncertainty"]))
+        i = int(np.clip(np.searchsorted(grid, nu) - 1, 0, len(grid) - 2))
+        t = (nu - grid[i]) / (grid[i + 1] - grid[i])
+        return known + CUBIC * (4 * t * (1 - t)) ** 2
 
     @property
     def ratios(self) -> tuple[float, float]:

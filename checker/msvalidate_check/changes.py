@@ -1,8 +1,8 @@
 """One or two whole changes of a field: other axes or signs, a mirror, a coarse mesh, a scale.
 
 The search takes every pair of a field that elasticity could be taken for (itself, its mirror image,
-linear elements on a coarse mesh) and of an order and signs of components, and asks how many times
-the one the other is.
+itself at mirrored places, without a component, in the other plane state, linear elements on a
+coarse mesh) and of an order and signs of components, and asks how many times the one the other is.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ SAME_IMAGE = 0.1
 """Of the difference: where elasticity differs less from its mirror image, that explains nothing."""
 SAME = 1e-9
 """Of the largest displacement: two orders or signs of components that give the same field."""
+ALONG = 1e-9
+"""Of two fields' sizes: their product, where one may be a number of times the other."""
 MOST_ASKED = 0.1
 """Of the largest displacement: what no explanation leaves."""
 
@@ -75,32 +77,62 @@ def frames(d: int) -> tuple[Frame, ...]:
 
 
 def images(field: Field) -> list[Image]:
-    """Elasticity, its mirror images, and what coarse meshes give."""
-    found = [Image("", "elasticity", field.wanted), *_mirrored(field)]
+    """Elasticity, and what is taken for it: see the head of this module."""
+    found = [*_unwritten(field), *_other_state(field), *_mirrored(field)]
+    most = SAME_IMAGE * field.difference
+    found = [each for each in found if field.left(each.wanted) > most]
     for name, by_ratio in field.known.items():
         found.append(Image("coarse mesh", name, by_ratio(field.ratio)))
-    return found
+    return [Image("", "elasticity", field.wanted), *found]
+
+
+def _unwritten(field: Field) -> Iterator[Image]:
+    """Elasticity without the component that is 0 everywhere."""
+    for axis in np.flatnonzero(~field.found.any(axis=0)):
+        said = f"elasticity with no displacement along {AXES[axis]}: is that component written"
+        shown = np.arange(field.found.shape[1]) != axis
+        yield Image("component", said, field.wanted * shown)
+
+
+def _other_state(field: Field) -> Iterator[Image]:
+    """Elasticity in the other plane state, which is that of another E and nu in this one.
+
+    Plane stress of E and nu is plane strain of E(1 + 2nu)/(1 + nu)² and nu/(1 + nu); plane strain
+    is plane stress of E/(1 - nu²) and nu/(1 - nu).
+    """
+    other = field.other_state()
+    if other is None:
+        return
+    state, wanted = other
+    nu = field.ratio
+    E, like = (1 / (1 - nu**2), nu / (1 - nu))
+    if state == "plane stress":
+        E, like = (1 + 2 * nu) / (1 + nu) ** 2, nu / (1 + nu)
+    said = f"elasticity in {state} (the same here as E {E:.4g} times as large, nu = {like:.4g})"
+    yield Image("plane state", said, wanted)
 
 
 def _mirrored(field: Field) -> Iterator[Image]:
-    """The field of the body in a mirror, where the body looks alike in it."""
+    """The field of the body in a mirror, and at mirrored places, where the body looks alike."""
     if field.elsewhere is None:
         return
-    for axis, (low, high) in enumerate(field.span):
-        places = field.places.copy()
-        places[:, axis] = low + high - places[:, axis]
-        other = field.elsewhere(places)
+    d = len(field.span)
+    for axes in (*((axis,) for axis in range(d)), tuple(range(d))):
+        turned = np.isin(np.arange(d), axes)
+        low, high = np.array(field.span).T
+        other = field.elsewhere(np.where(turned, low + high - field.places, field.places))
         if other is None:
             continue
-        image = other * np.where(np.arange(len(field.span)) == axis, -1.0, 1.0)
-        if field.left(image) > SAME_IMAGE * field.difference:
-            said = f"elasticity of the body mirrored along {AXES[axis]}"
-            yield Image("mirrored", said, image)
+        along = " and ".join(AXES[axis] for axis in axes)
+        if len(axes) == 1:
+            said = f"elasticity of the body mirrored along {along}"
+            yield Image("mirrored", said, other * np.where(turned, -1.0, 1.0))
+        yield Image("places", f"elasticity at places mirrored along {along}", other)
 
 
-def explain_one_change(field: Field) -> Iterator[Explanation]:
-    """Other axes, other signs, a mirror or a coarse mesh, and nothing besides."""
-    itself, *others = images(field)
+def explain_one_change(field: Field, every: list[Image]) -> Iterator[Explanation]:
+    """Other axes, other signs, or another of all `images`, and nothing besides."""
+    itself, *others = every
     for image in others:
         said = f"{image.said}?"
         if image.name == "coarse mesh":
@@ -118,11 +150,10 @@ def explain_one_change(field: Field) -> Iterator[Explanation]:
         yield Explanation(frame.name, said, field.left(frame.of(field.found)))
 
 
-def explain_two_changes(field: Field, most: float) -> Iterator[Explanation]:
+def explain_two_changes(field: Field, every: list[Image], most: float) -> Iterator[Explanation]:
     """Two of another scale, other axes or signs, and another image, that leave at most so much."""
-    every = frames(field.found.shape[1])
-    for image in images(field):
-        for frame in every:
+    for image in every:
+        for frame in frames(field.found.shape[1]):
             if image.name and frame.name:
                 if _least_left(field, image, frame, most, scaled=False) <= most:
                     left = field.left(frame.of(field.found), image.wanted)
@@ -143,7 +174,7 @@ def _least_left(field: Field, image: Image, frame: Frame, most: float, *, scaled
         for k, (a, sign) in enumerate(zip(frame.order, frame.signs, strict=True))
     )
     f, w = float((found**2).sum()), float((wanted**2).sum())
-    if scaled and (both <= 0 or w == 0):
+    if scaled and both <= ALONG * np.sqrt(f * w):
         return most + 1
     scale = both / w if scaled else 1.0
     square = f / scale**2 - 2 * both / scale + w

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from msvalidate_check.beside import longest
-from msvalidate_check.case_set import ElasticCase, case_facts, elastic_case
+from msvalidate_check.case_set import ElasticCase, case_facts, case_names, elastic_case
 from msvalidate_check.diagnosis import NOTICED, Explanation, Field, explain, split
 from msvalidate_check.errors import CheckError
 from msvalidate_check.material import Material, nearest_material
@@ -113,6 +113,7 @@ class Verdict:
         return "\n".join(_lines(self))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of a cause that would be beyond all numbers
 def check(
     case: ElasticCase,
     points: ArrayLike | None,
@@ -249,11 +250,10 @@ def _material(
     case: ElasticCase, given: _Matched, error: float, causes: tuple[Explanation, ...]
 ) -> Material:
     """The material that is nearest; NaN where there is a difference that is of no material."""
-    near = nearest_material(
-        case, given.order, given.field.found, given.field.doubt * given.field.size
-    )
+    rounding = given.precision * given.field.size
+    near = nearest_material(case, given.order, given.field.found, rounding)
     if error > NOTICED * given.field.doubt and not any(each.name in OF_MATERIAL for each in causes):
-        return Material(math.nan, math.nan, math.nan, math.nan, near.left)
+        return Material(left=near.left)
     return near
 
 
@@ -291,7 +291,18 @@ def _field(
         lambda nu: wanted + case.at_ratio(nu)[order] - own,
         elsewhere,
         _coarse(case, order),
+        partial(_other_state, case, order),
     )
+
+
+def _other_state(case: ElasticCase, order: Array) -> tuple[str, Array] | None:
+    """The other plane state and elasticity (m, d) in it, where the set has it."""
+    states = {"plane_stress": "plane_strain", "plane_strain": "plane_stress"}
+    state = states.get(case.state, "")
+    name = f"{case.name.removesuffix(f'_{case.state}')}_{state}"
+    if name not in case_names():
+        return None
+    return state.replace("_", " "), elastic_case(name, case.nu).wanted[order]
 
 
 def _coarse(case: ElasticCase, order: Array) -> dict[str, Callable[[float], Array]]:
@@ -368,11 +379,12 @@ def _lines(verdict: Verdict) -> list[str]:
 
 
 def _effective(material: Material) -> list[str]:
+    """Each number with its doubt."""
     words = []
-    if math.isfinite(material.E):
-        words.append(f"E = {material.E:.4g} Pa")
-    if math.isfinite(material.nu):
-        words.append(f"nu = {material.nu:.4g}")
+    for name, unit in (("E", " Pa"), ("G", " Pa"), ("K", " Pa"), ("nu", "")):
+        value, doubt = getattr(material, name), getattr(material, f"{name}_doubt")
+        if math.isfinite(value):
+            words.append(f"{name} = {value:.4g} ± {doubt:.1g}{unit}")
     if not words:
         return []
     return [f"  nearest elasticity: {', '.join(words)}, which leaves {_percent(material.left)}"]

@@ -1,6 +1,7 @@
 """The command line: `msvalidate-check list`, `mesh` and `field`.
 
-Exit codes: 0 the field agrees, 1 it does not or that is not known, 2 bad input.
+Exit codes: 0 the field agrees, 1 it does not or that is not known, 2 bad input: a file that cannot
+be read, or numbers that cannot be judged; 3 a fault of the program itself, no verdict.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from msvalidate_check.errors import CheckError
 from msvalidate_check.exchange import write
 from msvalidate_check.fields import read_field
 
-AGREED, MISSED, BAD_INPUT = 0, 1, 2
+AGREED, MISSED, BAD_INPUT, FAULT = 0, 1, 2, 3
 AXES = "xyz"
 
 
@@ -34,6 +35,10 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return BAD_INPUT
     except BrokenPipeError:
         return AGREED
+    except Exception as error:  # noqa: BLE001  no traceback, whose code would be that of a verdict
+        said = " ".join(f"{type(error).__name__}: {error}".split())
+        print(f"msvalidate-check: a fault of the program itself: {said}", file=sys.stderr)  # noqa: T201
+        return FAULT
 
 
 def _parser() -> argparse.ArgumentParser:

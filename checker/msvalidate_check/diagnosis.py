@@ -24,7 +24,7 @@ from msvalidate_check.beside import (
     rigid_motions,
     split,
 )
-from msvalidate_check.changes import explain_one_change, explain_two_changes
+from msvalidate_check.changes import Image, explain_one_change, explain_two_changes, images
 from msvalidate_check.ratios import explain_ratio, explain_ratio_besides
 from msvalidate_check.scales import AS_WELL, NOTICED, UNITS, explain_scale, read_scale
 
@@ -41,7 +41,7 @@ FEWEST, FEWEST_BESIDES = 4, 9
 RIGHT = 0.02
 """Of the largest displacement, what a number that is fitted may leave, unless less is known: as
 much as agrees by default. Bodies that bend by other loads are alike to some 4 %."""
-WHOLE = {"unit", "sign", "axes", "mirrored", "positions", "node order"}
+WHOLE = {"unit", "sign", "axes", "mirrored", "places", "component", "positions", "node order"}
 """Faults without a number to fit: a solver that errs besides has them too."""
 COARSE_KNOWN = 0.005
 """Of the largest displacement, to which linear elements on known meshes are known at any ratio."""
@@ -58,13 +58,15 @@ def explain(field: Field) -> tuple[Explanation, ...]:
     if not field.found.any():
         return (Explanation("zero", "nothing moves: the displacements are all 0", 0.0, 0.0),)
     before = min(1.0, field.difference)
-    one = [each for each in _one_fault(field) if _is_little(each, FITS * before, field.doubt)]
+    every = images(field)
+    alone = list(_one_fault(field, every))
+    one = [each for each in alone if _is_little(each, FITS * before, field.doubt)]
     one = _best(one, before, field.doubt)
-    left = min((each.left for each in one), default=before)
+    left = min(before, *(each.left for each in alone))
     if left <= AS_GOOD * before:
         return tuple(one)
     most = FITS * left
-    pairs = _two_faults(field, most)
+    pairs = _two_faults(field, every, most)
     two = _plainest([each for each in pairs if _is_little(each, most, field.doubt)])
     if two and left > NOTICED * field.doubt:
         one = []
@@ -81,15 +83,17 @@ def _is_little(found: Explanation, most: float, doubt: float) -> bool:
     return found.left <= min(most, max(RIGHT, NOTICED * doubt))
 
 
-def _one_fault(field: Field) -> Iterator[Explanation]:
-    for ways in (explain_scale, explain_one_change, _positions, _points, _rigid, explain_ratio):
+def _one_fault(field: Field, every: list[Image]) -> Iterator[Explanation]:
+    yield from explain_scale(field)
+    yield from explain_one_change(field, every)
+    for ways in (_positions, _points, _rigid, explain_ratio):
         yield from ways(field)
     yield from _node_order(field, field.found, 1.0, "")
 
 
-def _two_faults(field: Field, most: float) -> Iterator[Explanation]:
+def _two_faults(field: Field, every: list[Image], most: float) -> Iterator[Explanation]:
     """Pairs of faults; `most` is what they may leave."""
-    yield from explain_two_changes(field, most)
+    yield from explain_two_changes(field, every, most)
     yield from explain_ratio_besides(field)
     yield from _positions_besides(field)
     yield from _points_besides(field)

@@ -27,6 +27,8 @@ EXCHANGE = 2
 NO_EXCHANGE = {errno.ENOSYS, errno.EINVAL, errno.EXDEV, errno.EBUSY, errno.EPERM, errno.EACCES}
 STAGED, ASIDE = ".msvalidate-new-", ".msvalidate-old-"
 """How names begin of what is being written, and of what two renames put aside for a moment."""
+OWN = ".msvalidate-run-"
+"""How names begin of the folders that runs work in."""
 
 
 @contextlib.contextmanager
@@ -63,6 +65,37 @@ def stage_folder(folder: Path) -> Iterator[Path]:
         yield new
     finally:
         shutil.rmtree(new, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def own_folder(beside: Path) -> Iterator[Path]:
+    """A folder to work in while we live, gone at the end; those of killed runs are cleared away."""
+    beside.mkdir(parents=True, exist_ok=True)
+    with contextlib.ExitStack() as held:
+        with alone(beside):
+            for left in beside.glob(f"{OWN}*"):
+                if _is_left(left):
+                    shutil.rmtree(left, ignore_errors=True)
+            own = beside / f"{OWN}{secrets.token_hex(8)}"
+            own.mkdir()
+            held.callback(shutil.rmtree, own, ignore_errors=True)
+            held.enter_context(alone(own))
+            (own / "run").mkdir()  # it may be exchanged for another while we hold the one above
+        yield own / "run"
+
+
+def _is_left(own: Path) -> bool:
+    """Whether nobody lives who works in a folder of `own_folder`."""
+    if fcntl is None:
+        return False
+    with contextlib.suppress(OSError):
+        handle = os.open(own, os.O_RDONLY)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        finally:
+            os.close(handle)
+        return True
+    return False
 
 
 def write(folder: Path, files: Files) -> None:

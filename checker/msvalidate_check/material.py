@@ -7,15 +7,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msvalidate_check.beside import best_scale, longest
 from msvalidate_check.case_set import ElasticCase
 
 Array = np.ndarray
-STEPS, SETTLED = 12, 1e-9
+STEPS, SETTLED = 30, 1e-12
 """Of the fit of modulus and ratio."""
 SHOWS = 0.1
-"""Uncertainty of a ratio from which it does not show in the field."""
+"""Doubt of a ratio, and of a modulus over it, from which they do not show in the field."""
 RATIO_STEP = 1e-4
 """Half the step of differences by the ratio, over the range that the set knows."""
+PARALLEL = 1e-5
+"""Part of a change by the ratio that no scale explains, below which no ratio shows: slopes are kept
+in single precision."""
+ROUNDING = 1e-12
+"""Of the largest displacement: what the fit itself leaves."""
+TRIED = 9
+"""Ratios at which moduli are asked where any may be the field's."""
 
 
 @dataclass(frozen=True)
@@ -27,23 +35,33 @@ class Material:
     E, nu
         In Pa, and 1; NaN where it does not show.
     E_doubt, nu_doubt
-        How far they may be off for what the field and the set leave open.
+        How far they may be off for what the field, the fit and the set leave open.
     left
         Largest difference that is left, over the largest displacement.
+    G, K, G_doubt, K_doubt
+        In Pa, where they show and E does not: shear modulus, and pressure over change of volume,
+        in the plane of area: E/(3(1 - 2nu)), in plane stress E/(2(1 - nu)), in plane strain
+        E/(2(1 + nu)(1 - 2nu)).
     """
 
-    E: float
-    nu: float
-    E_doubt: float
-    nu_doubt: float
-    left: float
+    E: float = math.nan
+    nu: float = math.nan
+    E_doubt: float = math.nan
+    nu_doubt: float = math.nan
+    left: float = math.nan
+    G: float = math.nan
+    K: float = math.nan
+    G_doubt: float = math.nan
+    K_doubt: float = math.nan
 
 
 def nearest_material(case: ElasticCase, order: Array, found: Array, doubt: float) -> Material:
     """Modulus and ratio of the elasticity that is nearest to a field, by Gauss and Newton's steps.
 
-    u = s·u(nu): columns are u(nu) and ∂u/∂nu, the modulus is E/s. What each may be off by is the
-    sum of what every component may be, weighed as the fit weighs them.
+    u = s·u(nu), and the modulus is E/s. Each step of nu is along what no scale explains, and the
+    scale is fitted again at the ratio that is taken. What a number may be off by is the sum of what
+    every component may be, weighed as the fit weighs them; in a uniform state no ratio shows, and a
+    modulus does if it is the same whatever the ratio.
 
     Parameters
     ----------
@@ -52,51 +70,87 @@ def nearest_material(case: ElasticCase, order: Array, found: Array, doubt: float
     found
         (m, d) displacements there, in m.
     doubt
-        How far each component may be off, in m.
+        How far each component may be off besides what the set leaves open, in m.
     """
     low, high = case.ratios
-    scale, nu = 1.0, case.nu
+    nu = case.nu
     for _ in range(STEPS):
-        own, columns = _columns(case, order, scale, nu)
-        if not columns[:, -1].any():
+        own, scale, alone = _parts(case, order, found, nu)
+        square = scale * float((alone**2).sum())
+        if scale <= 0 or not square:
             break
-        target = found if case.driven != "supports" else found - own
-        change = np.linalg.pinv(columns) @ target.ravel()
-        if case.driven != "supports":
-            scale = float(change[0])
-        new = float(np.clip(nu + change[-1], low, high))
-        settled, nu = abs(new - nu) < SETTLED, new
-        if settled or scale <= 0:
+        change = float((alone * (found - scale * own)).sum()) / square
+        before, nu = nu, float(np.clip(nu + change, low, high))
+        if abs(nu - before) < SETTLED:
             break
-    return _described(case, order, found, doubt, (scale, nu))
+    return _described(case, order, found, doubt, nu)
 
 
-def _columns(case: ElasticCase, order: Array, scale: float, nu: float) -> tuple[Array, Array]:
-    """Elasticity (m, d) at a ratio, and what is fitted: it, if loads move it, and its slope."""
+def _parts(case: ElasticCase, order: Array, found: Array, nu: float) -> tuple[Array, float, Array]:
+    """Elasticity (m, d) at a ratio, how many times the field is it, its slope beside a scale."""
     low, high = case.ratios
     step = RATIO_STEP * (high - low)
     own = case.at_ratio(nu)[order]
     slope = (case.at_ratio(nu + step)[order] - case.at_ratio(nu - step)[order]) / (2 * step)
-    every = [own, scale * slope] if case.driven != "supports" else [slope]
-    return own, np.column_stack([each.ravel() for each in every])
+    if case.driven == "supports":
+        return own, 1.0, slope
+    alone = slope - best_scale(slope, own) * own
+    shows = np.linalg.norm(alone) > PARALLEL * np.linalg.norm(slope)
+    return own, best_scale(found, own), alone if shows else np.zeros_like(alone)
 
 
-def _described(
-    case: ElasticCase, order: Array, found: Array, doubt: float, fitted: tuple[float, float]
-) -> Material:
+def _described(case: ElasticCase, order: Array, found: Array, doubt: float, nu: float) -> Material:
     """What a fit found, without what does not show."""
-    scale, nu = fitted
-    size = float(np.linalg.norm(case.wanted, axis=1).max())
-    own, columns = _columns(case, order, scale, nu)
-    away = np.abs(np.linalg.pinv(columns)).sum(axis=1) * doubt
-    left = float(np.linalg.norm(found - scale * own, axis=1).max()) / size
-    shows = bool(columns[:, -1].any()) and float(away[-1]) < SHOWS
-    loads = case.driven != "supports" and scale > 0
-    E = case.E / scale if loads else math.nan
-    return Material(
-        E,
-        nu if shows else math.nan,
-        E * float(away[0]) / scale if loads else math.nan,
-        float(away[-1]) if shows else math.nan,
-        left,
-    )
+    own, scale, alone = _parts(case, order, found, nu)
+    rest = found - scale * own
+    left = longest(rest) / longest(case.wanted)
+    if scale <= 0:
+        return Material(left=left)
+    away = doubt + float(np.abs(rest).max())
+    away += scale * longest(own) * (ROUNDING + case.doubt_at_ratio(nu))
+    by_nu = alone / (scale * (alone**2).sum()) if alone.any() else None
+    nu_doubt = math.inf if by_nu is None else float(np.abs(by_nu).sum()) * away
+    shown = {"nu": (nu, nu_doubt)} if nu_doubt < SHOWS else {}
+    if case.driven != "supports":
+        shown |= _moduli(case, order, found, nu, by_nu if shown else None, away)
+    more = {f"{name}_doubt": each for name, (_, each) in shown.items()}
+    return Material(left=left, **{name: value for name, (value, _) in shown.items()}, **more)
+
+
+def _moduli(
+    case: ElasticCase, order: Array, found: Array, nu: float, by_nu: Array | None, away: float
+) -> dict[str, tuple[float, float]]:
+    """Name -> modulus and its doubt: E if it shows, else G and K if they do.
+
+    `by_nu` (m, d) is how the ratio follows the field; None where it may be any that the set knows.
+    """
+
+    def size(name: str, at: float) -> float:
+        times = best_scale(found, case.at_ratio(at)[order])
+        return case.E * _over_E(name, case.state, at) / times if times > 0 else math.inf
+
+    own, scale, _ = _parts(case, order, found, nu)
+    by_scale = own / (scale * (own**2).sum())
+    low, high = case.ratios
+    step = RATIO_STEP * (high - low)
+    shown = {}
+    for name in ("E", "G", "K"):
+        value = size(name, nu)
+        slope = math.log(size(name, nu + step) / size(name, nu - step)) / (2 * step)
+        weights = by_scale if by_nu is None else by_scale - slope * by_nu
+        part = float(np.abs(weights).sum()) * away
+        if by_nu is None:
+            part += max(abs(size(name, at) / value - 1) for at in np.linspace(low, high, TRIED))
+        if part < SHOWS:
+            shown[name] = (value, part * value)
+    return {"E": shown["E"]} if "E" in shown else shown
+
+
+def _over_E(name: str, state: str, nu: float) -> float:
+    """A modulus over Young's."""
+    if name == "E":
+        return 1.0
+    if name == "G":
+        return 1 / (2 * (1 + nu))
+    of = {"space": 3 * (1 - 2 * nu), "plane_stress": 2 * (1 - nu)}
+    return 1 / of.get(state, 2 * (1 + nu) * (1 - 2 * nu))

@@ -12,8 +12,8 @@ from msvalidate_check.errors import CheckError
 from msvalidate_check.precision import spacing_of_numbers
 
 Array = np.ndarray
-LARGEST = 1e100
-"""Size of numbers beyond which their squares overflow."""
+LARGEST, LEAST = 1e100, 1e-100
+"""Sizes of numbers between which their squares are numbers too."""
 SAME = 1e-6
 """Of the largest displacement, by which those of one place may differ."""
 SLACK = 2.0
@@ -167,6 +167,9 @@ def vectors(name: str, given: ArrayLike, d: int) -> Array:
         array = array[:, :2]
     if array.ndim != 2 or array.shape[1] != d or not len(array):
         raise CheckError(f"{name}: shape {array.shape}; give an array (n, {d})")
+    size = float(np.abs(array).max())
+    if 0 < size < LEAST:
+        raise CheckError(f"{name}: {size:g} at most; give numbers above {LEAST:g}, or 0 alone")
     bad = np.argwhere(~(np.abs(array) < LARGEST))
     if len(bad):
         row, column = (int(i) for i in bad[0])

@@ -87,6 +87,9 @@ def explain_scale(field: Field) -> Iterator[Explanation]:
         yield Explanation("modulus", said, left, scale)
         what = "loads" if field.driven == "loads" else "gravity or masses"
         yield Explanation("load", f"{many}: {what} {scale:.4g} times as large?", left, scale)
+        if field.driven == "loads" and len(field.span) == 2:
+            said = f"{many}: a thickness {1 / scale:.4g} times as large?"
+            yield Explanation("thickness", said, left, scale)
     elif field.driven == "supports":
         said = f"{many}: prescribed displacements {scale:.4g} times as large? "
         said += "(No modulus shows where supports alone move the body.)"

@@ -161,7 +161,7 @@ def _on_lattice_line(support: Support, lattice: CutLattice, corners: Array, axis
         place = f"{'xyz'[axis]} = {corners[0, axis]:g} m"
         raise ProblemError(
             f"support on {support.region}: no line of the cut lattice runs along {place}; choose "
-            "its origin and spacing so that one does"
+            "a spacing at which one does"
         )
     past = np.maximum(corners.min(axis=0) - x, x - corners.max(axis=0))
     past[:, axis] = 0.0

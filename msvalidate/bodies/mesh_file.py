@@ -19,10 +19,13 @@ names none.
 from __future__ import annotations
 
 import contextlib
+import importlib
 import io
+import lzma
 import re
+import zlib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +40,8 @@ FORMATS = {".msh": "gmsh", ".vtu": "vtu", ".vtk": "vtk", ".inp": "abaqus"}
 """Suffix -> meshio's name of the format."""
 LARGEST_FILE = 1_000_000_000
 """Bytes of a mesh file beyond which it is not read."""
+MOST_UNPACKED, UNPACKED = 100_000_000, 20
+"""Bytes that the blocks of any file may have when unpacked, and times its own size."""
 PLANE = 1e-9
 """Part of a plane mesh's size within which its third coordinate is one: the placement of a body."""
 
@@ -70,7 +75,7 @@ def read_mesh(path: str | Path, unit: float = 1.0) -> Mesh:
     content = _read_content(file, said)
     shape, cells = _body_cells(content, said)
     try:
-        points = _coordinates(content.points, SHAPES[shape].dim, unit)
+        points = _coordinates(content.points, SHAPES[shape].dim, unit, _group_hint(content))
         cells = _orient_cells(points, cells, shape)
         mesh = Mesh(points, cells, shape)
         return mesh.named(_boundaries(content, file, mesh), _zones(content, file, mesh))
@@ -116,8 +121,10 @@ def _read_content(file: Path, said: str) -> Any:
     _refuse_before_reading(file, form, said)
     heard = io.StringIO()
     try:
-        with contextlib.redirect_stdout(heard), contextlib.redirect_stderr(heard):
+        with contextlib.redirect_stdout(heard), contextlib.redirect_stderr(heard), _bounded(file):
             content = meshio.read(file, file_format=form)
+    except ProblemError as error:
+        raise ProblemError(f"{said}: {error}") from error
     except (Exception, SystemExit) as error:  # whatever its parsers stumble over
         lines = [line for line in heard.getvalue().splitlines() if "Couldn't read" not in line]
         why = str(error) if isinstance(error, meshio.ReadError) else "".join(lines[:1])
@@ -130,6 +137,45 @@ def _read_content(file: Path, said: str) -> Any:
     if not len(content.points) or not len(content.cells):
         raise ProblemError(f"{said}: no {'cells' if len(content.points) else 'points'} in it")
     return content
+
+
+class _Growing(bytearray):
+    """Bytes that grow in place: meshio adds block to block, which would copy all each time."""
+
+    def __iadd__(self, more: Any) -> _Growing:
+        self.extend(more)
+        return self
+
+    def __radd__(self, before: bytes) -> bytearray:
+        return bytearray(before) + bytes(self) if before else self
+
+
+class _Unpacking:
+    """What unpacks blocks of one file, and no more bytes in all than may be; then it refuses."""
+
+    def __init__(self, start: Callable[[], Any], most: int) -> None:
+        self._start, self._left, self._most = start, most, most
+
+    def decompress(self, block: bytes) -> bytearray:
+        unpacked = _Growing(self._start().decompress(block, self._left + 1))
+        self._left -= len(unpacked)
+        if self._left < 0:
+            raise ProblemError(f"more than {self._most:g} bytes when unpacked; write fewer fields")
+        return unpacked
+
+
+@contextlib.contextmanager
+def _bounded(file: Path) -> Iterator[None]:
+    """Have blocks of VTK's files unpacked up to a number of bytes: a thousand may be in each."""
+    most = min(LARGEST_FILE, max(MOST_UNPACKED, UNPACKED * file.stat().st_size))
+    reader: Any = importlib.import_module("meshio.vtu._vtu")
+    own = reader.zlib, reader.lzma
+    reader.zlib = _Unpacking(zlib.decompressobj, most)
+    reader.lzma = _Unpacking(lzma.LZMADecompressor, most)
+    try:
+        yield
+    finally:
+        reader.zlib, reader.lzma = own
 
 
 def _refuse_before_reading(file: Path, form: str, said: str) -> None:
@@ -163,7 +209,10 @@ def _body_cells(content: Any, said: str) -> tuple[str, Index]:
         count[block.type] += len(block.data)
     found = ", ".join(f"{number} {name}" for name, number in count.items())
     if dim < 2:
-        raise ProblemError(f"{said}: {found or 'no'} cells; give cells with an area or a volume")
+        raise ProblemError(
+            f"{said}: {found or 'no'} cells; give cells with an area or a volume"
+            f"{_group_hint(content)}"
+        )
     if len(count) != 1:
         raise ProblemError(f"{said}: cells of several kinds, {found}; mesh the body with one kind")
     (name,) = count
@@ -187,7 +236,14 @@ def _remedy(name: str, dim: int) -> str:
     return f"write {', '.join(known[:-1])} or {known[-1]}"
 
 
-def _coordinates(points: Any, dim: int, unit: float) -> Array:
+def _group_hint(content: Any) -> str:
+    """What a file of Gmsh with groups may lack: the body, if it has none."""
+    if "gmsh:physical" not in content.cell_data:
+        return ""
+    return " (Gmsh writes what has a physical group alone: give the body one, or Mesh.SaveAll = 1)"
+
+
+def _coordinates(points: Any, dim: int, unit: float, hint: str) -> Array:
     """Coordinates (n, dim) in m."""
     with np.errstate(over="ignore"):  # what is too long is refused
         given = finite_coordinates("mesh points", finite("mesh points", points) * unit)
@@ -198,7 +254,7 @@ def _coordinates(points: Any, dim: int, unit: float) -> Array:
         if off.max() > PLANE * np.ptp(given[:, :2], axis=0).max():
             raise ProblemError(
                 f"plane cells, but z = {given[off.argmax(), 2]:g} at point {off.argmax()} and "
-                f"{given[0, 2]:g} at point 0; give solid cells, or one z"
+                f"{given[0, 2]:g} at point 0; give solid cells, or one z{hint}"
             )
     return np.ascontiguousarray(given[:, :dim])
 

@@ -178,9 +178,9 @@ def point_table(points: Array, displacement: Array, reference: Reference) -> pd.
 COLUMNS = {
     "quantity": "what is compared",
     "unit": "of the two sizes",
-    "springs": "largest of the springs (or root mean square, where said)",
+    "springs": "largest of the springs, or of the result (or root mean square, where said)",
     "elasticity": "the same of converged elasticity",
-    "difference": "of springs and elasticity, over elasticity's (1)",
+    "difference": "of springs, or of the result, and elasticity, over elasticity's (1)",
     "doubt": "how far it may be off (1)",
     "verdict": "agrees or differs within the band, whatever the doubt; else not resolved",
     "part": "of the difference, where it is largest",
@@ -191,7 +191,16 @@ COLUMNS = {
     "seconds": "that its answer took",
     "element": "of the mesh: Q2, P2 in the plane, H2, T2 in space are quadratic",
     "nodes": "of the mesh",
-    "x": "place (m)",
-    "y": "place (m)",
-    "z": "place (m)",
+    **dict.fromkeys(AXES, "place (m)"),
+    **{f"u{axis}": "displacement of the springs, or of the result (m)" for axis in AXES},
+    **{f"elastic_u{axis}": "the same of elasticity (m)" for axis in AXES},
+    "name": "of the cause",
+    "said": "what the field would be",
+    "left": "largest difference that it leaves, over elasticity's largest displacement (1)",
 }
+OWN = {
+    "lattices": {"springs": "of the lattice"},
+    "meshes": {"difference": "of this mesh and the finest, over the largest displacement (1)"},
+    "causes": {"value": "of what was fitted, if anything was"},
+}
+"""Table -> columns that hold something else there."""

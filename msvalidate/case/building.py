@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from itertools import chain
 from pathlib import Path
 
@@ -120,14 +121,9 @@ def _domain(source: Source, unit: float) -> Domain:
 
 
 def _mesh_path(source: Source, name: str) -> Path:
-    """A mesh's place: beside the case file or below it."""
-    folder = source.folder
-    try:
-        path = (folder / name).resolve()
-        inside = path.is_relative_to(folder)
-    except (OSError, ValueError, RuntimeError) as error:
-        raise ProblemError(f"{format_value(name)}: no path; name a file") from error
-    if not inside:
+    """A mesh's place: beside the case file or below it, a link there too, wherever it leads."""
+    path = Path(os.path.normpath(source.folder / name))
+    if not path.is_relative_to(source.folder):
         raise ProblemError(
             f"{format_value(name)}: outside the case's own folder; put the mesh beside the case"
         )

@@ -13,12 +13,20 @@ from msvalidate.lattice import EDGE_RULES, CutLattice, Lattice, cut_lattice, fil
 from msvalidate.lattice.cut import joins_corners
 from msvalidate.lattice.pattern import Pattern
 from msvalidate.lattice.patterns import all_patterns
-from msvalidate.problem import Array, Box, Domain, Mesh, Problem, ProblemError
+from msvalidate.problem import (
+    Array,
+    Box,
+    Domain,
+    Mesh,
+    PointForce,
+    Problem,
+    ProblemError,
+    Traction,
+)
 from msvalidate.problem.checks import (
     finite,
     finite_coordinates,
     finite_number,
-    format_value,
     length_in_metres,
     positive_number,
     require_one_of,
@@ -35,6 +43,9 @@ MOST_CELLS = {2: 40_000, 3: 20_000}
 """Cells of a body up to which that is so: slender bodies have fewer across."""
 MOST_ASKED = {2: 1_000_000, 3: 300_000}
 """Cells of a body that may be asked for: minutes, and some GB."""
+LITTLE, MUCH = 1.25, 2.0
+"""How many times as large or small cells may be made to end where supports do; as small, to lie on
+them."""
 FITS = 4e-10
 """Of a box's side, what whole cells may miss it by: below half of what `fill` leaves them."""
 BAND = 0.05
@@ -167,9 +178,48 @@ class Case:
 
 
 def spacing_of(case: Case) -> float:
-    """Spacing (m) of the lattice that a case asks for."""
+    """Spacing (m) of the lattice that a case asks for.
+
+    Where it is told by cells, the nearest one whose lines run through all supports; through their
+    ends inside a box's sides too, where that takes little.
+    """
     if case.spacing is not None:
         return float(case.spacing)
+    asked, pattern = spacing_by_cells(case), _pattern(case)
+    if pattern is None or not joins_corners(pattern):
+        return asked
+    on, ends = _support_lines(case.problem)
+    for lengths, most in ((np.append(on, ends), LITTLE), (on, MUCH)):
+        if not len(lengths):
+            break
+        many = np.arange(
+            math.ceil(lengths.min() / (LITTLE * asked)), lengths.min() * most / asked + 1
+        )
+        tried = np.append(asked, lengths.min() / many)
+        missed = np.abs(lengths[:, None] - tried * np.rint(lengths[:, None] / tried))
+        tried = tried[(missed <= case.problem.domain.tolerance).all(axis=0)]
+        if len(tried):
+            return float(tried[np.abs(np.log(tried / asked)).argmin()])
+    return asked
+
+
+def _support_lines(problem: Problem) -> tuple[Array, Array]:
+    """How far (m) from the lattice's origin supports lie, and end inside a box's sides."""
+    span, room = np.array(problem.domain.span), problem.domain.tolerance
+    base = np.append(_origin(problem), span[2:, 0])
+    on, ends = [], []
+    for support in problem.supports:
+        corners = support.region.corners(problem.domain.span)
+        flat = np.ptp(corners, axis=0) <= room
+        on.append(np.abs(corners[0] - base)[flat])
+        inside = ((corners > span[:, 0] + room) & (corners < span[:, 1] - room)) & ~flat
+        ends.append(np.abs(corners - base)[inside & isinstance(problem.domain, Box)])
+    lengths = np.concatenate(on), np.concatenate(ends)
+    return lengths[0][lengths[0] > room], lengths[1][lengths[1] > room]
+
+
+def spacing_by_cells(case: Case) -> float:
+    """Spacing (m) by the number of cells, the case's or the usual one."""
     domain, pattern = case.problem.domain, _pattern(case)
     cell = np.ones(domain.dim) if pattern is None else np.array(pattern.size)
     sides = np.array([high - low for low, high in domain.span])
@@ -188,8 +238,9 @@ def spacing_of(case: Case) -> float:
 def make_lattice(case: Case, spacing: float) -> Lattice:
     """The lattice of a case at a spacing (m).
 
-    A box whose sides are whole numbers of cells is filled; else the lattice is cut to the body's
-    outline, its lines through the supports as far as one origin allows that.
+    A box whose sides, with what is held and loaded of them, are whole numbers of cells is filled;
+    else the lattice is cut to the body's outline, its lines through the supports as far as one
+    origin allows that.
 
     Raises
     ------
@@ -207,9 +258,11 @@ def make_lattice(case: Case, spacing: float) -> Lattice:
             "a larger one"
         )
     cell = spacing * np.array(pattern.size)
+    cuttable = joins_corners(pattern)
     if isinstance(domain, Box) and _divides(cell, domain):
-        return fill(pattern, domain, _counts(cell, domain))
-    if not joins_corners(pattern):
+        if not cuttable or _ends_on_lines(case.problem, spacing):
+            return fill(pattern, domain, _counts(cell, domain))
+    elif not cuttable:
         raise ProblemError(f"lattice {case.lattice}: {_misfit(pattern, spacing, domain)}")
     return cut_lattice(pattern, domain, spacing, origin=_origin(case.problem))
 
@@ -227,18 +280,11 @@ def _misfit(pattern: Pattern, spacing: float, domain: Domain) -> str:
     if not isinstance(domain, Box):
         return f"only {listed} can be cut to a {domain}; take one of these"
     cell = spacing * np.array(pattern.size)
-    counts = _counts(cell, domain)
-    first = domain.size[0] / pattern.size[0]
-    spacings = [first / many for many in range(1, 2 * counts[0] + 1)]
-    fitting = [each for each in spacings if _divides(each * np.array(pattern.size), domain)]
-    if fitting:
-        remedy = f"spacing {min(fitting, key=lambda each: abs(each - spacing)):.12g} m"
-    else:
-        sides = np.maximum(counts, 1) * cell
-        remedy = f"a box of {' x '.join(f'{side:.12g}' for side in sides)} m"
+    sides = np.maximum(_counts(cell, domain), 1) * cell
     return (
         f"cells of {' x '.join(f'{side:g}' for side in cell)} m do not fill the {domain}; give "
-        f"{remedy}, or a lattice that can be cut: {listed}"
+        f"a box of {' x '.join(f'{side:.12g}' for side in sides)} m, or a lattice that can be cut: "
+        f"{listed}"
     )
 
 
@@ -269,7 +315,16 @@ def _divides(cell: Array, box: Box) -> bool:
     )
 
 
-def _origin(problem: Problem) -> tuple[float, ...] | None:
+def _ends_on_lines(problem: Problem, spacing: float) -> bool:
+    """Whether supports and tractions on sides of a box, and point forces, end where cells do."""
+    parts = [each.region for each in problem.supports if each.region.is_facet]
+    parts += [each.region for each in problem.loads if isinstance(each, Traction | PointForce)]
+    span, room = problem.domain.span, problem.domain.tolerance
+    ends = np.concatenate([part.corners(span) for part in parts] or [np.zeros((1, len(span)))])
+    return bool((np.abs(ends - spacing * np.rint(ends / spacing)) <= room).all())
+
+
+def _origin(problem: Problem) -> tuple[float, ...]:
     """A place on the flat supports, along each axis the first that has one; 0 along others."""
     domain = problem.domain
     at = [0.0] * domain.dim
@@ -288,4 +343,4 @@ def describe_spacing(case: Case) -> str:
     """Words for the lattice and its spacing."""
     if case.lattice == MESH_EDGES:
         return "a spring on each edge of the mesh"
-    return f"{case.lattice}, {format_value(spacing_of(case))} m"
+    return f"{case.lattice}, {spacing_of(case):.6g} m"

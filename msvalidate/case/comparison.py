@@ -24,6 +24,7 @@ from msvalidate.problem import (
     SolverError,
     Support,
 )
+from msvalidate.problem.checks import require_type
 from msvalidate.problem.records import dataclass
 from msvalidate.statics.stress import fitted_stress
 from msvalidate_check.words import AGREES, DIFFERS, agreement
@@ -38,6 +39,9 @@ KNOWN_STRESS, LEAST_KNOWN = 0.5, 0.5
 """Of the band, what elasticity's stress may be off at points that count; of all, how many must."""
 UNSTRAINED = 1e-14
 """Strain energy, over that of a strain as large as displacement over length, that is rounding."""
+STRESS_BAND = 2.0
+"""Of the band, what stress at points may differ by: it is of two displacements' difference over a
+cell, each of which may use up the band."""
 STRESSED_POINTS = 400
 """Points, about, at which stresses are compared: each is looked for in the elements."""
 FITS_ALIKE = 0.05
@@ -148,6 +152,7 @@ def compare_case(case: Case, progress: Callable[[str], None] = lambda _: None) -
     SolverError
         If there is no trustworthy answer.
     """
+    require_type("compare", case, Case)
     progress("springs")
     answers = solve_finer(case)
     points = compared_points(case, answers[0].lattice)
@@ -268,7 +273,7 @@ def _point_stress(case: Case, springs: SpringAnswer, reference: Reference) -> li
 
     difference, doubt = mean(found - wanted) / size, mean(doubts[:, None]) / size
     name = f"stress at {len(found)} of {len(known)} points"
-    word = _word(case, difference, doubt)
+    word = _word(case, difference, doubt, STRESS_BAND)
     return [Row(name, "Pa", mean(found), mean(wanted), difference, doubt, word)]
 
 
@@ -303,8 +308,10 @@ def _stress_inside(case: Case, springs: SpringAnswer) -> tuple[Array, Array]:
     return at, found
 
 
-def _word(case: Case, difference: float, doubt: float) -> str:
-    return agreement(difference, doubt, case.band) if math.isfinite(difference) else NOT_ASKED
+def _word(case: Case, difference: float, doubt: float, times: float = 1.0) -> str:
+    return (
+        agreement(difference, doubt, times * case.band) if math.isfinite(difference) else NOT_ASKED
+    )
 
 
 def _homogenised(

@@ -20,11 +20,10 @@ from msvalidate.output.body_drawing import (
     UPWARDS,
     body_axes,
     draw_held_and_loaded,
-    loaded_points,
 )
 from msvalidate.output.figures import COLOURS, add_shared_legend, new_figure
-from msvalidate.problem import Array, Index, Mask
-from reference_fem.body import Solution, nodal_forces
+from msvalidate.problem import Array, Index, Mask, PointForce, Traction, vectors_at
+from reference_fem.body import Solution
 
 
 def figures(
@@ -126,11 +125,27 @@ def draw_body(found: Comparison) -> Figure:
 
 
 def _arrows(found: Comparison) -> tuple[Array, Array]:
-    """Places (k, d) in m and forces (k, d) in N of loads, at most so many of them."""
-    body = found.reference.solutions[0].body
-    force = nodal_forces(found.case.problem, body)
-    chosen = loaded_points(force)
-    return np.asarray(body.points[chosen]), np.asarray(force[chosen])
+    """Places (k, d) in m and arrows (k, d) of loads; the longest of each kind of load is 1 long.
+
+    Of tractions as they are, not of the forces on nodes, which are uneven where a pressure is even.
+    """
+    problem, x = found.case.problem, found.reference.solutions[0].body.points
+    d, groups = x.shape[1], dict[type, list[Array]]()
+    for load in problem.loads:
+        at = x
+        if isinstance(load, PointForce):
+            at = np.array([load.at])
+        elif isinstance(load, Traction):
+            at = x[load.region.select(x, problem.domain.tolerance)]
+        at = at[:: max(1, -(-len(at) // MOST_ARROWS))]
+        (name,) = (each for each in ("traction", "force", "acceleration") if hasattr(load, each))
+        both = np.hstack([at, vectors_at(name, getattr(load, name), at)])
+        groups.setdefault(type(load), []).append(both)
+    drawn = [np.empty((0, 2 * d)), *map(np.concatenate, groups.values())]
+    for both in drawn[1:]:
+        both[:, d:] /= np.linalg.norm(both[:, d:], axis=1).max() or 1.0
+    arrows = np.concatenate(drawn)
+    return arrows[:, :d], arrows[:, d:]
 
 
 def draw_fields(found: Comparison) -> Figure:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 
 import numpy as np
@@ -13,16 +13,20 @@ from msvalidate.case.budget import point_table
 from msvalidate.case.case import Case
 from msvalidate.case.comparison import Row, largest
 from msvalidate.case.matching import Matched, match
-from msvalidate.case.results import Result
+from msvalidate.case.results import Result, refuse_extreme
 from msvalidate.problem import Array, Isotropic, Load, Problem, ProblemError, SolverError, Weight
 from msvalidate.problem.records import dataclass, replace
+from msvalidate_check.beside import MOST_RATIO
 from msvalidate_check.diagnosis import NOTICED, Driven, Explanation, Field, explain, split
 from msvalidate_check.words import agreement
 from reference_fem.body import solve_problem
-from reference_fem.converged import Reference, converge, first_mesh
+from reference_fem.converged import NEARLY_INCOMPRESSIBLE, Reference, converge, first_mesh
 
+Known = Mapping[str, Callable[[float], Array]]
 RATIO_NODES = 10_000
 """Nodes of the mesh on which other ratios are tried."""
+LEAST_MIXED, MOST_MIXED = 0.01, 0.4999
+"""Ratios between which mixed elements are tried."""
 MEANINGS = {
     "scale": "elasticity times a number: modulus, load, unit",
     "rigid motion": "the body moved as one: supports, frame",
@@ -97,6 +101,7 @@ def judge_result(
     SolverError
         If there is no trustworthy reference.
     """
+    refuse_extreme("displacement", result.displacement)
     progress("points")
     body = first_mesh(case.problem)
     matched = match(case, result, unit, body)
@@ -113,7 +118,12 @@ def judge_result(
     word = agreement(difference, doubt, case.band, 0.0 if math.isnan(rest) else rest)
     row = Row("displacement", "m", largest(matched.displacement), size, difference, doubt, word)
     progress("causes")
-    causes = explain(_field(case.problem, matched, reference, doubt))
+    field = _field(case.problem, matched, reference, doubt, result.known)
+    try:
+        causes = explain(field)
+    except (ProblemError, SolverError):  # of what was tried beside, which then explains nothing
+        plain = replace(field, by_ratio=None, known={}, other_state=lambda: None)
+        causes = explain(plain)
     if rest >= difference > NOTICED * doubt:
         causes = (
             Explanation("rest", "not at rest: it may still change by as much", 0.0, rest),
@@ -122,8 +132,10 @@ def judge_result(
     return Judgement(case, result, matched, reference, row, causes, rest, precision)
 
 
-def _field(problem: Problem, matched: Matched, reference: Reference, doubt: float) -> Field:
-    """The field with what it takes to ask for other ratios and places."""
+def _field(
+    problem: Problem, matched: Matched, reference: Reference, doubt: float, known: Known
+) -> Field:
+    """The field with what it takes to ask for other ratios, states, meshes and places."""
     solution = reference.finest
     wanted = reference.displacement.value
     law = problem.material
@@ -133,13 +145,21 @@ def _field(problem: Problem, matched: Matched, reference: Reference, doubt: floa
     own = plain.at(matched.places)
     mixed = plain.pressure is not None
 
+    def with_law(other: Isotropic, *, mixed: bool) -> Array:
+        found = solve_problem(replace(problem, material=other), plain.body, mixed=mixed)
+        return np.asarray(wanted + found.at(matched.places) - own)
+
     @cache
     def by_ratio(nu: float) -> Array:
-        if not isinstance(law, Isotropic):
-            raise ProblemError("ratio: the material is a tensor")
-        other = replace(problem, material=replace(law, nu=nu))
-        found = solve_problem(other, plain.body, mixed=mixed)
-        return np.asarray(wanted + found.at(matched.places) - own)
+        return with_law(replace(law, nu=nu), mixed=mixed)
+
+    @cache
+    def other_state() -> tuple[str, Array] | None:
+        if law.state == "solid":
+            return None
+        state = "plane_stress" if law.state == "plane_strain" else "plane_strain"
+        needed = state == "plane_strain" and law.nu >= NEARLY_INCOMPRESSIBLE
+        return state.replace("_", " "), with_law(replace(law, state=state), mixed=needed)
 
     def elsewhere(places: Array) -> Array | None:
         try:
@@ -147,8 +167,7 @@ def _field(problem: Problem, matched: Matched, reference: Reference, doubt: floa
         except (ProblemError, SolverError):
             return None
 
-    ratio = by_ratio if isinstance(law, Isotropic) and not problem.zones else None
-    return Field(
+    found = Field(
         matched.places,
         matched.displacement,
         wanted,
@@ -156,9 +175,24 @@ def _field(problem: Problem, matched: Matched, reference: Reference, doubt: floa
         driven_by(problem),
         problem.domain.span,
         float(getattr(law, "nu", math.nan)),
-        by_ratio=ratio,
         elsewhere=elsewhere,
     )
+    if not isinstance(law, Isotropic) or problem.zones:
+        return found
+    # Where elements of each kind exist: mixed ones need a pressure that grows with volume.
+    ratios = (LEAST_MIXED, MOST_MIXED) if mixed else (0.0, MOST_RATIO)
+    return replace(
+        found,
+        ratios=(min(law.nu, ratios[0]), max(law.nu, ratios[1])),
+        by_ratio=by_ratio,
+        known={name: _at(matched, each) for name, each in known.items()},
+        other_state=other_state,
+    )
+
+
+def _at(matched: Matched, by_ratio: Callable[[float], Array]) -> Callable[[float], Array]:
+    """A field of a result's points, by ratio, at those that were matched."""
+    return cache(lambda nu: by_ratio(nu)[matched.number])
 
 
 def driven_by(problem: Problem) -> Driven:

@@ -48,6 +48,8 @@ class Matched:
         (j, d) in m, points of the case that the file says nothing of.
     notes
         Sentences on these.
+    number
+        (m,) which points of the result they are.
     """
 
     places: Array
@@ -56,6 +58,7 @@ class Matched:
     doubled: Array
     missing: Array
     notes: tuple[str, ...]
+    number: Index
     contradiction: float = 0.0
     """Largest difference (m) of displacements that stand in the file for one place."""
 
@@ -99,7 +102,8 @@ def match(case: Case, result: Result, unit: float, body: Discretisation) -> Matc
         *_noted("points of the case are not in the file", missing),
     ]
     notes += _contradicted(apart)
-    return Matched(at[inside], move[inside], places[~inside], doubled, missing, tuple(notes), apart)
+    there = (at[inside], move[inside], places[~inside], doubled, missing)
+    return Matched(*there, tuple(notes), first[inside], apart)
 
 
 def _contradiction(places: Array, move: Array, first: Index, again: Index) -> float:
@@ -135,7 +139,8 @@ def _by_number(case: Case, result: Result, move: Array) -> Matched:
     ]
     none = np.empty((0, points.shape[1]))
     notes += _contradicted(apart)
-    return Matched(points[number[first]], move[first], none, doubled, missing, tuple(notes), apart)
+    there = (points[number[first]], move[first], none, doubled, missing)
+    return Matched(*there, tuple(notes), first, apart)
 
 
 def _first_of_each(places: Array, tolerance: float) -> Index:

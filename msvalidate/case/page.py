@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 import pandas as pd
 
-from msvalidate.case.budget import COLUMNS
+from msvalidate.case.budget import COLUMNS, OWN
 from msvalidate.case.case import Case, describe_spacing
-from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, Comparison, Row, say_bridged
+from msvalidate.case.comparison import (
+    COARSE,
+    OTHER_MATERIAL,
+    STRESS_BAND,
+    Comparison,
+    Row,
+    say_bridged,
+)
 from msvalidate.case.judge import Judgement
 from msvalidate.judging.compare import NOT_ASKED
 from msvalidate.output.page import Table, table_excerpt
@@ -95,54 +103,65 @@ def shown_pictures(pictures: Mapping[str, tuple[str, bytes]]) -> tuple[Picture, 
 def shown_tables(tables: Mapping[str, pd.DataFrame]) -> tuple[Table, ...]:
     """First rows of each table, as a CSV has them."""
     texts = {name: table.map(_text) for name, table in tables.items()}
-    return tuple(table_excerpt(name, table, COLUMNS) for name, table in texts.items())
+    return tuple(
+        table_excerpt(name, table, COLUMNS | OWN.get(name, {})) for name, table in texts.items()
+    )
 
 
 def sentences(found: Comparison) -> tuple[str, tuple[str, ...]]:
     """What the springs of a case are good for: one sentence, and those that say why."""
-    row = next((each for each in found.rows if each.verdict != NOT_ASKED), found.rows[0])
     springs = f"Springs ({describe_spacing(found.case)})"
-    head = (
-        f"{springs} are {percent(row.difference)} off elasticity in {row.quantity}, "
-        f"± {percent(row.doubt)}; the band is {percent(found.case.band)}."
-    )
-    if row.verdict == NOT_ASKED:
+    groups = []
+    for word in WORST_FIRST[:-1]:
+        rows = [each for each in found.rows if each.verdict == word]
+        said = [f"{r.quantity} ({percent(r.difference)} ± {percent(r.doubt)})" for r in rows]
+        groups += [f"{word} in {', '.join(said)}"] if rows else []
+    band = band_words(found.case, found.rows)
+    head = f"{springs} beside elasticity: {'; '.join(groups)}. {band}."
+    if not groups:
         why = "; ".join(found.notes).replace(": not compared:", ",")
         head = f"{springs} are compared in nothing that was asked: {why}."
-    said = []
-    for word in (DIFFERS, NOT_AT_REST, NOT_RESOLVED):
-        others = [each for each in found.rows if each.verdict == word and each is not row]
-        if others:
-            names = ", ".join(f"{each.quantity} ({percent(each.difference)})" for each in others)
-            said.append(f"{names}: {word}.")
-    said.append(_kind_sentence(found))
-    said.append(_reference_sentence(found.reference))
-    return head, tuple(each for each in said if each)
+    return head, (_kind_sentence(found), _reference_sentence(found.reference))
+
+
+def band_words(case: Case, rows: Sequence[Row]) -> str:
+    """How far apart still agrees."""
+    stress = any(row.quantity.startswith("stress at") for row in rows)
+    own = f", of stress at points {percent(STRESS_BAND * case.band)}" if stress else ""
+    return f"The band is {percent(case.band)}{own}"
 
 
 def _reference_sentence(reference: Reference) -> str:
     nodes = len(reference.finest.body.points)
+    about = _body_sentences(reference)
     if reference.no_limit:
-        return f"Elasticity has no finite answer: {'; '.join(reference.no_limit)}."
+        return f"Elasticity has no finite answer: {'; '.join(reference.no_limit)}.{about}"
     if not math.isfinite(reference.error):
-        return f"Elasticity's own error is not known: one mesh of {nodes} nodes, and no finer one."
+        known = f"Elasticity's own error is not known: one mesh of {nodes} nodes, and no finer one."
+        return known + about
     asked_for = percent(reference.accuracy)
     reached = "as asked" if reference.resolved else f"not the {asked_for} asked for"
     known = (
         f"Elasticity is known to {percent(reference.error)} ({reached}): quadratic elements on "
         f"{len(reference.solutions)} meshes, the finest of {nodes} nodes."
     )
-    return known + _facet_sentence(reference)
+    return known + about
 
 
-def _facet_sentence(reference: Reference) -> str:
-    domain = reference.problem.domain
-    if not (isinstance(domain, Mesh) and is_faceted(domain)):
-        return ""
-    return (
-        " The body is that of the file's straight facets, which seem to stand for a curve; "
-        "quadratic cells follow it."
-    )
+def _body_sentences(reference: Reference) -> str:
+    """Facets that stand for a curve, and regions that lie over each other at middles of cells."""
+    problem, body, said = reference.problem, reference.solutions[0].body, ""
+    if isinstance(problem.domain, Mesh) and is_faceted(problem.domain):
+        said = (
+            " The body is that of the file's straight facets, which seem to stand for a curve; "
+            "quadratic cells follow it."
+        )
+    middles = body.points[body.cells].mean(axis=1)
+    on = [zone.region.select(middles, problem.domain.tolerance) for zone in problem.zones]
+    for (i, one), (j, other) in combinations(enumerate(on, 1), 2):
+        if (one & other).any():
+            said += f" Region {j} overlaps region {i}: the later one counts there."
+    return said
 
 
 def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
@@ -165,7 +184,7 @@ def judged_sentences(found: Judgement) -> tuple[str, tuple[str, ...]]:
     reached = "" if found.reference.resolved else f", not to the {percent(case.accuracy)} asked for"
     said.append(
         f"Elasticity is known to {percent(found.reference.error)}{reached}, the file's numbers to "
-        f"{percent(found.precision)}.{_facet_sentence(found.reference)}"
+        f"{percent(found.precision)}.{_body_sentences(found.reference)}"
     )
     return head, tuple(said)
 

@@ -15,7 +15,7 @@ import msgspec
 from msvalidate.case.lines import Path, key_lines, line_of
 from msvalidate.case.schema import SCHEMA, CaseFile
 from msvalidate.problem import ProblemError
-from msvalidate.problem.checks import format_value
+from msvalidate.problem.checks import format_value, require_type
 from msvalidate.problem.records import dataclass
 
 LARGEST_FILE = 10_000_000
@@ -96,6 +96,7 @@ def read_source(path: str | FilePath) -> Source:
         If there is no such file, it is no TOML, a key is missing or unknown or its value of a wrong
         type; the message names file, line, key and remedy.
     """
+    require_type("case file", path, str | FilePath)
     file = FilePath(path)
     name = format_value(file.name).strip("'")
     return parse_source(name, _read_text(file), file.resolve().parent)

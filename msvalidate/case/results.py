@@ -5,8 +5,8 @@ from __future__ import annotations
 import io
 import math
 import re
-import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,12 @@ from msvalidate.bodies.mesh_file import read_points
 from msvalidate.problem import AXES, Array, Index, ProblemError
 from msvalidate.problem.checks import finite_number, format_value, integers, numbers, shaped
 from msvalidate.problem.records import dataclass
+from msvalidate_check.archives import read_arrays
+from msvalidate_check.errors import CheckError
 from msvalidate_check.precision import spacing_of_displacements
 
-LARGEST = 1e100
-"""Size of numbers beyond which sums of their squares overflow."""
+LARGEST, LEAST = 1e100, 1e-100
+"""Sizes of numbers between which sums of their squares are numbers too."""
 LARGEST_FILE = 2_000_000_000
 """Bytes beyond which a file is not read."""
 MOST_POINTS = 3_000_000
@@ -29,6 +31,8 @@ PLACES = ("points", "x", "position", "positions", "coordinates")
 MOVES = ("displacement", "displacements", "u", "disp")
 REST = "at_rest"
 """Of .npz files: how much the displacements would still change, over the largest."""
+PLACES_OF_ARRAYS = {"points": PLACES, "id": IDS, "rest": (REST,)}
+"""What is read of a .npz file besides displacements, and by which names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +54,9 @@ class Result:
     grid
         Distance between neighbouring numbers of displacements, as far as they were rounded: see
         `msvalidate_check.precision`.
+    known
+        What solvers that are known not to be converged give there, by what they are of: functions
+        of Poisson's ratio, (n, d) in m.
     """
 
     name: str
@@ -58,6 +65,7 @@ class Result:
     id: Index | None
     rest: float
     grid: float
+    known: Mapping[str, Callable[[float], Array]] = field(default_factory=dict)
 
 
 def read_result(path: str | Path, dim: int, field: str | None = None) -> Result:
@@ -111,12 +119,12 @@ def _result(name: str, given: Mapping[str, Any], dim: int) -> Result:
     move = _plane(shaped("displacement", move, "n>0", (2, 3)), dim, "displacement")
     if len(move) > MOST_POINTS:
         raise ProblemError(f"{len(move):g} points; the most is {MOST_POINTS:g}")
-    _refuse_not_finite("displacement", move)
+    refuse_extreme("displacement", move)
     points = given.get("points")
     if points is not None:
         at = shaped("points", numbers("points", points), len(move), (2, 3))
         points = _plane(at, dim, "points")
-        _refuse_not_finite("points", points)
+        refuse_extreme("points", points)
     number = given.get("id")
     if number is not None:
         number = integers("id", number, len(move))
@@ -127,7 +135,11 @@ def _result(name: str, given: Mapping[str, Any], dim: int) -> Result:
     return Result(name, move, points, number, unrest, spacing_of_displacements(move, points))
 
 
-def _refuse_not_finite(name: str, array: Array) -> None:
+def refuse_extreme(name: str, array: Array) -> None:
+    """Refuse numbers that are not finite, or whose squares are not numbers."""
+    size = float(np.abs(array).max(initial=0.0))
+    if 0 < size < LEAST:
+        raise ProblemError(f"{name}: {size:g} at most; give numbers above {LEAST:g}, or 0 alone")
     bad = np.argwhere(~(np.abs(array) < LARGEST))
     if len(bad):
         row, column = (int(i) for i in bad[0])
@@ -205,41 +217,16 @@ def _table_numbers(table: pd.DataFrame, columns: Sequence[Any]) -> Array:
 
 
 def _read_npz(file: Path, field: str | None) -> dict[str, Any]:
+    wanted = {"displacement": (field,) if field else MOVES} | PLACES_OF_ARRAYS
     try:
-        _refuse_large(file)
-        with np.load(file, allow_pickle=False) as content:
-            arrays = {name: content[name] for name in content.files}
-    except ProblemError:
-        raise
-    except Exception as error:  # whatever the readers of archives and arrays stumble over
-        why = " ".join(str(error).split()) or type(error).__name__
-        raise ProblemError(f"no .npz of plain arrays: {why}; write it again") from error
-    if not all(isinstance(each, np.ndarray) for each in arrays.values()):
-        raise ProblemError("no .npz of plain arrays: other files are in it; write it again")
-    found: dict[str, Any] = {}
-    move = _named(arrays, (field,) if field else MOVES, "displacement")
-    found["displacement"] = _as_numbers(arrays[move], move)
-    for key, names in (("points", PLACES), ("id", IDS), ("rest", (REST,))):
-        name = next((each for each in names if each in arrays), None)
-        if name is not None:
-            found[key] = _as_numbers(arrays[name], name)
-    return found
-
-
-def _refuse_large(file: Path) -> None:
-    """Refuse an archive before memory is taken for what is in it."""
-    with zipfile.ZipFile(file) as packed:
-        size = sum(each.file_size for each in packed.infolist())
-    if size > LARGEST_FILE:
-        raise ProblemError(f"{size:g} bytes when unpacked; the most is {LARGEST_FILE:g}")
-
-
-def _named(arrays: Mapping[str, Any], names: Sequence[str], what: str) -> str:
-    for name in names:
-        if name in arrays:
-            return name
-    known = ", ".join(map(format_value, arrays)) or "nothing"
-    raise ProblemError(f"no {what}: it holds {known}; name one of them {' or '.join(names[:2])}")
+        arrays, there = read_arrays(file, wanted, MOST_POINTS)
+    except CheckError as error:
+        raise ProblemError(str(error)) from error
+    if "displacement" not in arrays:
+        known, names = ", ".join(map(format_value, there)) or "nothing", wanted["displacement"]
+        choice = " or ".join(names[:2])
+        raise ProblemError(f"no displacement: it holds {known}; name one of them {choice}")
+    return {what: _as_numbers(array, name) for what, (name, array) in arrays.items()}
 
 
 def _as_numbers(array: np.ndarray, name: str) -> np.ndarray:

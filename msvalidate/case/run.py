@@ -11,6 +11,7 @@ from msvalidate.case.case import Case
 from msvalidate.case.figures import figures, judged_figures
 from msvalidate.case.results import Result
 from msvalidate.output.provenance import collect_provenance
+from msvalidate.problem.checks import require_type
 from reference_fem.converged import Reference
 
 
@@ -47,7 +48,7 @@ def case_files(
         sentence=head,
         sentences=said,
         candidate="Springs",
-        band=page.percent(case.band),
+        band=page.band_words(case, found.rows),
         rows=page.shown_rows(found.rows),
         notes=found.notes,
         pictures=page.shown_pictures(pictures),
@@ -81,6 +82,8 @@ def judged_files(
     SolverError
         If there is no trustworthy reference.
     """
+    require_type("case", case, Case)
+    require_type("result", result, Result)
     started, began = datetime.now(UTC), perf_counter()
     found = judge.judge_result(case, result, unit=unit, unrest=unrest, progress=progress)
     tables = judge.tables(found)
@@ -96,7 +99,7 @@ def judged_files(
         sentence=head,
         sentences=said,
         candidate="Result",
-        band=page.percent(case.band),
+        band=page.band_words(case, (found.row,)),
         rows=page.shown_rows((found.row,)),
         notes=found.matched.notes,
         pictures=page.shown_pictures(pictures),

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 import time
+from contextlib import suppress
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -22,14 +23,14 @@ from scipy.spatial import KDTree
 from msvalidate.bodies.cut_network import cut_network
 from msvalidate.bodies.lattice_network import lattice_network
 from msvalidate.bodies.zones import OneOrEach, calibrate_zones
-from msvalidate.case.case import MESH_EDGES, Case, make_lattice, spacing_of
+from msvalidate.case.case import MESH_EDGES, Case, make_lattice, spacing_by_cells, spacing_of
 from msvalidate.constants.calibration import Calibration
 from msvalidate.constants.lattice_constants import calibrate_by_route
 from msvalidate.lattice import CutLattice, Lattice, PatternLattice
 from msvalidate.lattice.cut import cell_weights, joins_corners
 from msvalidate.network import Network, mode_energy
 from msvalidate.problem import Array, Isotropic, Mask, ProblemError, SolverError
-from msvalidate.problem.records import dataclass
+from msvalidate.problem.records import dataclass, replace
 from msvalidate.statics.equilibrium import Equilibrium, equilibrium
 from msvalidate.statics.stress import cell_stress, cell_volume, point_stress
 
@@ -45,6 +46,8 @@ UNEVEN = 1.5
 """Of the last change, what lattices cut to an outline may be off: their error falls unevenly."""
 ASSUMED_ORDER = 1.0
 """Where there are two lattices alone."""
+TRIED, MOST_OFFERED = 30, 1000
+"""Numbers of cells that are tried where a lattice is refused, and the most across."""
 ROUNDING = 1e-10
 """Of displacements' change, over the largest, or of a whole cell, what is rounding."""
 
@@ -214,7 +217,10 @@ def _refuse_one_for_several(case: Case) -> None:
 
 def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:
     """Springs as asked, then on lattices twice and four times as fine, as far as they are few."""
-    first = solve_springs(case, spacing_of(case))
+    try:
+        first = solve_springs(case, spacing_of(case))
+    except ProblemError as error:
+        raise ProblemError(f"{error}{_offer_cells(case)}") from error
     if case.lattice == MESH_EDGES:
         return (first,)
     dim, points = case.problem.domain.dim, len(first.lattice.points)
@@ -227,6 +233,21 @@ def solve_finer(case: Case) -> tuple[SpringAnswer, ...]:
         except (ProblemError, SolverError):
             break  # the answer asked for stands; the limit has fewer lattices to be read from
     return tuple(found)
+
+
+def _offer_cells(case: Case) -> str:
+    """The number of cells nearest to what is asked with which a lattice can be laid, tried."""
+    if case.lattice == MESH_EDGES:
+        return ""
+    one, asked = spacing_by_cells(replace(case, cells=1, spacing=None)), spacing_of(case)
+    numbers = sorted(range(1, MOST_OFFERED + 1), key=lambda n: abs(math.log(n * asked / one)))
+    for many in numbers[:TRIED]:
+        other = replace(case, cells=many, spacing=None)
+        spacing = spacing_of(other)
+        with suppress(ProblemError):
+            make_network(other, spacing)
+            return f"; cells = {many} (spacing {spacing:.6g} m) does"
+    return ""
 
 
 def limit_of(answers: tuple[SpringAnswer, ...], places: Array) -> SpringLimit:

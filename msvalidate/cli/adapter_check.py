@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import difflib
+import sys
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -17,7 +19,7 @@ from msvalidate.problem.checks import format_value
 from msvalidate.simulators.asked import Asked, NoAnswerError
 from msvalidate.simulators.causes import AGREES
 from msvalidate.simulators.judgement import PARTS, Judgement, judge_simulator
-from msvalidate.simulators.laws import LAWS, predicted
+from msvalidate.simulators.laws import LAWS, law_named, predicted
 from msvalidate.simulators.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.record import record_of, text_of
 from msvalidate.simulators.sheet import Sheet, sheet_of
@@ -29,17 +31,40 @@ RUN = "-run"
 """End of the name of the folder in which its latest question stays, beside its page."""
 
 
+class Steps(Progress):
+    """Steps of something that takes minutes.
+
+    A terminal shows the one that is taken now, written over; elsewhere each that was done is a line
+    of stderr. `log` holds these lines too.
+    """
+
+    def __init__(self, name: str, *, shown: bool, log: Path | None = None) -> None:
+        super().__init__(name, shown=shown)
+        self._tells = shown and not sys.stderr.isatty()
+        self._log, self._lines = log, list[str]()
+
+    def done(self, said: str) -> None:
+        """Say what was done."""
+        self._lines.append(f"{self._name}: {said}")
+        if self._tells:
+            tell(self._lines[-1])
+        if self._log is not None:
+            text = "\n".join([*self._lines, ""])
+            with contextlib.suppress(OSError):
+                exchange.replace_file(self._log, text.encode)
+
+
 def tell_laws() -> int:
     """Names that --law takes, each with what it is to first order for E = 1 and nu = 0.3."""
-    width = max(map(len, LAWS))
-    lines = [f"{'law':<{width}}  E over asked  nu for 0.3"]
+    width, wide = max(map(len, LAWS)), max(len(law.key) for law in LAWS.values())
+    lines = [f"{'--law':<{wide}}  {'law':<{width}}  E over asked  nu for 0.3"]
     for name in LAWS:
         law = predicted(name, 1.0, 0.3)
         none = law.E is None or law.nu is None
         E, nu = (
             ("none", "none") if none else (f"{law.E:.4f}", f"{round(law.nu or 0.0, 4) + 0.0:.4f}")
         )
-        lines.append(f"{name:<{width}}  {E:>12}  {nu:>10}")
+        lines.append(f"{LAWS[name].key:<{wide}}  {name:<{width}}  {E:>12}  {nu:>10}")
     return print_lines(lines)
 
 
@@ -55,8 +80,9 @@ def check_adapter(args: argparse.Namespace) -> int:
     folder, kept = _folders(args, name)
     material = Isotropic(args.modulus, args.ratio, "solid", args.density)
     parts = tuple(args.only or PARTS)
-    show = Progress(name, shown=not args.quiet)
-    asked = Asked(Program(args.adapter, args.limit, kept), show)
+    log = None if folder is None else folder.with_name(f"{folder.name}.log")
+    show = Steps(name, shown=not args.quiet, log=log)
+    asked = Asked(Program(args.adapter, args.limit, kept), show, show.done, parts)
     started = datetime.now(UTC)
     try:
         found = judge_simulator(
@@ -66,8 +92,8 @@ def check_adapter(args: argparse.Namespace) -> int:
         _write(args, name, folder, found, sheet, started, show)
     except NoAnswerError as error:
         show.clear()
-        log = "" if kept is None else f" ({kept / OUT / LOG})"
-        return tell_error(f"{name}: {error}{log}", FAILED)
+        where = "" if kept is None else f" ({kept / OUT / LOG})"
+        return tell_error(f"{name}: {error}{where}", FAILED)
     finally:  # also when we are interrupted
         show.clear()
     return _tell(args, name, folder, found, sheet, asked)
@@ -75,6 +101,7 @@ def check_adapter(args: argparse.Namespace) -> int:
 
 def _folders(args: argparse.Namespace, name: str) -> tuple[Path | None, Path | None]:
     """Where the page goes and where the latest question stays; refuses what cannot be."""
+    args.law = law_named(args.law)
     if args.law and args.law not in LAWS:
         near = [name for name in LAWS if args.law.lower() in name.lower()]
         near = near or difflib.get_close_matches(args.law, LAWS, n=1, cutoff=0.5)
@@ -96,7 +123,7 @@ def _write(
     found: Judgement,
     sheet: Sheet,
     started: datetime,
-    show: Progress,
+    show: Steps,
 ) -> None:
     """The record and the page, where they were asked for."""
     record = {"adapter": name, "law": args.law, "word": sheet.word, **record_of(found)}

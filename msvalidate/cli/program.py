@@ -98,8 +98,10 @@ def _guard(act: Callable[[], int], args: argparse.Namespace) -> int:
     except ImportError as error:
         return tell_error(str(error), USAGE)
     except OSError as error:
-        what = f"{error.strerror}: {error.filename}" if error.filename else str(error)
-        return tell_error(f"writing results: {what}", USAGE)
+        from msvalidate.problem.checks import format_value
+
+        name = format_value(str(error.filename)).strip("'")
+        return tell_error(f"{error.strerror}: {name}" if error.filename else str(error), USAGE)
     except Exception as error:  # noqa: BLE001  a fault of ours: one line, and a code of its own
         from msvalidate.problem import ProblemError
 

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
 import math
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +18,13 @@ import numpy as np
 from msvalidate.case import building, files, run
 from msvalidate.case.case import Case
 from msvalidate.case.results import Result
-from msvalidate.cli.adapter_check import check_adapter, tell_laws
+from msvalidate.cli.adapter_check import Steps, check_adapter, tell_laws
 from msvalidate.cli.arguments import FAILED, HELD, NOTHING, PROGRAM, USAGE
-from msvalidate.cli.cases import Progress, new_path, said, tell_judged
+from msvalidate.cli.cases import new_path, said, tell_judged
 from msvalidate.cli.terminal import tell, tell_error
 from msvalidate.problem import ProblemError, SolverError
 from msvalidate.problem.checks import format_value
-from msvalidate.simulators.export import export_case
+from msvalidate.simulators.export import export_case, on_mesh
 from msvalidate.simulators.program import LOG, OUT, Program, label_of
 from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
 from msvalidate.simulators.rest import stated_unrest
@@ -68,9 +72,8 @@ def _new(args: argparse.Namespace) -> int:
 def _simulate(args: argparse.Namespace) -> int:
     """Ask, judge, and write the page; what the adapter left stays beside it."""
     try:
-        name = f"{files.folder_name(args.file.stem)}-{label_of(args.adapter)}"
-        folder = args.out / files.folder_name(name)
-        whose = f"{args.file.name} and {format_value(args.adapter)}"
+        folder = args.out / _name(args)
+        whose = " ".join([f"{args.file.name} and {format_value(args.adapter)}", *_told(args)])
         files.refuse_foreign(folder, whose)
         kept = folder.with_name(f"{folder.name}{RUN}")
         program = Program(args.adapter, args.limit, kept)
@@ -78,9 +81,11 @@ def _simulate(args: argparse.Namespace) -> int:
         request = export_case(
             case, cells=args.cells, shape=args.shape, springs=args.springs, settings=dict(args.set)
         )
-        show = Progress(case.name, shown=not args.quiet)
-        show("simulator")
+        show = Steps(case.name, shown=not args.quiet)
+        show("simulator; judging is left")
+        began = time.perf_counter()
         answer = program(request)
+        show.done(f"simulator, 1 question: {time.perf_counter() - began:.2g} s; judging is left")
         show("judging")
         result, unrest = _result(request, answer), stated_unrest(request, answer)
         found, content = run.judged_files(
@@ -106,12 +111,29 @@ def _simulate(args: argparse.Namespace) -> int:
     return tell_judged(found, folder, quiet=args.quiet)
 
 
+def _told(args: argparse.Namespace) -> list[str]:
+    """Settings as words, in one order."""
+    return [f"{name}={json.dumps(value)}" for name, value in sorted(dict(args.set).items())]
+
+
+def _name(args: argparse.Namespace) -> str:
+    """Of the folder of results, one for each of case, adapter and settings."""
+    name = f"{files.folder_name(args.file.stem)}-{files.folder_name(label_of(args.adapter))}"
+    whole = "-".join([name, *_told(args)]).replace("=", "-").replace('"', "")
+    told = files.folder_name(whole)
+    if told == whole or not args.set:
+        return told
+    mark = hashlib.sha256("\0".join(_told(args)).encode()).hexdigest()[:8]
+    return f"{told[: files.LONGEST_FOLDER - 9]}-{mark}"
+
+
 def _result(request: Request, answer: Answer) -> Result:
     """An answer as what is read from files of displacements."""
     move, points = np.asarray(answer.displacement), np.array(request.mesh.points)
     name = _line(answer.about.get("simulator", "simulator"))
     grid = spacing_of_displacements(move, points)
-    return Result(name, move, points, None, math.nan, grid)
+    known = {f"linear elements on its {request.mesh.shape} mesh": partial(on_mesh, request)}
+    return Result(name, move, points, None, math.nan, grid, known)
 
 
 def _described(case: Case, request: Request, answer: Answer) -> Case:

@@ -157,7 +157,8 @@ def square_constants(material: Isotropic, *, isotropic: bool = True) -> tuple[fl
         raise ProblemError(
             f"square lattice: in-plane ratio {nu:.6g} ({material.state}, nu = {material.nu:g}); "
             "central springs are isotropic at 1/3 only (C12 = C66): take nu = 1/3 in plane stress "
-            "or 1/4 in plane strain, or match along the axes alone (isotropic=False)"
+            "or 1/4 in plane strain, route 'volume energy', or the axes alone by "
+            "square_constants(material, isotropic=False)"
         )
     if not 0 < nu < 1:
         raise ProblemError(

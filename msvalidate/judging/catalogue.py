@@ -131,7 +131,7 @@ def join(folder: Path) -> None:
     ImportError
         If there is no such folder, or no study in it, or one by the name of another study.
     """
-    place = str(folder.resolve())
+    place = os.path.realpath(folder)  # `resolve` raises of links in a circle, till Python 3.12
     if os.pathsep in place:
         raise ImportError(f"--studies {folder}: {os.pathsep!r} separates folders; rename it")
     if place in studies.joined():

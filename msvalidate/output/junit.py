@@ -56,7 +56,8 @@ def printable(text: str) -> str:
 
 def failure_line(row: Mapping[Any, Any]) -> str:
     """What failed, in one line: value, reference, error and limit."""
+    unit = "" if row["unit"] == "1" else f" {row['unit']}"
     return (
         f"{row['quantity']}: observed {row['observed']:.9g}, reference {row['reference']:.9g}, "
-        f"error {row['error']:.3g} > limit {row['limit']:.3g} {row['unit']}"
+        f"error {row['error']:.3g} > limit {row['limit']:.3g}{unit}"
     )

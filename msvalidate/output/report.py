@@ -9,6 +9,7 @@ folder and each page is replaced whole, one after another.
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import shutil
 import tempfile
@@ -106,9 +107,13 @@ def _resolve(option: str, path: Path) -> Path:
     """The place that a path leads to; raise `ProblemError` if it leads in a circle, or nowhere."""
     try:
         found = path.resolve()
-        path.exists()
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            found.stat()
     except (OSError, RuntimeError) as error:
-        why = error.strerror if isinstance(error, OSError) else "a link that leads back to itself"
+        # Of links in a circle `resolve` raises RuntimeError, but nothing from Python 3.13 on.
+        why = "a link that leads back to itself"
+        if isinstance(error, OSError) and error.errno != errno.ELOOP:
+            why = str(error.strerror)
         raise ProblemError(f"{option} {path}: {why}; name another place") from error
     return found
 

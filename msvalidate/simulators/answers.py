@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -13,13 +14,24 @@ import numpy as np
 from msvalidate.bodies.mesh_file import read_points
 from msvalidate.problem import AXES, Array, ProblemError
 from msvalidate.problem.checks import finite_number, format_value, numbers
-from msvalidate.simulators.protocol import Answer, ForcesAt, Request, SimulatorError, ask
+from msvalidate.simulators.protocol import (
+    LARGEST,
+    Answer,
+    ForcesAt,
+    Request,
+    SimulatorError,
+    ask,
+)
 from msvalidate.simulators.tables import read_table
 
 ABOUT = "result.json"
 RESULTS = ("result.npz", "result.csv", "result.vtu")
+NO_NUMBER = re.compile(r'"(\w+)"\s*:\s*\[?\s*(-?NaN|-?Infinity)\b')
+"""A key of it whose value Python writes where there is no number, which is no JSON."""
 LARGEST_ABOUT = 1_000_000
 """Bytes of `result.json`."""
+LOOSEST = 0.1
+"""Of what a step may be solved to: beyond that no law can be read from it."""
 LARGEST_EMPTY, BYTES_A_NODE = 10_000_000, 2_000
 """Bytes that a result may have: of its own, and for each node."""
 SAME_PLACE = 1e-6
@@ -58,6 +70,7 @@ class About(msgspec.Struct, forbid_unknown_fields=True):
     dt: float | None = None
     mass: Literal["lumped", "consistent", "one point"] | None = None
     forces_at: ForcesAt | None = None
+    solves_to: float | None = None
     at_rest: AtRest = msgspec.field(default_factory=AtRest)
     seconds: float | None = None
     notes: str | list[str] = ""
@@ -92,15 +105,21 @@ def _read_about(path: Path) -> dict[str, Any]:
         about = msgspec.json.decode(path.read_bytes(), type=About)
     except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
         why = " ".join(str(error).split())
+        if no_number := NO_NUMBER.search(path.read_text(encoding="utf-8", errors="replace")):
+            raise SimulatorError(
+                f"answer: {ABOUT}: {no_number[1]} is {no_number[2]}; did it diverge?"
+            ) from error
         known = f"; the keys are {', '.join(About.__struct_fields__)}" if "field" in why else ""
         raise SimulatorError(f"answer: {ABOUT}: {why}{known}") from error
     for name, least in (("steps", 0), ("dt", 0), ("seconds", 0)):
         if getattr(about, name) is not None:
             finite_number(f"{ABOUT}: {name}", getattr(about, name), least=least)
+    if about.solves_to is not None:
+        finite_number(f"{ABOUT}: solves_to", about.solves_to, least=0.0, below=LOOSEST)
     rest = msgspec.to_builtins(about.at_rest)
     given = {name: value for name, value in rest.items() if value is not None}
     for name, value in given.items():
-        finite_number(f"{ABOUT}: at_rest.{name}", value, least=0.0)
+        finite_number(f"{ABOUT}: at_rest.{name}", value, least=0.0, most=LARGEST)
     found = msgspec.to_builtins(about) | {"at_rest": given}
     return {name: value for name, value in found.items() if value is not None}
 

@@ -34,6 +34,8 @@ BODIES: Mapping[str, tuple[str, ...]] = {
 """What a body is asked for -> cases of the set, the first that a program can represent counts."""
 BAND = 0.01
 """Of masses and displacements: what is off by less agrees. Of a law's prediction too."""
+SHORT = 3.0
+"""Times what is stated of rest, by how much a body may still change: most of it is an estimate."""
 EVEN = 0.1
 """Part of the displacement that may go the same way under opposite loads: the second order of what
 turns by 0.02 and strains by 0.01, with a factor of three."""
@@ -93,6 +95,12 @@ class BodyRow:
         """Whether its causes, or better elements, explain it, and both ways alike."""
         causes = self.factors is not None and (self.factors.is_explained or self.finer)
         return causes and self.even <= EVEN
+
+    @property
+    def may_settle(self) -> bool:
+        """Whether what is left is of the size of what it says may still change."""
+        left = math.inf if self.factors is None else self.factors.apart
+        return bool(left <= SHORT * self.rest) and self.rest > BAND and self.even <= EVEN
 
     @property
     def is_rounded(self) -> bool:

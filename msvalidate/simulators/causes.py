@@ -7,14 +7,17 @@ import math
 from msvalidate.problem import Isotropic
 from msvalidate.simulators.bodies import BAND, EVEN, MORE, BodyRow
 from msvalidate.simulators.large_strain import AtLargeStrain
+from msvalidate.simulators.laws import LAWS, nearest_law
 from msvalidate.simulators.moduli import SHOWN
 from msvalidate.simulators.reading import Reading
 
 AGREES = "agrees"
 CAUSE = "differs with cause"
+NOT_AT_REST = "not at rest"
 NOT_EXPLAINED = "not explained"
 STOPPED = "gate"
-STATES = (AGREES, CAUSE, NOT_EXPLAINED, STOPPED)
+OVER = ": as E over the density; then divide forces by it too"
+STATES = (AGREES, CAUSE, NOT_AT_REST, NOT_EXPLAINED, STOPPED)
 
 
 def state_and_causes(
@@ -26,15 +29,22 @@ def state_and_causes(
     large: AtLargeStrain | None,
     *,
     linear: bool = True,
+    moving: float = 0.0,
 ) -> tuple[str, tuple[str, ...]]:
     """One of `STATES` and the causes in words, from what differs from what was asked.
 
     `rows` are None where no body was asked for, and empty where none could be represented. Of
     elements that are not `linear` what they are off by is told: it is by design, and no mesh's.
+    `moving` is the part of the displacement of the gate's block that running longer changes: where
+    there is one, nothing of the bodies is known. Where there is none, what is left of a body is not
+    known where it is less than what the simulator says may still change.
     """
     missing, rows = rows == (), rows or ()
-    causes = [*_law_causes(material, reading, law), *_factor_causes(rows, linear=linear)]
-    open_rows = [row for row in rows if not row.is_explained and not row.is_rounded]
+    unrest = max([moving, *(row.rest for row in rows if row.rest > BAND)])
+    found = _law_causes(material, reading, law)
+    causes = [*found, *_unrest_causes(unrest), *_factor_causes(rows, linear=linear)]
+    left = [row for row in rows if not row.is_explained and not row.is_rounded]
+    open_rows = [row for row in left if not moving and not row.may_settle]
     causes += [_rounded_words(row) for row in rows if row.is_rounded]
     unread = reading is not None and not reading.is_valid
     off = predicted is not None and law is not None and not _alike(law, predicted)
@@ -43,7 +53,7 @@ def state_and_causes(
             f"law: read as E {law[0]:.4g} Pa, nu {law[1]:.4g}; its documents say "
             f"{predicted[0]:.4g} Pa, {predicted[1]:.4g}"
         )
-    other = large is not None and large.apart > BAND
+    other = large is not None and large.apart > max(BAND, large.rest) and not moving
     if other and large is not None:
         causes.append(
             f"law: at {large.strain:.2g} strain {large.apart:.2g} of the displacement from "
@@ -53,6 +63,8 @@ def state_and_causes(
         causes += [_open_words(row) for row in open_rows]
         causes += ["bodies at rest: it could represent none of them"] if missing else []
         return NOT_EXPLAINED, tuple(dict.fromkeys(causes))
+    if moving or left or (unrest and len(causes) == 1):
+        return NOT_AT_REST, tuple(dict.fromkeys([*_unrest_causes(unrest), *causes]))
     return (CAUSE if causes else AGREES), tuple(dict.fromkeys(causes))
 
 
@@ -63,6 +75,13 @@ def _rounded_words(row: BodyRow) -> str:
         f"solver: positions in float32, {apart:.2g} of the displacement of {row.case} on "
         f"{row.mesh}, {row.loaded_more:.2g} under {MORE:g} times the loads"
     )
+
+
+def _unrest_causes(unrest: float) -> list[str]:
+    """What is said where this part of a displacement may still change; nothing within the band."""
+    part = f"{unrest:.0%}" if unrest < 1 else "all"
+    said = f"solver: run longer: {part.replace('%', ' %')} of a displacement may still change"
+    return [said] if unrest > BAND else []
 
 
 def _open_words(row: BodyRow) -> str:
@@ -76,6 +95,11 @@ def _open_words(row: BodyRow) -> str:
     return f"{where}: {row.factors.apart:.2g} of the displacement not explained{shape}"
 
 
+def is_over_density(part: float, density: float) -> bool:
+    """Whether a modulus or mass is this part of what was asked as it is over the density."""
+    return abs(part * density - 1) <= BAND and abs(density - 1) > BAND
+
+
 def _law_causes(
     material: Isotropic, reading: Reading | None, law: tuple[float, float] | None
 ) -> list[str]:
@@ -87,20 +111,20 @@ def _law_causes(
     if reading is not None and reading.is_bound:
         found.append("law: uniform strain pulls at inner nodes, so it is of no one solid")
     if law is not None and not _alike(law, (material.E, material.nu), SHOWN):
+        near, over = nearest_law(*law, material.E, material.nu), law[0] / material.E
         found.append(
             f"law: E {law[0] / material.E:.4g} times the asked, nu {law[1]:.4g} for {material.nu:g}"
+            f"{f': as {near} (--law {LAWS[near].key})' if near else ''}"
+            f"{OVER if is_over_density(over, material.density) else ''}"
         )
     if reading is not None and reading.masses is not None and reading.masses.off > BAND:
-        found.append(f"mass: {reading.masses.pattern}")
+        found.append(f"mass: {reading.masses.pattern}; {reading.masses.spread}")
     return found
 
 
 def _factor_causes(rows: tuple[BodyRow, ...], *, linear: bool) -> list[str]:
     """Mass, solver, and elements by design, where they do more than the band in a body."""
     found = []
-    stated = max((row.rest for row in rows if math.isfinite(row.rest)), default=0.0)
-    if stated > BAND:
-        found.append(f"solver: {stated:.2g} of a displacement may still change, as it states")
     for name in ("mass", "solver") if linear else ("mass", "solver", "resolution"):
         each = [getattr(row.factors, name) for row in rows if row.factors is not None]
         worst = max(each, key=lambda one: abs(one - 1), default=1.0)

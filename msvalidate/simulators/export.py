@@ -35,6 +35,7 @@ from msvalidate.problem.checks import format_value, require_one_of, whole_number
 from msvalidate.simulators.protocol import Request, Springs
 from reference_fem.body import nodal_forces
 from reference_fem.converged import grid_lines, kept_places
+from reference_fem.elasticity import solve
 from reference_fem.mesh.boxes import lines_discretisation
 from reference_fem.mesh.discretisation import Discretisation
 from reference_fem.mesh.elements import of_shape
@@ -105,6 +106,21 @@ def export_case(
         value=value,
         settings=settings or {},
         name=problem.name,
+    )
+
+
+def on_mesh(request: Request, nu: float) -> Array:
+    """Displacement (n, d) in m of linear elements of another ratio on a request's own mesh."""
+    mesh = request.mesh
+    force = request.force + request.mass[:, None] * request.gravity
+    return solve(
+        mesh.points,
+        mesh.cells,
+        of_shape(mesh.shape).name,
+        replace(request.material, nu=nu),
+        [(*at, request.value[at]) for at in zip(*np.nonzero(request.held), strict=True)],
+        [(*at, force[at]) for at in zip(*np.nonzero(force), strict=True)],
+        allow_locked=True,
     )
 
 

@@ -234,7 +234,7 @@ def _free_fall(station: Station, rest: Push, strain: float) -> Flag:
     because = "of weight; a step from rest gives g dt, or velocities are not what forces made them"
     u, reach = ROUNDING[bench.precision], float(np.abs(bench.block.mesh.points).max())
     noise = PLACED * u * (1 / strain + reach / (strain * bench.block.height))
-    return Flag("free fall", value, EXACT + noise, because)
+    return Flag("free fall", value, EXACT + noise + station.solves_to, because)
 
 
 def _of_masses(masses: Masses | None, consistent: bool) -> list[Flag]:

@@ -34,12 +34,13 @@ from msvalidate.simulators.protocol import (
     SimulatorError,
     ask,
 )
-from msvalidate.simulators.rest import stated_unrest
+from msvalidate.simulators.rest import solves_to, stated_unrest
 
-Verdict = Literal["passed", "stopped", "cannot", "told"]
+Verdict = Literal["passed", "stopped", "cannot", "told", "not at rest"]
 PASSED: Verdict = "passed"
 STOPPED: Verdict = "stopped"
 TOLD: Verdict = "told"
+MOVING: Verdict = "not at rest"
 STEPS = 10
 """Of a motion."""
 FALL = 0.25
@@ -56,6 +57,10 @@ on either side."""
 UNSTATED = 1e-3
 """Part of the displacement that may still move where nothing is said of rest: a fifth of the 0.5 %
 that readings of a modulus are held to."""
+MOVES = 0.01
+"""Part of the displacement beyond which what changes as stated is no state at rest: the band that
+bodies are held to."""
+SOLVES_TO = "what it states to solve to"
 ORDERS = 5
 """Times the strain, by how much laws and shapes of large strain may leave proportion."""
 
@@ -73,7 +78,8 @@ class GateRow:
     because
         Why the limit is as wide as it is, or what kept it from being tried.
     verdict
-        "passed", "stopped", "cannot" (it could not be asked), or "told" (no limit).
+        "passed", "stopped", "cannot" (it could not be asked), "told" (no limit), or "not at rest":
+        within the limit, by what it says may still change alone.
     """
 
     name: str
@@ -100,6 +106,11 @@ class Gate:
         """Whether nothing stopped it, and something was tried."""
         verdicts = {row.verdict for row in self.rows}
         return STOPPED not in verdicts and PASSED in verdicts
+
+    @property
+    def moving(self) -> float:
+        """Part of the displacement that running longer changes; 0 where it is at rest."""
+        return max((row.value for row in self.rows if row.verdict == MOVING), default=0.0)
 
     @property
     def stops(self) -> tuple[GateRow, ...]:
@@ -198,23 +209,29 @@ def _free_fall(simulator: Simulator, block: Request) -> list[GateRow]:
     wanted = g * time
     off = float(np.abs(answer.velocity - wanted).max() / np.abs(wanted).max())
     # Velocities may be differences of positions: these are rounded, and one step is a part of them.
-    limit = ROUNDINGS * STEPS * epsilon(answer) / FALL
-    because = f"{ROUNDINGS} roundings of a position over a step's part of the fall"
+    stated = solves_to(answer.about)
+    limit = ROUNDINGS * STEPS * epsilon(answer) / FALL + stated
+    because = f"{ROUNDINGS} roundings of a position over a step's part of the fall, and {SOLVES_TO}"
+    because += f" ({stated:g})"
     fallen = float((answer.position - points)[:, -1].mean() / (g[-1] * float(plain.dt or 1) ** 2))
     return [
         _judged("free fall", off, "of g t", limit, because),
-        GateRow("free fall: integrator", fallen, "g dt²", math.nan, _integrator(fallen), TOLD),
+        GateRow(
+            "free fall: integrator", fallen, "g dt²", math.nan, _integrator(fallen, stated), TOLD
+        ),
     ]
 
 
-def _integrator(fallen: float) -> str:
+def _integrator(fallen: float, stated: float) -> str:
     known = {
         STEPS * (STEPS + 1) / 2: "semi-implicit: velocity first, then position by the new one",
         STEPS**2 / 2: "positions exact: by the mean of velocities",
         STEPS * (STEPS - 1) / 2: "position by the old velocity",
     }
     near = min(known, key=lambda each: abs(each - fallen))
-    return known[near] if abs(near - fallen) < 0.1 else "of no kind that is known here"
+    return (
+        known[near] if abs(near - fallen) < 0.1 + stated * near else "of no kind that is known here"
+    )
 
 
 def _small_turn(simulator: Simulator, block: Request) -> list[GateRow]:
@@ -277,7 +294,7 @@ def _twice_the_modulus(simulator: Simulator, block: Request, first: Answer) -> G
     rest = _left(block, first) + 2 * _left(stiff, answer)
     limit = ORDERS * STRAIN + rest + ROUNDINGS * epsilon(first) / STRAIN
     because = f"{ORDERS} times the strain, what rest leaves, and {ROUNDINGS} roundings"
-    return _judged("", away, "of u", limit, because)
+    return _moving(_judged("", away, "of u", limit, because), rest)
 
 
 def _changed(
@@ -304,7 +321,14 @@ def _changed(
     if row.verdict == STOPPED and not math.isnan(stated):
         told = f"its rest is stated to {stated:.2g}, and it moves by {away:.2g}"
         return replace(row, because=f"{told} with {name} {wanted:g}")
-    return row
+    return _moving(row, limit - noise)
+
+
+def _moving(row: GateRow, rest: float) -> GateRow:
+    """The row, "not at rest" where what is stated of that alone lets it pass."""
+    if row.verdict != PASSED or row.value <= max(MOVES, row.limit - rest):
+        return row
+    return replace(row, verdict=MOVING, because="it says that so much may still change: run longer")
 
 
 def _same_again(simulator: Simulator, block: Request, first: Answer) -> GateRow:

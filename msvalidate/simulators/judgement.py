@@ -28,7 +28,7 @@ from msvalidate.simulators.bodies import (
     masses_on,
     of_one_kind,
 )
-from msvalidate.simulators.causes import STOPPED, state_and_causes
+from msvalidate.simulators.causes import STOPPED, is_over_density, state_and_causes
 from msvalidate.simulators.gate import Gate, GateRow, gate
 from msvalidate.simulators.large_strain import AtLargeStrain, at_large_strain
 from msvalidate.simulators.probe import probe
@@ -138,7 +138,7 @@ def judge_simulator(
     bodies = "bodies" in parts
     found = bring_to_rest(simulator, material, own, meshes, notes, elements) if bodies else []
     settled = _further(simulator, own, converged, found, notes)
-    read, total = _law(reading, found, predicted, (material.E, material.nu))
+    read, total = _law(reading, found, predicted, material)
     furthest = own | dict(converged or {})
     rows = of_one_kind(
         tuple(body_row(body, each, read, reading, total, settled) for body, each in found)
@@ -150,8 +150,9 @@ def judge_simulator(
     if law and bodies and linear and all(map(_is_of_linear_elements, rows)):
         large = _large(simulator, material, law, furthest, (reading, total), notes)
     state, causes = state_and_causes(
-        material, predicted, reading, read, rows if bodies else None, large, linear=linear
-    )
+        material, predicted, reading, read, rows if bodies else None, large,
+        linear=linear, moving=gated.moving,
+    )  # fmt: skip
     return Judgement(material, predicted, gated, reading, rows, state, causes, tuple(notes), large)
 
 
@@ -254,15 +255,17 @@ def _law(
     reading: Reading | None,
     found: list[tuple[str, AtRest]],
     predicted: tuple[float, float] | None,
-    asked: tuple[float, float],
+    material: Isotropic,
 ) -> tuple[tuple[float, float] | None, float]:
     """Modulus (Pa) and ratio of the law, and the body's mass over what is asked.
 
     The probe sees E over mass alone. A body pulled by forces sees E alone. So their quotient is the
     mass; it is taken for 1 where it is so within `BAND`, or where the probe alone reads the law
-    that was meant. Where nothing was probed the law is the documented one, or else what the finest
-    pulled body is the elements of: the other bodies are then held against it.
+    that was meant, unless bodies show E and masses that are both over the density. Where nothing
+    was probed the law is the documented one, or else what the finest pulled body is the elements
+    of: the other bodies are then held against it.
     """
+    asked = (material.E, material.nu)
     pulled = [each for body, each in found if body == "pulled" and each.case.driven == "loads"]
     if reading is None:
         return predicted or _law_of(pulled) or asked, 1.0
@@ -275,9 +278,19 @@ def _law(
     if near.left > BAND or not total > 0 or abs(total - 1) <= BAND:
         return (reading.E, reading.nu), 1.0
     # Where steps are of the law that was meant and the pulled body is not, this is no mass.
-    if abs(reading.E / (predicted or asked)[0] - 1) <= BAND:
+    meant = abs(reading.E / (predicted or asked)[0] - 1) <= BAND
+    if meant and not (is_over_density(total, material.density) and _weighs(found, reading)):
         return (reading.E, reading.nu), 1.0
     return (reading.E * total, reading.nu), total
+
+
+def _weighs(found: list[tuple[str, AtRest]], reading: Reading) -> bool:
+    """Whether a body under its weight moves as one of the law that was read."""
+    for _, each in found:
+        if each.case.driven == "weight":
+            expected = each.of_elements(float(reading.E or 0), float(reading.nu or 0))
+            return abs(float((each.move * expected).sum() / (expected**2).sum()) - 1) <= BAND
+    return False
 
 
 def _law_of(pulled: list[AtRest]) -> tuple[float, float] | None:

@@ -26,6 +26,8 @@ POLAR_STEPS = 12
 """Of Newton's iteration for the rotation: quadratic, so that 30 % of strain takes five."""
 ROUNDED = 1e-12
 """Relative error of a predicted stiffness: rounding of a few products."""
+NEAR = 0.01
+"""Of E relative and nu absolute, within which a reading is as a law's."""
 AT_REST = 1e-9
 """Stress at F = I over the stiffness, beyond which a law has no solid at rest there."""
 
@@ -36,12 +38,13 @@ class Law:
 
     Parameters
     ----------
-    name, source
-        Source: a key of docs/references.bib, or a program's file.
+    key, name, source
+        Key: what `--law` takes too. Source: a key of docs/references.bib, or a program's file.
     stress
         P of F, mu, lam.
     """
 
+    key: str
     name: str
     stress: Stress
     source: str
@@ -70,6 +73,23 @@ def lame(E: float, nu: float) -> tuple[float, float]:
     E = positive_number("law: E", E, "Pa")
     nu = finite_number("law: nu", nu, above=-1.0, below=0.5)
     return E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
+
+
+def law_named(text: str) -> str:
+    """Name of the law of a name or key; the text itself where there is none."""
+    return next((name for name, law in LAWS.items() if text == law.key), text)
+
+
+def nearest_law(E: float, nu: float, asked_E: float, asked_nu: float) -> str:
+    """Name of the law that is nearest to E (Pa) and nu where it is asked for others; "" if none."""
+    away = {"": NEAR}
+    for name in LAWS:
+        law = predicted(name, asked_E, asked_nu)
+        if law.E is None or law.nu is None:
+            continue
+        if max(abs(law.E / asked_E - 1), abs(law.nu - asked_nu)) > NEAR / 10:  # else as asked
+            away[name] = max(abs(E / law.E - 1), abs(nu - law.nu))
+    return min(away, key=lambda name: away[name])
 
 
 def predicted(law: str, E: float, nu: float) -> Prediction:
@@ -207,40 +227,51 @@ DRAKE = "drake, multibody/fem"
 LAWS: dict[str, Law] = {
     law.name: law
     for law in (
-        Law("linear", _linear, "[TimoshenkoGoodier1970]"),
-        Law("corotated", _corotated, f"{DRAKE}/linear_corotated_model.cc, its rotation at F"),
-        Law("fixed corotated", _fixed_corotated, f"{DRAKE}/corotated_model.cc"),
-        Law("as rigid as possible", _arap, "2 mu (F - R), without a volume term"),
-        Law("Saint Venant-Kirchhoff", _saint_venant, "[Crisfield1991]"),
-        Law("neo-Hookean, log J", _log_neo_hookean, "[SimoPister1984]"),
+        Law("linear", "linear", _linear, "[TimoshenkoGoodier1970]"),
         Law(
+            "corotated",
+            "corotated",
+            _corotated,
+            f"{DRAKE}/linear_corotated_model.cc, its rotation at F",
+        ),
+        Law("fixed-corotated", "fixed corotated", _fixed_corotated, f"{DRAKE}/corotated_model.cc"),
+        Law("arap", "as rigid as possible", _arap, "2 mu (F - R), without a volume term"),
+        Law("stvk", "Saint Venant-Kirchhoff", _saint_venant, "[Crisfield1991]"),
+        Law("neo-log", "neo-Hookean, log J", _log_neo_hookean, "[SimoPister1984]"),
+        Law(
+            "smith-raw",
             "Smith's neo-Hookean, Lamé's constants as they stand",
             _smith,
             "[SmithDeGoes2018]; bullet3, src/BulletSoftBody/btDeformableNeoHookeanForce.h, "
             f"firstPiola; {NEWTON}/semi_implicit/kernels_particle.py:250, eval_tetrahedra",
         ),
         Law(
+            "smith",
             "Smith's neo-Hookean, constants of small strain",
             _smith_corrected,
             "[SmithDeGoes2018]",
         ),
         Law(
+            "neo-raw",
             "neo-Hookean without logarithm, Lamé's constants as they stand",
             _simple,
             f"{DRAKE}/neohookean_model.cc, CalcFirstPiolaStressImpl",
         ),
         Law(
+            "neo",
             "neo-Hookean without logarithm, lam + mu",
             _simple_corrected,
             f"{NEWTON}/vbd/particle_vbd_kernels.py:184, "
             "evaluate_volumetric_neo_hookean_force_and_hessian",
         ),
         Law(
+            "neo-split",
             "neo-Hookean of shape and volume apart",
             _split,
             "felupe, constitution/hyperelasticity/_neo_hooke_nearly_incompressible.py",
         ),
         Law(
+            "constraints",
             "two constraints, I - 3 and J - 1",
             _squares_and_volume,
             f"{NEWTON}/xpbd/kernels.py:494, solve_tetrahedra, at convergence",

@@ -73,10 +73,16 @@ class Masses:
         """Largest part by which one is not what is asked."""
         return float(np.abs(self.ratio - 1).max())
 
+    @property
+    def spread(self) -> str:
+        """How far nodes are from what is asked."""
+        return f"a node has {self.ratio.min():.2g} to {self.ratio.max():.2g} times its share"
+
     def line(self) -> str:
         """What was found, in one line."""
         rounding = f"known to {self.error:.1e}; the total is asked, only ratios are observed"
-        return f"masses: {self.pattern}; largest ratio to asked off by {self.off:.2g} ({rounding})"
+        spread = f"; {self.spread}" if self.off > SAME else ""
+        return f"masses: {self.pattern}{spread} ({rounding})"
 
 
 def measure_masses(bench: Bench, seed: int = SEED) -> Masses:

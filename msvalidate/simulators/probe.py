@@ -32,6 +32,7 @@ from msvalidate.simulators.masses import Masses, measure_masses
 from msvalidate.simulators.probe_mesh import Block, probe_mesh
 from msvalidate.simulators.protocol import Answer, Simulator, SimulatorError
 from msvalidate.simulators.reading import STRAINS, Reading
+from msvalidate.simulators.rest import solves_to
 from msvalidate.simulators.states import ENGINEERING, Push, Station, voigt
 
 STRAIN = {"float64": 2.0**-10, "float32": 2.0**-7}
@@ -108,7 +109,7 @@ def probe(
         masses = measure_masses(bench)
     inertia = _inertia(block, masses, first)
     consistent = first.force is None and first.about["mass"] != "lumped"
-    station = Station(bench, inertia, forces_at, consistent)
+    station = Station(bench, inertia, forces_at, consistent, solves_to(first.about))
     return _read(station, strain, masses, first)
 
 

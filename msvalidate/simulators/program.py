@@ -1,7 +1,7 @@
 """A simulator that is a program of its own: run in a process of its own, with a time limit.
 
-Its whole process group is ended with it, also when we are interrupted. What it says is kept up to
-a size, and read to the end whatever its size, so that it never waits for us.
+Its whole process group is ended with it, and with us, however we end. What it says is kept up to a
+size, and read to the end whatever its size, so that it never waits for us.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import IO
 from msvalidate.problem import ProblemError
 from msvalidate.problem.checks import format_value, positive_number
 from msvalidate.problem.records import dataclass
-from msvalidate.simulators.folders import read_answer, refuse_foreign, write_request
+from msvalidate.simulators.folders import REQUEST, read_answer, write_request
 from msvalidate.simulators.protocol import (
     CANNOT,
     Answer,
@@ -42,6 +42,14 @@ PATIENCE = 2.0
 """Seconds that streams may stay open after the program's end: a process that left its group may
 hold them for ever."""
 CASE, OUT, LOG = "case", "out", "log.txt"
+GUARDED = """\
+exec 3<&0 </dev/null
+( (read word <&3; kill -KILL 0) >/dev/null 2>&1 & )
+exec 3<&-
+exec "$@"
+"""
+"""Becomes the program. What it leaves beside it, a child of neither, waits for our end of a pipe to
+close, as it does however we end, and then ends the group. No signal that we catch would do."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +65,8 @@ class Program:
         Seconds after which it is ended.
     keep
         Folder in which CASE_DIR and OUT_DIR of the latest call stay, as `case` and `out`; by
-        default nothing stays. What the program said is ``log.txt`` in OUT_DIR.
+        default nothing stays. What the program said is ``log.txt`` in OUT_DIR. Each call works in a
+        folder of its own beside it, which takes its place in one step at the end.
 
     Raises
     ------
@@ -85,16 +94,20 @@ class Program:
         ProblemError
             If `keep` holds other files.
         """
-        if self.keep is not None:
-            return self._run(request, Path(self.keep).resolve())
-        with tempfile.TemporaryDirectory(prefix="msvalidate-", ignore_cleanup_errors=True) as name:
-            return self._run(request, Path(name).resolve())
+        if self.keep is None:
+            with tempfile.TemporaryDirectory("", "msvalidate-", ignore_cleanup_errors=True) as name:
+                return self._run(request, Path(name).resolve())
+        keep = Path(self.keep).resolve()
+        _refuse_others(keep)
+        with exchange.own_folder(keep.parent) as own:
+            try:
+                return self._run(request, own)
+            finally:  # also when we are interrupted
+                with exchange.alone(keep.parent):
+                    exchange.replace(own, keep)
 
     def _run(self, request: Request, folder: Path) -> Answer:
         case, out = folder / CASE, folder / OUT
-        if out.exists() and not (case.is_dir() and (out / LOG).is_file()):
-            raise ProblemError(f"folder {out}: holds what no adapter left there; name another")
-        refuse_foreign(case)
         write_request(request, case)
         exchange.replace_one(out, {LOG: b""})
         words = [*words_of(self.command), str(case), str(out)]
@@ -116,6 +129,19 @@ class Program:
             raise SimulatorError(f"adapter: ended by the system ({name}): {complaint or 'no word'}")
         if code:
             raise SimulatorError(f"adapter: exit code {code}: {complaint or 'no word on stderr'}")
+
+
+def _refuse_others(keep: Path) -> None:
+    """Raise `ProblemError` where a folder that would be replaced holds more than a run."""
+    marks = {CASE: REQUEST, OUT: LOG}
+    others = keep.exists() and not (
+        keep.is_dir()
+        and all(
+            path.name in marks and (path / marks[path.name]).is_file() for path in keep.iterdir()
+        )
+    )
+    if others:
+        raise ProblemError(f"folder {keep}: holds what no adapter left there; name another")
 
 
 def words_of(command: str) -> list[str]:
@@ -146,7 +172,7 @@ def words_of(command: str) -> list[str]:
 def label_of(command: str) -> str:
     """What results of an adapter are called: after the last file that its command names."""
     words = words_of(command)
-    files = [word for word in words if Path(word).is_file()]
+    files = [word for word in words if os.path.isfile(word)]  # noqa: PTH113  long ones are none
     return Path((files or words)[-1]).stem
 
 
@@ -168,11 +194,12 @@ def run_limited(words: list[str], folder: Path, limit: float) -> tuple[int | Non
     int or None, bytes, str
         Exit code, None if it had to be ended; what it said, shortened; its last line on stderr.
     """
+    guarded = ["/bin/sh", "-c", GUARDED, words[0], *words] if os.name == "posix" else words
     try:
-        process = subprocess.Popen(  # noqa: S603  the user's own command, without a shell
-            words,
+        process = subprocess.Popen(  # noqa: S603  the user's own command, no word of it a shell's
+            guarded,
             cwd=folder,
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             start_new_session=True,
@@ -202,6 +229,8 @@ def _end_group(process: subprocess.Popen[bytes]) -> None:
     with contextlib.suppress(OSError):
         process.kill()
     process.wait()
+    if process.stdin is not None:
+        process.stdin.close()
 
 
 class _Stream:

@@ -19,6 +19,8 @@ FORMAT = 1
 """Of the files. A change that older adapters cannot read makes it 2."""
 CANNOT = 77
 """Exit code of an adapter whose program cannot represent what is asked."""
+LARGEST = 1e30
+"""Of a number in an answer, m, m/s or N: its powers are still numbers, and nothing moves so far."""
 Task = Literal["rest", "motion"]
 """Bring the body to rest under its loads, or take steps from given positions."""
 ForcesAt = Literal["start", "end"]
@@ -128,8 +130,8 @@ class Answer:
     about
         What `result.json` holds: simulator, version, law, settings, steps, dt, precision
         ("float64" or "float32"), mass ("lumped", "consistent", or "one point": see `probe_mesh`),
-        forces_at ("start" of a step where it is explicit, "end" where it is implicit), at_rest,
-        seconds, notes.
+        forces_at ("start" of a step where it is explicit, "end" where it is implicit), solves_to,
+        at_rest, seconds, notes.
     """
 
     displacement: Array | None = None
@@ -143,7 +145,7 @@ Simulator = Callable[[Request], Answer]
 
 
 def ask(simulator: Simulator, request: Request) -> Answer:
-    """A simulator's answer, with the arrays that the task needs, of the right shape and finite.
+    """A simulator's answer, with the arrays that the task needs, of the right shape, of numbers.
 
     Raises
     ------
@@ -166,9 +168,9 @@ def _refuse_misfit(name: str, array: Array | None, shape: tuple[int, ...]) -> No
         raise SimulatorError(f"answer: no {name}; give {name} {shape}")
     if array.shape != shape:
         raise SimulatorError(f"answer: {name} {array.shape}; give {shape}, a row a node")
-    bad = np.argwhere(~np.isfinite(array))
+    bad = np.argwhere(~(np.abs(array) <= LARGEST))
     if len(bad):
         raise SimulatorError(
-            f"answer: {name} {array[tuple(bad[0])]} at node {bad[0][0]}, {len(bad)} in all; "
-            "the simulation diverged"
+            f"answer: {name} {array[tuple(bad[0])]:.3g} at node {bad[0][0]}, {len(bad)} in all; "
+            "did it diverge?"
         )

@@ -1,12 +1,19 @@
-"""How much an answer may still change before it is at rest, from what its program says of it."""
+"""How far an answer is from solved and from rest, from what its program says of it."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from msvalidate.simulators.protocol import Answer, Request
+
+
+def solves_to(about: Mapping[str, Any]) -> float:
+    """Part of a step's change of velocity that its solver leaves, as stated; 0 if nobody says."""
+    return float(about.get("solves_to") or 0.0)
 
 
 def stated_unrest(request: Request, answer: Answer) -> float:

@@ -8,9 +8,10 @@ from collections.abc import Collection, Iterable
 from msvalidate.problem.records import dataclass
 from msvalidate.simulators.advice import next_step
 from msvalidate.simulators.asked import UNASKED, Asked
-from msvalidate.simulators.bodies import BodyRow
+from msvalidate.simulators.blocks import BENT
+from msvalidate.simulators.bodies import BAND, BodyRow
 from msvalidate.simulators.causes import AGREES, STOPPED
-from msvalidate.simulators.gate import GateRow
+from msvalidate.simulators.gate import PASSED, GateRow
 from msvalidate.simulators.judgement import PARTS, Judgement
 from msvalidate.simulators.reading import Flag, Reading
 
@@ -92,7 +93,7 @@ def sheet_of(found: Judgement, asked: Asked, parts: Collection[str] = PARTS) -> 
         causes=tuple(dict.fromkeys(seen)),
         tables=tuple(tables),
         notes=_by_reason(each for each in found.notes if UNASKED not in each),
-        next=next_step(found, asked),
+        next=next_step(found, asked, parts),
     )
 
 
@@ -120,6 +121,10 @@ def _word(found: Judgement, asked: Asked, parts: Collection[str]) -> str:
         return f"{'stopped at the gate' if found.gate.stops else 'nothing could be tried'}{some}"
     if found.state == AGREES and set(parts) == {"gate"}:
         return "passes the gate; nothing else was asked"
+    coarse = max(found.bodies, key=lambda row: row.error, default=None)
+    if found.state == AGREES and coarse is not None and coarse.error > BAND:
+        body = f"{coarse.body} {'beam' if coarse.body in BENT else 'block'}"
+        return f"the law agrees; {100 * coarse.error:.0f} % of the {body} is its mesh{some}"
     return f"{found.state}{some}"
 
 
@@ -147,7 +152,7 @@ def _gate_words(row: GateRow) -> str:
         value = "" if math.isnan(row.value) else f"{row.value:.2g} {row.unit}: "
         return f"{value}{row.because}"
     told = f"{row.value:.1e} {row.unit}, at most {row.limit:.1e}"
-    return told if row.passed else f"{told}: {row.because}"
+    return told if row.verdict == PASSED else f"{told}: {row.because}"
 
 
 # Law ----------------------------------------------------------------------------------------------
@@ -247,9 +252,11 @@ def _body_row(row: BodyRow) -> tuple[str, ...]:
     f = row.factors
     if f is None:
         return (*head, "", "", "", "", "no law to hold it against")
-    parts = (f.law, f.resolution, f.mass, f.solver)
-    shape = f", {row.shape}" if row.shape and not f.is_explained else ""
-    return (*head, *(_factor(part) for part in parts), f"{f.apart:.2%}{shape}")
+    parts = [_factor(part) for part in (f.law, f.resolution, f.mass, f.solver)]
+    if not parts[-1] and row.rest > BAND:
+        parts[-1] = f"± {row.rest:.0%}" if row.rest < 1 else "± all"
+    shape = f", {row.shape}" if row.shape and not f.is_explained and not row.may_settle else ""
+    return (*head, *parts, f"{f.apart:.2%}{shape}")
 
 
 def _factor(part: float) -> str:

@@ -46,12 +46,15 @@ class Station:
         Of the step: "start" or "end".
     consistent
         Whether the mass matrix is not diagonal.
+    solves_to
+        Part of a step's change of velocity that its solver leaves, as stated.
     """
 
     bench: Bench
     inertia: Callable[[Array], Array]
     forces_at: str
     consistent: bool = False
+    solves_to: float = 0.0
 
     def push(self, G: Array, *, gravity: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Push:
         """The state c + (I + G)(X - c), c the origin, that is the block's middle.

@@ -191,7 +191,8 @@ def _follow_load(
             if part < how.least:
                 raise SolverError(
                     f"finite strain: no stable equilibrium found beyond {reached:.4g} of the load: "
-                    f"{why}; reduce the load, or refine the mesh there"
+                    f"{why}; reduce the load, or take another mesh: a finer one reaches less far "
+                    "at corners pressed against a clamp, where elements have no limit"
                 )
             continue
         u, reached, parts = found, target, parts + 1

@@ -5,7 +5,8 @@ Question   What solid do two laws of Drake simulate from a ratio of 0.1 to 0.49,
 Candidate  The recorded readings of the probe (`make simulators`).
 Reference  Each law to first order, as its source has it.
 Expected   The shipped law is the solid asked for. The neo-Hookean one takes Lamé's constants as
-           they stand: its ratio is that of lam - mu, below 0 for nu < 1/4.
+           they stand: its ratio is that of lam - mu, below 0 for nu < 1/4. Readings of a law that
+           the gate stopped are shown, and not judged.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
@@ -20,7 +22,7 @@ from msvalidate.simulators.causes import STOPPED
 
 from .curve_drawing import curve as drawing
 from .gaps import ASKED_RATIO, fill_gaps, with_none
-from .recorded import DRAFT, STATE, draft_of, records
+from .recorded import DRAFT, STATE, draft_of, looked_at, records, state_of, stops
 
 TOLERANCES = (
     Tolerance(
@@ -47,9 +49,11 @@ COLUMNS = {
 
 def run() -> Evidence:
     """The table of points of all records that have them."""
-    rows = [_row(record, point) for record in records() for point in record.get("curve", ())]
-    table = pd.DataFrame(rows, columns=[*COLUMNS])
-    known = table["predicted_ratio"].notna()
+    newest = looked_at()
+    each = [(record, point) for record in records() for point in record.get("curve", ())]
+    table = pd.DataFrame([_row(*one, newest) for one in each], columns=[*COLUMNS])
+    passed = np.array([not stops(record) for record, _ in each])
+    known = table["predicted_ratio"].notna() & passed
     off = (table["read_ratio"] - table["predicted_ratio"])[known].abs()
     moduli = (table["read_modulus"] - table["predicted_modulus"])[known].abs()
     missing = table["read_ratio"].isna() & known
@@ -75,8 +79,8 @@ def _findings(table: pd.DataFrame) -> list[str]:
     found = []
     for name, rows in table.groupby("name", sort=False):
         unknown = rows[rows["predicted_modulus"].notna() & rows["read_modulus"].isna()]
-        stopped = "; its bodies were not asked, as the gate stopped it" * (
-            rows["state_of_record"].iloc[0] == STOPPED
+        stopped = "; the gate stopped it, so that none of its readings is judged" * (
+            rows["state_of_record"].iloc[0].endswith(STOPPED)
         )
         if len(unknown):
             ratios = ", ".join(f"{nu:g}" for nu in unknown["asked_ratio"])
@@ -84,11 +88,14 @@ def _findings(table: pd.DataFrame) -> list[str]:
     return found
 
 
-def _row(record: dict[str, Any], point: dict[str, Any]) -> dict[str, object]:
+def _row(
+    record: dict[str, Any], point: dict[str, Any], newest: dict[str, Any]
+) -> dict[str, object]:
     E, law, probed = record["asked"]["E"], point["predicted"], point["probe"] or {}
     values = (
         record["name"], point["nu"], _number(law["E"]) / E, _number(law["nu"]),
-        _number(probed.get("E")) / E, _number(probed.get("nu")), record["state"], draft_of(record),
+        _number(probed.get("E")) / E, _number(probed.get("nu")),
+        state_of(record, newest), draft_of(record),
     )  # fmt: skip
     return dict(zip(COLUMNS, values, strict=True))
 

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 from msvalidate.judging.evidence import Tables
 from msvalidate.output import figures
+from msvalidate.simulators.causes import STOPPED
 
 
 def curve(tables: Tables) -> Figure:
@@ -19,6 +20,7 @@ def curve(tables: Tables) -> Figure:
     ):
         for i, (law, rows) in enumerate(table.groupby("name", sort=False)):
             colour, label = figures.COLOURS[i], str(law).replace("_", " ")
+            stopped = str(rows["state_of_record"].iloc[0]).endswith(STOPPED)
             asked, drawn = rows["asked_ratio"], rows[[f"predicted_{name}", f"read_{name}"]]
             drawn = drawn.apply(pd.to_numeric, errors="coerce")
             axis.plot(
@@ -27,7 +29,7 @@ def curve(tables: Tables) -> Figure:
             )  # fmt: skip
             axis.plot(
                 asked, drawn[f"read_{name}"], figures.MARKERS[i], color=colour,
-                label=f"{label}, read",
+                label=f"{label}, read{', not judged' * stopped}",
             )  # fmt: skip
         axis.set(xlabel="Poisson's ratio asked for (1)", ylabel=words)
     figure.suptitle("Two laws of one program: which solid answers?")

@@ -26,7 +26,7 @@ TOLERANCES = (
 )
 COLUMNS = {
     "fault": "what was put in",
-    "state_said": "agrees, differs with cause, not explained, or gate",
+    "state_said": "agrees, differs with cause, not at rest, not explained, or gate",
     "said": "the first cause",
     "named": "whether state and causes name the fault",
 }

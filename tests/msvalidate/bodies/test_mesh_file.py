@@ -363,6 +363,14 @@ def test_bad_meshes_in_files(points, blocks, message, tmp_path):
     assert message in str(caught.value)
 
 
+def test_a_body_without_physical_group_is_told_so(tmp_path):
+    path, hint = tmp_path / "m.msh", r"give cells .*the body one, or Mesh.SaveAll = 1\)"
+    lines = meshio.Mesh(SQUARE, [("line", [[0, 1]])], cell_data={"gmsh:physical": [[1]]})
+    lines.write(path, file_format="gmsh22", binary=False)
+    with pytest.raises(ProblemError, match=hint):
+        read_mesh(path)
+
+
 def test_hexahedra_with_twenty_nodes_are_refused(tmp_path):
     cube = SHAPES["hexahedron27"].nodes[:20]
     meshio.Mesh(cube, [("hexahedron20", [list(range(20))])]).write(tmp_path / "a.vtu")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +12,12 @@ import pytest
 
 from msvalidate.case.building import read_case
 from msvalidate.case.case import Case, make_lattice, spacing_of
+from msvalidate.case.comparison import compare_case
 from msvalidate.case.lines import key_lines, line_of
 from msvalidate.case.reading import CaseError
+from msvalidate.case.run import case_files, judged_files
 from msvalidate.case.schema import json_schema
+from msvalidate.case.springs import make_network, solve_finer
 from msvalidate.case.template import template
 from msvalidate.problem import (
     Box,
@@ -21,8 +26,10 @@ from msvalidate.problem import (
     Polygon,
     Problem,
     ProblemError,
+    Region,
     Segment,
     Support,
+    Traction,
 )
 from tests.msvalidate.case import mutated
 from tests.table import table
@@ -186,6 +193,22 @@ def test_bad_files_are_told_in_one_line(tmp_path, changes, said):
     assert "\n" not in message
 
 
+def test_a_mesh_may_be_a_link_beside_the_case(tmp_path):
+    folder = tmp_path / "cases"
+    folder.mkdir()
+    path = write(folder, changed((BOX, 'mesh = "part.msh"')))
+    (folder / "part.msh").rename(tmp_path / "4f2a.msh")
+    (folder / "part.msh").symlink_to("../4f2a.msh")
+    assert len(read_case(path).problem.domain.points) == 4
+
+
+@pytest.mark.parametrize("given", [5, None, b"beam.toml", [1]])
+def test_what_is_no_case_is_told_in_one_line(given):
+    for act in (read_case, compare_case, case_files, lambda case: judged_files(case, case)):
+        with pytest.raises(ProblemError, match=r"; give a"):
+            act(given)
+
+
 def test_changed_files_are_read_or_refused():
     """A look; the module itself tries a hundred thousand."""
     told = mutated.try_all(1500)
@@ -283,8 +306,7 @@ def test_cells_that_are_no_squares_fill_boxes_of_their_proportions():
 
 MISFITS = [
     ("triangular", Box((4.0, 1.0)), 0.05, "give a box of 4 x 1.03923048454 m, or a lattice that"),
-    ("triangular", Box((1.0, 1.73205080757)), 0.06, "do not fill the box 1 x 1.73205 m; give spac"),
-    ("triangular", Box((1.0, 1.73205080757)), 0.06, "spacing 0.0588235294118 m"),
+    ("triangular", Box((1.0, 1.73205080757)), 0.06, "do not fill the box 1 x 1.73205 m; give a b"),
     ("honeycomb", Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), 0.1, "only square, square4 can"),
     (
         "bcc",
@@ -304,6 +326,60 @@ def test_what_would_fit_is_told(lattice, body, spacing, said):
     with pytest.raises(ProblemError, match=f"^lattice {lattice}: ") as told:
         make_lattice(case, spacing)
     assert said in str(told.value)
+
+
+def plane_box(size, supports, loads=(), **options):
+    held = [Support(Region(at), value) for at, value in supports]
+    pulled = [Traction(Region(at), (1.0, -2.0)) for at in loads]
+    law = Isotropic(1e5, 0.3, "plane_strain")
+    return Case(Problem(Box(size), law, tuple(held), tuple(pulled)), **options)
+
+
+ENDS = [((0.0, None), (0.0, 0.0)), ((5.6, None), (None, 0.1))]
+
+
+def test_lines_of_cells_run_through_supports_and_where_they_end():
+    apart = spacing_of(plane_box((5.6, 1.9), ENDS, cells=8))
+    assert round(5.6 / apart, 9).is_integer()
+    assert apart == pytest.approx(1.9 / 8, rel=0.02)
+    part = spacing_of(plane_box((4.2, 0.8), [((0.0, (0.0, 0.284)), (0.0, 0.0))], cells=8))
+    assert part == pytest.approx(0.284 / 3)
+    told = plane_box((5.6, 1.9), ENDS, spacing=0.25)
+    with pytest.raises(ProblemError, match=r"along x = 5.6 m; .*; cells = 8 \(spacing") as refused:
+        solve_finer(told)
+    many = int(re.search(r"cells = (\d+)", str(refused.value))[1])
+    assert make_network(replace(told, spacing=None, cells=many), apart)
+    assert "origin" not in str(refused.value)
+    turned = plane_box((1.0, 1.73205080757), ENDS[:1], lattice="triangular", spacing=0.06)
+    with pytest.raises(
+        ProblemError, match=r"do not fill.*; cells = 17 \(spacing 0.0588235 m\) does"
+    ):
+        solve_finer(turned)
+
+
+def test_a_load_on_part_of_a_side_may_end_in_a_cell():
+    case = plane_box((3.2, 1.6), ENDS[:1], [(3.2, (0.0, 0.64))], cells=8)
+    lattice, network, _ = make_network(case, spacing_of(case))
+    assert lattice.spacing == 0.2
+    np.testing.assert_allclose(network.force.sum(axis=0), [0.64, -1.28], rtol=1e-12)
+    moment = network.force[:, 1] @ lattice.points[:, 0] - network.force[:, 0] @ lattice.points[:, 1]
+    assert moment == pytest.approx(-1.28 * 3.2 - 0.64 * 0.32)
+
+
+@pytest.mark.parametrize("cells", [8, None])
+def test_few_ordinary_boxes_are_refused(cells):
+    draw = np.random.default_rng(7)
+    for number in range(40):
+        a, b = round(draw.uniform(1, 6), 1), round(draw.uniform(0.5, 2), 1)
+        end = round(b * draw.uniform(0.3, 0.8), 3)
+        held = [
+            [((0.0, (0.0, end)), (0.0, 0.0))],
+            [((None, 0.0), (0.0, 0.0)), ((None, b), (0.01, -0.01))],
+            [((0.0, None), (0.0, None)), ((None, 0.0), (None, 0.0))],
+            [((0.0, None), (0.0, 0.0)), ((a, None), (None, 0.01))],
+        ][number % 4]
+        case = plane_box((a, b), held, [(a, (0.0, end))] if number % 4 == 2 else (), cells=cells)
+        make_network(case, spacing_of(case))
 
 
 def test_lines_of_keys():

@@ -12,12 +12,12 @@ import meshio
 import numpy as np
 import pytest
 
-from msvalidate.case import files
-from msvalidate.case.budget import budget
+from msvalidate.case import figures, files
+from msvalidate.case.budget import COLUMNS, budget, tables
 from msvalidate.case.building import read_case
-from msvalidate.case.case import Case
+from msvalidate.case.case import Case, describe_spacing
 from msvalidate.case.comparison import COARSE, OTHER_MATERIAL, compare_case, largest
-from msvalidate.case.page import sentences
+from msvalidate.case.page import sentences, shown_tables
 from msvalidate.case.results import read_result
 from msvalidate.case.run import case_files, judged_files
 from msvalidate.case.springs import solve_springs
@@ -27,10 +27,12 @@ from msvalidate.problem import (
     Polygon,
     Problem,
     ProblemError,
+    Region,
     Segment,
     Support,
     Traction,
     Weight,
+    Zone,
 )
 from reference_fem.converged import converge
 from tests.table import table
@@ -247,6 +249,35 @@ def test_the_commands(tmp_path):
     assert program(tmp_path).returncode == 2
 
 
+def test_a_new_case_is_not_written_through_a_link(tmp_path):
+    (tmp_path / "k.toml").symlink_to("elsewhere.toml")
+    done = program(tmp_path, "new", "k")
+    assert done.returncode == 2
+    assert "k.toml is there already" in done.stderr
+    assert not (tmp_path / "elsewhere.toml").exists()
+
+
+def test_a_name_that_is_too_long_is_no_fault_of_writing(tmp_path):
+    done = program(tmp_path, "new", 300 * "a")
+    assert done.returncode == 2
+    assert "error: File name too long: " in done.stderr
+    assert len(done.stderr) < 200
+
+
+def test_an_even_pressure_is_drawn_by_arrows_of_one_length():
+    case = beam(cells=4, accuracy=0.05, quantities=("displacement",))
+    loads = (
+        Traction(BEAM.side("top"), (0.0, -10.0)),
+        Traction(BEAM.side("right"), (-5.0, 0.0)),
+        Weight((0.0, -9.81)),
+    )
+    found = compare_case(replace(case, problem=replace(case.problem, loads=loads)))
+    at, arrow = figures._arrows(found)
+    size = np.linalg.norm(arrow, axis=1).round(12)
+    assert sorted(set(size)) == [0.5, 1.0]
+    assert (at[size == 0.5][:, 0] == 2.0).all()
+
+
 def test_folders_of_others_are_left(tmp_path):
     (tmp_path / "a").write_text("", encoding="utf-8")
     with pytest.raises(ProblemError, match="which no case left there"):
@@ -276,11 +307,37 @@ def test_regions_of_another_material_are_known_to_both_sides(tmp_path):
     assert "region 1" in content["case.html"].decode()
 
 
+def test_what_differs_and_what_agrees_stand_in_one_sentence():
+    found = compare_case(beam(cells=10, accuracy=0.01))
+    rows = (*found.rows[:2], replace(found.rows[-1], difference=0.11, verdict="differs"))
+    head, _ = sentences(replace(found, rows=rows))
+    assert "beside elasticity: differs in stress at " in head
+    assert "(11 % ± " in head
+    assert "; agrees in displacement (" in head
+    assert head.endswith("The band is 5 %, of stress at points 10 %.")
+
+
+@pytest.mark.parametrize(("part", "agrees"), [(0.6, True), (0.4, False)])
+def test_stress_has_twice_the_band_and_no_more(run_beam, part, agrees):
+    case, stress = run_beam[0].case, run_beam[0].rows[-1]
+    case = replace(case, band=part * stress.difference, quantities=("point stress",))
+    assert (compare_case(case).rows[0].verdict == "agrees") == agrees
+
+
+@pytest.mark.parametrize(("start", "told"), [(1.0, False), (0.9, True)])
+def test_regions_that_overlap_are_told(start, told):
+    law = Isotropic(1e6, 0.3)
+    zones = tuple(Zone(Region((span, None)), law) for span in ((0.0, 1.0), (start, 2.0)))
+    case = beam(cells=10, accuracy=0.01, quantities=("displacement",))
+    _, reasons = sentences(compare_case(replace(case, problem=replace(case.problem, zones=zones))))
+    assert reasons[1].endswith("Region 2 overlaps region 1: the later one counts there.") == told
+
+
 def test_a_foreign_field_of_a_softer_material():
     case = read_case(EXAMPLES / "bracket.toml")
     result = read_result(EXAMPLES / "softer.vtu", 2)
     found, _ = judged_files(case, result, unit=1e-3, plots=False)
-    assert {each.name for each in found.explanations} == {"load", "modulus"}
+    assert {each.name for each in found.explanations} == {"load", "modulus", "thickness"}
     assert found.explanations[0].value == pytest.approx(1.01, abs=1e-4)
 
 
@@ -292,3 +349,15 @@ def test_every_example_is_known_well_enough(name):
     assert found.reference.resolved
     assert found.rows[0].difference < 0.06
     assert found.kind in {"coarse", "not told"}
+
+
+def test_every_column_of_every_table_is_explained(run_beam):
+    made = tables(run_beam[0])
+    assert not set().union(*made.values()) - set(COLUMNS)
+    shown = {each.name: each.columns for each in shown_tables(made)}
+    told = [(c.name, c.meaning) for c in shown["lattices"]]
+    assert ("springs", "of the lattice") in told
+
+
+def test_lengths_are_told_with_few_digits():
+    assert describe_spacing(beam(spacing=0.0017500000000000003)) == "square, 0.00175 m"

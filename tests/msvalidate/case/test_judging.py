@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import functools
+import struct
 import tracemalloc
+import zlib
+from dataclasses import replace
 
 import meshio
 import numpy as np
@@ -12,8 +15,11 @@ import pytest
 
 from msvalidate.case.case import Case
 from msvalidate.case.judge import budget, judge_result
-from msvalidate.case.results import read_result
+from msvalidate.case.results import Result, read_result
+from msvalidate.cli.simulators import _result as simulated
 from msvalidate.problem import Box, Isotropic, Problem, ProblemError, Support, Traction
+from msvalidate.simulators.export import export_case, on_mesh
+from msvalidate.simulators.protocol import Answer
 from msvalidate_check.precision import spacing_of_numbers
 from reference_fem import box_discretisation, solve_problem
 from tests.table import table
@@ -37,6 +43,11 @@ X = MESH.points[np.random.default_rng(4).permutation(len(MESH.points))[:400]]
 @functools.cache
 def elastic(nu=0.3, pulled=False):
     return solve_problem(PULLED if pulled else problem(nu), MESH).at(X)
+
+
+def elastic_in_plane_stress(nu=0.3):
+    law = Isotropic(1e5, nu, "plane_stress")
+    return solve_problem(replace(problem(), material=law), MESH).at(X)
 
 
 def judged(tmp_path, points, move, asked=None, **options):
@@ -63,12 +74,17 @@ def rigid(move):
 
 FAULTS = [
     ("clean", lambda u: u, [], None),
-    ("modulus 1 % lower", lambda u: 1.01 * u, ["load", "modulus"], 1.01),
-    ("modulus 1 % higher", lambda u: 0.99 * u, ["load", "modulus"], 0.99),
-    ("twice the load", lambda u: 2 * u, ["load", "modulus"], 2.0),
-    ("millimetres", lambda u: 1e3 * u, ["load", "modulus", "unit"], 1e3),
-    ("inches", lambda u: u / 0.0254, ["load", "modulus", "unit"], 1 / 0.0254),
-    ("millimetres, 2 % too stiff", lambda u: 980 * u, ["load", "modulus", "unit"], 1e3),
+    ("modulus 1 % lower", lambda u: 1.01 * u, ["load", "modulus", "thickness"], 1.01),
+    ("modulus 1 % higher", lambda u: 0.99 * u, ["load", "modulus", "thickness"], 0.99),
+    ("twice the load", lambda u: 2 * u, ["load", "modulus", "thickness"], 2.0),
+    ("millimetres", lambda u: 1e3 * u, ["load", "modulus", "thickness", "unit"], 1e3),
+    ("inches", lambda u: u / 0.0254, ["load", "modulus", "thickness", "unit"], 1 / 0.0254),
+    (
+        "millimetres, 2 % too stiff",
+        lambda u: 980 * u,
+        ["load", "modulus", "thickness", "unit"],
+        1e3,
+    ),
     ("other sign", lambda u: -u, ["sign"], None),
     ("swapped axes", lambda u: u[:, ::-1], ["axes"], None),
     ("one component's sign", lambda u: u * [1, -1], ["sign"], None),
@@ -77,6 +93,8 @@ FAULTS = [
     ("rigid motion", rigid, ["rigid motion"], None),
     ("ratio .25", lambda _: elastic(0.25), ["ratio"], 0.25),
     ("ratio .25 and modulus", lambda _: 1.2 * elastic(0.25), ["scale and ratio"], 0.25),
+    ("plane stress", lambda _: elastic_in_plane_stress(), ["plane state"], None),
+    ("x never written", lambda u: u * [0, 1], ["component"], None),
     ("float32", lambda u: u.astype(np.float32), [], None),
 ]
 
@@ -90,6 +108,46 @@ def test_each_fault_is_named_with_its_size(tmp_path, fault, change, causes, valu
         assert found.explanations[0].value == pytest.approx(value, rel=0.02)
     parts = budget(found).set_index("part")["value"]
     assert parts[["scale", "rigid motion", "shape"]].sum() == pytest.approx(parts["total"])
+
+
+RUBBER = {
+    "ratio 0": (lambda _: elastic(0.0), "ratio", 0.0),
+    "plane stress": (lambda _: elastic_in_plane_stress(0.4999), "plane state", None),
+    "ratio and modulus": (lambda _: 1.3 * elastic(0.3), "scale and ratio", 0.3),
+    "ratio and unit": (lambda _: 1e3 * elastic(0.3), "unit and ratio", 0.3),
+    "ratio": (lambda _: elastic(0.4), "ratio", 0.4),
+    "axes and ratio": (lambda _: elastic(0.3)[:, ::-1], "axes and ratio", 0.3),
+    "modulus": (lambda u: 1.3 * u, "modulus", 1.3),
+    "sign": (lambda u: -u, "sign", None),
+    "x never written": (lambda u: u * [0, 1], "component", None),
+    "x too small": (lambda u: u * [0.5, 1], "", None),
+    "noise": (lambda u: u + 1e-4 * np.random.default_rng(2).normal(size=u.shape), "", None),
+}
+
+
+@pytest.mark.parametrize("fault", RUBBER)
+def test_wrong_fields_of_rubber_are_judged_where_elements_exist(tmp_path, fault):
+    """At ratios of 0, which trials meet, mixed elements have no pressure."""
+    change, cause, value = RUBBER[fault]
+    u = solve_problem(problem(0.4999), MESH, mixed=True).at(X)
+    found = judged(tmp_path, X, change(u), problem(0.4999), accuracy=0.02)
+    assert found.row.verdict == "differs"
+    assert names(found)[:1] == ([cause] if cause else [])
+    if value is not None:
+        assert found.explanations[0].value == pytest.approx(value, abs=0.03)
+
+
+def test_simulate_names_the_linear_elements_of_the_mesh_it_asked_for():
+    case = Case(problem(), accuracy=5e-3)
+    request = export_case(case, cells=3, shape="triangle")
+    move = on_mesh(request, 0.3)
+    found = judge_result(case, simulated(request, Answer(move)))
+    assert found.row.verdict == "differs"
+    assert names(found) == ["coarse mesh"]
+    assert "linear elements on its triangle mesh" in found.explanations[0].said
+    other = judge_result(case, simulated(request, Answer(on_mesh(request, 0.1))))
+    assert names(other) == ["coarse mesh and ratio"]
+    assert other.explanations[0].value == pytest.approx(0.1, abs=1e-3)
 
 
 def test_positions_in_float32_are_clean_within_their_digits(tmp_path):
@@ -236,6 +294,67 @@ def test_arrays_that_are_none(tmp_path):
         np.savez(tmp_path / "a.npz", **arrays)
         with pytest.raises(ProblemError, match=said):
             read_result(tmp_path / "a.npz", 2)
+
+
+def blocks(values, size):
+    """An array in blocks as VTK packs them: their number and sizes, then each by zlib."""
+    data = values.tobytes()
+    packed = [zlib.compress(data[k : k + size]) for k in range(0, len(data), size)]
+    head = (len(packed), size, 0, *map(len, packed))
+    return struct.pack(f"<{len(head)}I", *head) + b"".join(packed)
+
+
+def appended(path, points, move, size):
+    """A .vtu of triangles with its arrays behind all tags, as ParaView writes them by default."""
+    cells = np.arange(3)
+    ends, kind = np.array([3]), np.array([5], dtype=np.uint8)
+    arrays = {"Points": points, "displacement": move, "connectivity": cells, "offsets": ends}
+    tags, content = {}, b""
+    for name, values in (arrays | {"types": kind}).items():
+        type_ = {"f": "Float64", "i": "Int64", "u": "UInt8"}[values.dtype.kind]
+        tags[name] = (
+            f'<DataArray type="{type_}" Name="{name}" format="appended" offset="{len(content)}"'
+            f' NumberOfComponents="{values.shape[1] if values.ndim == 2 else 1}"/>'
+        )
+        content += blocks(values, size)
+    topology = "".join(tags[name] for name in ("connectivity", "offsets", "types"))
+    head = (
+        '<VTKFile type="UnstructuredGrid" byte_order="LittleEndian" header_type="UInt32"'
+        ' compressor="vtkZLibDataCompressor"><UnstructuredGrid>'
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="1"><Points>{tags["Points"]}</Points>'
+        f"<Cells>{topology}</Cells><PointData>{tags['displacement']}</PointData></Piece>"
+        '</UnstructuredGrid><AppendedData encoding="raw">_'
+    )
+    path.write_bytes(head.encode() + content + b"\n</AppendedData></VTKFile>")
+
+
+def test_blocks_are_read_and_refused_before_they_take_memory_or_time(tmp_path):
+    path, x = tmp_path / "a.vtu", np.c_[X[:3], np.zeros(3)]
+    u = 1e-3 * np.cos(x) * [1, 1, 0]
+    appended(path, x, u, 7)
+    found = read_result(path, 2)
+    assert np.array_equal(found.points, x[:, :2])
+    assert np.array_equal(found.displacement, u[:, :2])
+    appended(path, np.zeros((5_000_000, 3)), u, 1_000_000)
+    assert path.stat().st_size < 200_000
+    tracemalloc.start()
+    with pytest.raises(ProblemError, match=r"more than 1e\+08 bytes when unpacked"):
+        read_result(path, 2)
+    assert tracemalloc.get_traced_memory()[1] < 6e8
+    tracemalloc.stop()
+    np.savez_compressed(tmp_path / "a.npz", displacement=np.zeros((10_000_000, 2)))
+    tracemalloc.start()
+    with pytest.raises(ProblemError, match=r"1\.6e\+08 bytes when unpacked; the most is"):
+        read_result(tmp_path / "a.npz", 2)
+    assert tracemalloc.get_traced_memory()[1] < 1e7
+    tracemalloc.stop()
+
+
+def test_numbers_whose_squares_are_none_are_refused():
+    for times, words in ((1e-200, "give numbers above 1e-100, or 0"), (1e250, "below 1e\\+100")):
+        field = Result("program", times * np.ones((3, 2)), X[:3], None, np.nan, 0.0)
+        with pytest.raises(ProblemError, match=words):
+            judge_result(Case(problem()), field)
 
 
 def test_the_grid_of_numbers():

@@ -95,7 +95,7 @@ def test_matched_along_the_axes_alone_any_ratio_comes_back(nu, state):
             True,
             "(C12 = C66): take nu = 1/3 in plane stress or 1/4 in plane strain",
         ),
-        (Isotropic(E=1.0, nu=0.5), True, "or match along the axes alone (isotropic=False)"),
+        (Isotropic(E=1.0, nu=0.5), True, "by square_constants(material, isotropic=False)"),
         (Isotropic(E=1.0, nu=-0.2), False, "in-plane ratio -0.2; k2/(k1 + k2)"),
         (
             Isotropic(E=1.0, nu=0.5, state="plane_strain"),

@@ -135,7 +135,9 @@ def adapters(place):
 
 CHECKS = [
     ("toy", ("--only", "gate", "--only", "probe"), 0, "toy: agrees, of gate and probe alone\n"),
-    ("lame", ("--only", "probe"), 1, "law: E 0.8974 times the asked, nu 0.1667 for 0.3\n"),
+    ("lame", ("--only", "probe"), 1, "constants as they stand (--law neo-raw)\n"),
+    ("lame", ("--only", "probe", "--law", "neo-raw"), 1, "next: it is the law that its documents"),
+    ("toy", ("--only", "gate"), 0, "`adapter check ADAPTER --only probe --only bodies` asks the r"),
     ("lame", ("--only", "probe", "--law", "linear"), 1, "its documents say 1e+07 Pa, 0.3\n"),
     ("deaf", (), 1, "stopped  twice the modulus"),
     ("rest", ("--only", "gate", "--only", "bodies"), 0, "of the pulled body  1e+07"),
@@ -153,7 +155,10 @@ def test_the_template_has_what_its_variants_change(place):
 @table("name, words, code, said", CHECKS)
 def test_what_is_said_of_adapters(adapters, name, words, code, said):
     done = run("adapter", "check", f"{name}.py", *words, cwd=adapters)
-    assert (done.returncode, said in done.stdout, done.stderr) == (code, True, ""), done.stdout
+    assert (done.returncode, said in done.stdout) == (code, True), done.stdout
+    steps = done.stderr.splitlines()
+    assert steps[0].startswith(f"{name}: question ")
+    assert all(" left, " in each or each.endswith("the last ones") for each in steps)
     assert "\nnext: " in done.stdout
 
 
@@ -162,7 +167,10 @@ def test_an_adapter_is_checked_and_leaves_a_page(adapters):
     words = ("--law", "linear", "--json", "toy.json", "--out", "checked", "--E", "2e5")
     done = run("adapter", "check", "toy.py", *words, "--density", "900", cwd=adapters)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("toy: agrees\n  toy 0, linear elasticity, toy solver of the ")
+    head = "toy: the law agrees; 49 % of the bent beam is its mesh\n  toy 0, linear elasticity, toy"
+    assert done.stdout.startswith(head)
+    log = (adapters / "checked" / "toy-check.log").read_text(encoding="utf-8")
+    assert log.splitlines() == done.stderr.splitlines()[:-1]
     found = json.loads((adapters / "toy.json").read_text(encoding="utf-8"))
     assert found["large"]["apart"] < 1e-8
     assert found["probe"]["E"] == pytest.approx(2e5, rel=1e-6)
@@ -197,7 +205,7 @@ def test_adapters_that_cannot_be_checked(place, text, words, code, said):
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="asks the system for processes")
 def test_an_interrupt_ends_a_check_in_one_line(place):
-    text = "import os, time; open('../../pid', 'w').write(str(os.getpid())); time.sleep(60)"
+    text = "import os, time; open('../../../pid', 'w').write(str(os.getpid())); time.sleep(60)"
     (place / "slow.py").write_text(text, encoding="utf-8")
     command = [*PROGRAM, "adapter", "check", "slow.py", "--out", "."]
     told = place / "pid"
@@ -213,3 +221,85 @@ def test_an_interrupt_ends_a_check_in_one_line(place):
     assert said.endswith("interrupted; results are as they were\n")
     with pytest.raises(ProcessLookupError):
         os.kill(int(told.read_text(encoding="utf-8")), 0)
+
+
+# Side by side, and killed ------------------------------------------------------------------------
+
+SCALED = """
+import csv, json, sys, time
+case, out = sys.argv[1:]
+k = json.load(open(case + "/request.json"))["settings"]["k"]
+time.sleep(0.2)
+with open(case + "/points.csv") as points, open(out + "/result.csv", "w") as file:
+    rows = [[1e-3 * k * float(x) for x in row[1:]] for row in [*csv.reader(points)][1:]]
+    csv.writer(file).writerows([["ux", "uy"], *rows])
+about = dict(simulator=f"scaled {k}", version="1", law="", precision="float64")
+json.dump(about, open(out + "/result.json", "w"))
+"""
+SLEEPS = """
+import os, subprocess, sys, time
+child = subprocess.Popen(["sleep", "300"])
+print(os.getpid(), child.pid, file=open(os.environ["PIDS"] + ".new", "w"), flush=True)
+os.replace(os.environ["PIDS"] + ".new", os.environ["PIDS"])
+time.sleep(300)
+"""
+SIMULATE = [*PROGRAM, "simulate", "box.toml", "--cells", "2", "--no-plots", "--with"]
+OFTEN = [1, pytest.param(20, marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("pairs", OFTEN)
+def test_runs_at_once_each_tell_their_own_answer(place, pairs):
+    (place / "scaled.py").write_text(SCALED, encoding="utf-8")
+    for pair in range(pairs):
+        words = {k: ["scaled.py", "--set", f"k={k}"] for k in (2 * pair + 1, 2 * pair + 2)}
+        runs = {
+            k: subprocess.Popen([*SIMULATE, *more], cwd=place, stdout=subprocess.PIPE, text=True)
+            for k, more in words.items()
+        }
+        for k, ours in runs.items():
+            said, _ = ours.communicate(timeout=60)
+            assert (ours.returncode, said.split(":")[0]) == (1, f"scaled {k}")
+            results = place / "reports" / "simulators" / f"box-scaled-k-{k}"
+            verdict = json.loads((results / "verdict.json").read_text(encoding="utf-8"))
+            left = results.with_name(f"{results.name}-run") / "out" / "result.json"
+            told = json.loads(left.read_text(encoding="utf-8"))["simulator"]
+            assert verdict["result"] == told == f"scaled {k}"
+
+
+def test_settings_that_a_folder_cannot_spell_have_folders_of_their_own(place):
+    (place / "scaled.py").write_text(SCALED, encoding="utf-8")
+    for k in ("-3", "3", "0.3"):
+        run(*SIMULATE[len(PROGRAM) :], "scaled.py", "--set", f"k={k}", "-q", cwd=place)
+    found = {path.name for path in (place / "reports" / "simulators").glob("box-scaled-k*3*")}
+    assert len({name.removesuffix("-run") for name in found}) == 3
+
+
+def ended(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").split(")")[1].split()[0] == "Z"
+    except FileNotFoundError:
+        return True
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="asks the system for processes")
+@pytest.mark.parametrize("times", OFTEN)
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT", "SIGKILL"])
+def test_a_simulator_ends_with_us_however_we_end(place, tmp_path, name, times):
+    (place / "sleeps.py").write_text(SLEEPS, encoding="utf-8")
+    for number in range(times):
+        told = tmp_path / f"{number}"
+        own = os.environ | {"PIDS": str(told)}
+        with subprocess.Popen(
+            [*SIMULATE, "sleeps.py"], cwd=place, env=own, stderr=subprocess.DEVNULL
+        ) as ours:
+            began = time.monotonic()
+            while not told.exists():
+                assert time.monotonic() - began < 30
+                time.sleep(0.02)
+            ours.send_signal(getattr(signal, name))
+        pids, killed = told.read_text(encoding="utf-8").split(), time.monotonic()
+        while not all(map(ended, pids)):
+            assert time.monotonic() - killed < 2, name
+            time.sleep(0.01)
+    left = [path.name for path in (place / "reports" / "simulators").glob(".msvalidate-run-*")]
+    assert len(left) <= 1  # of the last run alone: each clears away what a killed one left

@@ -121,7 +121,12 @@ GOOD = {"displacement": X}
 REFUSED = [
     (None, ABOUT, "no result; write one of result.npz"),
     ({"displacement": X[1:]}, ABOUT, "displacement (62, 3); give (63, 3), a row a node"),
-    ({"displacement": np.where(X > 0.2, np.nan, X)}, ABOUT, "the simulation diverged"),
+    ({"displacement": np.where(X > 0.2, np.nan, X)}, ABOUT, "did it diverge?"),
+    ({"displacement": 1e250 * X}, ABOUT, "e+248 at node 1, 138 in all; did it diverge?"),
+    (GOOD, ABOUT | {"at_rest": {"residual": np.nan}}, 'residual is NaN; did it diverge?'),
+    (GOOD, ABOUT | {"settings": {"dt": [-np.inf, "s"]}}, 'dt is -Infinity; did it diverge?'),
+    (GOOD, ABOUT | {"at_rest": {"residual": 1e250}}, "at_rest.residual: 1e+250"),
+    (GOOD, ABOUT | {"solves_to": 0.5}, "solves_to: 0.5"),
     ({"displacement": X.astype(complex)}, ABOUT, "displacement: expected numbers"),
     ({"displacement": np.array([None])}, ABOUT, "not whole arrays"),
     ({"u": X}, ABOUT, "result.npz holds 'nothing'; a rest needs displacement"),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from msvalidate.problem import Isotropic, ProblemError
-from msvalidate.simulators.gate import PASSED, STOPPED, gate
+from msvalidate.simulators.gate import MOVING, PASSED, STOPPED, gate
 from msvalidate.simulators.gate_block import motion, pulled_block, turned
 from msvalidate.simulators.protocol import Answer, CannotRepresent, SimulatorError
 from reference_fem import mesh_discretisation
@@ -21,7 +21,7 @@ SOFT = Isotropic(1e5, 0.3, "plane_strain", 1200.0, 0.5)
 class Linear:
     """Linear elements, explicit in time; a fault is a method or number that is another."""
 
-    grip, fall, drift = 0.0, 1.0, 0.0
+    grip, fall, drift, solves_to = 0.0, 1.0, 0.0, 0.0
     precision, at_rest = "float64", {"change_when_twice_as_long": 0.0}
 
     def __init__(self, **faults):
@@ -39,7 +39,8 @@ class Linear:
 
     def about(self, request):
         settings = {"iterations": [request.settings.get("iterations", 10), ""]}
-        return {"precision": self.precision, "at_rest": self.at_rest, "settings": settings}
+        told = {"precision": self.precision, "at_rest": self.at_rest, "settings": settings}
+        return told | {"solves_to": self.solves_to}
 
     def __call__(self, request):
         self.asked += 1
@@ -86,6 +87,7 @@ CLEAN = [
     Linear(precision="float32"),
     Linear(at_rest={}),
     Linear(at_rest={"change_when_twice_as_long": 1e-6}, left=lambda s: 1e-3 / s["iterations"]),
+    Linear(fall=1.009, solves_to=0.01),
 ]
 
 
@@ -129,6 +131,7 @@ class Broken(Linear):
 FAULTS = [
     (Linear(drift=1e-9), {"rest stays at rest", "free fall"}),
     (Linear(fall=1.001), {"free fall"}),
+    (Linear(fall=1.011, solves_to=0.01), {"free fall"}),
     (Linear(grip=10.0), {"small turn", "free fall"}),
     (Deaf(), {"twice the modulus"}),
     (Linear(left=lambda s: 1.0 / (10 + s["iterations"])), {"twice the iterations"}),
@@ -143,6 +146,16 @@ def test_a_fault_is_stopped_at_its_row(simulator, stopped):
     found = gate(simulator, SOFT)
     assert {name for name, verdict in verdicts(found).items() if verdict == STOPPED} == stopped
     assert not found.passed
+
+
+def test_what_moves_as_much_as_it_says_is_not_at_rest():
+    """It halves what is left with twice the iterations, and states all of that."""
+    moving = Linear(left=lambda s: 3.0 / (s["iterations"] + 2))
+    moving.at_rest = {"change_when_twice_as_long": 5e-4}
+    found = gate(moving, SOFT)
+    assert (found.stops, found.passed) == ((), True)
+    assert [row.name for row in found.rows if row.verdict == MOVING] == ["twice the iterations"]
+    assert found.moving == pytest.approx((1 - 3 / 22) / (1 - 3 / 12) - 1, rel=1e-3)
 
 
 def test_a_rest_that_it_is_not_at_is_told():

@@ -6,15 +6,18 @@ import numpy as np
 import pytest
 
 from msvalidate.problem import Isotropic, ProblemError
+from msvalidate.simulators.asked import Asked
 from msvalidate.simulators.blocks import (
     at_rest_both_ways,
     effective_on_mesh,
     frozen_case,
+    nearest_material,
 )
 from msvalidate.simulators.factors import factors
 from msvalidate.simulators.judgement import judge_simulator
 from msvalidate.simulators.laws import LAWS, lame, predicted
 from msvalidate.simulators.protocol import Answer, CannotRepresent, Request
+from msvalidate.simulators.sheet import sheet_of
 from msvalidate.simulators.tetrahedra import tetrahedra
 
 SMITH = "Smith's neo-Hookean, Lamé's constants as they stand"
@@ -204,3 +207,125 @@ def test_what_is_linear_elements_elsewhere_is_no_better_element():
 
     found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
     assert found.state == "not explained"
+
+
+def settling(request, left, told):
+    """Linear tetrahedra of which a part is left, and what is said of that over the displacement."""
+    found = simulator_of("linear")(request)
+    if found.displacement is None:
+        return found
+    size = float(np.linalg.norm(found.displacement, axis=1).max())
+    about = {**found.about, "at_rest": {"change_when_twice_as_long": told * size}}
+    iterations = request.settings.get("iterations", 10)
+    about["settings"] = {"iterations": [iterations, "1"]}
+    return Answer(displacement=(1 - left(iterations)) * found.displacement, about=about)
+
+
+@pytest.mark.parametrize(
+    ("left", "told", "state", "said"),
+    [
+        (lambda n: 0.3 * 10 / n, 0.25, "not at rest", "run longer: 36 % of a displacement may"),
+        (lambda _: 0.04, 0.13, "not at rest", "run longer: 14 % of a displacement may still"),
+        (lambda _: 0.004, 0.02, "not at rest", "run longer: 2 % of a displacement may still"),
+        (lambda _: 0.004, 0.009, "agrees", ""),
+        (lambda _: 0.5, 0.02, "not explained", "0.5 of the displacement not explained"),
+    ],
+)
+def test_not_at_rest_is_a_state_of_its_own(left, told, state, said):
+    asked = Asked(lambda request: settling(request, left, told))
+    found = judge_simulator(asked, ASKED, law="linear", meshes=("tet4",))
+    assert (found.state, said in " ".join(found.causes)) == (state, True), found.causes
+    text = "\n".join(sheet_of(found, asked).lines("mine"))
+    assert ("run it longer" in text) == (state == "not at rest")
+    assert ("± " in text.partition("bodies at rest")[2]) == (told > 0.01)
+
+
+@pytest.mark.parametrize(
+    ("law", "named", "said"),
+    [
+        (SMITH, "", f"E 0.7322 times the asked, nu 0.2692 for 0.3: as {SMITH} (--law smith-raw)"),
+        (SMITH, "linear", "law: read as E 7.322e+06 Pa, nu 0.2692; its documents say 1e+07 Pa"),
+        ("neo-Hookean, log J", "", ""),
+    ],
+)
+def test_a_law_is_told_with_the_nearest_of_the_catalogue(law, named, said):
+    found = judge_simulator(simulator_of(law), ASKED, law=named, parts=("probe",))
+    assert (found.state == "not explained") == bool(named)
+    assert said in " ".join(found.causes)
+    assert bool(said) == bool(found.causes)
+
+
+def test_e_and_masses_over_the_density_are_told_as_that_and_not_as_units():
+    def simulate(request: Request) -> Answer:
+        light = replace(request.material, E=request.material.E / 1000, density=1.0)
+        mass = request.mass / 1000
+        return simulator_of("linear")(replace(request, material=light, mass=mass))
+
+    found = judge_simulator(simulate, ASKED, law="linear", meshes=("tet4",))
+    assert any("as E over the density; then divide forces by it too" in c for c in found.causes)
+    assert all(row.factors.is_explained for row in found.bodies)
+
+    def millimetres(request: Request) -> Answer:
+        answer = simulator_of("linear")(request)
+        if answer.displacement is None:
+            return answer
+        return Answer(displacement=1000 * answer.displacement, about=answer.about)
+
+    found = judge_simulator(
+        millimetres, ASKED, law="linear", meshes=("tet4",), parts=("probe", "bodies")
+    )
+    assert not [cause for cause in found.causes if "density" in cause]
+
+
+def test_equal_masses_are_told_with_how_far_a_node_is_off():
+    def simulate(request: Request) -> Answer:
+        each = np.full(len(request.mass), request.mass.mean())
+        return simulator_of("linear")(replace(request, mass=each))
+
+    found = judge_simulator(simulate, ASKED, parts=("probe",))
+    assert found.causes == (
+        "mass: equal masses on all nodes; a node has 0.38 to 8 times its share",
+    )
+
+
+def test_the_headline_says_what_is_the_mesh():
+    asked = Asked(simulator_of("linear"))
+    sheet = sheet_of(judge_simulator(asked, ASKED), asked)
+    assert sheet.word == "the law agrees; 49 % of the bent beam is its mesh"
+    gate = judge_simulator(asked, ASKED, parts=("gate",))
+    said = sheet_of(gate, asked, ("gate",)).next
+    assert said == "`adapter check ADAPTER --only probe --only bodies` asks the rest"
+
+
+def test_a_solver_of_constraints_that_is_stopped_is_told_the_row_and_what_to_set():
+    """Few iterations: softer than its E, and each question is another body."""
+
+    def simulate(request: Request) -> Answer:
+        found = settling(request, lambda n: 1 / (1 + n), 0.0)
+        if found.displacement is not None:
+            stiff = (request.material.E / ASKED.E) ** 0.5
+            found = Answer(displacement=stiff * found.displacement, about=found.about)
+        return replace(found, about={**found.about, "forces_at": "end"})
+
+    asked = Asked(simulate)
+    found = judge_simulator(asked, ASKED, parts=("gate",))
+    assert [row.name for row in found.gate.stops] == ["twice the modulus", "twice the iterations"]
+    said = sheet_of(found, asked, ("gate",)).next
+    assert said.startswith("twice the iterations: try --set iterations=80, until twice as many")
+    assert "floor" not in said
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
+def test_the_nearest_material_is_that_of_any_size(size):
+    """Two shapes, of which the ratio mixes; and one, which no ratio changes but in size."""
+    rng = np.random.default_rng(5)
+    one, other = size * rng.normal(size=(2, 6, 3))
+
+    def by_ratio(nu):
+        return one + nu * (0.7 * one + other)
+
+    found = nearest_material(by_ratio(0.21) / 3, by_ratio, 10.0, 0.3, (-0.5, 0.49))
+    assert [found.E, found.nu, found.left] == pytest.approx([30.0, 0.21, 0.0], abs=1e-9)
+    found = nearest_material(2 * one, lambda nu: (1 + nu) * one, 10.0, 0.3, (-0.5, 0.49))
+    assert pytest.approx(6.5) == found.E
+    assert np.isnan(found.nu)

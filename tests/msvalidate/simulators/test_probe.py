@@ -6,7 +6,7 @@ import pytest
 from msvalidate.problem import Isotropic, ProblemError
 from msvalidate.simulators.masses import Masses
 from msvalidate.simulators.probe import probe
-from msvalidate.simulators.probe_mesh import Block, probe_mesh
+from msvalidate.simulators.probe_mesh import CELLS, JITTER, SIZE, Block, probe_mesh
 from msvalidate.simulators.protocol import Answer, SimulatorError
 from tests.msvalidate.simulators.little import (
     Little,
@@ -264,6 +264,16 @@ def test_what_an_answer_must_say():
         probe(silent, ASKED)
     with pytest.raises(ProblemError, match="give state solid"):
         probe(body, Isotropic(E0, 0.3))
+
+
+def test_the_block_is_irregular_inside():
+    """Each inner node is moved its own way, or one mass or spring would be as good as the next."""
+    line = [np.linspace(-s / 2, s / 2, n + 1) for s, n in zip(SIZE, CELLS, strict=True)]
+    grid = np.stack(np.meshgrid(*line, indexing="ij"), axis=-1).reshape(-1, 3)
+    away = (BLOCK.mesh.points - grid)[BLOCK.inner] / (np.array(SIZE) / CELLS)
+    assert np.abs(away).max() <= JITTER + 1e-2  # and a rounding to the step
+    assert away.std(axis=0).min() > JITTER / 3  # of a uniform distribution: 1/√3 of it
+    assert np.abs(away.mean(axis=0)).max() < JITTER / 2
 
 
 def test_the_block_is_what_is_said():
