@@ -87,6 +87,23 @@ def test_a_uniform_state_is_told_by_the_modulus_that_shows_with_its_doubt():
     assert check(case, None, bent).material.left == pytest.approx(wanted)
 
 
+@pytest.mark.parametrize("name", ["clamped_pull_plane_strain", "cook_plane_strain"])
+def test_a_doubt_is_what_the_worst_errors_of_all_components_do(name):
+    case, part = elastic_case(name, 0.3), 1e-3
+    error = part * np.linalg.norm(case.wanted, axis=1).max()
+    told = check(case, None, case.wanted, accuracy=part).material
+    for number in ("E", "nu"):
+        signs = np.zeros(case.wanted.shape)
+        for at in np.ndindex(signs.shape):
+            one = np.array(case.wanted)
+            one[at] += error
+            moved = check(case, None, one, accuracy=part).material
+            signs[at] = np.sign(getattr(moved, number) - getattr(told, number))
+        worst = check(case, None, case.wanted + error * signs, accuracy=part).material
+        off = abs(getattr(worst, number) - getattr(told, number))
+        assert off == pytest.approx(getattr(told, f"{number}_doubt"), rel=0.1)
+
+
 def other_state(name):
     return name.replace(*(("stress", "strain") if "stress" in name else ("strain", "stress")))
 
